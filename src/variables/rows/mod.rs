@@ -1,0 +1,132 @@
+//! The rows, by group, and the short constructors they are written with.
+
+mod inputs;
+mod outputs;
+mod parameters;
+
+use super::units::Unit;
+use super::{Causality, Depends, EnumerationType, Initial, Kind, Row, Start, Variability};
+
+const GROUPS: &[&[Row]] = &[
+    inputs::ROWS,
+    outputs::ROWS,
+    outputs::PROFILES,
+    parameters::PUNCH,
+    parameters::STRIP,
+    parameters::CONTACT,
+    parameters::HOLDER_AND_SOLVER,
+];
+
+const LENGTH: usize = {
+    let mut length = 0;
+    let mut group = 0;
+    while group < GROUPS.len() {
+        length += GROUPS[group].len();
+        group += 1;
+    }
+    length
+};
+
+const ROWS: [Row; LENGTH] = {
+    let mut rows = [GROUPS[0][0]; LENGTH];
+    let (mut group, mut next) = (0, 0);
+    while group < GROUPS.len() {
+        let mut index = 0;
+        while index < GROUPS[group].len() {
+            rows[next] = GROUPS[group][index];
+            next += 1;
+            index += 1;
+        }
+        group += 1;
+    }
+    rows
+};
+
+/// Every variable of the FMU, in the order of the XML.
+pub static TABLE: &[Row] = &ROWS;
+
+const fn real(name: &'static str, unit: &'static Unit, nominal: f64, description: &'static str) -> Row {
+    Row {
+        name,
+        description,
+        causality: Causality::Parameter,
+        variability: Variability::Fixed,
+        initial: Some(Initial::Exact),
+        kind: Kind::Real { unit, display: "", min: None, max: None, nominal },
+        start: Start::Uniform(0.0),
+        elements: 0,
+        depends: Depends::OnStates,
+    }
+}
+
+const fn choice(name: &'static str, kind: &'static EnumerationType, start: i32, description: &'static str) -> Row {
+    Row { kind: Kind::Enumeration(kind), ..real(name, &super::units::ONE, 1.0, description) }.start(start as f64)
+}
+
+const fn integer(name: &'static str, min: i32, max: i32, start: i32, description: &'static str) -> Row {
+    Row {
+        kind: Kind::Integer { min: Some(min), max: Some(max) },
+        ..real(name, &super::units::ONE, 1.0, description)
+    }
+    .start(start as f64)
+}
+
+const fn boolean(name: &'static str, start: bool, description: &'static str) -> Row {
+    Row { kind: Kind::Boolean, ..real(name, &super::units::ONE, 1.0, description) }.start(start as u8 as f64)
+}
+
+/// Modifiers that read like the table of the interface document.
+impl Row {
+    const fn shown(self, display: &'static str) -> Row {
+        match self.kind {
+            Kind::Real { unit, min, max, nominal, .. } => {
+                Row { kind: Kind::Real { unit, display, min, max, nominal }, ..self }
+            }
+            _ => panic!("only a Real has a display unit"),
+        }
+    }
+
+    const fn within(self, low: f64, high: f64) -> Row {
+        match self.kind {
+            Kind::Real { unit, display, nominal, .. } => {
+                Row { kind: Kind::Real { unit, display, min: Some(low), max: Some(high), nominal }, ..self }
+            }
+            _ => panic!("only a Real has bounds of this kind"),
+        }
+    }
+
+    const fn start(self, value: f64) -> Row {
+        Row { start: Start::Uniform(value), ..self }
+    }
+
+    const fn starts(self, values: &'static [f64]) -> Row {
+        Row { start: Start::Each(values), elements: values.len() as u32, ..self }
+    }
+
+    const fn array(self, elements: u32) -> Row {
+        Row { elements, ..self }
+    }
+
+    const fn tunable(self) -> Row {
+        Row { variability: Variability::Tunable, ..self }
+    }
+
+    const fn input(self) -> Row {
+        Row { causality: Causality::Input, variability: Variability::Continuous, initial: None, ..self }
+    }
+
+    const fn output(self, depends: Depends) -> Row {
+        Row {
+            causality: Causality::Output,
+            variability: Variability::Continuous,
+            initial: Some(Initial::Calculated),
+            start: Start::None,
+            depends,
+            ..self
+        }
+    }
+
+    const fn local(self) -> Row {
+        Row { causality: Causality::Local, ..self.output(Depends::OnStates) }
+    }
+}

@@ -1,0 +1,177 @@
+//! Outputs and profiles.
+
+use super::super::units::*;
+use super::super::{Depends, Kind, Variability};
+use super::{Row, integer, real};
+
+/// Stations of every profile, spread evenly from edge to edge.
+const STATIONS: u32 = 33;
+
+const ON_INPUTS: Depends = Depends::OnInputs;
+const ON_STATES: Depends = Depends::OnStates;
+
+const fn limit_reached() -> Row {
+    let row = integer(
+        "limit_reached",
+        0,
+        7,
+        0,
+        "Sum of 1: a wear limit is reached, 2: the temperature limit is exceeded, 4: the scene has left the model's validity; each logged once",
+    );
+    Row {
+        kind: Kind::Integer { min: None, max: None },
+        variability: Variability::Discrete,
+        ..row.output(ON_INPUTS)
+    }
+}
+
+pub const ROWS: &[Row] = &[
+    // The three of the mission.
+    real("wear_depth", &METRE, 1e-6, "Mean loss of height in the contact zone, both bodies together")
+        .shown("um")
+        .output(ON_STATES),
+    real(
+        "contact_temperature",
+        &KELVIN,
+        400.0,
+        "Mean over the contact zone of the mean of both surfaces' temperatures",
+    )
+    .shown("degC")
+    .output(ON_INPUTS),
+    real(
+        "friction_force",
+        &NEWTON,
+        1e3,
+        "Friction force of all faces with the sign of the velocity; a brake equation is m dv/dt = ... - friction_force",
+    )
+    .shown("kN")
+    .output(ON_INPUTS),
+    // Friction.
+    real(
+        "friction_torque",
+        &NEWTON_METRE,
+        100.0,
+        "Friction torque of all faces: integral of mu p r; for line geometry the force times contact.mean_radius",
+    )
+    .output(ON_INPUTS),
+    real("effective_radius", &METRE, 0.1, "Friction torque over friction coefficient times load; contact.mean_radius for line geometry")
+        .shown("mm")
+        .output(ON_INPUTS),
+    real("friction_power", &WATT, 1e3, "Friction force times velocity, all faces").shown("kW").output(ON_INPUTS),
+    real("friction_coefficient", &ONE, 0.3, "Friction coefficient as it is now, after fade and Stribeck effect")
+        .output(ON_INPUTS),
+    real("friction_force_kinetic", &NEWTON, 1e3, "Magnitude of the friction force while sliding, >= 0, all faces")
+        .shown("kN")
+        .output(ON_INPUTS),
+    real(
+        "friction_force_limit",
+        &NEWTON,
+        1e3,
+        "The most friction force that the contact can hold at standstill, >= 0, all faces",
+    )
+    .shown("kN")
+    .output(ON_INPUTS),
+    real(
+        "friction_slope",
+        &NEWTON_SECOND_PER_METRE,
+        1e3,
+        "Derivative of the friction force by the velocity; an explicit master needs a step below 2 mass / friction_slope",
+    )
+    .output(ON_INPUTS),
+    real("critical_speed", &METRE_PER_SECOND, 10.0, "Speed above which the scene is thermoelastically unstable; 0: none")
+        .output(ON_INPUTS),
+    real("bristle_deflection", &METRE, 1e-6, "Deflection of the bristle that carries the force at standstill (contact.stick_stiffness > 0)")
+        .shown("um")
+        .output(ON_STATES),
+    real("bristle_energy", &JOULE, 1e-3, "Elastic energy in the bristles of all faces: integral of friction_power minus dissipated_energy")
+        .output(ON_STATES),
+    // Contact.
+    real("pressure_mean", &PASCAL, 1e6, "Mean contact pressure").shown("MPa").output(ON_INPUTS),
+    real("pressure_max", &PASCAL, 1e6, "Highest contact pressure").shown("MPa").output(ON_INPUTS),
+    real("contact_fraction", &ONE, 1.0, "Part of the contact zone that carries pressure").output(ON_INPUTS),
+    real("tilt", &RADIAN, 1e-4, "Rotation of the punch; positive lowers the edge at +x").shown("deg").output(ON_INPUTS),
+    real("approach", &METRE, 1e-6, "Approach of the bodies from first touch, positive when pressed together or worn")
+        .shown("um")
+        .output(ON_INPUTS),
+    // Heat.
+    real("contact_temperature_max", &KELVIN, 400.0, "Highest temperature in the contact zone, on the hotter side")
+        .shown("degC")
+        .output(ON_INPUTS),
+    real("heat_flow_punch", &WATT, 1e3, "Friction heat that enters the punches, all faces").shown("kW").output(ON_INPUTS),
+    real("heat_flow_strip", &WATT, 1e3, "Friction heat that enters the strips, all faces").shown("kW").output(ON_INPUTS),
+    real("heat_flow_punch_top", &WATT, 100.0, "Heat that leaves through the punches' tops, all faces").output(ON_INPUTS),
+    real("heat_flow_strip_base", &WATT, 100.0, "Heat that leaves through the strips' bases, all faces").output(ON_INPUTS),
+    real(
+        "heat_flow_ambient",
+        &WATT,
+        100.0,
+        "Heat that leaves to the ambient air by convection and radiation from the cooled surfaces, all faces",
+    )
+    .output(ON_INPUTS),
+    real("heat_lost_punch_top", &JOULE, 1e4, "Integral of heat_flow_punch_top").shown("kJ").output(ON_STATES),
+    real("heat_lost_strip_base", &JOULE, 1e4, "Integral of heat_flow_strip_base").shown("kJ").output(ON_STATES),
+    real("heat_lost_ambient", &JOULE, 1e4, "Integral of heat_flow_ambient").shown("kJ").output(ON_STATES),
+    real("heat_received_punch", &JOULE, 1e4, "Integral of heat_flow_punch").shown("kJ").output(ON_STATES),
+    real("heat_received_strip", &JOULE, 1e4, "Integral of heat_flow_strip").shown("kJ").output(ON_STATES),
+    real("punch.mean_temperature", &KELVIN, 400.0, "Mean temperature of the punch").shown("degC").output(ON_STATES),
+    real("strip.mean_temperature", &KELVIN, 400.0, "Mean temperature of the strip (of a straight one: along the track)")
+        .shown("degC")
+        .output(ON_STATES),
+    real("stored_heat", &JOULE, 1e4, "Heat stored in all bodies since initialisation").shown("kJ").output(ON_STATES),
+    // Wear.
+    real("wear_depth_punch", &METRE, 1e-6, "Mean worn depth of the punch over the present contact zone")
+        .shown("um")
+        .output(ON_STATES),
+    real(
+        "wear_depth_strip",
+        &METRE,
+        1e-6,
+        "Mean worn depth of the strip over the present contact zone; on a straight path not monotone, the volume is",
+    )
+    .shown("um")
+    .output(ON_STATES),
+    real("wear_volume_punch", &CUBIC_METRE, 1e-9, "Volume worn off the punches, all faces").shown("mm3").output(ON_STATES),
+    real("wear_volume_strip", &CUBIC_METRE, 1e-9, "Volume worn off the strips, all faces").shown("mm3").output(ON_STATES),
+    real(
+        "wear_dissipation_power",
+        &WATT,
+        1e3,
+        "Power dissipated by wear, the functional of Paczelt and Mroz: integral of pressure times wear rate of both bodies, all faces",
+    )
+    .output(ON_INPUTS),
+    real("remaining_life", &ONE, 1.0, "Part of the wear limit still left, the lower of both bodies; 1 without a limit")
+        .shown("%")
+        .output(ON_STATES),
+    // Bookkeeping.
+    real("sliding_distance", &METRE, 1e3, "Distance slid").shown("km").output(ON_STATES),
+    real("dissipated_energy", &JOULE, 1e4, "Friction heat since initialisation, all faces").shown("kJ").output(ON_STATES),
+    real("estimated_error", &ONE, 1e-3, "Running estimate of the relative error of wear depth, temperature rise and friction force")
+        .output(ON_STATES),
+    limit_reached(),
+];
+
+pub const PROFILES: &[Row] = &[
+    Row {
+        variability: Variability::Fixed,
+        ..real("profile.x", &METRE, 1e-2, "Position of the station along the sliding direction, from the contact's middle")
+            .shown("mm")
+            .array(STATIONS)
+            .local()
+    },
+    real("profile.pressure", &PASCAL, 1e6, "Contact pressure, mean over the station's interval")
+        .shown("MPa")
+        .array(STATIONS)
+        .local(),
+    real("profile.temperature", &KELVIN, 400.0, "Contact temperature (mean of both surfaces), mean over the station's interval")
+        .shown("degC")
+        .array(STATIONS)
+        .local(),
+    real("profile.wear_punch", &METRE, 1e-6, "Worn depth of the punch, mean over the station's interval")
+        .shown("um")
+        .array(STATIONS)
+        .local(),
+    real("profile.wear_strip", &METRE, 1e-6, "Worn depth of the strip under the station, mean over its interval")
+        .shown("um")
+        .array(STATIONS)
+        .local(),
+];

@@ -1,0 +1,380 @@
+//! Parameters. The start values are those of a car's front disc brake, so that the stock FMU runs
+//! as it is.
+
+use super::super::EnumerationType;
+use super::super::units::*;
+use super::{Row, boolean, choice, integer, real};
+
+pub static MECHANICAL_BODY: EnumerationType = EnumerationType {
+    name: "MechanicalBody",
+    description: "Elastic model of a body; every body conducts heat as a block of its own height",
+    items: &[
+        ("rigid", "No elastic deformation"),
+        ("winkler", "Independent springs"),
+        ("half_plane", "Elastic half-plane"),
+        ("elastic", "Elastic body of the given height"),
+    ],
+};
+pub static PATH: EnumerationType = EnumerationType {
+    name: "Path",
+    description: "Path of the punch on the strip",
+    items: &[("straight", "Open track"), ("closed", "Closed track of the length strip.length")],
+};
+pub static STRIP_BASE: EnumerationType = EnumerationType {
+    name: "StripBase",
+    description: "Mechanical support of the strip",
+    items: &[("bonded", "Fixed to a rigid base"), ("smooth", "Free to slide on a rigid base")],
+};
+pub static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
+    name: "ThermalBoundary",
+    description: "Thermal condition of the face opposite to the contact",
+    items: &[
+        ("held", "At a given constant temperature"),
+        ("convecting", "To ambient air"),
+        ("insulated", "No heat passes"),
+        ("external", "At the temperature of an input"),
+    ],
+};
+pub static GEOMETRY: EnumerationType = EnumerationType {
+    name: "ContactGeometry",
+    description: "Geometry of the contact",
+    items: &[
+        ("line", "x runs along the sliding direction"),
+        ("annular", "x runs along the radius, velocity grows with it"),
+        ("periodic", "The punch covers the whole closed path: no edges"),
+    ],
+};
+pub static INITIAL_SHAPE: EnumerationType = EnumerationType {
+    name: "InitialShape",
+    description: "Gap between the undeformed bodies at initialisation",
+    items: &[
+        ("flat", "No gap"),
+        ("parabolic", "Rounded with contact.initial_radius"),
+        ("run_in", "Shape of the steady state at nominal conditions"),
+        ("tabulated", "contact.initial_gap at 33 stations"),
+    ],
+};
+pub static CONSTRAINT: EnumerationType = EnumerationType {
+    name: "HolderConstraint",
+    description: "What the holder lets the punch do",
+    items: &[
+        ("translate", "Approach only"),
+        ("translate_and_rotate", "Approach and rotation about a pivot at holder.pivot_height"),
+    ],
+};
+pub static FIDELITY: EnumerationType = EnumerationType {
+    name: "Fidelity",
+    description: "How much is modelled",
+    items: &[
+        ("auto", "The cheapest level that meets the tolerance"),
+        ("lumped", "Uniform pressure, a few thermal states"),
+        ("line", "Pressure and temperature along the contact line"),
+        ("field", "Unreduced finite elements"),
+    ],
+};
+pub static SCHEME: EnumerationType = EnumerationType {
+    name: "Scheme",
+    description: "Time stepping; the last two exist for comparison",
+    items: &[
+        ("monolithic", "All fields in one implicit step"),
+        ("staggered", "Operator split between mechanics and heat"),
+        ("explicit", "Explicit wear"),
+    ],
+};
+pub static ESCALATION: EnumerationType = EnumerationType {
+    name: "Escalation",
+    description: "What happens when a run leaves what was planned for",
+    items: &[
+        ("off", "The level stays; logged once"),
+        ("prepared", "Rungs built at initialisation are used at once"),
+        ("next_communication_point", "The next rung is built when it is needed"),
+    ],
+};
+
+/// Temperatures of a fade table at start; the factors beside them are 1.
+const FADE_TEMPERATURES: &[f64] = &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
+
+/// Start values in which the two bodies differ.
+struct Body {
+    height: f64,
+    youngs_modulus: f64,
+    poissons_ratio: f64,
+    density: f64,
+    specific_heat: f64,
+    conductivity: f64,
+    thermal_expansion: f64,
+    wear_coefficient: f64,
+    convection: f64,
+    convection_forced: f64,
+    body: i32,
+}
+
+const PAD: Body = Body {
+    height: 0.012,
+    youngs_modulus: 1e9,
+    poissons_ratio: 0.25,
+    density: 2600.0,
+    specific_heat: 1000.0,
+    conductivity: 1.2,
+    thermal_expansion: 1.5e-5,
+    wear_coefficient: 2e-14,
+    convection: 10.0,
+    convection_forced: 0.0,
+    body: 4,
+};
+
+const DISC: Body = Body {
+    height: 0.011,
+    youngs_modulus: 1.1e11,
+    poissons_ratio: 0.26,
+    density: 7200.0,
+    specific_heat: 460.0,
+    conductivity: 54.0,
+    thermal_expansion: 1.1e-5,
+    wear_coefficient: 1e-15,
+    convection: 10.0,
+    convection_forced: 8.0,
+    body: 4,
+};
+
+macro_rules! body_rows {
+    ($body:literal, $start:expr) => {
+        &[
+            real(concat!($body, ".height"), &METRE, 1e-2, concat!("Height of the ", $body, " normal to the contact"))
+                .shown("mm")
+                .within(1e-6, 10.0)
+                .start($start.height),
+            choice(concat!($body, ".body"), &MECHANICAL_BODY, $start.body, concat!("Elastic model of the ", $body)),
+            real(concat!($body, ".youngs_modulus"), &PASCAL, 1e11, concat!("Young's modulus of the ", $body))
+                .shown("GPa")
+                .within(1e3, 1e13)
+                .start($start.youngs_modulus),
+            real(concat!($body, ".poissons_ratio"), &ONE, 0.3, concat!("Poisson's ratio of the ", $body))
+                .within(0.0, 0.4999)
+                .start($start.poissons_ratio),
+            real(
+                concat!($body, ".foundation_stiffness"),
+                &PASCAL_PER_METRE,
+                1e12,
+                concat!("Pressure per normal displacement of the ", $body, " where it is winkler; 0: (lambda + 2G)/height"),
+            )
+            .shown("MPa/mm")
+            .within(0.0, 1e18),
+            real(concat!($body, ".density"), &DENSITY, 1e3, concat!("Density of the ", $body))
+                .shown("g/cm3")
+                .within(1.0, 1e5)
+                .start($start.density),
+            real(concat!($body, ".specific_heat"), &SPECIFIC_HEAT, 1e3, concat!("Specific heat of the ", $body))
+                .within(1.0, 1e5)
+                .start($start.specific_heat),
+            real(
+                concat!($body, ".conductivity"),
+                &CONDUCTIVITY,
+                50.0,
+                concat!("Thermal conductivity of the ", $body, "; 0: an insulator"),
+            )
+            .within(0.0, 1e5)
+            .start($start.conductivity),
+            real(
+                concat!($body, ".thermal_expansion"),
+                &PER_KELVIN,
+                1e-5,
+                concat!("Linear thermal expansion of the ", $body, "; 0 in both bodies switches distortion off"),
+            )
+            .shown("um/(m.K)")
+            .within(0.0, 1e-2)
+            .start($start.thermal_expansion),
+            real(
+                concat!($body, ".wear_coefficient"),
+                &SQUARE_METRE_PER_NEWTON,
+                1e-14,
+                concat!(
+                    "Wear coefficient k of the ", $body,
+                    ": depth rate k p0 v0 (p/p0)^b (v/v0)^a with p0 = 1 MPa and v0 = 1 m/s; 0 switches its wear off"
+                ),
+            )
+            .shown("mm3/(N.m)")
+            .within(0.0, 1e-6)
+            .start($start.wear_coefficient),
+            real(
+                concat!($body, ".wear_pressure_exponent"),
+                &ONE,
+                1.0,
+                concat!("Exponent b of the pressure in the wear law of the ", $body),
+            )
+            .within(0.3, 3.0)
+            .start(1.0),
+            real(
+                concat!($body, ".wear_velocity_exponent"),
+                &ONE,
+                1.0,
+                concat!("Exponent a of the velocity in the wear law of the ", $body),
+            )
+            .within(0.0, 2.0)
+            .start(1.0),
+            real(
+                concat!($body, ".wear_fade.temperature"),
+                &KELVIN,
+                500.0,
+                concat!("Temperatures, increasing, of the table that multiplies the wear coefficient of the ", $body),
+            )
+            .shown("degC")
+            .within(0.0, 1e5)
+            .starts(FADE_TEMPERATURES),
+            real(
+                concat!($body, ".wear_fade.factor"),
+                &ONE,
+                1.0,
+                concat!("Factors of the table that multiplies the wear coefficient of the ", $body, ", linear between"),
+            )
+            .within(0.0, 1e3)
+            .array(8)
+            .start(1.0),
+            real(concat!($body, ".initial_wear"), &METRE, 1e-3, concat!("Depth already worn off the ", $body, " at start; counts against its limit"))
+                .shown("mm")
+                .within(0.0, 1.0),
+            real(concat!($body, ".wear_limit"), &METRE, 1e-3, concat!("Worn depth of the ", $body, " at which its life ends; 0: no limit"))
+                .shown("mm")
+                .within(0.0, 1.0),
+            real(
+                concat!($body, ".initial_temperature"),
+                &KELVIN,
+                300.0,
+                concat!("Temperature of the ", $body, " at initialisation; 0: ambient"),
+            )
+            .within(0.0, 1e4),
+            real(concat!($body, ".convection"), &HEAT_TRANSFER, 10.0, concat!("Heat transfer coefficient from the free surfaces of the ", $body, " to ambient air"))
+                .within(0.0, 1e6)
+                .start($start.convection),
+            real(
+                concat!($body, ".convection_forced"),
+                &HEAT_TRANSFER,
+                10.0,
+                concat!(
+                    "Forced part of the heat transfer coefficient of the ", $body,
+                    ", times (v_c/v0)^0.8, v_c = abs(sliding velocity) + cooling_velocity, v0 = 1 m/s"
+                ),
+            )
+            .within(0.0, 1e6)
+            .start($start.convection_forced),
+            real(concat!($body, ".emissivity"), &ONE, 0.5, concat!("Emissivity of the free surfaces of the ", $body, "; 0: no radiation"))
+                .within(0.0, 1.0),
+            real(concat!($body, ".cooled_area"), &SQUARE_METRE, 1e-2, concat!("Area of the free surfaces of the ", $body, " per face; 0: from the geometry"))
+                .shown("cm2")
+                .within(0.0, 1e4),
+        ]
+    };
+}
+
+const PUNCH_BODY: &[Row] = body_rows!("punch", PAD);
+const STRIP_BODY: &[Row] = body_rows!("strip", DISC);
+
+const fn with<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
+    assert!(body.len() + more.len() == N);
+    let mut rows = [body[0]; N];
+    let mut index = 0;
+    while index < N {
+        rows[index] = if index < body.len() { body[index] } else { more[index - body.len()] };
+        index += 1;
+    }
+    rows
+}
+
+pub const PUNCH: &[Row] = &with::<25>(
+    PUNCH_BODY,
+    &[
+        real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
+            .shown("mm")
+            .within(1e-6, 10.0)
+            .start(0.055),
+        choice("punch.top_thermal", &THERMAL_BOUNDARY, 2, "Thermal condition at the punch's top"),
+        real("punch.top_temperature", &KELVIN, 300.0, "Temperature of the punch's top where it is held; 0: ambient")
+            .within(0.0, 1e4),
+        integer(
+            "punch.count",
+            1,
+            1000,
+            1,
+            "Equal punches spread over a closed path; they share the normal load of their face",
+        ),
+    ],
+);
+
+pub const STRIP: &[Row] = &with::<26>(
+    STRIP_BODY,
+    &[
+        choice("strip.path", &PATH, 2, "Path of the punch on the strip"),
+        real("strip.length", &METRE, 1.0, "Circumference of a closed path; 0: 2 pi contact.mean_radius")
+            .shown("mm")
+            .within(0.0, 1e5),
+        choice("strip.base", &STRIP_BASE, 1, "Mechanical support of the strip"),
+        choice("strip.base_thermal", &THERMAL_BOUNDARY, 3, "Thermal condition at the strip's base"),
+        real("strip.base_temperature", &KELVIN, 300.0, "Temperature of the strip's base where it is held; 0: ambient")
+            .within(0.0, 1e4),
+    ],
+);
+
+pub const CONTACT: &[Row] = &[
+    real("depth", &METRE, 1e-2, "Out-of-plane depth of both bodies (annular: arc length at the mean radius)")
+        .shown("mm")
+        .within(1e-6, 100.0)
+        .start(0.080),
+    choice("contact.geometry", &GEOMETRY, 1, "Geometry of the contact"),
+    real("contact.mean_radius", &METRE, 0.1, "Mean radius of the track").shown("mm").within(0.0, 1e3).start(0.1175),
+    boolean("contact.shear_coupling", true, "Whether friction shear displaces the surfaces normally"),
+    integer("contact.faces", 1, 1000, 2, "Faces in contact: scales force, torque, power, heat flows and volumes; pressure, temperature and depth are per face"),
+    real("contact.friction_coefficient", &ONE, 0.3, "Friction coefficient before fade and Stribeck effect")
+        .within(0.0, 10.0)
+        .start(0.4)
+        .tunable(),
+    real("contact.friction_fade.temperature", &KELVIN, 500.0, "Temperatures, increasing, of the table that multiplies the friction coefficient")
+        .shown("degC")
+        .within(0.0, 1e5)
+        .starts(FADE_TEMPERATURES),
+    real("contact.friction_fade.factor", &ONE, 1.0, "Factors of the table that multiplies the friction coefficient, linear between")
+        .within(0.0, 1e3)
+        .array(8)
+        .start(1.0),
+    real("contact.static_friction_ratio", &ONE, 1.0, "Ratio r of the Stribeck factor 1 + (r - 1) exp(-|v|/v_s); 1: off")
+        .within(0.1, 10.0)
+        .start(1.0),
+    real("contact.stribeck_velocity", &METRE_PER_SECOND, 0.1, "Velocity v_s of the Stribeck factor")
+        .within(1e-6, 1e3)
+        .start(0.05),
+    real("contact.regularization_velocity", &METRE_PER_SECOND, 0.01, "Velocity v_reg in v/sqrt(v^2 + v_reg^2), which replaces the sign of the velocity; 0: exact sign")
+        .within(0.0, 1e2),
+    real("contact.stick_stiffness", &NEWTON_PER_METRE, 1e7, "Stiffness of the bristle that carries the force at standstill, all faces together; 0: off")
+        .within(0.0, 1e15),
+    real("contact.stick_damping", &NEWTON_SECOND_PER_METRE, 1e4, "Damping of the bristle, all faces together").within(0.0, 1e12),
+    real("contact.conductance", &HEAT_TRANSFER, 1e4, "Thermal contact conductance h_c between the two surfaces; 0: none passes")
+        .within(0.0, 1e15)
+        .start(2e4),
+    choice("contact.initial_shape", &INITIAL_SHAPE, 1, "Gap between the undeformed bodies at initialisation"),
+    real("contact.initial_radius", &METRE, 1.0, "Radius of the parabolic initial shape").within(0.0, 1e6).start(1.0),
+    real("contact.initial_gap", &METRE, 1e-6, "Tabulated initial gap at the 33 stations of profile.x")
+        .shown("um")
+        .within(0.0, 1.0)
+        .array(33),
+    real("contact.temperature_limit", &KELVIN, 1000.0, "Contact temperature above which limit_reached shows 2; 0: no limit")
+        .within(0.0, 1e5),
+];
+
+pub const HOLDER_AND_SOLVER: &[Row] = &[
+    choice("holder.constraint", &CONSTRAINT, 1, "What the holder lets the punch do"),
+    real("holder.pivot_height", &METRE, 1e-2, "Height of the pivot above the contact").shown("mm").within(0.0, 10.0),
+    real("holder.stiffness", &NEWTON_PER_METRE, 1e8, "Stiffness of the caliper between actuator and punch, per face; 0: dead load")
+        .within(0.0, 1e15),
+    real("ambient_temperature", &KELVIN, 300.0, "Ambient temperature").shown("degC").within(1.0, 1e4).start(293.15).tunable(),
+    real("nominal.load", &NEWTON, 1e3, "Load that the plan is made for").shown("kN").within(0.0, 1e9).start(5e3),
+    real("nominal.velocity", &METRE_PER_SECOND, 10.0, "Sliding velocity that the plan is made for").within(0.0, 1e4).start(10.0),
+    real("nominal.duration", &SECOND, 1e3, "Duration that the plan is made for").within(1e-6, 1e10).start(1370.0),
+    real("nominal.stroke", &METRE, 1e-2, "Length of one stroke that the plan is made for; 0: one-way")
+        .shown("mm")
+        .within(0.0, 1e4),
+    choice("solver.fidelity", &FIDELITY, 1, "How much is modelled"),
+    integer("solver.cells", 0, 1025, 0, "Cells of the contact line; 0: chosen"),
+    real("solver.tolerance", &ONE, 1e-3, "Relative tolerance; 0: the importer's if it gives one, else 1e-3").within(0.0, 0.5),
+    choice("solver.scheme", &SCHEME, 1, "Time stepping"),
+    choice("solver.escalation", &ESCALATION, 2, "What happens when a run leaves what was planned for"),
+    real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance").within(1.0, 1e9).start(1.0).tunable(),
+];
