@@ -90,8 +90,10 @@ const fn combination(row: &Row) {
             assert!(has_start, "an input needs a start");
         }
         (Causality::Output, Variability::Discrete | Variability::Continuous)
-        | (Causality::Local, Variability::Fixed | Variability::Tunable | Variability::Discrete | Variability::Continuous) =>
-        {
+        | (
+            Causality::Local,
+            Variability::Fixed | Variability::Tunable | Variability::Discrete | Variability::Continuous,
+        ) => {
             assert!(matches!(row.initial, Some(Initial::Calculated)), "outputs and locals are calculated");
             assert!(!has_start, "what the FMU calculates has no start");
         }

@@ -41,9 +41,29 @@ const fn unit(name: &'static str, base: [i8; 5], display: &'static [DisplayUnit]
 
 /// Every unit of the table, in the order in which the XML lists them.
 pub static UNITS: &[&Unit] = &[
-    &ONE, &METRE, &SQUARE_METRE, &CUBIC_METRE, &SECOND, &METRE_PER_SECOND, &RADIAN, &RADIAN_PER_SECOND, &NEWTON,
-    &NEWTON_METRE, &NEWTON_PER_METRE, &NEWTON_SECOND_PER_METRE, &PASCAL, &PASCAL_PER_METRE, &SQUARE_METRE_PER_NEWTON,
-    &KELVIN, &PER_KELVIN, &JOULE, &WATT, &CONDUCTIVITY, &HEAT_TRANSFER, &SPECIFIC_HEAT, &DENSITY,
+    &ONE,
+    &METRE,
+    &SQUARE_METRE,
+    &CUBIC_METRE,
+    &SECOND,
+    &METRE_PER_SECOND,
+    &RADIAN,
+    &RADIAN_PER_SECOND,
+    &NEWTON,
+    &NEWTON_METRE,
+    &NEWTON_PER_METRE,
+    &NEWTON_SECOND_PER_METRE,
+    &PASCAL,
+    &PASCAL_PER_METRE,
+    &SQUARE_METRE_PER_NEWTON,
+    &KELVIN,
+    &PER_KELVIN,
+    &JOULE,
+    &WATT,
+    &CONDUCTIVITY,
+    &HEAT_TRANSFER,
+    &SPECIFIC_HEAT,
+    &DENSITY,
 ];
 
 //                                                                 kg  m  s  K rad
@@ -54,8 +74,7 @@ pub static CUBIC_METRE: Unit = unit("m3", [0, 3, 0, 0, 0], &[shown("mm3", 1e9), 
 pub static SECOND: Unit = unit("s", [0, 0, 1, 0, 0], &[shown("min", 1.0 / 60.0), shown("h", 1.0 / 3600.0)]);
 pub static METRE_PER_SECOND: Unit = unit("m/s", [0, 1, -1, 0, 0], &[shown("km/h", 3.6), shown("mm/s", 1e3)]);
 pub static RADIAN: Unit = unit("rad", [0, 0, 0, 0, 1], &[shown("deg", 180.0 / std::f64::consts::PI)]);
-pub static RADIAN_PER_SECOND: Unit =
-    unit("rad/s", [0, 0, -1, 0, 1], &[shown("rev/min", 30.0 / std::f64::consts::PI)]);
+pub static RADIAN_PER_SECOND: Unit = unit("rad/s", [0, 0, -1, 0, 1], &[shown("rev/min", 30.0 / std::f64::consts::PI)]);
 pub static NEWTON: Unit = unit("N", [1, 1, -2, 0, 0], &[shown("kN", 1e-3)]);
 pub static NEWTON_METRE: Unit = unit("N.m", [1, 2, -2, 0, 0], &[shown("kN.m", 1e-3)]);
 pub static NEWTON_PER_METRE: Unit = unit("N/m", [1, 0, -2, 0, 0], &[shown("kN/mm", 1e-6)]);
@@ -63,8 +82,7 @@ pub static NEWTON_SECOND_PER_METRE: Unit = unit("N.s/m", [1, 0, -1, 0, 0], &[sho
 pub static PASCAL: Unit = unit("Pa", [1, -1, -2, 0, 0], &[shown("MPa", 1e-6), shown("GPa", 1e-9)]);
 pub static PASCAL_PER_METRE: Unit = unit("Pa/m", [1, -2, -2, 0, 0], &[shown("MPa/mm", 1e-9)]);
 pub static SQUARE_METRE_PER_NEWTON: Unit = unit("m2/N", [-1, 1, 2, 0, 0], &[shown("mm3/(N.m)", 1e9)]);
-pub static KELVIN: Unit =
-    unit("K", [0, 0, 0, 1, 0], &[DisplayUnit { name: "degC", factor: 1.0, offset: -273.15 }]);
+pub static KELVIN: Unit = unit("K", [0, 0, 0, 1, 0], &[DisplayUnit { name: "degC", factor: 1.0, offset: -273.15 }]);
 pub static PER_KELVIN: Unit = unit("1/K", [0, 0, 0, -1, 0], &[shown("um/(m.K)", 1e6)]);
 pub static JOULE: Unit = unit("J", [1, 2, -2, 0, 0], &[shown("kJ", 1e-3), shown("MJ", 1e-6)]);
 pub static WATT: Unit = unit("W", [1, 2, -3, 0, 0], &[shown("kW", 1e-3)]);

@@ -64,11 +64,8 @@ const fn choice(name: &'static str, kind: &'static EnumerationType, start: i32, 
 }
 
 const fn integer(name: &'static str, min: i32, max: i32, start: i32, description: &'static str) -> Row {
-    Row {
-        kind: Kind::Integer { min: Some(min), max: Some(max) },
-        ..real(name, &super::units::ONE, 1.0, description)
-    }
-    .start(start as f64)
+    Row { kind: Kind::Integer { min: Some(min), max: Some(max) }, ..real(name, &super::units::ONE, 1.0, description) }
+        .start(start as f64)
 }
 
 const fn boolean(name: &'static str, start: bool, description: &'static str) -> Row {

@@ -18,11 +18,7 @@ const fn limit_reached() -> Row {
         0,
         "Sum of 1: a wear limit is reached, 2: the temperature limit is exceeded, 4: the scene has left the model's validity; each logged once",
     );
-    Row {
-        kind: Kind::Integer { min: None, max: None },
-        variability: Variability::Discrete,
-        ..row.output(ON_INPUTS)
-    }
+    Row { kind: Kind::Integer { min: None, max: None }, variability: Variability::Discrete, ..row.output(ON_INPUTS) }
 }
 
 pub const ROWS: &[Row] = &[
@@ -153,19 +149,29 @@ pub const ROWS: &[Row] = &[
 pub const PROFILES: &[Row] = &[
     Row {
         variability: Variability::Fixed,
-        ..real("profile.x", &METRE, 1e-2, "Position of the station along the sliding direction, from the contact's middle")
-            .shown("mm")
-            .array(STATIONS)
-            .local()
+        ..real(
+            "profile.x",
+            &METRE,
+            1e-2,
+            "Position of the station along the sliding direction, from the contact's middle",
+        )
+        .shown("mm")
+        .array(STATIONS)
+        .local()
     },
     real("profile.pressure", &PASCAL, 1e6, "Contact pressure, mean over the station's interval")
         .shown("MPa")
         .array(STATIONS)
         .local(),
-    real("profile.temperature", &KELVIN, 400.0, "Contact temperature (mean of both surfaces), mean over the station's interval")
-        .shown("degC")
-        .array(STATIONS)
-        .local(),
+    real(
+        "profile.temperature",
+        &KELVIN,
+        400.0,
+        "Contact temperature (mean of both surfaces), mean over the station's interval",
+    )
+    .shown("degC")
+    .array(STATIONS)
+    .local(),
     real("profile.wear_punch", &METRE, 1e-6, "Worn depth of the punch, mean over the station's interval")
         .shown("um")
         .array(STATIONS)

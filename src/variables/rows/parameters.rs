@@ -156,7 +156,11 @@ macro_rules! body_rows {
                 concat!($body, ".foundation_stiffness"),
                 &PASCAL_PER_METRE,
                 1e12,
-                concat!("Pressure per normal displacement of the ", $body, " where it is winkler; 0: (lambda + 2G)/height"),
+                concat!(
+                    "Pressure per normal displacement of the ",
+                    $body,
+                    " where it is winkler; 0: (lambda + 2G)/height"
+                ),
             )
             .shown("MPa/mm")
             .within(0.0, 1e18),
@@ -189,7 +193,8 @@ macro_rules! body_rows {
                 &SQUARE_METRE_PER_NEWTON,
                 1e-14,
                 concat!(
-                    "Wear coefficient k of the ", $body,
+                    "Wear coefficient k of the ",
+                    $body,
                     ": depth rate k p0 v0 (p/p0)^b (v/v0)^a with p0 = 1 MPa and v0 = 1 m/s; 0 switches its wear off"
                 ),
             )
@@ -230,12 +235,22 @@ macro_rules! body_rows {
             .within(0.0, 1e3)
             .array(8)
             .start(1.0),
-            real(concat!($body, ".initial_wear"), &METRE, 1e-3, concat!("Depth already worn off the ", $body, " at start; counts against its limit"))
-                .shown("mm")
-                .within(0.0, 1.0),
-            real(concat!($body, ".wear_limit"), &METRE, 1e-3, concat!("Worn depth of the ", $body, " at which its life ends; 0: no limit"))
-                .shown("mm")
-                .within(0.0, 1.0),
+            real(
+                concat!($body, ".initial_wear"),
+                &METRE,
+                1e-3,
+                concat!("Depth already worn off the ", $body, " at start; counts against its limit"),
+            )
+            .shown("mm")
+            .within(0.0, 1.0),
+            real(
+                concat!($body, ".wear_limit"),
+                &METRE,
+                1e-3,
+                concat!("Worn depth of the ", $body, " at which its life ends; 0: no limit"),
+            )
+            .shown("mm")
+            .within(0.0, 1.0),
             real(
                 concat!($body, ".initial_temperature"),
                 &KELVIN,
@@ -243,25 +258,41 @@ macro_rules! body_rows {
                 concat!("Temperature of the ", $body, " at initialisation; 0: ambient"),
             )
             .within(0.0, 1e4),
-            real(concat!($body, ".convection"), &HEAT_TRANSFER, 10.0, concat!("Heat transfer coefficient from the free surfaces of the ", $body, " to ambient air"))
-                .within(0.0, 1e6)
-                .start($start.convection),
+            real(
+                concat!($body, ".convection"),
+                &HEAT_TRANSFER,
+                10.0,
+                concat!("Heat transfer coefficient from the free surfaces of the ", $body, " to ambient air"),
+            )
+            .within(0.0, 1e6)
+            .start($start.convection),
             real(
                 concat!($body, ".convection_forced"),
                 &HEAT_TRANSFER,
                 10.0,
                 concat!(
-                    "Forced part of the heat transfer coefficient of the ", $body,
+                    "Forced part of the heat transfer coefficient of the ",
+                    $body,
                     ", times (v_c/v0)^0.8, v_c = abs(sliding velocity) + cooling_velocity, v0 = 1 m/s"
                 ),
             )
             .within(0.0, 1e6)
             .start($start.convection_forced),
-            real(concat!($body, ".emissivity"), &ONE, 0.5, concat!("Emissivity of the free surfaces of the ", $body, "; 0: no radiation"))
-                .within(0.0, 1.0),
-            real(concat!($body, ".cooled_area"), &SQUARE_METRE, 1e-2, concat!("Area of the free surfaces of the ", $body, " per face; 0: from the geometry"))
-                .shown("cm2")
-                .within(0.0, 1e4),
+            real(
+                concat!($body, ".emissivity"),
+                &ONE,
+                0.5,
+                concat!("Emissivity of the free surfaces of the ", $body, "; 0: no radiation"),
+            )
+            .within(0.0, 1.0),
+            real(
+                concat!($body, ".cooled_area"),
+                &SQUARE_METRE,
+                1e-2,
+                concat!("Area of the free surfaces of the ", $body, " per face; 0: from the geometry"),
+            )
+            .shown("cm2")
+            .within(0.0, 1e4),
         ]
     };
 }
@@ -322,59 +353,116 @@ pub const CONTACT: &[Row] = &[
     choice("contact.geometry", &GEOMETRY, 1, "Geometry of the contact"),
     real("contact.mean_radius", &METRE, 0.1, "Mean radius of the track").shown("mm").within(0.0, 1e3).start(0.1175),
     boolean("contact.shear_coupling", true, "Whether friction shear displaces the surfaces normally"),
-    integer("contact.faces", 1, 1000, 2, "Faces in contact: scales force, torque, power, heat flows and volumes; pressure, temperature and depth are per face"),
+    integer(
+        "contact.faces",
+        1,
+        1000,
+        2,
+        "Faces in contact: scales force, torque, power, heat flows and volumes; pressure, temperature and depth are per face",
+    ),
     real("contact.friction_coefficient", &ONE, 0.3, "Friction coefficient before fade and Stribeck effect")
         .within(0.0, 10.0)
         .start(0.4)
         .tunable(),
-    real("contact.friction_fade.temperature", &KELVIN, 500.0, "Temperatures, increasing, of the table that multiplies the friction coefficient")
-        .shown("degC")
-        .within(0.0, 1e5)
-        .starts(FADE_TEMPERATURES),
-    real("contact.friction_fade.factor", &ONE, 1.0, "Factors of the table that multiplies the friction coefficient, linear between")
-        .within(0.0, 1e3)
-        .array(8)
-        .start(1.0),
-    real("contact.static_friction_ratio", &ONE, 1.0, "Ratio r of the Stribeck factor 1 + (r - 1) exp(-|v|/v_s); 1: off")
-        .within(0.1, 10.0)
-        .start(1.0),
+    real(
+        "contact.friction_fade.temperature",
+        &KELVIN,
+        500.0,
+        "Temperatures, increasing, of the table that multiplies the friction coefficient",
+    )
+    .shown("degC")
+    .within(0.0, 1e5)
+    .starts(FADE_TEMPERATURES),
+    real(
+        "contact.friction_fade.factor",
+        &ONE,
+        1.0,
+        "Factors of the table that multiplies the friction coefficient, linear between",
+    )
+    .within(0.0, 1e3)
+    .array(8)
+    .start(1.0),
+    real(
+        "contact.static_friction_ratio",
+        &ONE,
+        1.0,
+        "Ratio r of the Stribeck factor 1 + (r - 1) exp(-|v|/v_s); 1: off",
+    )
+    .within(0.1, 10.0)
+    .start(1.0),
     real("contact.stribeck_velocity", &METRE_PER_SECOND, 0.1, "Velocity v_s of the Stribeck factor")
         .within(1e-6, 1e3)
         .start(0.05),
-    real("contact.regularization_velocity", &METRE_PER_SECOND, 0.01, "Velocity v_reg in v/sqrt(v^2 + v_reg^2), which replaces the sign of the velocity; 0: exact sign")
-        .within(0.0, 1e2),
-    real("contact.stick_stiffness", &NEWTON_PER_METRE, 1e7, "Stiffness of the bristle that carries the force at standstill, all faces together; 0: off")
-        .within(0.0, 1e15),
-    real("contact.stick_damping", &NEWTON_SECOND_PER_METRE, 1e4, "Damping of the bristle, all faces together").within(0.0, 1e12),
-    real("contact.conductance", &HEAT_TRANSFER, 1e4, "Thermal contact conductance h_c between the two surfaces; 0: none passes")
-        .within(0.0, 1e15)
-        .start(2e4),
+    real(
+        "contact.regularization_velocity",
+        &METRE_PER_SECOND,
+        0.01,
+        "Velocity v_reg in v/sqrt(v^2 + v_reg^2), which replaces the sign of the velocity; 0: exact sign",
+    )
+    .within(0.0, 1e2),
+    real(
+        "contact.stick_stiffness",
+        &NEWTON_PER_METRE,
+        1e7,
+        "Stiffness of the bristle that carries the force at standstill, all faces together; 0: off",
+    )
+    .within(0.0, 1e15),
+    real("contact.stick_damping", &NEWTON_SECOND_PER_METRE, 1e4, "Damping of the bristle, all faces together")
+        .within(0.0, 1e12),
+    real(
+        "contact.conductance",
+        &HEAT_TRANSFER,
+        1e4,
+        "Thermal contact conductance h_c between the two surfaces; 0: none passes",
+    )
+    .within(0.0, 1e15)
+    .start(2e4),
     choice("contact.initial_shape", &INITIAL_SHAPE, 1, "Gap between the undeformed bodies at initialisation"),
     real("contact.initial_radius", &METRE, 1.0, "Radius of the parabolic initial shape").within(0.0, 1e6).start(1.0),
     real("contact.initial_gap", &METRE, 1e-6, "Tabulated initial gap at the 33 stations of profile.x")
         .shown("um")
         .within(0.0, 1.0)
         .array(33),
-    real("contact.temperature_limit", &KELVIN, 1000.0, "Contact temperature above which limit_reached shows 2; 0: no limit")
-        .within(0.0, 1e5),
+    real(
+        "contact.temperature_limit",
+        &KELVIN,
+        1000.0,
+        "Contact temperature above which limit_reached shows 2; 0: no limit",
+    )
+    .within(0.0, 1e5),
 ];
 
 pub const HOLDER_AND_SOLVER: &[Row] = &[
     choice("holder.constraint", &CONSTRAINT, 1, "What the holder lets the punch do"),
     real("holder.pivot_height", &METRE, 1e-2, "Height of the pivot above the contact").shown("mm").within(0.0, 10.0),
-    real("holder.stiffness", &NEWTON_PER_METRE, 1e8, "Stiffness of the caliper between actuator and punch, per face; 0: dead load")
-        .within(0.0, 1e15),
-    real("ambient_temperature", &KELVIN, 300.0, "Ambient temperature").shown("degC").within(1.0, 1e4).start(293.15).tunable(),
+    real(
+        "holder.stiffness",
+        &NEWTON_PER_METRE,
+        1e8,
+        "Stiffness of the caliper between actuator and punch, per face; 0: dead load",
+    )
+    .within(0.0, 1e15),
+    real("ambient_temperature", &KELVIN, 300.0, "Ambient temperature")
+        .shown("degC")
+        .within(1.0, 1e4)
+        .start(293.15)
+        .tunable(),
     real("nominal.load", &NEWTON, 1e3, "Load that the plan is made for").shown("kN").within(0.0, 1e9).start(5e3),
-    real("nominal.velocity", &METRE_PER_SECOND, 10.0, "Sliding velocity that the plan is made for").within(0.0, 1e4).start(10.0),
+    real("nominal.velocity", &METRE_PER_SECOND, 10.0, "Sliding velocity that the plan is made for")
+        .within(0.0, 1e4)
+        .start(10.0),
     real("nominal.duration", &SECOND, 1e3, "Duration that the plan is made for").within(1e-6, 1e10).start(1370.0),
     real("nominal.stroke", &METRE, 1e-2, "Length of one stroke that the plan is made for; 0: one-way")
         .shown("mm")
         .within(0.0, 1e4),
     choice("solver.fidelity", &FIDELITY, 1, "How much is modelled"),
     integer("solver.cells", 0, 1025, 0, "Cells of the contact line; 0: chosen"),
-    real("solver.tolerance", &ONE, 1e-3, "Relative tolerance; 0: the importer's if it gives one, else 1e-3").within(0.0, 0.5),
+    real("solver.tolerance", &ONE, 1e-3, "Relative tolerance; 0: the importer's if it gives one, else 1e-3")
+        .within(0.0, 0.5),
     choice("solver.scheme", &SCHEME, 1, "Time stepping"),
     choice("solver.escalation", &ESCALATION, 2, "What happens when a run leaves what was planned for"),
-    real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance").within(1.0, 1e9).start(1.0).tunable(),
+    real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
+        .within(1.0, 1e9)
+        .start(1.0)
+        .tunable(),
 ];
