@@ -3,3 +3,4 @@
 //! See ARCHITECTURE.md for the invariants and the flow of data.
 
 pub mod variables;
+pub mod heat;

@@ -1,0 +1,14 @@
+//! Conduction in the two bodies, reached only through what happens at the contact.
+//!
+//! Each body is a thermal impedance: temperature at the contact per heat flux into it. [`slab`] holds
+//! the exact one-dimensional conduction problem through the height and its reduction to a few states,
+//! [`moving_source`] the exact kernel of the strip's local ("flash") heating under the sliding
+//! contact, [`flash`] its reduction to a few states whose rates follow the velocity.
+
+pub mod flash;
+pub mod moving_source;
+pub mod reduced;
+pub mod slab;
+
+/// Stefan-Boltzmann constant, W/(m2 K4).
+pub const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;

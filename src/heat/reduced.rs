@@ -1,0 +1,79 @@
+//! A body's conduction reduced to a few decaying states (modal form), as the time step uses it.
+//!
+//! States `a` (K sqrt(J/(m2 K))), inputs `u` in the order of [`Port`]:
+//!
+//! ```text
+//! da_k/dt = -rate_k a_k + sum_i input_ik u_i
+//! y       =  sum_k output_k a_k + sum_i direct_i u_i          for every observed quantity y
+//! ```
+//!
+//! All fluxes are per reference area of the body, temperatures relative to a common reference.
+//! Modes faster than the model resolves are closed by the static remainders `direct`.
+
+/// Most states a reduced body may have.
+pub const MAX_STATES: usize = 20;
+
+/// Inputs of a body.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Port {
+    /// Heat flux through the contact, W/m2 of contact area (scaled by the coverage inside).
+    Contact = 0,
+    /// Heat flux through the cooled surface beyond the constant heat transfer, W/m2 of reference area.
+    Cooling = 1,
+    /// Ambient temperature, K relative to the reference.
+    Ambient = 2,
+    /// Temperature of the face opposite to the contact where it is prescribed, K relative to the reference.
+    Base = 3,
+}
+
+/// Number of inputs.
+pub const PORTS: usize = 4;
+
+/// A linear observation of states and inputs.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Observation {
+    /// Weight of every state.
+    pub states: [f64; MAX_STATES],
+    /// Static remainder of every input.
+    pub direct: [f64; PORTS],
+}
+
+impl Observation {
+    /// No dependence on anything.
+    pub const NONE: Observation = Observation { states: [0.0; MAX_STATES], direct: [0.0; PORTS] };
+
+    /// Part of the observation that the states alone give.
+    #[inline]
+    pub fn of_states(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
+        let mut sum = 0.0;
+        for k in 0..count {
+            sum += self.states[k] * states[k];
+        }
+        sum
+    }
+}
+
+/// A reduced body: see the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct ReducedBody {
+    /// Number of states.
+    pub count: usize,
+    /// Decay rates, 1/s, ascending; 0 for a body that cannot lose heat.
+    pub rate: [f64; MAX_STATES],
+    /// Input weights by [`Port`].
+    pub input: [[f64; MAX_STATES]; PORTS],
+    /// Temperature of the contact surface, K.
+    pub contact_temperature: Observation,
+    /// Mean temperature of the cooled surface, K.
+    pub cooled_temperature: Observation,
+    /// Mean temperature of the body, K.
+    pub mean_temperature: Observation,
+    /// Heat stored, J/m2 of reference area.
+    pub stored: Observation,
+    /// Heat flow to ambient by the constant heat transfer, W/m2 of reference area.
+    pub ambient_flow: Observation,
+    /// Heat flow out of the face opposite to the contact, W/m2 of reference area.
+    pub base_flow: Observation,
+    /// Largest relative error of the contact impedance on the resolved frequencies.
+    pub error: f64,
+}
