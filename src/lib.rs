@@ -2,5 +2,5 @@
 //!
 //! See ARCHITECTURE.md for the invariants and the flow of data.
 
-pub mod variables;
 pub mod heat;
+pub mod variables;

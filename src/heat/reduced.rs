@@ -11,7 +11,7 @@
 //! Modes faster than the model resolves are closed by the static remainders `direct`.
 
 /// Most states a reduced body may have.
-pub const MAX_STATES: usize = 20;
+pub const MAX_STATES: usize = 24;
 
 /// Inputs of a body.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
