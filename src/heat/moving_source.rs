@@ -1,1 +1,283 @@
+//! The strip's heating under the contact beyond its mean temperature: exact moving-source kernels.
+//!
+//! A uniform flux over |x| < a that moves at velocity v over a layer heats it by Fourier modes along
+//! the path. In the punch's frame a mode of wave number q answers the complex frequency `s` with the
+//! layer's impedance `Z(q, s + i q v)` (see [`Slab::impedance`]); projected on the mean over the contact,
+//!
+//! ```text
+//! R(s; v) = sum over q != 0 of  w_q Re Z(q, s + i q v),     w_q = (2a/L) sinc^2(q a)
+//! ```
+//!
+//! on a closed path of length L (the mean mode q = 0 is the slab's), and the integral over q on an
+//! endless one. On a to-and-fro stroke the part `|c_q|^2 = sinc^2(q stroke/2)` of every mode is seen
+//! again and again by the same material: it belongs to the track and not to the moving source.
+//!
+//! Source: J. C. Jaeger, "Moving sources of heat and the temperature at sliding contacts" (1942);
+//! checked against the band on a half-plane. Error of the sums below 1e-6 of the value.
 
+use super::slab::{Base, Slab};
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+/// Which part of the heating a sum is for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Part {
+    /// What moves with the contact.
+    Flash,
+    /// What stays in the track of a stroke.
+    Track,
+}
+
+/// Path of the contact on the strip.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Path {
+    /// A closed path, or the cell of an open one, of this length, m.
+    Closed(f64),
+    /// To and fro with this stroke, m, in a cell of this length, m.
+    Stroke {
+        /// Length of one stroke.
+        stroke: f64,
+        /// Length of the cell, large enough that its copies do not matter.
+        cell: f64,
+    },
+    /// One way over material never visited before.
+    Endless,
+}
+
+/// The modes of a uniform source of half-length a on a layer.
+#[derive(Clone, PartialEq, Debug)]
+pub struct MovingSource {
+    slab: Slab,
+    half_length: f64,
+    path: Path,
+    /// Wave number, weight of the moving part, weight of the track's part.
+    modes: Vec<(f64, f64, f64)>,
+}
+
+/// sin(x)/x squared.
+fn sinc_squared(x: f64) -> f64 {
+    if x.abs() < 1e-4 { 1.0 - x * x / 3.0 } else { (x.sin() / x).powi(2) }
+}
+
+/// Five-point Gauss-Legendre rule on [-1, 1].
+const GAUSS: [(f64, f64); 5] = [
+    (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
+    (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.0, 0.568_888_888_888_888_9),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+];
+
+/// The sum is carried to this many zeros of sinc(q a); beyond, its mean square is integrated.
+const ZEROS: f64 = 20.0;
+
+impl MovingSource {
+    /// A source of half-length `half_length` (m) on `slab` along `path`. The slab's heat transfer on
+    /// the contact face is left out: under the contact there is none.
+    pub fn new(slab: Slab, half_length: f64, path: Path) -> MovingSource {
+        let slab = Slab { surface_transfer: 0.0, volume_transfer: 0.0, ..slab };
+        let mut source = MovingSource { slab, half_length, path, modes: Vec::new() };
+        match path {
+            Path::Closed(length) => source.periodic(length, 0.0),
+            Path::Stroke { stroke, cell } => source.periodic(cell, stroke),
+            Path::Endless => source.endless(),
+        }
+        source
+    }
+
+    fn push(&mut self, q: f64, weight: f64, stroke: f64) {
+        let stays = if stroke > 0.0 { sinc_squared(0.5 * q * stroke) } else { 0.0 };
+        self.modes.push((q, weight * (1.0 - stays), weight * stays));
+    }
+
+    /// Both signs of every harmonic; the high ones, where the sum is as good as an integral, by quadrature.
+    fn periodic(&mut self, length: f64, stroke: f64) {
+        let a = self.half_length;
+        let spacing = 2.0 * PI / length;
+        let density = 2.0 * (2.0 * a / length);
+        let last = (ZEROS * PI / (a * spacing)).ceil().max(128.0);
+        let discrete = last.min(128.0);
+        let mut harmonic = 1.0;
+        while harmonic <= discrete {
+            let q = harmonic * spacing;
+            self.push(q, density * sinc_squared(q * a), stroke);
+            harmonic += 1.0;
+        }
+        let from = (discrete + 0.5) * spacing;
+        let to = if last > discrete { (ZEROS * PI / a).max(2.0 * from) } else { from };
+        self.integrate(from, to, density / spacing, stroke);
+        self.tail(to, density / spacing, stroke);
+    }
+
+    fn endless(&mut self) {
+        let a = self.half_length;
+        let density = 2.0 * a / PI;
+        // Slow modes in geometric panels: fast sliding concentrates what they carry at small q.
+        let (mut from, first) = (1e-8 / a, 0.5 * PI / a);
+        let ratio = 2.5;
+        while from < first {
+            let to = (from * ratio).min(first);
+            self.panel(from, to, density, 0.0);
+            from = to;
+        }
+        self.integrate(first, ZEROS * PI / a, density, 0.0);
+        self.tail(ZEROS * PI / a, density, 0.0);
+    }
+
+    fn panel(&mut self, from: f64, to: f64, density: f64, stroke: f64) {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        for (node, weight) in GAUSS {
+            let q = middle + half * node;
+            self.push(q, density * half * weight * sinc_squared(q * self.half_length), stroke);
+        }
+    }
+
+    fn integrate(&mut self, from: f64, to: f64, density: f64, stroke: f64) {
+        if to <= from {
+            return;
+        }
+        let shortest = PI / (2.0 * self.half_length.max(0.25 * stroke));
+        let panels = ((to - from) / shortest).ceil().min(400.0);
+        let mut index = 0.0;
+        while index < panels {
+            let edge = |i: f64| from + (to - from) * i / panels;
+            self.panel(edge(index), edge(index + 1.0), density, stroke);
+            index += 1.0;
+        }
+    }
+
+    /// From `from` to infinity with sinc^2 replaced by its mean 1/(2 q^2 a^2): q = from/y^2.
+    fn tail(&mut self, from: f64, density: f64, stroke: f64) {
+        for half in [0.0, 0.5] {
+            for (node, weight) in GAUSS {
+                let y: f64 = half + 0.25 * (1.0 + node);
+                let q = from / (y * y);
+                let jacobian = 2.0 * from / y.powi(3);
+                self.push(q, density * 0.25 * weight * jacobian / (2.0 * (q * self.half_length).powi(2)), stroke);
+            }
+        }
+    }
+
+    /// R(s; v), K m2/W: mean temperature over the contact per uniform flux.
+    pub fn response(&self, part: Part, s: Complex<f64>, velocity: f64) -> Complex<f64> {
+        let mut sum = Complex::from(0.0);
+        for &(q, flash, track) in &self.modes {
+            let weight = if part == Part::Flash { flash } else { track };
+            if weight != 0.0 {
+                let turning = Complex::new(0.0, q * velocity);
+                // Both signs of q: half the sum of the two keeps a complex s analytic.
+                sum += 0.5 * weight * (self.slab.impedance(s + turning, q) + self.slab.impedance(s - turning, q));
+            }
+        }
+        if part == Part::Flash && self.path == Path::Endless && self.slab.base == Base::Insulated && velocity > 0.0 {
+            // The mean heating left behind: half of it is reached under the contact. It is the
+            // residue at q = 0 that the integral's principal value leaves out.
+            sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
+        }
+        sum
+    }
+
+    /// Quasi-steady R(0; v) for v > 0, real by symmetry.
+    pub fn resistance(&self, velocity: f64) -> f64 {
+        let mut sum = 0.0;
+        for &(q, weight, _) in &self.modes {
+            sum += weight * self.slab.impedance(Complex::new(0.0, q * velocity), q).re;
+        }
+        if self.path == Path::Endless && self.slab.base == Base::Insulated {
+            sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
+        }
+        sum
+    }
+
+    /// Half-length a of the source, m.
+    pub fn half_length(&self) -> f64 {
+        self.half_length
+    }
+
+    /// The layer under the source.
+    pub fn slab(&self) -> &Slab {
+        &self.slab
+    }
+
+    /// Whether the source has a track of its own (a stroke).
+    pub fn has_track(&self) -> bool {
+        matches!(self.path, Path::Stroke { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::slab::CoolingPort;
+    use super::*;
+
+    /// l = K = kd = 1 on a layer so high that it is a half-plane at these velocities.
+    fn layer(height: f64, base: Base) -> Slab {
+        Slab {
+            height,
+            conductivity: 1.0,
+            capacity: 1.0,
+            surface_transfer: 0.0,
+            volume_transfer: 0.0,
+            base,
+            cooling: CoolingPort::Surface,
+        }
+    }
+
+    #[test]
+    fn jaeger_means_over_peclet() {
+        // T k/(q l), mean over the band, Pe = V l/(2 kd).
+        for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132)] {
+            let source = MovingSource::new(layer(1e4, Base::Insulated), 1.0, Path::Endless);
+            let computed = source.resistance(2.0 * peclet);
+            assert!((computed - mean).abs() < 5e-5, "Pe {peclet}: {computed} instead of {mean}");
+        }
+        // Fast limit: two thirds of (2/sqrt(pi)) Pe^(-1/2).
+        let source = MovingSource::new(layer(1e3, Base::Insulated), 1.0, Path::Endless);
+        let computed = source.resistance(2e6);
+        let exact = 4.0 / (3.0 * PI.sqrt()) / 1e3;
+        assert!((computed / exact - 1.0).abs() < 2e-3, "{computed} {exact}");
+    }
+
+    #[test]
+    fn closed_path_steady_mean_is_the_plain_fourier_sum() {
+        // Mean mode excluded; held base, moderate and high velocity, a short and a long path.
+        for (length, base) in [(4.0, Base::Held), (30.0, Base::Insulated), (700.0, Base::Insulated)] {
+            let slab = layer(0.5, base);
+            let source = MovingSource::new(slab, 1.0, Path::Closed(length));
+            for velocity in [0.0, 0.3, 20.0, 2000.0] {
+                let mut sum = 0.0;
+                for harmonic in 1..400_000 {
+                    let q = 2.0 * PI * f64::from(harmonic) / length;
+                    let weight = 4.0 / length * sinc_squared(q);
+                    sum += weight * slab.impedance(Complex::new(0.0, q * velocity), q).re;
+                }
+                let computed = source.resistance(velocity);
+                assert!((computed / sum - 1.0).abs() < 2e-6, "L {length} v {velocity}: {computed} {sum}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_long_closed_path_is_an_endless_one() {
+        let slab = layer(2.0, Base::Held);
+        let closed = MovingSource::new(slab, 1.0, Path::Closed(2000.0));
+        let endless = MovingSource::new(slab, 1.0, Path::Endless);
+        // The closed path's mean mode, q = 0, is not in the sum: (2a/L) h/K.
+        for velocity in [0.1, 1.0, 30.0] {
+            let (left, right) = (closed.resistance(velocity) + 2.0 / 2000.0 * 2.0, endless.resistance(velocity));
+            assert!((left / right - 1.0).abs() < 3e-5, "{left} {right}");
+        }
+    }
+
+    #[test]
+    fn a_stroke_splits_into_track_and_flash() {
+        let slab = layer(1.0, Base::Held);
+        let whole = MovingSource::new(slab, 1.0, Path::Closed(40.0));
+        let split = MovingSource::new(slab, 1.0, Path::Stroke { stroke: 3.0, cell: 40.0 });
+        let s = Complex::from(0.7);
+        let sum = split.response(Part::Flash, s, 0.0) + split.response(Part::Track, s, 0.0);
+        let exact = whole.response(Part::Flash, s, 0.0);
+        assert!((sum - exact).norm() < 1e-6 * exact.norm(), "{sum} {exact}");
+        assert!(split.response(Part::Track, s, 0.0).re > 0.1 * exact.re);
+    }
+}
