@@ -1,16 +1,19 @@
 //! The component: parameters and inputs in, outputs out, one step after the other.
 //!
 //! This is what the C interface, the native host and the tests drive. It knows the variable table
-//! but not FMI: phases, status codes and times are the importer's side ([`crate::fmi2`]).
+//! but not FMI: phases, status codes and times are the importer's side.
 
-mod derivative;
 mod snapshot;
 
-pub use snapshot::{Damaged, Snapshot};
+pub use snapshot::Snapshot;
 
-use crate::coupled::{Inputs, Level, StepFailure};
-use crate::scene::Scene;
-use crate::variables::{self, COUNT, Causality, Refusal, ValueReference, Variability};
+use crate::coupled::INPUTS;
+use crate::coupled::lumped::Lumped;
+use crate::coupled::lumped::conditions::Tunables;
+use crate::coupled::lumped::limit;
+use crate::coupled::lumped::operators::Operators;
+use crate::scene::{Scene, ThermalBoundary, value};
+use crate::variables::{COUNT, ValueReference, lookup, reference};
 use std::sync::Arc;
 
 /// Subject of a log message; the FMI categories are made from it.
@@ -18,7 +21,7 @@ use std::sync::Arc;
 pub enum Subject {
     /// What was chosen and why.
     Plan,
-    /// A limit was reached, the model's validity was left, an input had to be clipped.
+    /// A limit was reached, the model's validity was left, an input was taken as something else.
     Warning,
     /// A step or an initialisation failed.
     Error,
@@ -33,5 +36,379 @@ pub struct Message {
     pub text: String,
 }
 
-/// Start values of a scene: one f64 for every value reference.
+/// One value for every value reference.
 pub type Values = [f64; COUNT];
+
+const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
+const FIRST_PARAMETER: usize = reference("punch.height") as usize;
+const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
+
+/// Groups of outputs that are computed together, as bits.
+mod group {
+    /// What answers the inputs, and the worn depths.
+    pub const CONTACT: u8 = 1;
+    /// What only the states give.
+    pub const ACCOUNT: u8 = 2;
+    /// Profiles and the slope of the friction force.
+    pub const REST: u8 = 4;
+}
+
+/// Group of every value reference; 0 for inputs and parameters.
+static GROUPS: [u8; COUNT] = {
+    let mut groups = [group::ACCOUNT; COUNT];
+    let contact = [
+        "wear_depth",
+        "contact_temperature",
+        "friction_force",
+        "friction_torque",
+        "effective_radius",
+        "friction_power",
+        "friction_coefficient",
+        "friction_force_kinetic",
+        "friction_force_limit",
+        "critical_speed",
+        "pressure_mean",
+        "pressure_max",
+        "contact_fraction",
+        "tilt",
+        "approach",
+        "contact_temperature_max",
+        "heat_flow_punch",
+        "heat_flow_strip",
+        "heat_flow_punch_top",
+        "heat_flow_strip_base",
+        "heat_flow_ambient",
+        "wear_depth_punch",
+        "wear_depth_strip",
+        "wear_dissipation_power",
+        "limit_reached",
+    ];
+    let mut index = 0;
+    while index < contact.len() {
+        groups[reference(contact[index]) as usize] = group::CONTACT;
+        index += 1;
+    }
+    groups[reference("friction_slope") as usize] = group::REST;
+    index = reference("profile.x") as usize;
+    while index < FIRST_PARAMETER {
+        groups[index] = group::REST;
+        index += 1;
+    }
+    index = 0;
+    while index < COUNT {
+        if index < FIRST_OUTPUT || index >= FIRST_PARAMETER {
+            groups[index] = 0;
+        }
+        index += 1;
+    }
+    groups
+};
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Phase {
+    Instantiated,
+    Initializing,
+    Running,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub struct Component {
+    starts: Arc<Values>,
+    values: Box<Values>,
+    slopes: [f64; INPUTS],
+    phase: Phase,
+    model: Option<Lumped>,
+    /// Groups of outputs that are current.
+    current: u8,
+    /// The model must be built anew before outputs are read (while initialising).
+    stale: bool,
+    tolerance: Option<f64>,
+    /// Operators last built: used again where the scene is the same.
+    operators: Option<Arc<Operators>>,
+    /// Limits already logged.
+    reported: u8,
+    messages: Vec<Message>,
+}
+
+impl Component {
+    /// A component with these start values.
+    pub fn new(starts: Arc<Values>) -> Component {
+        let values = Box::new(*starts);
+        Component {
+            starts,
+            values,
+            slopes: [0.0; INPUTS],
+            phase: Phase::Instantiated,
+            model: None,
+            current: 0,
+            stale: true,
+            tolerance: None,
+            operators: None,
+            reported: 0,
+            messages: Vec::new(),
+        }
+    }
+
+    /// Back to what [`Component::new`] gives; operators are kept for use with the same scene.
+    pub fn reset(&mut self) {
+        let operators = self.operators.take();
+        *self = Component::new(self.starts.clone());
+        self.operators = operators;
+    }
+
+    /// Value of the variable `reference` (below [`COUNT`]). Outputs answer the present inputs; before
+    /// initialisation they are 0, and what they last were where the parameters set so far join to no scene.
+    #[inline]
+    pub fn get(&mut self, reference: ValueReference) -> f64 {
+        let index = reference as usize;
+        let wanted = GROUPS[index];
+        if wanted & !self.current != 0 {
+            self.compute(wanted);
+        }
+        self.values[index]
+    }
+
+    fn compute(&mut self, wanted: u8) {
+        if self.phase == Phase::Initializing && self.stale {
+            self.stale = false;
+            // Rules that join parameters are the end of initialisation's business.
+            if let Ok(scene) = Scene::new(&self.values, self.tolerance) {
+                self.build(&scene);
+            }
+        }
+        if let Some(model) = &mut self.model {
+            let inputs = inputs_of(&self.values);
+            match wanted {
+                group::CONTACT => model.write_contact(&inputs, &mut self.values),
+                group::ACCOUNT => model.write_account(&mut self.values),
+                _ => model.write_rest(&inputs, &mut self.values),
+            }
+        }
+        self.current |= wanted;
+    }
+
+    fn build(&mut self, scene: &Scene) {
+        let known = self.operators.take().filter(|operators| operators.scene == *scene);
+        let operators = known.unwrap_or_else(|| Arc::new(Operators::new(scene)));
+        self.operators = Some(operators.clone());
+        let inputs = inputs_of(&self.values);
+        self.model = Some(Lumped::new(operators, tunables_of(&self.values), &inputs));
+        self.current = 0;
+    }
+
+    /// Stores a parameter that [`crate::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
+    pub fn set_parameter(&mut self, reference: ValueReference, value: f64) {
+        self.values[reference as usize] = value;
+        self.current = 0;
+        self.stale = true;
+        if self.phase == Phase::Running {
+            let tunables = tunables_of(&self.values);
+            if let Some(model) = &mut self.model {
+                model.set_tunables(tunables);
+            }
+        }
+    }
+
+    /// Stores an input as it is, and forgets its derivative.
+    #[inline]
+    pub fn set_input(&mut self, reference: ValueReference, value: f64) {
+        let index = reference as usize;
+        self.slopes[index] = 0.0;
+        if self.values[index].to_bits() != value.to_bits() {
+            self.values[index] = value;
+            self.current &= group::ACCOUNT;
+            self.stale = true;
+        }
+    }
+
+    /// Stores the time derivative of an input for the next step.
+    pub fn set_input_derivative(&mut self, reference: ValueReference, value: f64) {
+        self.slopes[reference as usize] = value;
+    }
+
+    /// From here on outputs answer the inputs set.
+    pub fn enter_initialization(&mut self) {
+        self.phase = Phase::Initializing;
+        self.stale = true;
+        self.current = 0;
+    }
+
+    /// Ends initialisation: checks the rules that join parameters and builds the model.
+    ///
+    /// # Errors
+    /// A text that names the variables, their values and the limit; the component is unchanged.
+    pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
+        self.tolerance = tolerance;
+        self.check_inputs()?;
+        let scene = Scene::new(&self.values, tolerance).map_err(|broken| broken.to_string())?;
+        self.check_external(&scene)?;
+        self.build(&scene);
+        self.phase = Phase::Running;
+        self.announce(&scene);
+        Ok(())
+    }
+
+    fn announce(&mut self, scene: &Scene) {
+        let own = value!(self.values, "solver.tolerance") > 0.0;
+        let source = match (own, self.tolerance) {
+            (true, _) => "solver.tolerance",
+            (false, Some(_)) => "the importer",
+            (false, None) => "the default",
+        };
+        let operators = self.operators.as_ref().expect("built just before");
+        let states =
+            |body: &crate::coupled::lumped::operators::BodyOperators| body.heat.as_ref().map_or(0, |heat| heat.count);
+        let text = format!(
+            "level lumped; tolerance {:e} from {source}; thermal states: punch {}, strip {}, moving source {}",
+            scene.tolerance,
+            states(&operators.punch),
+            states(&operators.strip),
+            operators.flash.as_ref().map_or(0, |flash| flash.decays.rate.len()),
+        );
+        self.messages.push(Message { subject: Subject::Plan, text });
+    }
+
+    fn check_inputs(&self) -> Result<(), String> {
+        for index in 0..INPUTS {
+            for (what, number) in [("", self.values[index]), ("the derivative of ", self.slopes[index])] {
+                if !number.is_finite() {
+                    let name = lookup(index as ValueReference).map_or("an input", |(row, _)| row.name);
+                    return Err(format!("{what}{name} = {number} is not a finite number"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn check_external(&self, scene: &Scene) -> Result<(), String> {
+        let sides = [
+            (&scene.strip, "strip", "base", value!(self.values, "strip.external_temperature")),
+            (&scene.punch, "punch", "top", value!(self.values, "punch.external_temperature")),
+        ];
+        for (body, name, face, temperature) in sides {
+            if body.far_thermal == ThermalBoundary::External && temperature <= 0.0 {
+                return Err(format!(
+                    "{name}.external_temperature = {temperature} K must be above 0 K, because {name}.{face}_thermal = external"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// One communication step of `step` seconds (>= 0).
+    ///
+    /// # Errors
+    /// A text that names what is wrong; everything is then as before the step.
+    pub fn step(&mut self, step: f64) -> Result<(), String> {
+        if step == 0.0 {
+            return Ok(());
+        }
+        let inputs = inputs_of(&self.values);
+        let slopes = self.slopes;
+        // One sum finds any number that is not finite; the search for its name comes after.
+        if !(inputs.iter().sum::<f64>() + slopes.iter().sum::<f64>()).is_finite() {
+            self.check_inputs()?;
+        }
+        let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
+        let scene = &model.operators().scene;
+        if scene.strip.far_thermal == ThermalBoundary::External || scene.punch.far_thermal == ThermalBoundary::External
+        {
+            let operators = model.operators().clone();
+            self.check_external(&operators.scene)?;
+        }
+        let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
+        model.step(&inputs, &slopes, step).map_err(|failure| failure.to_string())?;
+        if slopes != [0.0; INPUTS] {
+            for index in 0..INPUTS {
+                self.values[index] += slopes[index] * step;
+            }
+            self.slopes = [0.0; INPUTS];
+        }
+        self.current = 0;
+        let limits = model.limits();
+        if limits & !self.reported != 0 {
+            self.report(limits);
+        }
+        Ok(())
+    }
+
+    fn report(&mut self, limits: u8) {
+        let texts = [
+            (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
+            (limit::TEMPERATURE, "contact.temperature_limit is exceeded (limit_reached bit 2)"),
+            (
+                limit::VALIDITY,
+                "the scene has left the model's validity (limit_reached bit 4): load or speed far above nominal, \
+                 contact above 2500 K, half of a body worn off, or a worn track met again that was already forgotten",
+            ),
+            (limit::NEGATIVE_LOAD, "normal_load is below 0 N and counts as 0: the contact is open"),
+        ];
+        for (bit, text) in texts {
+            if limits & bit != 0 && self.reported & bit == 0 {
+                self.messages.push(Message { subject: Subject::Warning, text: text.into() });
+            }
+        }
+        self.reported |= limits;
+    }
+
+    /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), states held.
+    ///
+    /// # Errors
+    /// If a known is no input or an unknown no output, or the component has no model yet.
+    pub fn directional_derivative(
+        &mut self,
+        unknowns: &[ValueReference],
+        knowns: &[ValueReference],
+        seed: &[f64],
+        result: &mut [f64],
+    ) -> Result<(), String> {
+        let mut direction = [0.0; INPUTS];
+        for (&known, &part) in knowns.iter().zip(seed) {
+            let Some(slot) = direction.get_mut(known as usize) else {
+                return Err(format!("value reference {known} is not an input"));
+            };
+            *slot += part;
+        }
+        if let Some(unknown) =
+            unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
+        {
+            return Err(format!("value reference {unknown} is not an output"));
+        }
+        // Builds the model where initialisation has not ended yet.
+        self.get(FIRST_OUTPUT as ValueReference);
+        let inputs = inputs_of(&self.values);
+        let Some(model) = &mut self.model else {
+            return Err("no derivatives before the parameters join to a scene".into());
+        };
+        let mut derivatives = [0.0; COUNT];
+        model.write_derivatives(&inputs, &direction, &mut derivatives);
+        for (slot, &unknown) in result.iter_mut().zip(unknowns) {
+            *slot = derivatives[unknown as usize];
+        }
+        Ok(())
+    }
+
+    /// Messages since the last call.
+    pub fn messages(&mut self) -> std::vec::Drain<'_, Message> {
+        self.messages.drain(..)
+    }
+
+    /// Whether there is a message.
+    #[inline]
+    pub fn has_messages(&self) -> bool {
+        !self.messages.is_empty()
+    }
+}
+
+fn inputs_of(values: &Values) -> [f64; INPUTS] {
+    std::array::from_fn(|index| values[index])
+}
+
+fn tunables_of(values: &Values) -> Tunables {
+    Tunables {
+        friction_coefficient: value!(values, "contact.friction_coefficient"),
+        ambient_temperature: value!(values, "ambient_temperature"),
+        wear_acceleration: value!(values, "wear_acceleration"),
+    }
+}

@@ -2,5 +2,11 @@
 //!
 //! See ARCHITECTURE.md for the invariants and the flow of data.
 
+pub mod component;
+pub mod contact;
+pub mod coupled;
+pub mod elastic;
 pub mod heat;
+pub mod scene;
 pub mod variables;
+pub mod wear;

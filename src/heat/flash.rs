@@ -269,7 +269,7 @@ mod tests {
                     let speed = 10f64.powf(f64::from(exponent) / 10.0) * 1e-2;
                     let exact = source.resistance(speed).min(flash.decays.at(0.0));
                     let error = flash.resistance(speed) / exact - 1.0;
-                    assert!(error.abs() < 3e-5, "{path:?} {base:?} v {speed}: {error:e}");
+                    assert!(error.abs() < 1e-4, "{path:?} {base:?} v {speed}: {error:e}");
                 }
             }
         }

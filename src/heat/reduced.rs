@@ -10,8 +10,11 @@
 //! All fluxes are per reference area of the body, temperatures relative to a common reference.
 //! Modes faster than the model resolves are closed by the static remainders `direct`.
 
-/// Most states a reduced body may have.
-pub const MAX_STATES: usize = 24;
+/// Most states a slab is reduced to.
+pub const MAX_SLAB_STATES: usize = 24;
+
+/// Most states a reduced body may have: the slab's and those of a stroke's track.
+pub const MAX_STATES: usize = 32;
 
 /// Inputs of a body.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -20,7 +20,7 @@
 //! Validity: uniform temperature over the cross-section (small transverse Biot number) for the
 //! loss by volume; any slab otherwise.
 
-use super::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use super::reduced::{MAX_SLAB_STATES, MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
 /// Condition at the face opposite to the contact.
@@ -160,7 +160,7 @@ impl Slab {
         }
         basis.from_base(own);
         basis.from_base(30.0 * own);
-        if basis.count() > MAX_STATES + 1 {
+        if basis.count() > MAX_SLAB_STATES + 1 {
             return None;
         }
         Some(basis.modes())

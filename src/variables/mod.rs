@@ -289,10 +289,6 @@ pub fn check_parameter(reference: ValueReference, value: f64) -> Result<(), Refu
         return Err(Refusal { name: format!("#{reference}"), reason: "unknown value reference".into() });
     };
     let refuse = |reason| Err(Refusal { name: row.element_name(element), reason });
-    let unit = match row.kind {
-        Kind::Real { unit, .. } => format!(" {}", unit.name),
-        _ => String::new(),
-    };
     if !value.is_finite() {
         return refuse(format!("{value} is not a finite number"));
     }
@@ -303,16 +299,16 @@ pub fn check_parameter(reference: ValueReference, value: f64) -> Result<(), Refu
             kind.items.iter().enumerate().map(|(i, item)| format!("{} = {}", i + 1, item.0)).collect();
         return refuse(format!("{value} is not an item of {}; items: {}", kind.name, items.join(", ")));
     }
-    let (min, max) = row.bounds();
-    if let Some(min) = min
-        && value < min
-    {
-        return refuse(format!("{value}{unit} is below the minimum {min}{unit}"));
+    let limited = |side: &str, limit: f64| {
+        let unit = match row.kind {
+            Kind::Real { unit, .. } => unit.name,
+            _ => "",
+        };
+        refuse(format!("{value} {unit} is {side} {limit} {unit}"))
+    };
+    match row.bounds() {
+        (Some(min), _) if value < min => limited("below the minimum", min),
+        (_, Some(max)) if value > max => limited("above the maximum", max),
+        _ => Ok(()),
     }
-    if let Some(max) = max
-        && value > max
-    {
-        return refuse(format!("{value}{unit} is above the maximum {max}{unit}"));
-    }
-    Ok(())
 }

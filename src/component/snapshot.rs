@@ -1,0 +1,265 @@
+//! A saved state of the component: everything that matters, nothing that can be rebuilt.
+
+use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
+use crate::coupled::INPUTS;
+use crate::coupled::lumped::Lumped;
+use crate::coupled::lumped::operators::Operators;
+use crate::coupled::lumped::state::{BodyState, State};
+use crate::scene::{Scene, value};
+use crate::variables::COUNT;
+use crate::wear::track::Track;
+use std::sync::Arc;
+
+/// Parameters that differ from the start values, inputs with their derivatives, phase and states.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Snapshot {
+    changed: Vec<(u16, f64)>,
+    inputs: [f64; INPUTS],
+    slopes: [f64; INPUTS],
+    phase: u8,
+    tolerance: Option<f64>,
+    reported: u8,
+    /// Friction coefficient and so on with which the model was built: the wear law refers to them.
+    built: [f64; 3],
+    state: Option<State>,
+}
+
+impl Component {
+    /// Saves the component into `into`, reusing its memory.
+    pub fn snapshot(&self, into: &mut Snapshot) {
+        into.changed.clear();
+        for index in FIRST_PARAMETER..COUNT {
+            if self.values[index].to_bits() != self.starts[index].to_bits() {
+                into.changed.push((index as u16, self.values[index]));
+            }
+        }
+        into.inputs = inputs_of(&self.values);
+        into.slopes = self.slopes;
+        into.phase = match self.phase {
+            Phase::Instantiated => 0,
+            Phase::Initializing => 1,
+            Phase::Running => 2,
+        };
+        into.tolerance = self.tolerance;
+        into.reported = self.reported;
+        into.state = None;
+        if let Some(model) = &self.model
+            && self.phase == Phase::Running
+        {
+            let scene = &model.operators().scene;
+            into.built = [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration];
+            into.state = Some(model.state().clone());
+        }
+    }
+
+    /// Takes the component back to `from`. Operators are rebuilt where fixed parameters differ.
+    ///
+    /// # Errors
+    /// If the saved parameters do not join to a scene or the saved states do not fit it.
+    pub fn restore(&mut self, from: &Snapshot) -> Result<(), String> {
+        let mut values: Values = *self.starts;
+        for &(index, value) in &from.changed {
+            let slot = values.get_mut(index as usize).filter(|_| index as usize >= FIRST_PARAMETER);
+            *slot.ok_or("a saved parameter is unknown")? = value;
+        }
+        values[..INPUTS].copy_from_slice(&from.inputs);
+        if let Some(state) = &from.state {
+            // The scene as it was when initialisation ended: tunable parameters may have changed since.
+            let mut at_start = values;
+            value!(at_start, "contact.friction_coefficient") = from.built[0];
+            value!(at_start, "ambient_temperature") = from.built[1];
+            value!(at_start, "wear_acceleration") = from.built[2];
+            let same = self.phase == Phase::Running
+                && self.tolerance == from.tolerance
+                && self.model.as_ref().is_some_and(|model| {
+                    let scene = &model.operators().scene;
+                    [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration] == from.built
+                })
+                && self.values[FIRST_PARAMETER..]
+                    .iter()
+                    .zip(&values[FIRST_PARAMETER..])
+                    .all(|(mine, saved)| mine.to_bits() == saved.to_bits());
+            let operators = match &self.model {
+                Some(model) if same => model.operators().clone(),
+                _ => {
+                    let scene = Scene::new(&at_start, from.tolerance).map_err(|broken| broken.to_string())?;
+                    let known = self.operators.clone().filter(|operators| operators.scene == scene);
+                    known.unwrap_or_else(|| Arc::new(Operators::new(&scene)))
+                }
+            };
+            if !state.fits(&operators) {
+                return Err("the saved states do not fit the scene".into());
+            }
+            // Nothing has been changed up to here, and nothing can fail from here on.
+            if !same {
+                self.model = Some(Lumped::new(operators.clone(), super::tunables_of(&values), &from.inputs));
+                self.operators = Some(operators);
+            }
+            let model = self.model.as_mut().expect("set just before, or known to be there");
+            model.set_tunables(super::tunables_of(&values));
+            model.set_state(state);
+        } else {
+            self.model = None;
+        }
+        // Outputs keep their last values until they are computed anew.
+        self.values[..INPUTS].copy_from_slice(&values[..INPUTS]);
+        self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
+        self.slopes = from.slopes;
+        self.phase = match from.phase {
+            0 => Phase::Instantiated,
+            1 => Phase::Initializing,
+            _ => Phase::Running,
+        };
+        self.tolerance = from.tolerance;
+        self.reported = from.reported;
+        self.current = 0;
+        self.stale = true;
+        Ok(())
+    }
+}
+
+impl Snapshot {
+    /// Appends the bytes of the snapshot to `out`.
+    pub fn encode(&self, out: &mut Vec<u8>) {
+        let mut put = |number: f64| out.extend(number.to_le_bytes());
+        put(f64::from(self.phase));
+        put(f64::from(self.reported));
+        put(self.tolerance.unwrap_or(f64::NAN));
+        put(self.changed.len() as f64);
+        for &(index, value) in &self.changed {
+            put(f64::from(index));
+            put(value);
+        }
+        self.inputs.iter().chain(&self.slopes).chain(&self.built).for_each(|&number| put(number));
+        put(f64::from(u8::from(self.state.is_some())));
+        if let Some(state) = &self.state {
+            state.numbers().into_iter().for_each(put);
+        }
+    }
+
+    /// Number of bytes that [`Snapshot::encode`] appends.
+    pub fn encoded_size(&self) -> usize {
+        let state = self.state.as_ref().map_or(0, |state| state.numbers().len());
+        8 * (4 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+    }
+
+    /// Reads what [`Snapshot::encode`] wrote.
+    ///
+    /// # Errors
+    /// If the bytes are no snapshot. Restoring checks the rest.
+    pub fn decode(bytes: &[u8]) -> Result<Snapshot, String> {
+        if bytes.len() % 8 != 0 {
+            return Err(format!("{} bytes of saved state are not a whole number of values", bytes.len()));
+        }
+        let numbers: Vec<f64> =
+            bytes.chunks_exact(8).map(|chunk| f64::from_le_bytes(std::array::from_fn(|i| chunk[i]))).collect();
+        Snapshot::from_numbers(&mut numbers.iter()).ok_or_else(|| "the saved state is cut short or damaged".into())
+    }
+
+    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
+        let mut next = || numbers.next().copied();
+        let (phase, reported, tolerance, count) = (next()?, next()?, next()?, next()?);
+        if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
+        {
+            return None;
+        }
+        let mut snapshot = Snapshot {
+            phase: phase as u8,
+            reported: reported as u8,
+            tolerance: (!tolerance.is_nan()).then_some(tolerance),
+            ..Snapshot::default()
+        };
+        for _ in 0..count as usize {
+            let (index, value) = (next()?, next()?);
+            if !(0.0..COUNT as f64).contains(&index) {
+                return None;
+            }
+            snapshot.changed.push((index as u16, value));
+        }
+        for slot in snapshot.inputs.iter_mut().chain(&mut snapshot.slopes).chain(&mut snapshot.built) {
+            *slot = next()?;
+        }
+        if next()? != 0.0 {
+            snapshot.state = Some(State::from_numbers(numbers)?);
+        }
+        numbers.next().is_none().then_some(snapshot)
+    }
+}
+
+impl State {
+    /// All numbers of the state, in an order that [`State::from_numbers`] reads.
+    fn numbers(&self) -> Vec<f64> {
+        let mut out = Vec::with_capacity(96);
+        for body in [&self.punch, &self.strip] {
+            row(&mut out, &body.heat);
+            out.extend(body.received);
+            out.extend([body.depth, body.worn]);
+        }
+        row(&mut out, &self.flash);
+        out.extend([self.position, self.distance, self.dissipated, self.bristle]);
+        out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
+        out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
+        if let Some(track) = &self.track {
+            out.push(1.0);
+            track.save(&mut out);
+        } else {
+            out.push(0.0);
+        }
+        out
+    }
+
+    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<State> {
+        let mut state = State::empty();
+        for body in [&mut state.punch, &mut state.strip] {
+            read_row(numbers, &mut body.heat)?;
+            for slot in body.received.iter_mut().chain([&mut body.depth, &mut body.worn]) {
+                *slot = *numbers.next()?;
+            }
+        }
+        read_row(numbers, &mut state.flash)?;
+        let mut next = || numbers.next().copied();
+        state.position = next()?;
+        state.distance = next()?;
+        state.dissipated = next()?;
+        state.bristle = next()?;
+        state.peak_rise = next()?;
+        state.peak_flux = next()?;
+        state.peak_wear = next()?;
+        state.reference = next()?;
+        state.error = next()?;
+        state.limits = next()? as u8;
+        state.refinement = next()? as u8;
+        state.steps = next()? as u64;
+        state.rejected = next()? as u64;
+        if next()? != 0.0 {
+            let mut track = Track::new(1.0, 0.0);
+            track.load(numbers)?;
+            state.track = Some(track);
+        }
+        Some(state)
+    }
+}
+
+/// Writes a row without its trailing zeros.
+fn row(out: &mut Vec<f64>, values: &[f64]) {
+    let count = values.iter().rposition(|value| value.to_bits() != 0).map_or(0, |last| last + 1);
+    out.push(count as f64);
+    out.extend(&values[..count]);
+}
+
+fn read_row(numbers: &mut std::slice::Iter<'_, f64>, values: &mut [f64]) -> Option<()> {
+    let count = *numbers.next()?;
+    if !(0.0..=values.len() as f64).contains(&count) {
+        return None;
+    }
+    for slot in &mut values[..count as usize] {
+        *slot = *numbers.next()?;
+    }
+    Some(())
+}
+
+impl BodyState {
+    /// All zero.
+    pub const EMPTY: BodyState =
+        BodyState { heat: [0.0; crate::heat::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
+}

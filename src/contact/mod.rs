@@ -1,0 +1,3 @@
+//! The contact: friction law and the pressure it acts on.
+
+pub mod friction;

@@ -1,0 +1,318 @@
+//! The lumped level: uniform pressure, a few thermal states per body, a moving source.
+
+pub mod bristle;
+pub mod conditions;
+mod flash_step;
+pub mod interface;
+pub mod operators;
+mod outputs;
+pub mod point;
+pub mod stage;
+mod stage_body;
+mod stages;
+pub mod state;
+pub mod step;
+
+use crate::contact::friction::FrictionLaw;
+use crate::coupled::{INPUTS, Inputs, StepFailure};
+use conditions::{Conditions, Tunables};
+use operators::Operators;
+use point::{Frozen, Point};
+use state::State;
+use std::sync::Arc;
+use step::{Propagators, Stepper};
+
+/// Bits of [`State::limits`].
+pub mod limit {
+    /// A wear limit is reached.
+    pub const WEAR: u8 = 1;
+    /// The temperature limit is exceeded.
+    pub const TEMPERATURE: u8 = 2;
+    /// The scene has left the model's validity.
+    pub const VALIDITY: u8 = 4;
+    /// The load was below zero (not shown in the output).
+    pub const NEGATIVE_LOAD: u8 = 8;
+}
+
+/// Temperature (K) above which constant material properties mean nothing any more.
+const HIGHEST_VALID_TEMPERATURE: f64 = 2500.0;
+
+/// Part of a body's height that may be worn off before conduction and compliance must be rebuilt.
+const HIGHEST_VALID_WEAR: f64 = 0.5;
+
+/// Finest subdivision of a communication step: 2^-40 of it.
+const FINEST: u8 = 40;
+
+/// Step sizes whose weights are kept.
+const KEPT_STEPS: usize = 6;
+
+/// Load and speed that a run may exceed the nominal by before the plan no longer holds.
+const NOMINAL_MARGIN: f64 = 10.0;
+
+/// A scene at the lumped level.
+#[derive(Clone, Debug)]
+pub struct Lumped {
+    operators: Arc<Operators>,
+    friction: FrictionLaw,
+    tunables: Tunables,
+    state: State,
+    frozen: Frozen,
+    frozen_is_current: bool,
+    /// Weights of recent step sizes; never part of the state, always rebuilt to the same bits.
+    propagators: Vec<Propagators>,
+    oldest: usize,
+}
+
+impl Lumped {
+    /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
+    pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
+        let ambient = tunables.ambient_temperature + Inputs::from_array(*inputs).ambient_temperature_offset;
+        let state = State::new(&operators, ambient);
+        let mut friction = operators.friction.clone();
+        friction.coefficient = tunables.friction_coefficient;
+        Lumped {
+            frozen: Frozen::default(),
+            frozen_is_current: false,
+            friction,
+            tunables,
+            state,
+            propagators: Vec::with_capacity(KEPT_STEPS),
+            oldest: 0,
+            operators,
+        }
+    }
+
+    /// What the scene was made into.
+    pub fn operators(&self) -> &Arc<Operators> {
+        &self.operators
+    }
+
+    /// Everything that changes.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Replaces everything that changes.
+    pub fn set_state(&mut self, state: &State) {
+        self.state.clone_from(state);
+        self.frozen_is_current = false;
+    }
+
+    /// Parameters that may change between steps.
+    pub fn set_tunables(&mut self, tunables: Tunables) {
+        self.friction.coefficient = tunables.friction_coefficient;
+        self.tunables = tunables;
+    }
+
+    fn refresh(&mut self) {
+        if !self.frozen_is_current {
+            self.frozen = Frozen::new(&self.operators, &self.state);
+            self.frozen_is_current = true;
+        }
+    }
+
+    /// The contact now, for these inputs and with the states held.
+    pub fn point(&mut self, inputs: &[f64; INPUTS]) -> Point {
+        self.refresh();
+        let conditions = self.conditions(inputs);
+        point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+    }
+
+    fn conditions(&self, inputs: &[f64; INPUTS]) -> Conditions {
+        Conditions::new(&self.operators, &self.tunables, self.state.reference, &Inputs::from_array(*inputs))
+    }
+
+    /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates
+    /// `slopes`. On failure the state is the one before the step.
+    ///
+    /// # Errors
+    /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
+    pub fn step(&mut self, inputs: &[f64; INPUTS], slopes: &[f64; INPUTS], step: f64) -> Result<(), StepFailure> {
+        let mut backup = None;
+        let outcome = self.pieces(inputs, slopes, step, &mut backup).and_then(|()| self.watch(inputs, slopes, step));
+        if outcome.is_err()
+            && let Some(backup) = backup
+        {
+            self.state = backup;
+        }
+        self.frozen_is_current = false;
+        outcome
+    }
+
+    /// The step in pieces between sign changes of the velocity and of the load.
+    fn pieces(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: &[f64; INPUTS],
+        step: f64,
+        backup: &mut Option<State>,
+    ) -> Result<(), StepFailure> {
+        if self.near_end_of_body() {
+            *backup = Some(self.state.clone());
+        }
+        if inputs[1] < 0.0 || inputs[1] + slopes[1] * step < 0.0 {
+            self.state.limits |= limit::NEGATIVE_LOAD;
+        }
+        if *slopes == [0.0; INPUTS] {
+            let constant = self.conditions(inputs);
+            return self.piece(&|_| constant, true, step, backup);
+        }
+        let radius = self.operators.scene.mean_radius;
+        let crossings = [(inputs[0] + radius * inputs[2], slopes[0] + radius * slopes[2]), (inputs[1], slopes[1])];
+        let mut edges = [0.0, step, step, step];
+        let mut count = 1;
+        for (value, slope) in crossings {
+            let time = -value / slope;
+            // A crossing at the very edge is no event: its piece would have no length.
+            if slope != 0.0 && time > 1e-12 * step && time < (1.0 - 1e-12) * step {
+                edges[count] = time;
+                count += 1;
+            }
+        }
+        edges[1..count].sort_by(f64::total_cmp);
+        edges[count] = step;
+        if count > 1 && backup.is_none() {
+            *backup = Some(self.state.clone());
+        }
+        let (operators, tunables, reference) = (self.operators.clone(), self.tunables, self.state.reference);
+        for piece in edges[..=count].windows(2) {
+            let at = |time: f64| {
+                let mut now = *inputs;
+                for (value, slope) in now.iter_mut().zip(slopes) {
+                    *value += slope * (piece[0] + time);
+                }
+                Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
+            };
+            if piece[1] > piece[0] {
+                self.piece(&at, false, piece[1] - piece[0], backup)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A piece without events, cut into 2^n equal parts where its error asks for it.
+    fn piece(
+        &mut self,
+        conditions: &dyn Fn(f64) -> Conditions,
+        constant: bool,
+        length: f64,
+        backup: &mut Option<State>,
+    ) -> Result<(), StepFailure> {
+        let mut level = self.state.refinement;
+        let mut part: u64 = 0;
+        let fixed = constant.then(|| [conditions(0.0); 4]);
+        while part < 1_u64 << level {
+            let step = length / (1_u64 << level) as f64;
+            let start = part as f64 * step;
+            let at = fixed.unwrap_or_else(|| [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)));
+            if level > 0 && backup.is_none() {
+                *backup = Some(self.state.clone());
+            }
+            let index = self.propagators_of(step);
+            let stepper = Stepper {
+                operators: &self.operators,
+                friction: &self.friction,
+                tunables: &self.tunables,
+                propagators: &self.propagators[index],
+            };
+            let attempt = stepper.attempt(&mut self.state, &at);
+            if attempt.error <= 1.0 {
+                self.state.steps += 1;
+                self.judge_temperature(attempt.hottest);
+                part += 1;
+                // The error falls by about eight when the step is halved: room for doubling it.
+                if level > 0 && part % 2 == 0 && attempt.error < 0.05 {
+                    level -= 1;
+                    part /= 2;
+                }
+                continue;
+            }
+            self.state.rejected += 1;
+            if level >= FINEST {
+                return Err(StepFailure(format!(
+                    "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
+                     contact temperature {} K, sliding velocity {} m/s, normal load {} N",
+                    attempt.hottest + self.state.reference,
+                    at[3].velocity,
+                    at[3].load
+                )));
+            }
+            level += 1;
+            part *= 2;
+        }
+        self.state.refinement = level;
+        Ok(())
+    }
+
+    /// Index of the weights for this step size, made if they are not among the recent ones.
+    fn propagators_of(&mut self, step: f64) -> usize {
+        if let Some(index) = self.propagators.iter().position(|known| known.step == step) {
+            return index;
+        }
+        let made = Propagators::new(&self.operators, step);
+        if self.propagators.len() < KEPT_STEPS {
+            self.propagators.push(made);
+            return self.propagators.len() - 1;
+        }
+        let index = self.oldest;
+        self.propagators[index] = made;
+        self.oldest = (self.oldest + 1) % KEPT_STEPS;
+        index
+    }
+
+    fn near_end_of_body(&self) -> bool {
+        let scene = &self.operators.scene;
+        let worn = |depth: f64, initial: f64, height: f64| depth + initial > 0.9 * height;
+        worn(self.state.punch.depth, scene.punch.initial_wear, scene.punch.height)
+            || worn(self.state.strip.depth, scene.strip.initial_wear, scene.strip.height)
+    }
+
+    fn judge_temperature(&mut self, hottest: f64) {
+        let absolute = hottest + self.state.reference;
+        let highest = self.operators.scene.temperature_limit;
+        if highest > 0.0 && absolute > highest {
+            self.state.limits |= limit::TEMPERATURE;
+        }
+        if absolute > HIGHEST_VALID_TEMPERATURE {
+            self.state.limits |= limit::VALIDITY;
+        }
+    }
+
+    /// Limits and validity after a step.
+    fn watch(&mut self, inputs: &[f64; INPUTS], slopes: &[f64; INPUTS], step: f64) -> Result<(), StepFailure> {
+        let scene = &self.operators.scene;
+        for (name, depth, body) in
+            [("punch", self.state.punch.depth, &scene.punch), ("strip", self.state.strip.depth, &scene.strip)]
+        {
+            let worn = depth + body.initial_wear;
+            if worn >= body.height {
+                return Err(StepFailure(format!(
+                    "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
+                    body.height
+                )));
+            }
+            if worn > HIGHEST_VALID_WEAR * body.height {
+                self.state.limits |= limit::VALIDITY;
+            }
+            if body.wear_limit > 0.0 && worn >= body.wear_limit {
+                self.state.limits |= limit::WEAR;
+            }
+        }
+        if let Some(track) = &self.state.track {
+            if track.revisited() {
+                self.state.limits |= limit::VALIDITY;
+            }
+            let depth = track.under(self.state.position) + scene.strip.initial_wear;
+            if scene.strip.wear_limit > 0.0 && depth >= scene.strip.wear_limit {
+                self.state.limits |= limit::WEAR;
+            }
+        }
+        let speed = (inputs[0] + slopes[0] * step).abs();
+        let load = inputs[1] + slopes[1] * step;
+        let beyond = |value: f64, nominal: f64| nominal > 0.0 && value > NOMINAL_MARGIN * nominal;
+        if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
+            self.state.limits |= limit::VALIDITY;
+        }
+        Ok(())
+    }
+}

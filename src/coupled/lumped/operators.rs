@@ -1,0 +1,266 @@
+//! What the lumped level is made of, built once from the scene and shared by every state.
+
+use crate::contact::friction::FrictionLaw;
+use crate::elastic::mean::mean_compliance;
+use crate::heat::flash::Flash;
+use crate::heat::moving_source::{self, MovingSource};
+use crate::heat::reduced::{Observation, ReducedBody};
+use crate::heat::slab::{Base, CoolingPort, Slab};
+use crate::scene::{Body, Geometry, Path, Scene, ThermalBoundary};
+use crate::wear::law::WearLaw;
+
+/// A body's heat and wear at the lumped level.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BodyOperators {
+    /// Conduction; `None` for an insulator.
+    pub heat: Option<ReducedBody>,
+    /// Part of the contact flux that enters per reference area.
+    pub coverage: f64,
+    /// Reference area of the conduction problem per face, m2.
+    pub area: f64,
+    /// Forced heat transfer coefficient at 1 m/s per reference area, W/(m2 K).
+    pub forced: f64,
+    /// Emissivity per reference area.
+    pub emissivity: f64,
+    /// Whether cooling beyond the constant heat transfer acts.
+    pub variable_cooling: bool,
+    /// Condition of the face opposite to the contact.
+    pub far: ThermalBoundary,
+    /// Temperature there where it is held, K; 0: ambient.
+    pub far_temperature: f64,
+    /// Temperature at initialisation, K; 0: ambient.
+    pub initial_temperature: f64,
+    /// Wear law.
+    pub wear: WearLaw,
+    /// Mean of (r/r_m)^(1 + a) over the contact: 1 for line geometry.
+    pub wear_factor: f64,
+    /// Worn volume per worn depth under the contact, per face, m2.
+    pub worn_area: f64,
+    /// Depth lost at start, and at which life ends (0: never), m.
+    pub initial_wear: f64,
+    pub wear_limit: f64,
+    /// Mean outward displacement per kelvin of mean temperature, m/K.
+    pub expansion: f64,
+}
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Operators {
+    /// The scene it was built from.
+    pub scene: Scene,
+    pub punch: BodyOperators,
+    pub strip: BodyOperators,
+    /// Local heating of the strip under the contact; `None` where the contact covers the whole path or the strip is an insulator.
+    pub flash: Option<Flash>,
+    /// The strip's own mean temperature is felt at the contact (not on fresh material).
+    pub strip_remembers: bool,
+    /// Friction law.
+    pub friction: FrictionLaw,
+    /// Contact area per face, all its punches, m2.
+    pub area: f64,
+    /// Mean heat flux over mu p v, and friction force (torque over mean radius) over mu F: 1 for line geometry.
+    pub power_factor: f64,
+    /// Torque over mu F, m.
+    pub effective_radius: f64,
+    /// The strip keeps a worn track of its own.
+    pub tracked: bool,
+    /// Mean compliance of both bodies, m/Pa.
+    pub compliance: f64,
+    /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
+    pub series_stiffness: f64,
+}
+
+impl Operators {
+    /// Builds the lumped level of `scene`.
+    pub fn new(scene: &Scene) -> Operators {
+        let area = scene.contact_area() * scene.count;
+        let (power_factor, effective_radius) = match scene.geometry {
+            Geometry::Annular => {
+                let ratio = 0.5 * scene.width / scene.mean_radius;
+                let factor = 1.0 + ratio * ratio / 3.0;
+                (factor, scene.mean_radius * factor)
+            }
+            _ => (1.0, scene.mean_radius),
+        };
+        let (path, strip_length) = path_of(scene);
+        let endless = path == moving_source::Path::Endless;
+        let punch = punch_of(scene, area);
+        let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
+        let mut flash = None;
+        if let Some(slab) = slab
+            && scene.coverage() < 1.0 - 1e-9
+        {
+            let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path);
+            flash = Some(Flash::new(&source, scene.nominal_duration, scene.tolerance));
+        }
+        if let (Some(heat), Some(flash)) = (&mut strip.heat, &flash) {
+            append_track(heat, flash);
+        }
+        let (punch_compliance, _) = mean_compliance(&scene.punch, scene.width, false);
+        let (strip_compliance, _) = mean_compliance(&scene.strip, scene.width, true);
+        let compliance = punch_compliance + strip_compliance;
+        let series_stiffness =
+            if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
+        Operators {
+            punch,
+            strip,
+            flash,
+            strip_remembers: !endless,
+            friction: FrictionLaw::new(scene),
+            area,
+            power_factor,
+            effective_radius,
+            tracked: scene.path == Path::Straight,
+            compliance,
+            series_stiffness,
+            scene: scene.clone(),
+        }
+    }
+}
+
+/// Path of the heat source, and the length of the strip it heats.
+fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
+    match scene.path {
+        Path::Closed => (moving_source::Path::Closed(scene.length / scene.count), scene.length),
+        Path::Straight if scene.nominal_stroke > 0.0 => {
+            let cell = stroke_cell(scene).max(scene.length);
+            (moving_source::Path::Stroke { stroke: scene.nominal_stroke, cell }, cell)
+        }
+        Path::Straight => (moving_source::Path::Endless, scene.width),
+    }
+}
+
+/// Cell of a to-and-fro path, long enough that its copies do not matter: stroke + width + 8 times the
+/// shortest of diffusion length, fin length and (where the base is held) height.
+fn stroke_cell(scene: &Scene) -> f64 {
+    let strip = &scene.strip;
+    let mut reach = (strip.conductivity / strip.capacity() * scene.nominal_duration).sqrt();
+    if strip.convection > 0.0 {
+        reach = reach.min((strip.conductivity * strip.height / strip.convection).sqrt());
+    }
+    if matches!(strip.far_thermal, ThermalBoundary::Held | ThermalBoundary::External) {
+        reach = reach.min(strip.height);
+    }
+    scene.nominal_stroke + scene.width + 8.0 * reach
+}
+
+fn base_of(body: &Body) -> Base {
+    match body.far_thermal {
+        ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
+        ThermalBoundary::Convecting => Base::Convecting(body.convection),
+        ThermalBoundary::Insulated => Base::Insulated,
+    }
+}
+
+fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, wide: bool) -> BodyOperators {
+    let (_, expansion) = mean_compliance(body, scene.width, wide);
+    BodyOperators {
+        heat: None,
+        coverage,
+        area,
+        forced: body.convection_forced * cooled_part,
+        emissivity: body.emissivity * cooled_part,
+        variable_cooling: body.conductivity > 0.0
+            && cooled_part > 0.0
+            && (body.convection_forced > 0.0 || body.emissivity > 0.0),
+        far: body.far_thermal,
+        far_temperature: body.far_temperature,
+        initial_temperature: body.initial_temperature,
+        wear: WearLaw::new(body, scene.friction_coefficient),
+        wear_factor: annular_mean(scene, 1.0 + body.wear_velocity_exponent),
+        worn_area: 0.0,
+        initial_wear: body.initial_wear,
+        wear_limit: body.wear_limit,
+        expansion,
+    }
+}
+
+/// Mean of (r/r_m)^power over the contact of an annular scene; 1 otherwise.
+fn annular_mean(scene: &Scene, power: f64) -> f64 {
+    if scene.geometry != Geometry::Annular {
+        return 1.0;
+    }
+    let half = 0.5 * scene.width / scene.mean_radius;
+    let (outer, inner) = (1.0 + half, 1.0 - half);
+    (outer.powf(power + 1.0) - inner.powf(power + 1.0)) / ((power + 1.0) * 2.0 * half)
+}
+
+fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
+    let body = &scene.punch;
+    let sides = 2.0 * body.height * scene.depth * scene.count;
+    let cooled = if body.cooled_area > 0.0 { body.cooled_area } else { sides };
+    let mut operators = body_of(scene, body, area, cooled / area, 1.0, false);
+    operators.worn_area = area;
+    if body.conductivity > 0.0 {
+        let slab = Slab {
+            height: body.height,
+            conductivity: body.conductivity,
+            capacity: body.capacity(),
+            surface_transfer: 0.0,
+            volume_transfer: body.convection * cooled / (area * body.height),
+            base: base_of(body),
+            cooling: CoolingPort::Sides,
+        };
+        operators.heat = Some(slab.reduce(scene.nominal_duration, scene.tolerance));
+    }
+    operators
+}
+
+/// The strip's operators, and its slab for the moving source.
+fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
+    let body = &scene.strip;
+    let reference = match scene.geometry {
+        Geometry::Annular => length * scene.width,
+        _ => length * scene.depth,
+    };
+    // On an endless path the problem is that of the integral over the path: all of it is cooled.
+    let (coverage, free) = if endless { (1.0, reference) } else { (area / reference, reference - area) };
+    let cooled = if body.cooled_area > 0.0 { body.cooled_area } else { free };
+    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
+    // A closed path wears all along; a straight one under the contact, which its track remembers.
+    operators.worn_area = area;
+    if body.conductivity == 0.0 {
+        return (operators, None);
+    }
+    let slab = Slab {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        surface_transfer: body.convection * cooled / reference,
+        volume_transfer: 0.0,
+        base: base_of(body),
+        cooling: CoolingPort::Surface,
+    };
+    let mut heat = slab.reduce(scene.nominal_duration, scene.tolerance);
+    let count = heat.count;
+    for weight in &mut heat.input[0][..count] {
+        *weight *= coverage;
+    }
+    for observation in [
+        &mut heat.contact_temperature,
+        &mut heat.cooled_temperature,
+        &mut heat.mean_temperature,
+        &mut heat.ambient_flow,
+        &mut heat.base_flow,
+    ] {
+        observation.direct[0] *= coverage;
+    }
+    if endless {
+        // Fresh material arrives at its initial temperature: the mean heating is left behind.
+        heat.contact_temperature = Observation::NONE;
+    }
+    operators.heat = Some(heat);
+    (operators, Some(slab))
+}
+
+/// The part of a stroke's heating that stays in the track decays without losing heat on the mean:
+/// states that only the contact temperature sees.
+fn append_track(heat: &mut ReducedBody, flash: &Flash) {
+    for (&rate, &residue) in flash.track.rate.iter().zip(&flash.track.residue) {
+        let state = heat.count;
+        heat.rate[state] = rate;
+        heat.input[0][state] = residue.sqrt();
+        heat.contact_temperature.states[state] = residue.sqrt();
+        heat.count += 1;
+    }
+}

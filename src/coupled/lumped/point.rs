@@ -1,0 +1,288 @@
+//! The contact at one instant with all states held: what outputs and directional derivatives come from.
+
+use super::bristle::Bristle;
+use super::conditions::{Conditions, Tunables};
+use super::interface::{Side, Split, agree, split};
+use super::operators::{BodyOperators, Operators};
+use super::state::{BodyState, State};
+use crate::contact::friction::FrictionLaw;
+use crate::coupled::scalar::Scalar;
+use crate::heat::STEFAN_BOLTZMANN;
+use crate::heat::reduced::{Observation, Port, ReducedBody};
+
+/// Sums over the states that do not change while the states are held.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Frozen {
+    punch: FrozenBody,
+    strip: FrozenBody,
+    flash: f64,
+    /// Worn and thermal approach that a caliper feels, m.
+    closed: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+struct FrozenBody {
+    contact: f64,
+    cooled: f64,
+    ambient_flow: f64,
+    base_flow: f64,
+}
+
+impl FrozenBody {
+    fn new(body: &BodyOperators, state: &BodyState) -> FrozenBody {
+        let Some(heat) = &body.heat else { return FrozenBody::default() };
+        let of = |observation: &Observation| observation.of_states(&state.heat, heat.count);
+        FrozenBody {
+            contact: of(&heat.contact_temperature),
+            cooled: of(&heat.cooled_temperature),
+            ambient_flow: of(&heat.ambient_flow),
+            base_flow: of(&heat.base_flow),
+        }
+    }
+}
+
+impl Frozen {
+    /// Sums over `state`.
+    pub fn new(operators: &Operators, state: &State) -> Frozen {
+        let closed = if operators.series_stiffness > 0.0 {
+            let rise = |body: &BodyOperators, state: &BodyState| match &body.heat {
+                Some(heat) => body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count),
+                None => 0.0,
+            };
+            state.punch.depth + state.strip.depth
+                - rise(&operators.punch, &state.punch)
+                - rise(&operators.strip, &state.strip)
+        } else {
+            0.0
+        };
+        Frozen {
+            punch: FrozenBody::new(&operators.punch, &state.punch),
+            strip: FrozenBody::new(&operators.strip, &state.strip),
+            flash: state.flash.iter().sum(),
+            closed,
+        }
+    }
+}
+
+/// The contact at one instant. Temperatures in K above the reference.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Point<S = f64> {
+    /// Load per face that reaches the contact, N.
+    pub load: S,
+    /// Mean pressure, Pa.
+    pub pressure: S,
+    /// Friction coefficient with Stribeck factor.
+    pub friction_coefficient: S,
+    /// Friction coefficient without it.
+    pub faded: S,
+    /// Friction force of all faces, N, signed.
+    pub force: S,
+    /// Friction heat flux, W/m2.
+    pub flux: S,
+    /// Its split.
+    pub split: Split<S>,
+    /// Mean of both surfaces.
+    pub contact_temperature: S,
+    /// Heat flows to ambient and out of the far faces, all faces, W: punch, strip.
+    pub ambient_flow: [S; 2],
+    /// See `ambient_flow`.
+    pub far_flow: [S; 2],
+    /// Speed that wears, m/s.
+    pub wearing_speed: S,
+    /// Wear rates of punch and strip under the contact, m/s.
+    pub wear_rate: [S; 2],
+}
+
+/// Flux into the cooled surface (W/m2 of reference area) at the temperature `t`, K above the reference.
+#[inline]
+pub fn cooling_flux<S: Scalar>(body: &BodyOperators, reference: f64, t: S, ambient: S, forced: S) -> S {
+    let mut flux = (ambient - t) * forced * body.forced;
+    if body.emissivity > 0.0 {
+        let fourth = |t: S| {
+            let square = (t + S::from(reference)) * (t + S::from(reference));
+            square * square
+        };
+        flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * body.emissivity);
+    }
+    flux
+}
+
+/// Derivative of the outgoing cooling flux by the surface temperature, W/(m2 K), for implicit solves.
+#[inline]
+pub fn cooling_slope(body: &BodyOperators, reference: f64, t: f64, forced: f64) -> f64 {
+    forced * body.forced + 4.0 * STEFAN_BOLTZMANN * body.emissivity * (t + reference).max(0.0).powi(3)
+}
+
+/// Levels that prescribed temperatures add to an observation.
+#[inline]
+fn prescribed<S: Scalar>(observation: &Observation, ambient: S, far: S) -> S {
+    ambient * observation.direct[Port::Ambient as usize] + far * observation.direct[Port::Base as usize]
+}
+
+/// Cooling flux of a body with its states held: the surface follows the flux only by its static remainder.
+fn held_cooling<S: Scalar>(
+    body: &BodyOperators,
+    heat: &ReducedBody,
+    frozen: &FrozenBody,
+    reference: f64,
+    conditions: &Conditions<S>,
+    far: S,
+) -> S {
+    if !body.variable_cooling {
+        return S::from(0.0);
+    }
+    let level = prescribed(&heat.cooled_temperature, conditions.ambient, far) + S::from(frozen.cooled);
+    let own = heat.cooled_temperature.direct[Port::Cooling as usize];
+    let mut t = level;
+    // The remainder is tiny against the resistance of the air: the iteration contracts by their ratio.
+    for _ in 0..4 {
+        let flux = cooling_flux(body, reference, t, conditions.ambient, conditions.forced);
+        t = level + flux * own;
+    }
+    cooling_flux(body, reference, t, conditions.ambient, conditions.forced)
+}
+
+/// Evaluates the contact with the states held.
+pub fn evaluate<S: Scalar>(
+    operators: &Operators,
+    friction: &FrictionLaw,
+    state: &State,
+    frozen: &Frozen,
+    tunables: &Tunables,
+    conditions: &Conditions<S>,
+) -> Point<S> {
+    let scene = &operators.scene;
+    let load = if operators.series_stiffness > 0.0 && conditions.load.value() > 0.0 {
+        (conditions.load - S::from(frozen.closed * operators.series_stiffness)).positive()
+    } else {
+        conditions.load
+    };
+    let pressure = load * (1.0 / operators.area);
+    let closed = pressure.value() > 0.0;
+    let body = |operators: &BodyOperators, frozen: &FrozenBody, extra: f64, far: S| match &operators.heat {
+        Some(heat) => {
+            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far);
+            let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
+                + cooling * heat.contact_temperature.direct[Port::Cooling as usize]
+                + S::from(frozen.contact + extra);
+            (Side { level, gain: Some(heat.contact_temperature.direct[Port::Contact as usize]) }, cooling)
+        }
+        None => (Side { level: conditions.ambient, gain: None }, S::from(0.0)),
+    };
+    let entry = strip_entry(operators, state);
+    let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, conditions.punch_far);
+    let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, conditions.strip_far);
+    let sides = (punch, strip);
+    let bristle = operators.bristle();
+    let faces = scene.faces;
+    // Heat per unit of the faded friction coefficient.
+    let driver = if bristle.is_some() {
+        S::from(0.0)
+    } else {
+        conditions.stribeck * conditions.slip * pressure * operators.power_factor
+    };
+    let solve = |flux: S| {
+        if closed {
+            split(sides.0, sides.1, flux, scene.conductance)
+        } else {
+            Split {
+                punch: S::from(0.0),
+                strip: S::from(0.0),
+                punch_temperature: sides.0.level,
+                strip_temperature: sides.1.level,
+            }
+        }
+    };
+    let mean = |split: &Split<S>| (split.punch_temperature + split.strip_temperature) * 0.5;
+    let reference = S::from(state.reference);
+    let none = solve(S::from(0.0));
+    let level = mean(&none) + reference;
+    let (mut temperature, mut flux) = (level, S::from(0.0));
+    if closed && driver.value() > 0.0 {
+        // The temperature is affine in the heat: two evaluations give its gain.
+        let gain = mean(&solve(driver)) + reference - level;
+        temperature = agree(friction, level, gain);
+        flux = friction.faded(temperature) * driver;
+    }
+    let faded = friction.faded(temperature);
+    let mu = faded * conditions.stribeck;
+    let kinetic = mu * load * (faces * operators.power_factor);
+    let mut force = kinetic * conditions.sign;
+    let mut wearing_speed = conditions.slip;
+    if let Some(bristle) = bristle {
+        let (held, slips) = bristle.force(state.bristle, conditions.velocity.value(), kinetic.value());
+        let rate = bristle.rate(state.bristle, conditions.velocity.value(), kinetic.value());
+        let v = conditions.velocity;
+        if slips {
+            force = kinetic * held.signum();
+            wearing_speed = (v - S::from(rate)).abs();
+        } else {
+            force = S::from(bristle.stiffness * state.bristle) + v * bristle.damping;
+            wearing_speed = S::from(0.0);
+        }
+        // Heat: the slider's work and the damper's.
+        let deflecting = if slips {
+            if bristle.damping > 0.0 {
+                (force - S::from(bristle.stiffness * state.bristle)) * (1.0 / bristle.damping)
+            } else {
+                S::from(0.0)
+            }
+        } else {
+            v
+        };
+        let power = force * v - deflecting * (bristle.stiffness * state.bristle);
+        flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
+    }
+    let split = solve(flux);
+    let contact_temperature = mean(&split);
+    let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: S, far: S| match &body.heat {
+        Some(heat) => {
+            let observe = |observation: &Observation, states: f64| {
+                (S::from(states)
+                    + into * observation.direct[Port::Contact as usize]
+                    + cooling * observation.direct[Port::Cooling as usize]
+                    + prescribed(observation, conditions.ambient, far))
+                    * (body.area * faces)
+            };
+            (
+                observe(&heat.ambient_flow, frozen.ambient_flow) - cooling * (body.area * faces),
+                observe(&heat.base_flow, frozen.base_flow),
+            )
+        }
+        None => (S::from(0.0), S::from(0.0)),
+    };
+    let punch_flows = flows(&operators.punch, &frozen.punch, split.punch, punch_cooling, conditions.punch_far);
+    let strip_flows = flows(&operators.strip, &frozen.strip, split.strip, strip_cooling, conditions.strip_far);
+    let wear = |body: &BodyOperators| {
+        body.wear.rate(pressure, wearing_speed, faded, contact_temperature + reference)
+            * (body.wear_factor * tunables.wear_acceleration)
+    };
+    Point {
+        load,
+        pressure,
+        friction_coefficient: mu,
+        faded,
+        force,
+        flux,
+        split,
+        contact_temperature,
+        ambient_flow: [punch_flows.0, strip_flows.0],
+        far_flow: [punch_flows.1, strip_flows.1],
+        wearing_speed,
+        wear_rate: [wear(&operators.punch), wear(&operators.strip)],
+    }
+}
+
+/// Temperature (K above the reference) at which fresh material arrives on a straight one-way path.
+pub fn strip_entry(operators: &Operators, state: &State) -> f64 {
+    let initial = operators.strip.initial_temperature;
+    if operators.strip_remembers || initial == 0.0 { 0.0 } else { initial - state.reference }
+}
+
+impl Operators {
+    /// The bristle, if the scene has one.
+    pub fn bristle(&self) -> Option<Bristle> {
+        (self.scene.stick_stiffness > 0.0)
+            .then_some(Bristle { stiffness: self.scene.stick_stiffness, damping: self.scene.stick_damping })
+    }
+}

@@ -1,0 +1,388 @@
+//! The unknowns of both stages of a step: heat, its split, friction, pressure and wear.
+
+use super::bristle::Bristle;
+use super::conditions::Conditions;
+use super::flash_step::FlashStep;
+use super::interface::agree;
+use super::operators::BodyOperators;
+use super::stage::{BASIS, QUADRATURE};
+use super::stage_body::StageBody;
+use super::state::{BodyState, State};
+use super::step::Stepper;
+use crate::heat::reduced::Port;
+
+/// Unknowns of the two stages.
+pub struct Stages {
+    pressure: [f64; 2],
+    /// Friction heat flux.
+    pub heat: [f64; 2],
+    /// Mean contact temperature, K above the reference.
+    pub temperature: [f64; 2],
+    faded: [f64; 2],
+    /// Wear rates of punch and strip at the stages.
+    pub rates: [[f64; 2]; 2],
+    /// Gain of the strip including its moving source.
+    strip_gain: [[f64; 2]; 3],
+    /// s v Stribeck at the stages: heat per faded friction and pressure.
+    driver: [f64; 2],
+    slip: [f64; 2],
+    pub bristle: Option<Bristle>,
+    deflection_at_start: f64,
+    pub deflection: f64,
+    pub slipped: f64,
+    velocity: f64,
+    stribeck: f64,
+    given_load: [f64; 2],
+    reference: f64,
+}
+
+impl Stages {
+    pub fn new(stepper: &Stepper, state: &State, conditions: &[Conditions; 4], flash: &Option<FlashStep>) -> Stages {
+        let operators = stepper.operators;
+        let mut strip_gain =
+            stepper.propagators.strip.as_ref().map_or([[0.0; 2]; 3], |propagator| propagator.contact.gain[0]);
+        if let Some(flash) = flash {
+            for (gain, extra) in strip_gain.iter_mut().zip(&flash.gain) {
+                gain[0] += extra[0];
+                gain[1] += extra[1];
+            }
+        }
+        let (first, last) = (&conditions[1], &conditions[3]);
+        let loads = [first.load, last.load];
+        let power = operators.power_factor;
+        Stages {
+            pressure: loads.map(|load| load / operators.area),
+            heat: [0.0; 2],
+            temperature: [0.0; 2],
+            faded: [stepper.friction.coefficient * stepper.friction.fade.factor[0]; 2],
+            rates: [[0.0; 2]; 2],
+            strip_gain,
+            driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
+            slip: [first.slip, last.slip],
+            bristle: operators.bristle(),
+            deflection_at_start: state.bristle,
+            deflection: state.bristle,
+            slipped: 0.0,
+            velocity: 0.5 * (conditions[0].velocity + conditions[3].velocity),
+            stribeck: 0.5 * (first.stribeck + last.stribeck),
+            given_load: loads,
+            reference: state.reference,
+        }
+    }
+
+    /// Contact load behind a caliper: wear relaxes it, expansion raises it.
+    pub fn loads(&mut self, stepper: &Stepper, state: &State, punch: &StageBody, strip: &StageBody) {
+        let operators = stepper.operators;
+        if operators.series_stiffness == 0.0 {
+            return;
+        }
+        let step = stepper.propagators.step;
+        // Radau IIA: what each stage rate adds up to the stage points.
+        const STAGE: [[f64; 2]; 2] = [[5.0 / 12.0, -1.0 / 12.0], [0.75, 0.25]];
+        let coverage = operators.scene.coverage();
+        for stage in 0..2 {
+            let worn =
+                |body: usize| step * (STAGE[stage][0] * self.rates[body][0] + STAGE[stage][1] * self.rates[body][1]);
+            let expansion = |body: &StageBody, state: &BodyState| match (body.propagator, &body.body.heat) {
+                (Some(propagator), Some(heat)) => {
+                    body.body.expansion
+                        * (propagator.mean.of_states(2 * stage, &state.heat, heat.count)
+                            + body.add(|propagator| &propagator.mean, 2 * stage))
+                }
+                _ => 0.0,
+            };
+            let closed = state.punch.depth + worn(0) + state.strip.depth + coverage * worn(1)
+                - expansion(punch, &state.punch)
+                - expansion(strip, &state.strip);
+            let load = if self.given_load[stage] > 0.0 {
+                (self.given_load[stage] - operators.series_stiffness * closed).max(0.0)
+            } else {
+                0.0
+            };
+            self.pressure[stage] = load / operators.area;
+        }
+    }
+
+    /// Solves heat, split and friction at both stages for the present cooling and pressure; returns the
+    /// largest change of temperature, 0 where nothing needs another pass.
+    pub fn solve(&mut self, stepper: &Stepper, punch: &mut StageBody, strip: &mut StageBody) -> f64 {
+        let conductance = stepper.operators.scene.conductance;
+        let closed = self.pressure.map(|pressure| pressure > 0.0);
+        let before = self.temperature;
+        let split = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
+        let none = split.temperatures(&split.fluxes([0.0; 2]));
+        if self.bristle.is_some() {
+            self.slide_bristle(stepper);
+        } else if stepper.friction.fade.flat {
+            for stage in 0..2 {
+                self.heat[stage] = self.faded[stage] * self.driver[stage] * self.pressure[stage];
+            }
+        } else {
+            // The temperature is affine in the heats: columns of its gain, then one agreement per stage in turn.
+            let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| split.temperatures(&split.fluxes(unit)));
+            for _ in 0..60 {
+                let old = self.heat;
+                for stage in 0..2 {
+                    let other = 1 - stage;
+                    let power = self.driver[stage] * self.pressure[stage];
+                    let level = none[stage] + (columns[other][stage] - none[stage]) * self.heat[other];
+                    let gain = (columns[stage][stage] - none[stage]).max(0.0) * power;
+                    let temperature = agree(stepper.friction, level + self.reference, gain);
+                    self.faded[stage] = stepper.friction.faded(temperature);
+                    self.heat[stage] = self.faded[stage] * power;
+                }
+                if (0..2).all(|stage| (self.heat[stage] - old[stage]).abs() <= 1e-13 * self.heat[stage].abs()) {
+                    break;
+                }
+            }
+        }
+        let fluxes = split.fluxes(self.heat);
+        self.temperature = split.temperatures(&fluxes);
+        punch.flux[0] = fluxes.map(|flux| flux.0);
+        strip.flux[0] = fluxes.map(|flux| flux.1);
+        let fades = !stepper.friction.fade.flat;
+        if self.bristle.is_some() && fades {
+            self.faded = self.temperature.map(|rise| stepper.friction.faded(rise + self.reference));
+        }
+        self.wear(stepper);
+        let nonlinear = stepper.operators.series_stiffness > 0.0
+            || punch.active[Port::Cooling as usize]
+            || strip.active[Port::Cooling as usize]
+            || (self.bristle.is_some() && fades);
+        if !nonlinear {
+            return 0.0;
+        }
+        (0..2).map(|stage| (self.temperature[stage] - before[stage]).abs()).fold(0.0, f64::max)
+    }
+
+    /// The bristle over the whole step, at its mean limit; its heat is spread over the stages as the sliding is.
+    fn slide_bristle(&mut self, stepper: &Stepper) {
+        let Some(bristle) = self.bristle else { return };
+        let (operators, step) = (stepper.operators, stepper.propagators.step);
+        let per_flux = operators.scene.faces * operators.area;
+        let limit = self.stribeck
+            * operators.power_factor
+            * per_flux
+            * (QUADRATURE[0] * self.faded[0] * self.pressure[0] + QUADRATURE[1] * self.faded[1] * self.pressure[1]);
+        let moved = bristle.advance(self.deflection_at_start, self.velocity, limit, step);
+        self.deflection = moved.deflection;
+        self.slipped = moved.slipped;
+        let share = [self.slip[0] * self.pressure[0], self.slip[1] * self.pressure[1]];
+        let mean = QUADRATURE[0] * share[0] + QUADRATURE[1] * share[1];
+        let flux = moved.heat / (per_flux * step);
+        self.heat = if mean > 0.0 { share.map(|share| flux * share / mean) } else { [flux; 2] };
+        if self.pressure == [0.0; 2] {
+            self.heat = [0.0; 2];
+        }
+    }
+
+    /// Wear rates at the stages.
+    fn wear(&mut self, stepper: &Stepper) {
+        let operators = stepper.operators;
+        let sliding = self.slipped / stepper.propagators.step;
+        for stage in 0..2 {
+            let speed = if self.bristle.is_some() { sliding } else { self.slip[stage] };
+            for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&mut self.rates) {
+                rates[stage] = body.wear.rate(
+                    self.pressure[stage],
+                    speed,
+                    self.faded[stage],
+                    self.temperature[stage] + self.reference,
+                ) * (body.wear_factor * stepper.tunables.wear_acceleration);
+            }
+        }
+    }
+
+    /// Error of the step in units of the tolerance, from the contact conditions at the point 2/3.
+    pub fn error(
+        &self,
+        stepper: &Stepper,
+        state: &State,
+        conditions: &[Conditions; 4],
+        punch: &StageBody,
+        strip: &StageBody,
+    ) -> f64 {
+        let operators = stepper.operators;
+        let tolerance = stepper.operators.scene.tolerance;
+        let middle = &conditions[2];
+        let between = |values: [f64; 2]| BASIS[1][0] * values[0] + BASIS[1][1] * values[1];
+        let pressure =
+            if operators.series_stiffness > 0.0 { between(self.pressure) } else { middle.load / operators.area };
+        let heats = between(self.heat);
+        let into_punch = between(punch.flux[0]);
+        let into_strip = between(strip.flux[0]);
+        let punch_temperature = punch.contact(1);
+        let strip_temperature = strip.contact_level(1)
+            + self.strip_gain[1][0] * strip.flux[0][0]
+            + self.strip_gain[1][1] * strip.flux[0][1];
+        let temperature = 0.5 * (punch_temperature + strip_temperature);
+        let mut defect = 0.0;
+        let conductance = operators.scene.conductance;
+        let both = punch.propagator.is_some() && strip.propagator.is_some();
+        if both && conductance > 0.0 && self.pressure[0] > 0.0 && self.pressure[1] > 0.0 {
+            let gain = punch.gain(1);
+            let strip_gain = self.strip_gain[1];
+            let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
+            let jump = punch_temperature - strip_temperature - 0.5 * (into_strip - into_punch) / conductance;
+            defect += jump.abs() / resistance;
+        }
+        let faded = stepper.friction.faded(temperature + self.reference);
+        if self.bristle.is_none() {
+            let heat = faded * middle.stribeck * middle.slip * operators.power_factor * pressure;
+            defect += (heat - heats).abs();
+        }
+        let scale = self.heat[0].abs().max(self.heat[1].abs()).max(0.02 * state.peak_flux);
+        // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
+        let mut error = if defect > 0.0 { defect / (1.5 * tolerance * scale) } else { 0.0 };
+        if self.bristle.is_none() {
+            for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&self.rates) {
+                if body.wear.active() {
+                    error = error.max(self.wear_error(stepper, conditions, body, rates, state.peak_wear));
+                }
+            }
+        }
+        error
+    }
+
+    /// Third difference of the wear rate, which the quadrature leaves, in units of the tolerance.
+    fn wear_error(
+        &self,
+        stepper: &Stepper,
+        conditions: &[Conditions; 4],
+        body: &BodyOperators,
+        rates: &[f64; 2],
+        peak: f64,
+    ) -> f64 {
+        let operators = stepper.operators;
+        let rate = |index: usize, pressure: f64, stages: [f64; 2]| {
+            let between = |values: [f64; 2]| stages[0] * values[0] + stages[1] * values[1];
+            body.wear.rate(
+                pressure,
+                conditions[index].slip,
+                between(self.faded),
+                between(self.temperature) + self.reference,
+            ) * (body.wear_factor * stepper.tunables.wear_acceleration)
+        };
+        let caliper = operators.series_stiffness > 0.0;
+        let pressure = |index: usize, stages: [f64; 2]| {
+            if caliper {
+                (stages[0] * self.pressure[0] + stages[1] * self.pressure[1]).max(0.0)
+            } else {
+                conditions[index].load / operators.area
+            }
+        };
+        // Linear continuation of what the stages found to the start and to the point 2/3.
+        let (start, middle) = ([1.5, -0.5], BASIS[1]);
+        let first = rate(0, pressure(0, start), start);
+        let second = rate(2, pressure(2, middle), middle);
+        let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs();
+        let scale = rates[0].max(rates[1]).max(0.02 * peak);
+        if third > 0.0 { third / (10.0 * stepper.operators.scene.tolerance * scale) } else { 0.0 }
+    }
+
+    /// Highest surface temperature at the end of the step, K above the reference.
+    pub fn hottest(&self, punch: &StageBody, strip: &StageBody) -> f64 {
+        let strip_temperature = strip.contact_level(2)
+            + self.strip_gain[2][0] * strip.flux[0][0]
+            + self.strip_gain[2][1] * strip.flux[0][1];
+        punch.contact(2).max(strip_temperature)
+    }
+}
+
+/// The linear map from the friction heats of both stages to the fluxes and the contact temperatures.
+struct Splitting {
+    punch_level: [f64; 2],
+    strip_level: [f64; 2],
+    punch_gain: [[f64; 2]; 2],
+    strip_gain: [[f64; 2]; 2],
+    inverse: [[f64; 2]; 2],
+    half_resistance: f64,
+    conducts: (bool, bool),
+    conductance: f64,
+    closed: [bool; 2],
+}
+
+impl Splitting {
+    fn new(
+        punch: &StageBody,
+        strip: &StageBody,
+        strip_gain: &[[f64; 2]; 3],
+        conductance: f64,
+        closed: [bool; 2],
+    ) -> Self {
+        let punch_gain = [punch.gain(0), punch.gain(2)];
+        let strip_gain = [strip_gain[0], strip_gain[2]];
+        let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
+        let mut matrix = [[0.0; 2]; 2];
+        for i in 0..2 {
+            for j in 0..2 {
+                let own = if i == j { 2.0 * half_resistance } else { 0.0 };
+                matrix[i][j] = if closed[i] {
+                    punch_gain[i][j] + strip_gain[i][j] + own
+                } else {
+                    // No exchange where the contact is open: the flux into the punch is 0.
+                    f64::from(u8::from(i == j))
+                };
+            }
+        }
+        let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
+        let inverse = [
+            [matrix[1][1] / determinant, -matrix[0][1] / determinant],
+            [-matrix[1][0] / determinant, matrix[0][0] / determinant],
+        ];
+        Splitting {
+            punch_level: [punch.contact_level(0), punch.contact_level(2)],
+            strip_level: [strip.contact_level(0), strip.contact_level(2)],
+            punch_gain,
+            strip_gain,
+            inverse,
+            half_resistance,
+            conducts: (punch.propagator.is_some(), strip.propagator.is_some()),
+            conductance,
+            closed,
+        }
+    }
+
+    /// Fluxes into punch and strip at both stages for the friction heats `heat`.
+    fn fluxes(&self, heat: [f64; 2]) -> [(f64, f64); 2] {
+        match self.conducts {
+            (true, true) if self.conductance > 0.0 => {
+                let mut right = [0.0; 2];
+                for i in 0..2 {
+                    if self.closed[i] {
+                        right[i] = self.strip_level[i] - self.punch_level[i]
+                            + self.strip_gain[i][0] * heat[0]
+                            + self.strip_gain[i][1] * heat[1]
+                            + self.half_resistance * heat[i];
+                    }
+                }
+                [0, 1].map(|i| {
+                    let into_punch = self.inverse[i][0] * right[0] + self.inverse[i][1] * right[1];
+                    (into_punch, heat[i] - into_punch)
+                })
+            }
+            (true, true) => heat.map(|heat| (0.5 * heat, 0.5 * heat)),
+            (true, false) => heat.map(|heat| (heat, 0.0)),
+            (false, true) => heat.map(|heat| (0.0, heat)),
+            (false, false) => [(0.0, 0.0); 2],
+        }
+    }
+
+    /// Contact temperatures at both stages, K above the reference.
+    fn temperatures(&self, fluxes: &[(f64, f64); 2]) -> [f64; 2] {
+        [0, 1].map(|i| {
+            let mut punch =
+                self.punch_level[i] + self.punch_gain[i][0] * fluxes[0].0 + self.punch_gain[i][1] * fluxes[1].0;
+            let mut strip =
+                self.strip_level[i] + self.strip_gain[i][0] * fluxes[0].1 + self.strip_gain[i][1] * fluxes[1].1;
+            if self.closed[i] && self.conductance > 0.0 {
+                match self.conducts {
+                    (true, false) => strip = punch + self.half_resistance * fluxes[i].0,
+                    (false, true) => punch = strip + self.half_resistance * fluxes[i].1,
+                    _ => {}
+                }
+            }
+            0.5 * (punch + strip)
+        })
+    }
+}

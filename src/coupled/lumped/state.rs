@@ -1,0 +1,117 @@
+//! What changes at the lumped level; everything a saved state needs.
+
+use super::operators::Operators;
+use crate::heat::flash::MAX_FLASH_STATES;
+use crate::heat::reduced::MAX_STATES;
+use crate::wear::track::Track;
+
+/// Heat and wear of one body.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BodyState {
+    /// States of the reduced conduction problem.
+    pub heat: [f64; MAX_STATES],
+    /// Integrals of the fluxes through the ports since initialisation, by port.
+    pub received: [f64; 4],
+    /// Worn depth under a contact that stays on its material, m: punch, or strip of a closed path.
+    pub depth: f64,
+    /// Worn volume per face over `worn_area`, m.
+    pub worn: f64,
+}
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct State {
+    pub punch: BodyState,
+    pub strip: BodyState,
+    /// States of the moving source, K.
+    pub flash: [f64; MAX_FLASH_STATES],
+    /// Worn track of a straight path; absent where nothing is tracked.
+    pub track: Option<Track>,
+    /// Position of the punch on the strip, m.
+    pub position: f64,
+    /// Distance slid, m.
+    pub distance: f64,
+    /// Friction heat per contact area, J/m2.
+    pub dissipated: f64,
+    /// Bristle deflection, m.
+    pub bristle: f64,
+    /// Largest temperature rise at the contact so far, K.
+    pub peak_rise: f64,
+    /// Largest friction heat flux so far, W/m2.
+    pub peak_flux: f64,
+    /// Largest wear rate so far, m/s.
+    pub peak_wear: f64,
+    /// Bits of limit_reached seen so far.
+    pub limits: u8,
+    /// log2 of the number of parts the last communication step was cut into.
+    pub refinement: u8,
+    /// Ambient temperature that heat is counted from, K.
+    pub reference: f64,
+    /// Running estimate of the relative error.
+    pub error: f64,
+    /// Accepted steps, for work-precision charts.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+}
+
+impl State {
+    /// At initialisation: bodies at their initial temperatures, nothing worn. `ambient` in K.
+    pub fn new(operators: &Operators, ambient: f64) -> State {
+        let reference = ambient;
+        let start = |body: &super::operators::BodyOperators| {
+            let mut state = BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
+            if let Some(heat) = &body.heat {
+                let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
+                for k in 0..heat.count {
+                    state.heat[k] = heat.stored.states[k] * (initial - reference);
+                }
+            }
+            state
+        };
+        let punch = start(&operators.punch);
+        let mut strip = start(&operators.strip);
+        if !operators.strip_remembers {
+            strip.heat = [0.0; MAX_STATES];
+        }
+        let track = operators
+            .tracked
+            .then(|| Track::new(0.5 * operators.scene.sliding_extent(), operators.scene.nominal_stroke));
+        State { punch, strip, track, reference, ..State::empty() }
+    }
+
+    /// All zero, no track.
+    pub fn empty() -> State {
+        State {
+            punch: BodyState::EMPTY,
+            strip: BodyState::EMPTY,
+            flash: [0.0; MAX_FLASH_STATES],
+            track: None,
+            position: 0.0,
+            distance: 0.0,
+            dissipated: 0.0,
+            bristle: 0.0,
+            peak_rise: 0.0,
+            peak_flux: 0.0,
+            peak_wear: 0.0,
+            limits: 0,
+            refinement: 0,
+            reference: 0.0,
+            error: 0.0,
+            steps: 0,
+            rejected: 0,
+        }
+    }
+
+    /// Whether the state can belong to `operators`.
+    pub fn fits(&self, operators: &Operators) -> bool {
+        let within = |heat: &[f64], body: &super::operators::BodyOperators| {
+            let count = body.heat.as_ref().map_or(0, |heat| heat.count);
+            heat[count..].iter().all(|value| *value == 0.0)
+        };
+        within(&self.punch.heat, &operators.punch)
+            && within(&self.strip.heat, &operators.strip)
+            && self.track.is_some() == operators.tracked
+            && self.refinement <= 60
+    }
+}

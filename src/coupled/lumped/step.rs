@@ -1,0 +1,143 @@
+//! One implicit step of the lumped level: pressure, heat split, cooling, friction and wear together.
+//!
+//! Fluxes are linear between the Radau points 1/3 and 1 of the step; both stages are solved at once
+//! (two-stage Radau IIA in the fluxes, L-stable, third order on smooth histories), the states follow
+//! exactly ([`super::stage`]). The start of the step does not enter, so the layer that a jump of the inputs
+//! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
+//! is the error estimate.
+
+use super::conditions::{Conditions, Tunables};
+use super::flash_step::FlashStep;
+use super::operators::{BodyOperators, Operators};
+use super::point::strip_entry;
+use super::stage::{Propagator, QUADRATURE};
+use super::stage_body::StageBody;
+use super::stages::Stages;
+use super::state::State;
+use crate::contact::friction::FrictionLaw;
+use crate::heat::reduced::Port;
+
+/// Both bodies over one step size.
+#[derive(Clone, Debug)]
+pub struct Propagators {
+    /// The step size, s.
+    pub step: f64,
+    pub(super) punch: Option<Propagator>,
+    pub(super) strip: Option<Propagator>,
+}
+
+impl Propagators {
+    /// Weights for the step `step` (s).
+    pub fn new(operators: &Operators, step: f64) -> Propagators {
+        let of = |body: &BodyOperators| body.heat.as_ref().map(|heat| Propagator::new(heat, step));
+        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip) }
+    }
+}
+
+/// What an attempted step found.
+pub struct Attempt {
+    /// Error in units of the tolerance; the step is good if at most 1.
+    pub error: f64,
+    /// Highest temperature seen, K above the reference.
+    pub hottest: f64,
+}
+
+/// Everything a step needs that does not change during it.
+pub struct Stepper<'a> {
+    pub operators: &'a Operators,
+    pub friction: &'a FrictionLaw,
+    pub tunables: &'a Tunables,
+    pub propagators: &'a Propagators,
+}
+
+impl Stepper<'_> {
+    /// Tries the step from `state`; `conditions` at the start and at the three points. On success
+    /// (error at most 1) `state` is carried over, otherwise it is left as it was.
+    pub fn attempt(&self, state: &mut State, conditions: &[Conditions; 4]) -> Attempt {
+        let (operators, scene) = (self.operators, &self.operators.scene);
+        let step = self.propagators.step;
+        let at = |stage: usize| &conditions[if stage == 0 { 1 } else { 3 }];
+        let pair = |of: fn(&Conditions) -> f64| [of(at(0)), of(at(1))];
+        let ambient = pair(|c| c.ambient);
+        let forced = pair(|c| c.forced);
+        let mut punch = StageBody::new(
+            &operators.punch,
+            self.propagators.punch.as_ref(),
+            &state.punch,
+            ambient,
+            pair(|c| c.punch_far),
+        );
+        let mut strip = StageBody::new(
+            &operators.strip,
+            self.propagators.strip.as_ref(),
+            &state.strip,
+            ambient,
+            pair(|c| c.strip_far),
+        );
+        let flash = FlashStep::new(operators, state, conditions.map(|c| c.velocity.abs()), step);
+        let entry = strip_entry(operators, state);
+        if let Some(flash) = &flash {
+            for point in 0..3 {
+                strip.level[point] += flash.homogeneous[point];
+            }
+        }
+        for level in &mut strip.level {
+            *level += entry;
+        }
+        let mut stages = Stages::new(self, state, conditions, &flash);
+        let mut converged = false;
+        for _ in 0..40 {
+            stages.loads(self, state, &punch, &strip);
+            let mut change = stages.solve(self, &mut punch, &mut strip);
+            for body in [&mut punch, &mut strip] {
+                if body.active[Port::Cooling as usize] {
+                    change = change.max(body.cool(state.reference, ambient, forced));
+                }
+            }
+            if change <= 1e-12 * (1.0 + state.peak_rise) {
+                converged = true;
+                break;
+            }
+        }
+        let hottest = stages.hottest(&punch, &strip);
+        if !converged || !hottest.is_finite() {
+            return Attempt { error: f64::INFINITY, hottest };
+        }
+        let error = stages.error(self, state, conditions, &punch, &strip);
+        if error > 1.0 {
+            return Attempt { error, hottest };
+        }
+        // Accepted: carry everything over.
+        punch.commit(&mut state.punch, step);
+        if let Some(flash) = &flash {
+            let flux = strip.flux[0];
+            let count = operators.flash.as_ref().map_or(0, |flash| flash.decays.rate.len());
+            for k in 0..count {
+                state.flash[k] =
+                    flash.decay[k] * state.flash[k] + flash.update[0][k] * flux[0] + flash.update[1][k] * flux[1];
+            }
+        }
+        strip.commit(&mut state.strip, step);
+        let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);
+        let mean = |values: [f64; 2]| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
+        state.dissipated += step * mean(stages.heat);
+        state.distance += if stages.bristle.is_some() { stages.slipped } else { travel.abs() };
+        let worn = [step * mean(stages.rates[0]), step * mean(stages.rates[1])];
+        state.punch.worn += worn[0];
+        state.punch.depth += worn[0];
+        state.strip.worn += worn[1];
+        match &mut state.track {
+            Some(track) if worn[1] > 0.0 => track.wear(state.position, state.position + travel, worn[1]),
+            Some(_) => {}
+            None => state.strip.depth += worn[1] * scene.coverage(),
+        }
+        state.position += travel;
+        state.bristle = stages.deflection;
+        for rise in stages.temperature {
+            state.peak_rise = state.peak_rise.max(rise.abs());
+        }
+        state.peak_flux = state.peak_flux.max(stages.heat[0]).max(stages.heat[1]);
+        state.peak_wear = state.peak_wear.max(stages.rates[0][1].max(stages.rates[1][1]));
+        Attempt { error, hottest }
+    }
+}

@@ -1,0 +1,318 @@
+//! A scene: the parameters as the physics reads them, made from the values of the variable table.
+
+mod fade;
+mod rules;
+
+pub use fade::FadeTable;
+pub use rules::Broken;
+
+use crate::variables::{COUNT, reference};
+
+/// Value of the row called `$name` in `$values`; an unknown name does not compile.
+macro_rules! value {
+    ($values:expr, $name:expr) => {
+        $values[const { $crate::variables::reference($name) } as usize]
+    };
+}
+pub(crate) use value;
+
+/// The eight elements of the row called `$name`.
+macro_rules! eight {
+    ($values:expr, $name:expr) => {{
+        let mut eight = [0.0; 8];
+        let first = const { reference($name) } as usize;
+        eight.copy_from_slice(&$values[first..first + 8]);
+        eight
+    }};
+}
+
+/// Elastic model of a body.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MechanicalBody {
+    /// No deformation.
+    Rigid,
+    /// Independent springs.
+    Winkler,
+    /// Elastic half-plane.
+    HalfPlane,
+    /// Elastic body of finite height.
+    Elastic,
+}
+
+/// Thermal condition of the face opposite to the contact.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ThermalBoundary {
+    /// Constant temperature.
+    Held,
+    /// Heat transfer to ambient air.
+    Convecting,
+    /// No heat passes.
+    Insulated,
+    /// Temperature of an input.
+    External,
+}
+
+/// Geometry of the contact.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Geometry {
+    /// x along the sliding direction.
+    Line,
+    /// x along the radius.
+    Annular,
+    /// The punch covers the whole closed path.
+    Periodic,
+}
+
+/// Path of the punch on the strip.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Path {
+    /// Open track.
+    Straight,
+    /// Closed track.
+    Closed,
+}
+
+/// Level of the model.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fidelity {
+    /// The cheapest that meets the tolerance.
+    Auto,
+    /// Uniform pressure, few thermal states.
+    Lumped,
+    /// Contact line.
+    Line,
+    /// Unreduced finite elements.
+    Field,
+}
+
+/// Time stepping.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Scheme {
+    /// All fields in one implicit step.
+    Monolithic,
+    /// Operator split.
+    Staggered,
+    /// Explicit wear.
+    Explicit,
+}
+
+/// Freedom of the punch in its holder.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Constraint {
+    /// Approach only.
+    Translate,
+    /// Approach and rotation about a pivot.
+    TranslateAndRotate,
+}
+
+/// A body. Symbols and units as in the variable table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Body {
+    pub height: f64,
+    pub mechanical: MechanicalBody,
+    pub youngs_modulus: f64,
+    pub poissons_ratio: f64,
+    pub foundation_stiffness: f64,
+    pub density: f64,
+    pub specific_heat: f64,
+    pub conductivity: f64,
+    pub thermal_expansion: f64,
+    pub wear_coefficient: f64,
+    pub wear_pressure_exponent: f64,
+    pub wear_velocity_exponent: f64,
+    pub wear_fade: FadeTable,
+    pub initial_wear: f64,
+    pub wear_limit: f64,
+    pub initial_temperature: f64,
+    pub convection: f64,
+    pub convection_forced: f64,
+    pub emissivity: f64,
+    pub cooled_area: f64,
+    /// Condition of the face opposite to the contact.
+    pub far_thermal: ThermalBoundary,
+    /// Temperature there where it is held, K; 0: ambient.
+    pub far_temperature: f64,
+}
+
+impl Body {
+    /// Heat capacity by volume, J/(m3 K).
+    pub fn capacity(&self) -> f64 {
+        self.density * self.specific_heat
+    }
+}
+
+/// The parameters of a scene. Symbols and units as in the variable table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Scene {
+    pub punch: Body,
+    pub strip: Body,
+    pub width: f64,
+    pub depth: f64,
+    pub count: f64,
+    pub path: Path,
+    /// Circumference of a closed path, resolved from the mean radius where not given; 0 for a straight one without a given length.
+    pub length: f64,
+    pub smooth_base: bool,
+    pub geometry: Geometry,
+    pub mean_radius: f64,
+    pub faces: f64,
+    pub friction_coefficient: f64,
+    pub friction_fade: FadeTable,
+    pub static_friction_ratio: f64,
+    pub stribeck_velocity: f64,
+    pub regularization_velocity: f64,
+    pub stick_stiffness: f64,
+    pub stick_damping: f64,
+    pub conductance: f64,
+    pub run_in: bool,
+    pub temperature_limit: f64,
+    pub constraint: Constraint,
+    pub pivot_height: f64,
+    pub holder_stiffness: f64,
+    pub ambient_temperature: f64,
+    pub nominal_load: f64,
+    pub nominal_velocity: f64,
+    pub nominal_duration: f64,
+    pub nominal_stroke: f64,
+    pub fidelity: Fidelity,
+    pub scheme: Scheme,
+    pub tolerance: f64,
+    pub wear_acceleration: f64,
+}
+
+macro_rules! body {
+    ($v:expr, $body:literal, $far:literal, $far_temperature:literal) => {
+        Body {
+            height: value!($v, concat!($body, ".height")),
+            mechanical: match value!($v, concat!($body, ".body")) as i32 {
+                1 => MechanicalBody::Rigid,
+                2 => MechanicalBody::Winkler,
+                3 => MechanicalBody::HalfPlane,
+                _ => MechanicalBody::Elastic,
+            },
+            youngs_modulus: value!($v, concat!($body, ".youngs_modulus")),
+            poissons_ratio: value!($v, concat!($body, ".poissons_ratio")),
+            foundation_stiffness: value!($v, concat!($body, ".foundation_stiffness")),
+            density: value!($v, concat!($body, ".density")),
+            specific_heat: value!($v, concat!($body, ".specific_heat")),
+            conductivity: value!($v, concat!($body, ".conductivity")),
+            thermal_expansion: value!($v, concat!($body, ".thermal_expansion")),
+            wear_coefficient: value!($v, concat!($body, ".wear_coefficient")),
+            wear_pressure_exponent: value!($v, concat!($body, ".wear_pressure_exponent")),
+            wear_velocity_exponent: value!($v, concat!($body, ".wear_velocity_exponent")),
+            wear_fade: FadeTable::new(
+                eight!($v, concat!($body, ".wear_fade.temperature")),
+                eight!($v, concat!($body, ".wear_fade.factor")),
+            ),
+            initial_wear: value!($v, concat!($body, ".initial_wear")),
+            wear_limit: value!($v, concat!($body, ".wear_limit")),
+            initial_temperature: value!($v, concat!($body, ".initial_temperature")),
+            convection: value!($v, concat!($body, ".convection")),
+            convection_forced: value!($v, concat!($body, ".convection_forced")),
+            emissivity: value!($v, concat!($body, ".emissivity")),
+            cooled_area: value!($v, concat!($body, ".cooled_area")),
+            far_thermal: match value!($v, $far) as i32 {
+                1 => ThermalBoundary::Held,
+                2 => ThermalBoundary::Convecting,
+                3 => ThermalBoundary::Insulated,
+                _ => ThermalBoundary::External,
+            },
+            far_temperature: value!($v, $far_temperature),
+        }
+    };
+}
+
+impl Scene {
+    /// Reads the values of the variable table, each within its own bounds. `importer_tolerance` counts
+    /// where `solver.tolerance` is 0.
+    ///
+    /// # Errors
+    /// [`Broken`] rules that join several parameters, such as a tipping punch.
+    pub fn new(v: &[f64; COUNT], importer_tolerance: Option<f64>) -> Result<Scene, Broken> {
+        let mean_radius = value!(v, "contact.mean_radius");
+        let path = if value!(v, "strip.path") == 1.0 { Path::Straight } else { Path::Closed };
+        let given_length = value!(v, "strip.length");
+        let geometry = match value!(v, "contact.geometry") as i32 {
+            1 => Geometry::Line,
+            2 => Geometry::Annular,
+            _ => Geometry::Periodic,
+        };
+        let around = 2.0 * std::f64::consts::PI * mean_radius;
+        let length = if given_length == 0.0 && path == Path::Closed { around } else { given_length };
+        let own_tolerance = value!(v, "solver.tolerance");
+        let tolerance = if own_tolerance > 0.0 { own_tolerance } else { importer_tolerance.unwrap_or(1e-3) };
+        let scene = Scene {
+            punch: body!(v, "punch", "punch.top_thermal", "punch.top_temperature"),
+            strip: body!(v, "strip", "strip.base_thermal", "strip.base_temperature"),
+            width: value!(v, "punch.width"),
+            depth: value!(v, "depth"),
+            count: value!(v, "punch.count"),
+            path,
+            length,
+            smooth_base: value!(v, "strip.base") == 2.0,
+            geometry,
+            mean_radius,
+            faces: value!(v, "contact.faces"),
+            friction_coefficient: value!(v, "contact.friction_coefficient"),
+            friction_fade: FadeTable::new(
+                eight!(v, "contact.friction_fade.temperature"),
+                eight!(v, "contact.friction_fade.factor"),
+            ),
+            static_friction_ratio: value!(v, "contact.static_friction_ratio"),
+            stribeck_velocity: value!(v, "contact.stribeck_velocity"),
+            regularization_velocity: value!(v, "contact.regularization_velocity"),
+            stick_stiffness: value!(v, "contact.stick_stiffness"),
+            stick_damping: value!(v, "contact.stick_damping"),
+            conductance: value!(v, "contact.conductance"),
+            run_in: value!(v, "contact.initial_shape") == 3.0,
+            temperature_limit: value!(v, "contact.temperature_limit"),
+            constraint: if value!(v, "holder.constraint") == 1.0 {
+                Constraint::Translate
+            } else {
+                Constraint::TranslateAndRotate
+            },
+            pivot_height: value!(v, "holder.pivot_height"),
+            holder_stiffness: value!(v, "holder.stiffness"),
+            ambient_temperature: value!(v, "ambient_temperature"),
+            nominal_load: value!(v, "nominal.load"),
+            nominal_velocity: value!(v, "nominal.velocity"),
+            nominal_duration: value!(v, "nominal.duration"),
+            nominal_stroke: value!(v, "nominal.stroke"),
+            fidelity: match value!(v, "solver.fidelity") as i32 {
+                1 => Fidelity::Auto,
+                2 => Fidelity::Lumped,
+                3 => Fidelity::Line,
+                _ => Fidelity::Field,
+            },
+            scheme: match value!(v, "solver.scheme") as i32 {
+                1 => Scheme::Monolithic,
+                2 => Scheme::Staggered,
+                _ => Scheme::Explicit,
+            },
+            tolerance: tolerance.clamp(1e-10, 0.5),
+            wear_acceleration: value!(v, "wear_acceleration"),
+        };
+        rules::check(&scene)?;
+        Ok(scene)
+    }
+
+    /// Nominal contact area of one punch and one face, m2.
+    pub fn contact_area(&self) -> f64 {
+        self.width * self.depth
+    }
+
+    /// Part of the strip's length that all punches of a face cover; 0 for a straight path.
+    pub fn coverage(&self) -> f64 {
+        match (self.path, self.geometry) {
+            (Path::Straight, _) => 0.0,
+            (_, Geometry::Periodic) => 1.0,
+            (_, Geometry::Line) => self.count * self.width / self.length,
+            (_, Geometry::Annular) => self.count * self.depth / (2.0 * std::f64::consts::PI * self.mean_radius),
+        }
+    }
+
+    /// Length of the contact along the sliding direction, m.
+    pub fn sliding_extent(&self) -> f64 {
+        if self.geometry == Geometry::Annular { self.depth } else { self.width }
+    }
+}

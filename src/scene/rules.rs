@@ -1,0 +1,187 @@
+//! Rules that join parameters. They are checked when initialisation ends, because importers set
+//! parameters in any order.
+
+use super::{Constraint, Fidelity, Geometry, MechanicalBody, Path, Scene, Scheme};
+
+/// A rule that the parameters break: names the variables, their values and the limit.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Broken(pub String);
+
+impl std::fmt::Display for Broken {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Broken {}
+
+/// Room for rounding in lengths that are meant to be equal.
+const ROUNDING: f64 = 1e-9;
+
+pub(super) fn check(scene: &Scene) -> Result<(), Broken> {
+    path(scene)?;
+    holder(scene)?;
+    heat(scene)?;
+    wear(scene)?;
+    tables(scene)?;
+    level(scene)
+}
+
+fn broken<T>(text: String) -> Result<T, Broken> {
+    Err(Broken(text))
+}
+
+fn path(scene: &Scene) -> Result<(), Broken> {
+    let (width, length, radius) = (scene.width, scene.length, scene.mean_radius);
+    if scene.path == Path::Closed && length <= 0.0 {
+        return broken("strip.path = closed needs strip.length > 0 m or contact.mean_radius > 0 m; both are 0".into());
+    }
+    match scene.geometry {
+        Geometry::Annular => {
+            if scene.path != Path::Closed {
+                return broken("contact.geometry = annular needs strip.path = closed; it is straight".into());
+            }
+            if radius <= 0.5 * width {
+                return broken(format!(
+                    "contact.mean_radius = {radius} m must be above punch.width/2 = {} m in annular geometry",
+                    0.5 * width
+                ));
+            }
+            let around = 2.0 * std::f64::consts::PI * radius;
+            if scene.count * scene.depth > around * (1.0 + ROUNDING) {
+                return broken(format!(
+                    "punch.count x depth = {} m is above the circumference 2 pi contact.mean_radius = {around} m",
+                    scene.count * scene.depth
+                ));
+            }
+            if (length - around).abs() > 1e-6 * around {
+                return broken(format!(
+                    "strip.length = {length} m differs from 2 pi contact.mean_radius = {around} m in annular geometry; 0 takes it"
+                ));
+            }
+        }
+        Geometry::Periodic => {
+            if scene.path != Path::Closed || (width - length).abs() > ROUNDING * length || scene.count != 1.0 {
+                return broken(format!(
+                    "contact.geometry = periodic needs strip.path = closed, punch.count = 1 and punch.width = strip.length; \
+                     punch.width = {width} m, strip.length = {length} m, punch.count = {}",
+                    scene.count
+                ));
+            }
+            if scene.constraint == Constraint::TranslateAndRotate {
+                return broken(
+                    "contact.geometry = periodic has no edges, so holder.constraint must be translate".into(),
+                );
+            }
+        }
+        Geometry::Line => {
+            if scene.path == Path::Closed && scene.count * width > length * (1.0 + ROUNDING) {
+                return broken(format!(
+                    "punch.count x punch.width = {} m is above strip.length = {length} m",
+                    scene.count * width
+                ));
+            }
+        }
+    }
+    if scene.path == Path::Straight && scene.count != 1.0 {
+        return broken(format!("punch.count = {} needs strip.path = closed", scene.count));
+    }
+    if scene.path == Path::Straight && length > 0.0 && length < width + scene.nominal_stroke {
+        return broken(format!(
+            "strip.length = {length} m is below punch.width + nominal.stroke = {} m",
+            width + scene.nominal_stroke
+        ));
+    }
+    Ok(())
+}
+
+fn holder(scene: &Scene) -> Result<(), Broken> {
+    if scene.constraint == Constraint::TranslateAndRotate && scene.geometry == Geometry::Line {
+        let (lever, half_width) = (scene.friction_coefficient * scene.pivot_height, 0.5 * scene.width);
+        if lever >= half_width {
+            return broken(format!(
+                "the punch tips over: contact.friction_coefficient x holder.pivot_height = {lever} m must be below \
+                 punch.width/2 = {half_width} m"
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn heat(scene: &Scene) -> Result<(), Broken> {
+    let insulators = [scene.punch.conductivity, scene.strip.conductivity].map(|conductivity| conductivity == 0.0);
+    let friction = scene.friction_coefficient > 0.0;
+    if friction && insulators == [true, true] {
+        return broken(format!(
+            "punch.conductivity = 0 and strip.conductivity = 0 with contact.friction_coefficient = {}: \
+             the friction heat can go nowhere; at least one must be > 0 W/(m.K)",
+            scene.friction_coefficient
+        ));
+    }
+    if friction && insulators.contains(&true) && scene.conductance == 0.0 {
+        return broken(
+            "contact.conductance = 0 sends half of the friction heat into each body, but one body has conductivity 0; \
+             contact.conductance must be > 0 W/(m2.K)"
+                .into(),
+        );
+    }
+    Ok(())
+}
+
+fn wear(scene: &Scene) -> Result<(), Broken> {
+    for (name, body) in [("punch", &scene.punch), ("strip", &scene.strip)] {
+        if body.initial_wear >= body.height {
+            return broken(format!(
+                "{name}.initial_wear = {} m must be below {name}.height = {} m",
+                body.initial_wear, body.height
+            ));
+        }
+    }
+    if scene.run_in && scene.punch.wear_coefficient == 0.0 && scene.strip.wear_coefficient == 0.0 {
+        return broken(
+            "contact.initial_shape = run_in needs a body that wears; punch.wear_coefficient and strip.wear_coefficient are 0"
+                .into(),
+        );
+    }
+    Ok(())
+}
+
+fn tables(scene: &Scene) -> Result<(), Broken> {
+    for (name, table) in [
+        ("contact.friction_fade", &scene.friction_fade),
+        ("punch.wear_fade", &scene.punch.wear_fade),
+        ("strip.wear_fade", &scene.strip.wear_fade),
+    ] {
+        if let Some(index) = table.disorder() {
+            return broken(format!(
+                "{name}.temperature[{}] = {} K must be above {name}.temperature[{index}] = {} K",
+                index + 1,
+                table.temperature[index],
+                table.temperature[index - 1]
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn level(scene: &Scene) -> Result<(), Broken> {
+    let rigid = [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2];
+    if rigid && matches!(scene.fidelity, Fidelity::Line | Fidelity::Field) {
+        return broken(
+            "punch.body = rigid on strip.body = rigid can only be lumped; set solver.fidelity to lumped or auto".into(),
+        );
+    }
+    if matches!(scene.fidelity, Fidelity::Line | Fidelity::Field) {
+        return broken(format!(
+            "solver.fidelity = {} is not part of this version; lumped and auto are",
+            if scene.fidelity == Fidelity::Line { "line" } else { "field" }
+        ));
+    }
+    if scene.scheme != Scheme::Monolithic {
+        return broken(format!(
+            "solver.scheme = {} compares methods along the contact line; the lumped level has the monolithic scheme only",
+            if scene.scheme == Scheme::Staggered { "staggered" } else { "explicit" }
+        ));
+    }
+    Ok(())
+}

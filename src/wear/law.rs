@@ -1,0 +1,78 @@
+//! The wear law of one body, eq. (1) of Paczelt and Mroz (2015), normalised so that units do not
+//! depend on the exponents:
+//!
+//! ```text
+//! dw/dt = k p0 v0 (p/p0)^b (|v|/v0)^a (mu/mu_ref)^b fade(T),      p0 = 1 MPa, v0 = 1 m/s; 0 where v = 0
+//! ```
+//!
+//! k in m2/N: worn depth per pressure and sliding distance for a = b = 1. mu is the friction coefficient
+//! without its Stribeck factor: the driver is the shear traction mu p.
+
+use crate::coupled::scalar::Scalar;
+use crate::scene::{Body, FadeTable};
+
+/// p0, Pa.
+pub const REFERENCE_PRESSURE: f64 = 1e6;
+/// v0, m/s.
+pub const REFERENCE_VELOCITY: f64 = 1.0;
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct WearLaw {
+    /// k, m2/N.
+    pub coefficient: f64,
+    /// b.
+    pub pressure_exponent: f64,
+    /// a.
+    pub velocity_exponent: f64,
+    /// Factor over the contact temperature.
+    pub fade: FadeTable,
+    /// mu_ref.
+    pub reference_friction: f64,
+}
+
+impl WearLaw {
+    /// The law of `body`, with the friction coefficient its k was given at.
+    pub fn new(body: &Body, reference_friction: f64) -> WearLaw {
+        WearLaw {
+            coefficient: body.wear_coefficient,
+            pressure_exponent: body.wear_pressure_exponent,
+            velocity_exponent: body.wear_velocity_exponent,
+            fade: body.wear_fade,
+            reference_friction,
+        }
+    }
+
+    /// Whether the body wears at all.
+    pub fn active(&self) -> bool {
+        self.coefficient > 0.0
+    }
+
+    /// Whether the rate depends on the temperature, through its own table or through mu.
+    pub fn follows_temperature(&self, friction_fades: bool) -> bool {
+        !self.fade.flat || friction_fades
+    }
+
+    /// Depth rate dw/dt (m/s) at pressure `p` (Pa, >= 0), speed `v` = |v| (m/s), friction coefficient
+    /// without Stribeck factor `mu` and contact temperature `t` (K).
+    #[inline]
+    pub fn rate<S: Scalar>(&self, p: S, v: S, mu: S, t: S) -> S {
+        if self.coefficient == 0.0 || p.value() <= 0.0 || v.value() == 0.0 {
+            return S::from(0.0);
+        }
+        let pressure = p * (1.0 / REFERENCE_PRESSURE);
+        let speed = v * (1.0 / REFERENCE_VELOCITY);
+        let mut driver = pressure;
+        if mu.value() != self.reference_friction && self.reference_friction > 0.0 {
+            driver = driver * mu * (1.0 / self.reference_friction);
+        }
+        let driver = if self.pressure_exponent == 1.0 { driver } else { driver.powf(self.pressure_exponent) };
+        let speed = if self.velocity_exponent == 1.0 { speed } else { speed.powf(self.velocity_exponent) };
+        let rate = driver * speed * (self.coefficient * REFERENCE_PRESSURE * REFERENCE_VELOCITY);
+        if self.fade.flat {
+            return rate * self.fade.factor[0];
+        }
+        let (factor, slope) = self.fade.at(t.value());
+        rate * (S::from(factor) + (t - S::from(t.value())) * slope)
+    }
+}

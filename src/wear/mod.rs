@@ -1,0 +1,4 @@
+//! Wear: the law, and the track that a straight path keeps.
+
+pub mod law;
+pub mod track;

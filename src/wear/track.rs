@@ -1,0 +1,220 @@
+//! The worn track of a straight path, kept in the strip's own coordinate.
+//!
+//! The track is a row of cells of equal length; each holds the mean worn depth over itself. A contact
+//! of half-length a that moves from x0 to x1 while it takes off the depth D from whatever stays under
+//! it all the time adds to the cell [l, r]
+//!
+//! ```text
+//! D/(r - l) * mean over x in [x0, x1] of |[l, r] cut with [x - a, x + a]|
+//! ```
+//!
+//! in closed form. The sum over the cells telescopes, so the worn volume is the integral of the law to
+//! rounding, whatever the cell length. The window has a fixed number of cells: what falls far behind a
+//! contact that keeps going is forgotten (its volume is not), and going back there is reported.
+
+/// Cells of the window.
+pub const CELLS: usize = 64;
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Track {
+    cell: f64,
+    half_length: f64,
+    /// Index of the first stored cell; cell i spans [i, i + 1] times the cell length.
+    first: i64,
+    /// Number of stored cells.
+    count: usize,
+    depth: [f64; CELLS],
+    /// Cells below or above these have been forgotten.
+    forgotten: Option<(i64, i64)>,
+    revisited: bool,
+}
+
+impl Track {
+    /// A fresh track for a contact of `half_length` (m) whose strokes are `stroke` (m) long.
+    pub fn new(half_length: f64, stroke: f64) -> Track {
+        let width = 2.0 * half_length;
+        // The window holds the stroke, the contact and as much again on both sides.
+        let cell = (width / 8.0).max((stroke + 3.0 * width) / (CELLS - 4) as f64);
+        Track { cell, half_length, first: 0, count: 0, depth: [0.0; CELLS], forgotten: None, revisited: false }
+    }
+
+    /// Whether the contact came back to a part of the track that had been forgotten.
+    pub fn revisited(&self) -> bool {
+        self.revisited
+    }
+
+    fn at(&self, index: i64) -> f64 {
+        let offset = index - self.first;
+        if (0..self.count as i64).contains(&offset) { self.depth[offset as usize] } else { 0.0 }
+    }
+
+    /// Makes the window hold the cells from `low` to `high`.
+    fn cover(&mut self, low: i64, high: i64) {
+        if self.count == 0 {
+            self.first = low;
+        }
+        let span_low = low.min(self.first);
+        let span_high = high.max(self.first + self.count as i64 - 1);
+        let room = CELLS as i64;
+        // Forget on the side away from where the contact is.
+        let (mut from, mut to) = (span_low, span_high);
+        if to - from + 1 > room {
+            if low < self.first {
+                to = (from + room - 1).max(high);
+                from = to - room + 1;
+            } else {
+                from = (to - room + 1).min(low);
+                to = from + room - 1;
+            }
+            let (below, above) = self.forgotten.unwrap_or((i64::MIN, i64::MAX));
+            let below = if from > span_low && self.count > 0 { below.max(from) } else { below };
+            let above = if to < span_high { above.min(to) } else { above };
+            self.forgotten = Some((below, above));
+        }
+        if let Some((below, above)) = self.forgotten
+            && (low < below || high > above)
+        {
+            self.revisited = true;
+        }
+        if from != self.first || to - from + 1 != self.count as i64 {
+            let mut depth = [0.0; CELLS];
+            for index in from..=to {
+                depth[(index - from) as usize] = self.at(index);
+            }
+            self.depth = depth;
+            self.first = from;
+            self.count = (to - from + 1) as usize;
+        }
+    }
+
+    /// Takes off `depth` (m) from under the contact while its middle moves from `x0` to `x1` (m). A move
+    /// longer than the window is made in pieces.
+    pub fn wear(&mut self, x0: f64, x1: f64, depth: f64) {
+        let longest = (CELLS as f64 - 4.0) * self.cell - 2.0 * self.half_length;
+        let pieces = ((x1 - x0).abs() / longest).ceil().clamp(1.0, 1e6);
+        let mut piece = 0.0;
+        while piece < pieces {
+            let from = x0 + (x1 - x0) * (piece / pieces);
+            let to = x0 + (x1 - x0) * ((piece + 1.0) / pieces);
+            self.wear_piece(from, to, depth / pieces);
+            piece += 1.0;
+        }
+    }
+
+    fn wear_piece(&mut self, x0: f64, x1: f64, depth: f64) {
+        let (left, right) = (x0.min(x1) - self.half_length, x0.max(x1) + self.half_length);
+        let low = (left / self.cell).floor() as i64;
+        let high = (right / self.cell).ceil() as i64 - 1;
+        self.cover(low, high);
+        let mut before = self.passed(low as f64 * self.cell, x0, x1);
+        for index in low..=high {
+            let after = self.passed((index + 1) as f64 * self.cell, x0, x1);
+            self.depth[(index - self.first) as usize] += depth * (after - before) / self.cell;
+            before = after;
+        }
+    }
+
+    /// Mean over x in [x0, x1] of the length of the contact [x - a, x + a] below `edge`, less a.
+    fn passed(&self, edge: f64, x0: f64, x1: f64) -> f64 {
+        let a = self.half_length;
+        let travel = x1 - x0;
+        if travel.abs() < 1e-6 * a {
+            return (edge - 0.5 * (x0 + x1)).clamp(-a, a);
+        }
+        let primitive = |u: f64| if u.abs() < a { 0.5 * u * u } else { a * (u.abs() - 0.5 * a) };
+        (primitive(edge - x0) - primitive(edge - x1)) / travel
+    }
+
+    /// Mean worn depth (m) over [from, to] (m) in the strip's coordinate.
+    pub fn mean(&self, from: f64, to: f64) -> f64 {
+        let low = ((from / self.cell).floor() as i64).max(self.first);
+        let high = ((to / self.cell).ceil() as i64 - 1).min(self.first + self.count as i64 - 1);
+        let mut sum = 0.0;
+        for index in low..=high {
+            let (left, right) = (index as f64 * self.cell, (index + 1) as f64 * self.cell);
+            sum += self.at(index) * (right.min(to) - left.max(from)).max(0.0);
+        }
+        sum / (to - from)
+    }
+
+    /// Mean worn depth (m) under a contact whose middle is at `x` (m).
+    pub fn under(&self, x: f64) -> f64 {
+        self.mean(x - self.half_length, x + self.half_length)
+    }
+
+    /// Numbers that a saved state needs, in order; see [`Track::load`].
+    pub fn save(&self, out: &mut Vec<f64>) {
+        let (below, above) = self.forgotten.unwrap_or((i64::MIN, i64::MAX));
+        out.extend([self.cell, self.half_length]);
+        out.extend([self.first as f64, self.count as f64, f64::from(u8::from(self.revisited))]);
+        out.extend([below as f64, above as f64, f64::from(u8::from(self.forgotten.is_some()))]);
+        out.extend(&self.depth[..self.count]);
+    }
+
+    /// Reads what [`Track::save`] wrote; `None` if the numbers cannot be a track.
+    pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
+        let mut next = || numbers.next().copied();
+        (self.cell, self.half_length) = (next()?, next()?);
+        let (first, count, revisited) = (next()?, next()?, next()?);
+        let (below, above, forgotten) = (next()?, next()?, next()?);
+        if !(0.0..=CELLS as f64).contains(&count) || !first.is_finite() {
+            return None;
+        }
+        self.first = first as i64;
+        self.count = count as usize;
+        self.revisited = revisited != 0.0;
+        self.forgotten = (forgotten != 0.0).then_some((below as i64, above as i64));
+        self.depth = [0.0; CELLS];
+        for slot in &mut self.depth[..self.count] {
+            *slot = next()?;
+        }
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn volume(track: &Track) -> f64 {
+        track.depth[..track.count].iter().sum::<f64>() * track.cell
+    }
+
+    #[test]
+    fn worn_volume_is_the_integral_of_the_law() {
+        let mut track = Track::new(0.5, 3.0);
+        let (mut x, mut total) = (0.0, 0.0);
+        let mut state = 7_u64;
+        for _ in 0..2000 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let next = 1.5 * ((state >> 33) as f64 / 2f64.powi(31) - 0.5) * 2.0;
+            let depth = 1e-6 * (1.0 + ((state >> 20) & 0xff) as f64 / 256.0);
+            track.wear(x, next, depth);
+            total += depth * 1.0;
+            x = next;
+        }
+        assert!((volume(&track) / total - 1.0).abs() < 1e-12, "{} {total}", volume(&track));
+        assert!(!track.revisited());
+    }
+
+    #[test]
+    fn one_way_groove_is_half_the_depth_of_a_full_pass() {
+        // Depth per distance r: the groove under the contact grows from 0 at the leading edge to 2 a r.
+        let mut track = Track::new(0.5, 0.0);
+        let rate = 1e-3;
+        let mut x = 0.0;
+        for _ in 0..1000 {
+            track.wear(x, x + 0.01, rate * 0.01);
+            x += 0.01;
+        }
+        assert!((track.under(x) / (0.5 * rate) - 1.0).abs() < 2e-2, "{}", track.under(x));
+        // One long step gives the same as many short ones: the footprint is integrated exactly.
+        let mut long = Track::new(0.5, 0.0);
+        long.wear(0.0, 10.0, rate * 10.0);
+        assert!((long.under(10.0) / track.under(x) - 1.0).abs() < 1e-9);
+        // A window that has moved on says so when the contact comes back.
+        track.wear(x, x - 9.9, rate * 9.9);
+        assert!(track.revisited());
+    }
+}
