@@ -2,5 +2,6 @@
 //!
 //! See ARCHITECTURE.md for the invariants and the flow of data.
 
+pub mod fmi2;
 pub mod heat;
 pub mod variables;
