@@ -12,7 +12,7 @@
 #![allow(non_snake_case, reason = "the names are the standard's")]
 #![allow(clippy::missing_safety_doc, reason = "one contract, at the top")]
 
-pub mod arguments;
+pub(in crate::fmi2) mod arguments;
 
 use core::ffi::{CStr, c_char};
 use core::ptr;

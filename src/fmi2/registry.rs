@@ -134,7 +134,7 @@ impl<T> Registry<T> {
             None if vacancies.used < ((1 << INDEX_BITS) - FIRST) as u32 => {
                 self.provide(vacancies.used as usize);
                 vacancies.used += 1;
-                (vacancies.used - 1, self.first_generation())
+                (vacancies.used - 1, self.first_generation(vacancies.used - 1))
             }
             None => return None,
         };
@@ -210,11 +210,13 @@ impl<T> Registry<T> {
         Some(unsafe { &*start.add(offset) })
     }
 
-    /// Generation of a slot's first value. Every copy of the library begins at a number of its own (its
-    /// address is random where the system loads it so), because an importer might mix up the handles of
-    /// two FMUs.
-    fn first_generation(&self) -> u32 {
-        (ptr::from_ref(self).addr() >> 4) as u32 % (LAST_GENERATION / 2) + 1
+    /// Generation of a slot's first value: a number of its own for each slot and for each copy of the
+    /// library (whose address is random where the system loads it so), so that neither a damaged handle
+    /// nor one of another FMU is likely to fit.
+    fn first_generation(&self, index: u32) -> u32 {
+        let salt = (ptr::from_ref(self).addr() >> 4) as u32;
+        let mixed = salt.wrapping_add(index).wrapping_mul(0x9e37_79b1);
+        (mixed ^ (mixed >> 15)) % (LAST_GENERATION / 2) + 1
     }
 
     /// Makes the chunk of slot `index`, if it is not there. Called under the lock.
