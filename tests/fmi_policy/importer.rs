@@ -40,7 +40,7 @@ unsafe impl Send for Importer {}
 // SAFETY: as above.
 unsafe impl Sync for Importer {}
 
-/// Not variadic, as Rust cannot define such functions: see [`logger`].
+/// Not variadic, as Rust cannot define such functions: see [`as_logger`].
 unsafe extern "C" fn note(
     environment: ComponentEnvironment,
     name: types::String,
@@ -59,13 +59,20 @@ unsafe extern "C" fn note(
     }
 }
 
-/// The logger with the variadic type of the standard. On the platforms of these tests a variadic
-/// function takes a pointer as any other does; real variadic loggers are those of C and Python.
-pub fn logger() -> Logger {
-    type Fixed =
-        unsafe extern "C" fn(ComponentEnvironment, types::String, Status, types::String, types::String, *const c_char);
+/// A logger without its variable arguments but one.
+type Fixed =
+    unsafe extern "C" fn(ComponentEnvironment, types::String, Status, types::String, types::String, *const c_char);
+
+/// A logger with the variadic type of the standard. On the platforms of these tests a variadic function
+/// takes a pointer as any other does; real variadic loggers are those of C and Python.
+pub fn as_logger(function: Fixed) -> Logger {
     // SAFETY: see above.
-    unsafe { core::mem::transmute::<Fixed, Logger>(note) }
+    unsafe { core::mem::transmute::<Fixed, Logger>(function) }
+}
+
+/// The logger that notes into the log that is its environment.
+pub fn logger() -> Logger {
+    as_logger(note)
 }
 
 pub fn reference(name: &str) -> u32 {

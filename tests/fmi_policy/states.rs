@@ -99,7 +99,9 @@ fn a_state_is_written_over_and_dies_once() {
     stretch(&importer, 0, 3);
     assert_eq!(importer.save(&mut state), OK);
     assert_eq!(state, same, "a state that is there is written over");
-    assert_ne!(importer.serialize(state).unwrap(), early);
+    let late = importer.bytes();
+    assert_ne!(late, early);
+    assert_eq!(importer.serialize(state).unwrap(), late, "as a whole");
     let mut copy = state;
     assert_eq!(importer.free(&mut state), OK);
     assert!(state.is_null());
