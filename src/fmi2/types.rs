@@ -5,7 +5,7 @@
 
 use core::ffi::{c_char, c_int, c_uint, c_void};
 
-/// `fmi2Component`: here a handle, see [`super::registry`]; never dereferenced.
+/// `fmi2Component`: here a handle, never dereferenced; see `registry`.
 pub type Component = *mut c_void;
 /// `fmi2ComponentEnvironment`: the importer's own, passed back to its logger.
 pub type ComponentEnvironment = *mut c_void;

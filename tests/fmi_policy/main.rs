@@ -10,3 +10,5 @@ mod instantiation;
 mod messages;
 mod sequences;
 mod states;
+#[cfg(all(target_os = "linux", target_pointer_width = "64", target_endian = "little"))]
+mod symbols;
