@@ -1,0 +1,236 @@
+//! What every call on an instance passes: handle, busy flag, phase, panic, log, status.
+//!
+//! This is the only place where panics are caught. A panic is a defect of this library, but the
+//! importer's process is not ours to end: the message goes to the instance's log, the instance to the
+//! error phase, and the call answers `fmi2Error`. Panics are kept off stderr by a hook that looks at a
+//! flag of the thread, set only in here, and passes every other panic on to the hook that was there
+//! before. (Inside an importer the library has a standard library, and so a hook, of its own; in a
+//! Rust program that links the crate the hook is shared.)
+
+use core::cell::Cell;
+use core::ffi::c_void;
+use std::io::Write;
+use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
+use std::sync::Once;
+
+use super::instance::{Instance, Outcome, Problem};
+use super::policy::{Fault, Function};
+use super::registry::Registry;
+use super::state::Saved;
+use super::types::Status;
+
+/// Every living instance.
+pub static INSTANCES: Registry<Instance> = Registry::new(1);
+
+/// Every living FMU state. One that is not freed lives until the process ends, also longer than its
+/// instance, and may be set into any instance of this library.
+pub static STATES: Registry<Saved> = Registry::new(3);
+
+/// Where the last panic happened: bytes of text and their number. Not a `String`, because a value
+/// with a destructor would keep the library from being unloaded before the thread ends.
+type Place = ([u8; 120], usize);
+
+thread_local! {
+    static INSIDE: Cell<bool> = const { Cell::new(false) };
+    static PLACE: Cell<Place> = const { Cell::new(([0; 120], 0)) };
+}
+
+type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
+
+/// A panic hook that keeps this library's own panics quiet and leaves all others to `previous`.
+fn quiet(previous: Hook) -> Hook {
+    Box::new(move |info| {
+        if !INSIDE.get() {
+            return previous(info);
+        }
+        let mut text = [0; 120];
+        let mut rest = &mut text[..];
+        if let Some(location) = info.location() {
+            // Cut off where the buffer ends.
+            let _ = write!(rest, " ({location})");
+        }
+        let free = rest.len();
+        PLACE.set((text, text.len() - free));
+    })
+}
+
+/// Puts the hook in place, once.
+pub fn install_hook() {
+    static INSTALLED: Once = Once::new();
+    INSTALLED.call_once(|| panic::set_hook(quiet(panic::take_hook())));
+}
+
+/// Runs `body`; a panic in it becomes an `Err` with its message and place.
+#[inline(always)]
+pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
+    let result = INSIDE.with(|inside| {
+        let before = inside.replace(true);
+        let result = panic::catch_unwind(AssertUnwindSafe(body));
+        inside.set(before);
+        result
+    });
+    result.map_err(|payload| {
+        let message = match (payload.downcast_ref::<&str>(), payload.downcast_ref::<String>()) {
+            (Some(text), _) => text,
+            (_, Some(text)) => text.as_str(),
+            _ => "no message",
+        };
+        let (place, length) = PLACE.replace(([0; 120], 0));
+        format!("defect of this FMU, please report: {message}{}", String::from_utf8_lossy(&place[..length]))
+    })
+}
+
+/// Runs code of the importer: its own panics, if it is written in Rust, are not ours to silence.
+pub fn outside(body: impl FnOnce()) {
+    let before = INSIDE.replace(false);
+    body();
+    INSIDE.set(before);
+}
+
+/// One call of `function` on the instance of a handle.
+///
+/// A handle that is unknown, freed, or in use by another call answers `fmi2Error` and touches nothing.
+/// (There is no logger to tell: the instance that has one is not ours to use.)
+#[inline(always)]
+pub fn call(component: *mut c_void, function: Function, body: impl FnOnce(&mut Instance) -> Outcome) -> Status {
+    let Ok(mut guard) = INSTANCES.acquire(component) else { return Status::Error };
+    let instance = &mut *guard;
+    let result = catch(|| {
+        let outcome = if function.rule().allowed.contains(instance.phase()) {
+            body(instance)
+        } else {
+            instance.out_of_order(function)
+        };
+        instance.conclude(function, outcome)
+    });
+    match result {
+        Ok(status) => status,
+        Err(text) => panicked(instance, function, text),
+    }
+}
+
+#[cold]
+fn panicked(instance: &mut Instance, function: Function, text: String) -> Status {
+    catch(|| instance.conclude(function, Err(Problem { fault: Fault::Panic, text }))).unwrap_or(Status::Error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::policy::Phase;
+    use super::super::types::{CO_SIMULATION, CallbackFunctions, ComponentEnvironment, Logger, String as Text};
+    use super::*;
+    use core::ffi::{CStr, c_char};
+    use std::ptr;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+    /// Notes category, status and text in the vector that is the environment. Not variadic, as Rust
+    /// cannot define such functions; the importers' own loggers are exercised from C and Python.
+    unsafe extern "C" fn note(
+        environment: ComponentEnvironment,
+        _: Text,
+        status: Status,
+        category: Text,
+        _: Text,
+        text: *const c_char,
+    ) {
+        // SAFETY: the environment is the test's vector, the strings end with a zero.
+        unsafe {
+            let notes = &mut *environment.cast::<Vec<(Status, String, String)>>();
+            let owned = |text| CStr::from_ptr(text).to_str().unwrap().to_owned();
+            notes.push((status, owned(category), owned(text)));
+        }
+    }
+
+    /// The hook belongs to the whole process: tests that panic take turns.
+    fn turn() -> MutexGuard<'static, ()> {
+        static TURN: Mutex<()> = Mutex::new(());
+        install_hook();
+        TURN.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn with_instance(body: impl FnOnce(*mut c_void)) -> Vec<(Status, String, String)> {
+        let mut notes: Vec<(Status, String, String)> = Vec::new();
+        // SAFETY: on the platforms of the tests a variadic function takes a pointer as any other does.
+        let logger = unsafe {
+            core::mem::transmute::<
+                unsafe extern "C" fn(ComponentEnvironment, Text, Status, Text, Text, *const c_char),
+                Logger,
+            >(note)
+        };
+        let callbacks = CallbackFunctions {
+            logger: Some(logger),
+            allocate_memory: None,
+            free_memory: None,
+            step_finished: None,
+            component_environment: (&raw mut notes).cast(),
+        };
+        let guid = std::ffi::CString::new(crate::slot::current().unwrap().guid()).unwrap();
+        let instance = Instance::instantiate(&callbacks, Some(c"test"), CO_SIMULATION, Some(&guid), false).unwrap();
+        let handle = INSTANCES.insert(instance).unwrap();
+        body(handle);
+        INSTANCES.remove(handle).unwrap();
+        notes
+    }
+
+    #[test]
+    fn a_panic_is_logged_and_fails_the_instance_until_it_is_reset() {
+        let _turn = turn();
+        let notes = with_instance(|handle| {
+            let status = call(handle, Function::GetReal, |_| panic!("index {} of 100 % #1#", 3));
+            assert_eq!(status, Status::Error);
+            assert_eq!(INSTANCES.acquire(handle).unwrap().phase(), Phase::Error);
+            assert_eq!(call(handle, Function::DoStep, |instance| instance.do_step(0.0, 0.1)), Status::Error);
+            assert_eq!(call(handle, Function::Reset, Instance::reset), Status::Ok);
+            assert_eq!(INSTANCES.acquire(handle).unwrap().phase(), Phase::Instantiated);
+            assert_eq!(
+                call(handle, Function::EnterInitializationMode, Instance::enter_initialization_mode),
+                Status::Ok
+            );
+        });
+        let (status, category, text) = &notes[0];
+        assert_eq!((*status, category.as_str()), (Status::Error, "logStatusError"));
+        assert!(text.starts_with("fmi2GetReal: defect of this FMU, please report: index 3 of 100 % ##1##"), "{text}");
+        assert!(text.contains("gate.rs:"), "{text}");
+    }
+
+    #[test]
+    fn an_instance_that_panicked_gives_no_state_but_takes_one() {
+        let _turn = turn();
+        with_instance(|handle| {
+            let mut good = ptr::null_mut();
+            let save = |into: &mut *mut c_void| {
+                call(handle, Function::GetFmuState, |instance| instance.get_fmu_state(*into).map(|state| *into = state))
+            };
+            assert_eq!(save(&mut good), Status::Ok);
+            call(handle, Function::GetReal, |_| panic!());
+            assert_eq!(save(&mut ptr::null_mut()), Status::Error);
+            assert_eq!(call(handle, Function::SetFmuState, |instance| instance.set_fmu_state(good)), Status::Ok);
+            assert_eq!(INSTANCES.acquire(handle).unwrap().phase(), Phase::Instantiated);
+            assert_eq!(save(&mut good), Status::Ok);
+            assert_eq!(call(handle, Function::FreeFmuState, |instance| instance.free_fmu_state(good)), Status::Ok);
+        });
+    }
+
+    #[test]
+    fn the_hook_is_quiet_inside_and_passes_on_what_happens_outside() {
+        let _turn = turn();
+        let heard = Arc::new(AtomicUsize::new(0));
+        let (counter, here) = (heard.clone(), std::thread::current().id());
+        let before = panic::take_hook();
+        panic::set_hook(quiet(Box::new(move |_| {
+            if std::thread::current().id() == here {
+                counter.fetch_add(1, Ordering::Relaxed);
+            }
+        })));
+        assert!(catch(|| panic!("inside")).unwrap_err().contains("inside"));
+        assert_eq!(heard.load(Ordering::Relaxed), 0);
+        // An importer's callback that panics is not ours.
+        assert!(catch(|| outside(|| panic!("callback"))).is_err());
+        assert_eq!(heard.load(Ordering::Relaxed), 1);
+        assert!(!INSIDE.get());
+        assert!(panic::catch_unwind(|| panic!("outside")).is_err());
+        assert_eq!(heard.load(Ordering::Relaxed), 2);
+        panic::set_hook(before);
+    }
+}

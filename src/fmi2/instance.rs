@@ -1,0 +1,227 @@
+//! What each function does to an instance.
+//!
+//! Every method here is one exported function with its arguments made safe; the gate has checked the
+//! phase. A method either does its work or returns a [`Problem`] and has changed nothing. Life cycle and
+//! log are here; variables, steps and FMU states have files of their own.
+
+#![forbid(unsafe_code)]
+
+mod problem;
+mod states;
+mod steps;
+mod variables;
+
+use core::ffi::CStr;
+use std::sync::{Arc, OnceLock};
+
+use super::gate::catch;
+use super::log::{Category, Log};
+use super::policy::{Fault, Function, Phase};
+use super::state::Clock;
+use super::types::{CO_SIMULATION, CallbackFunctions, Real, Status, Type};
+use crate::component::{Component, Subject, Values};
+use crate::slot;
+use problem::argument;
+pub use problem::{Outcome, Problem};
+use variables::Scratch;
+
+/// The scene of this library with what every instance needs of it, made once.
+struct Scene {
+    name: String,
+    guid: String,
+    starts: Arc<Values>,
+}
+
+fn scene() -> Result<&'static Scene, &'static str> {
+    static SCENE: OnceLock<Result<Scene, &'static str>> = OnceLock::new();
+    let scene = SCENE.get_or_init(|| {
+        let packaged = slot::current()?;
+        Ok(Scene { name: packaged.name.clone(), guid: packaged.guid(), starts: Arc::new(packaged.starts) })
+    });
+    scene.as_ref().map_err(|reason| *reason)
+}
+
+/// One instance of the FMU.
+pub struct Instance {
+    phase: Phase,
+    clock: Clock,
+    component: Component,
+    /// A panic may have left the component half changed: it is used no more, only replaced.
+    broken: bool,
+    scene: &'static Scene,
+    log: Log,
+    scratch: Scratch,
+}
+
+impl Instance {
+    /// `fmi2Instantiate`: `None` after a message that says why.
+    pub fn instantiate(
+        callbacks: &CallbackFunctions,
+        name: Option<&CStr>,
+        kind: Type,
+        guid: Option<&CStr>,
+        debug: bool,
+    ) -> Option<Box<Instance>> {
+        let log = Log::new(callbacks, name.unwrap_or(c"").to_owned(), debug);
+        let refuse = |reason: &str| {
+            log.send(Status::Error, Category::Errors, &format!("fmi2Instantiate: {reason}"));
+            None
+        };
+        if name.is_none_or(CStr::is_empty) {
+            return refuse("the instance name is missing");
+        }
+        if kind != CO_SIMULATION {
+            return refuse(&format!("this FMU is for co-simulation (fmuType 1); fmuType {kind} was asked for"));
+        }
+        let scene = match scene() {
+            Ok(scene) => scene,
+            Err(reason) => return refuse(reason),
+        };
+        if guid.is_none_or(|guid| guid.to_bytes() != scene.guid.as_bytes()) {
+            let given = guid.map_or("none".into(), CStr::to_string_lossy);
+            return refuse(&format!("the GUID of this FMU is {}, {given} was given", scene.guid));
+        }
+        if log.wants(Category::Events) {
+            log.send(Status::Ok, Category::Events, &format!("fmi2Instantiate: scene {}", scene.name));
+        }
+        Some(Box::new(Instance {
+            phase: Phase::Instantiated,
+            clock: Clock::default(),
+            component: Component::new(scene.starts.clone()),
+            broken: false,
+            scene,
+            log,
+            scratch: Scratch::default(),
+        }))
+    }
+
+    /// The phase that the call sequences are checked against.
+    #[inline(always)]
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The problem of a call that is not allowed now.
+    #[cold]
+    pub fn out_of_order(&self, function: Function) -> Outcome {
+        let text = format!(
+            "not allowed in the phase {}; allowed in: {}",
+            problem::phase_name(self.phase),
+            function.rule().allowed.names()
+        );
+        Err(Problem { fault: Fault::Order, text })
+    }
+
+    /// Ends a call: passes the component's messages and the problem on to the log, moves to the error
+    /// phase if the problem demands it, and gives the status.
+    #[inline(always)]
+    pub fn conclude(&mut self, function: Function, outcome: Outcome) -> Status {
+        match outcome {
+            Ok(()) => {
+                self.pass_on_messages();
+                Status::Ok
+            }
+            Err(problem) => self.conclude_problem(function, problem),
+        }
+    }
+
+    #[inline(always)]
+    fn pass_on_messages(&mut self) {
+        let messages = self.component.messages();
+        if messages.len() == 0 {
+            return;
+        }
+        for message in messages {
+            let (status, category) = match message.subject {
+                Subject::Plan => (Status::Ok, Category::Events),
+                Subject::Warning => (Status::Warning, Category::Warnings),
+                Subject::Error => (Status::Error, Category::Errors),
+            };
+            self.log.send(status, category, &message.text);
+        }
+    }
+
+    #[cold]
+    fn conclude_problem(&mut self, function: Function, problem: Problem) -> Status {
+        let status = problem.fault.status();
+        if problem.fault.fails_instance() {
+            self.phase = Phase::Error;
+        }
+        if problem.fault == Fault::Panic {
+            self.broken = true;
+        }
+        if !self.broken {
+            self.pass_on_messages();
+        }
+        self.log.send(status, Category::Errors, &format!("{}: {}", function.rule().name, problem.text));
+        status
+    }
+
+    /// `fmi2SetDebugLogging`. `categories`: `None` for all; unknown ones are already left out.
+    pub fn set_debug_logging(&mut self, on: bool, categories: Option<&[Category]>) -> Outcome {
+        self.log.enable(on, categories.unwrap_or(Log::categories()));
+        Ok(())
+    }
+
+    /// `fmi2SetupExperiment`
+    pub fn setup_experiment(&mut self, tolerance: Option<Real>, start: Real, stop: Option<Real>) -> Outcome {
+        if let Some(tolerance) = tolerance
+            && !(tolerance > 0.0 && tolerance.is_finite())
+        {
+            return argument(format!("the tolerance {tolerance} must be a finite number > 0"));
+        }
+        if !start.is_finite() {
+            return argument(format!("the start time {start} s must be finite"));
+        }
+        if let Some(stop) = stop
+            && !(stop >= start && stop.is_finite())
+        {
+            return argument(format!("the stop time {stop} s must be finite and not before the start time {start} s"));
+        }
+        self.clock = Clock { time: start, stop, tolerance };
+        Ok(())
+    }
+
+    /// `fmi2EnterInitializationMode`
+    pub fn enter_initialization_mode(&mut self) -> Outcome {
+        self.component.enter_initialization();
+        self.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    /// `fmi2ExitInitializationMode`
+    pub fn exit_initialization_mode(&mut self) -> Outcome {
+        match self.component.initialise(self.clock.tolerance) {
+            Ok(()) => {
+                self.phase = Phase::StepComplete;
+                Ok(())
+            }
+            Err(text) => Err(Problem { fault: Fault::Initialisation, text: text.to_string() }),
+        }
+    }
+
+    /// `fmi2Terminate`
+    pub fn terminate(&mut self) -> Outcome {
+        self.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    /// `fmi2Reset`: the instance is as new; only the logging stays as it was set.
+    pub fn reset(&mut self) -> Outcome {
+        if self.broken {
+            self.component = Component::new(self.scene.starts.clone());
+            self.broken = false;
+        } else {
+            self.component.reset();
+        }
+        self.clock = Clock::default();
+        self.phase = Phase::Instantiated;
+        Ok(())
+    }
+}
+
+/// Drops an instance that was taken out of the registry.
+pub fn free(instance: Box<Instance>) {
+    // A component that a panic left half changed may panic again; there is nobody left to tell.
+    let _ = catch(|| drop(instance));
+}

@@ -1,0 +1,64 @@
+//! Steps in time, and what can be asked about them.
+
+#![forbid(unsafe_code)]
+
+use super::Instance;
+use super::problem::{self, Outcome, Problem, argument};
+use crate::fmi2::policy::{self, Fault};
+use crate::fmi2::types::{Boolean, FALSE, LAST_SUCCESSFUL_TIME, Real, StatusKind, TERMINATED};
+
+impl Instance {
+    /// `fmi2DoStep`. The step has the length that was asked for, to the last bit, and the next one
+    /// begins where the importer says that this one ends: rounding differences between its clock and
+    /// the sum of the steps do not pile up, and a constant step stays constant.
+    #[inline(always)]
+    pub fn do_step(&mut self, from: Real, step: Real) -> Outcome {
+        let end = from + step;
+        let fits = step >= 0.0
+            && (from - self.clock.time).abs() <= policy::same_time_within(self.clock.time)
+            && self.clock.stop.is_none_or(|stop| end <= stop + policy::same_time_within(stop))
+            && end.is_finite();
+        if !fits {
+            return self.misfit(from, step);
+        }
+        match self.component.step(step) {
+            Ok(()) => {
+                self.clock.time = end;
+                Ok(())
+            }
+            Err(text) => Err(Problem { fault: Fault::Step, text: format!("step of {step} s from {from} s: {text}") }),
+        }
+    }
+
+    #[cold]
+    fn misfit(&self, from: Real, step: Real) -> Outcome {
+        let (time, end) = (self.clock.time, from + step);
+        if !(step >= 0.0 && step.is_finite()) {
+            return argument(format!("the step {step} s must be a finite number >= 0"));
+        }
+        if !((from - time).abs() <= policy::same_time_within(time) && end.is_finite()) {
+            return argument(format!(
+                "the communication point {from} s is not the end of the last step, {time} s (within {} s)",
+                policy::same_time_within(time)
+            ));
+        }
+        let stop = self.clock.stop.unwrap_or(f64::INFINITY);
+        argument(format!("the step of {step} s from {from} s ends at {end} s, past the stop time {stop} s"))
+    }
+
+    /// `fmi2GetRealStatus`: the time of the last successful step.
+    pub fn real_status(&mut self, kind: StatusKind) -> Result<Real, Problem> {
+        if kind == LAST_SUCCESSFUL_TIME { Ok(self.clock.time) } else { Err(problem::no_status(kind)) }
+    }
+
+    /// `fmi2GetBooleanStatus`: this slave never asks to end the simulation.
+    pub fn boolean_status(&mut self, kind: StatusKind) -> Result<Boolean, Problem> {
+        if kind == TERMINATED { Ok(FALSE) } else { Err(problem::no_status(kind)) }
+    }
+
+    /// `fmi2GetStatus`, `fmi2GetIntegerStatus`, `fmi2GetStringStatus`: they tell about steps that are
+    /// still running and about nothing else; there are none.
+    pub fn no_status<T>(&mut self, kind: StatusKind) -> Result<T, Problem> {
+        Err(problem::no_status(kind))
+    }
+}

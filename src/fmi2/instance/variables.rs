@@ -1,0 +1,181 @@
+//! Getting and setting variables, input derivatives, directional derivatives.
+
+#![forbid(unsafe_code)]
+
+use super::Instance;
+use super::problem::{self, Outcome, Problem, argument, reference_problem};
+use crate::fmi2::exports::arguments::{Sink, Source};
+use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE_ORDER};
+use crate::fmi2::types::{Integer, Real};
+use crate::variables::{self, Causality, ValueReference};
+
+/// Arguments of `fmi2GetDirectionalDerivative`, kept so that calling it again allocates nothing.
+#[derive(Default)]
+pub struct Scratch {
+    unknowns: Vec<ValueReference>,
+    knowns: Vec<ValueReference>,
+    seed: Vec<f64>,
+    result: Vec<f64>,
+}
+
+impl Instance {
+    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`. Nothing is stored unless all of it is fine.
+    #[inline(always)]
+    pub fn set<T: Copy + Into<f64>>(
+        &mut self,
+        kind: policy::Type,
+        references: Source<'_, ValueReference>,
+        values: Source<'_, T>,
+    ) -> Outcome {
+        for index in 0..references.count() {
+            let reference = references.at(index);
+            let access = policy::access(reference);
+            if !access.is(kind) || !access.settable().contains(self.phase) {
+                return Err(reference_problem(reference, Some(kind), Some(self.phase)));
+            }
+            if !access.is_input() {
+                let value = values.at(index).into();
+                if variables::check_parameter(reference, value).is_err() {
+                    return Err(self.refused_values(kind, references, values));
+                }
+            }
+        }
+        for index in 0..references.count() {
+            let (reference, value) = (references.at(index), values.at(index).into());
+            if policy::access(reference).is_input() {
+                self.component.set_input(reference, value);
+            } else {
+                self.component.set_parameter(reference, value);
+            }
+        }
+        Ok(())
+    }
+
+    /// All of a vector's refused values in one problem; a wrong reference behind them weighs more.
+    #[cold]
+    fn refused_values<T: Copy + Into<f64>>(
+        &self,
+        kind: policy::Type,
+        references: Source<'_, ValueReference>,
+        values: Source<'_, T>,
+    ) -> Problem {
+        let mut refusals = Vec::new();
+        for index in 0..references.count() {
+            let reference = references.at(index);
+            let access = policy::access(reference);
+            if !access.is(kind) || !access.settable().contains(self.phase) {
+                return reference_problem(reference, Some(kind), Some(self.phase));
+            }
+            if !access.is_input()
+                && let Err(refusal) = variables::check_parameter(reference, values.at(index).into())
+            {
+                refusals.push(refusal.to_string());
+            }
+        }
+        Problem { fault: Fault::Value, text: format!("{}; the old value stays", refusals.join("; ")) }
+    }
+
+    /// `fmi2GetReal`, `fmi2GetInteger`, `fmi2GetBoolean`
+    #[inline(always)]
+    pub fn get<T: Copy>(
+        &mut self,
+        kind: policy::Type,
+        references: Source<'_, ValueReference>,
+        values: Sink<'_, T>,
+        convert: impl Fn(f64) -> T,
+    ) -> Outcome {
+        for index in 0..references.count() {
+            if !policy::access(references.at(index)).is(kind) {
+                return Err(reference_problem(references.at(index), Some(kind), None));
+            }
+        }
+        for index in 0..references.count() {
+            values.put(index, convert(self.component.get(references.at(index))));
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetString`, `fmi2SetString`: there are no such variables.
+    pub fn no_strings(&mut self, references: Source<'_, ValueReference>) -> Outcome {
+        if references.count() == 0 { Ok(()) } else { Err(reference_problem(references.at(0), None, None)) }
+    }
+
+    /// `fmi2SetRealInputDerivatives`: only order 1. They hold for the next step; as the inputs
+    /// themselves they are stored whatever they are, and that step refuses what is no number.
+    pub fn set_real_input_derivatives(
+        &mut self,
+        references: Source<'_, ValueReference>,
+        orders: Source<'_, Integer>,
+        values: Source<'_, Real>,
+    ) -> Outcome {
+        for index in 0..references.count() {
+            let (reference, order) = (references.at(index), orders.at(index));
+            let access = policy::access(reference);
+            if !access.is(policy::Type::Real) {
+                return Err(reference_problem(reference, Some(policy::Type::Real), None));
+            }
+            if !access.is_input() {
+                return Err(problem::not_an(Causality::Input, reference));
+            }
+            if order != INPUT_DERIVATIVE_ORDER {
+                return argument(format!("input derivatives are of order {INPUT_DERIVATIVE_ORDER}, not {order}"));
+            }
+        }
+        for index in 0..references.count() {
+            self.component.set_input_derivative(references.at(index), values.at(index));
+        }
+        Ok(())
+    }
+
+    /// `fmi2GetRealOutputDerivatives`: none are offered.
+    pub fn get_real_output_derivatives(
+        &mut self,
+        references: Source<'_, ValueReference>,
+        orders: Source<'_, Integer>,
+    ) -> Outcome {
+        if references.count() == 0 {
+            return Ok(());
+        }
+        argument(format!(
+            "order {} was asked for; output derivatives are offered up to order {OUTPUT_DERIVATIVE_ORDER}",
+            orders.at(0)
+        ))
+    }
+
+    /// `fmi2GetDirectionalDerivative`: of outputs by inputs.
+    pub fn get_directional_derivative(
+        &mut self,
+        unknowns: Source<'_, ValueReference>,
+        knowns: Source<'_, ValueReference>,
+        seed: Source<'_, Real>,
+        result: Sink<'_, Real>,
+    ) -> Outcome {
+        for (references, causality) in [(unknowns, Causality::Output), (knowns, Causality::Input)] {
+            for index in 0..references.count() {
+                let reference = references.at(index);
+                if !policy::access(reference).is(policy::Type::Real) {
+                    return Err(reference_problem(reference, Some(policy::Type::Real), None));
+                }
+                if variables::lookup(reference).is_none_or(|(row, _)| row.causality != causality) {
+                    return Err(problem::not_an(causality, reference));
+                }
+            }
+        }
+        let scratch = &mut self.scratch;
+        unknowns.copy_into(&mut scratch.unknowns);
+        knowns.copy_into(&mut scratch.knowns);
+        seed.copy_into(&mut scratch.seed);
+        if let Some(value) = scratch.seed.iter().find(|value| !value.is_finite()) {
+            return argument(format!("the seed {value} must be finite"));
+        }
+        scratch.result.clear();
+        scratch.result.resize(scratch.unknowns.len(), 0.0);
+        self.component
+            .directional_derivative(&scratch.unknowns, &scratch.knowns, &scratch.seed, &mut scratch.result)
+            .map_err(|text| Problem { fault: Fault::Derivative, text: text.to_string() })?;
+        for (index, &value) in scratch.result.iter().enumerate() {
+            result.put(index, value);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,176 @@
+//! Messages to the importer's logger.
+//!
+//! Three categories, as the model description declares them:
+//!
+//! | category | status | sent |
+//! |---|---|---|
+//! | `logStatusError` | `fmi2Error`, or `fmi2Discard` for a refused value | always: who gets a status wants to know why |
+//! | `logStatusWarning` | `fmi2Warning` | when debug logging is on for it: a limit was reached, the model's validity left |
+//! | `logEvents` | `fmi2OK` | when debug logging is on for it: what was chosen and why, life cycle |
+//!
+//! A text goes out as the argument of the format `%s`, so that a `%` in it is only a `%`; a `#` is
+//! doubled, because importers expand `#r12#` to a variable's name. Texts longer than [`LONGEST`] go
+//! out in pieces, because there are loggers that print into a buffer of 1000 bytes.
+
+use core::ffi::{CStr, c_char};
+use std::borrow::Cow;
+use std::ffi::CString;
+
+use super::gate;
+use super::types::{CallbackFunctions, ComponentEnvironment, Logger, Status};
+
+/// Most bytes of text in one message.
+pub const LONGEST: usize = 900;
+
+/// A category of messages. The discriminants are the bits of [`Log::enabled`].
+#[repr(u8)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Category {
+    /// `logEvents`
+    Events = 1,
+    /// `logStatusWarning`
+    Warnings = 2,
+    /// `logStatusError`
+    Errors = 4,
+}
+
+impl Category {
+    const ALL: [Category; 3] = [Category::Events, Category::Warnings, Category::Errors];
+
+    /// Name as declared in the model description.
+    pub const fn name(self) -> &'static CStr {
+        match self {
+            Category::Events => c"logEvents",
+            Category::Warnings => c"logStatusWarning",
+            Category::Errors => c"logStatusError",
+        }
+    }
+
+    /// The category of a name; `None` where it is not declared.
+    pub fn from_name(name: &CStr) -> Option<Category> {
+        Category::ALL.into_iter().find(|category| category.name() == name)
+    }
+}
+
+/// Where an instance's messages go.
+pub struct Log {
+    logger: Option<Logger>,
+    environment: ComponentEnvironment,
+    instance: CString,
+    enabled: u8,
+}
+
+// SAFETY: the environment is never dereferenced here, only passed back to the importer's logger. The
+// standard lets an importer drive an instance from any thread, so that its logger must stand being
+// called there.
+unsafe impl Send for Log {}
+
+impl Log {
+    /// Takes over the importer's logger (which may be missing), and its name for the instance.
+    pub fn new(callbacks: &CallbackFunctions, instance: CString, debug: bool) -> Log {
+        let mut log =
+            Log { logger: callbacks.logger, environment: callbacks.component_environment, instance, enabled: 0 };
+        log.enable(debug, &Category::ALL);
+        log
+    }
+
+    /// Switches debug logging off, or on for these categories only. Errors are always sent.
+    pub fn enable(&mut self, on: bool, categories: &[Category]) {
+        self.enabled = Category::Errors as u8;
+        if on {
+            self.enabled = categories.iter().fold(self.enabled, |enabled, &category| enabled | category as u8);
+        }
+    }
+
+    /// Every declared category.
+    pub fn categories() -> &'static [Category] {
+        &Category::ALL
+    }
+
+    /// Whether a message of this category would be sent; to save composing one that is not.
+    pub fn wants(&self, category: Category) -> bool {
+        self.logger.is_some() && self.enabled & category as u8 != 0
+    }
+
+    /// Sends a message, if its category is on.
+    #[cold]
+    pub fn send(&self, status: Status, category: Category, text: &str) {
+        let Some(logger) = self.logger.filter(|_| self.wants(category)) else { return };
+        for piece in pieces(&escaped(text), LONGEST) {
+            // `escaped` left no zero inside.
+            let Ok(piece) = CString::new(piece) else { continue };
+            let format: *const c_char = c"%s".as_ptr();
+            gate::outside(|| {
+                // SAFETY: the importer gave this function as its logger, with this signature; all
+                // strings end with a zero and live through the call; the format takes one string.
+                unsafe {
+                    logger(
+                        self.environment,
+                        self.instance.as_ptr(),
+                        status,
+                        category.name().as_ptr(),
+                        format,
+                        piece.as_ptr(),
+                    )
+                }
+            });
+        }
+    }
+}
+
+/// The text with `#` doubled and without zeros.
+fn escaped(text: &str) -> Cow<'_, str> {
+    if text.contains(['#', '\0']) { text.replace('#', "##").replace('\0', "").into() } else { text.into() }
+}
+
+/// Cuts a text into pieces of at most `longest` bytes, between words where there are any, never inside
+/// a character or a doubled `#`. `longest` must be at least 4, the longest character.
+fn pieces(text: &str, longest: usize) -> impl Iterator<Item = &str> {
+    let mut rest = Some(text);
+    std::iter::from_fn(move || {
+        let text = rest.take()?;
+        if text.len() <= longest {
+            return Some(text);
+        }
+        let mut end = text.floor_char_boundary(longest);
+        end = text[..end].rfind(' ').filter(|&at| at > 0).unwrap_or_else(|| {
+            let doubled = text[..end].bytes().rev().take_while(|&byte| byte == b'#').count();
+            end - doubled % 2
+        });
+        rest = Some(text[end..].trim_start_matches(' ')).filter(|rest| !rest.is_empty());
+        Some(&text[..end])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped_for_importers_that_expand_references() {
+        assert_eq!(escaped("50 % of #r1#"), "50 % of ##r1##");
+        assert_eq!(escaped("a\0b"), "ab");
+        assert!(matches!(escaped("plain"), Cow::Borrowed("plain")));
+    }
+
+    #[test]
+    fn long_texts_are_cut_between_words_and_never_inside_a_character() {
+        assert_eq!(pieces("", 5).collect::<Vec<_>>(), [""]);
+        assert_eq!(pieces("one two three", 7).collect::<Vec<_>>(), ["one", "two", "three"]);
+        assert_eq!(pieces("one two", 100).collect::<Vec<_>>(), ["one two"]);
+        assert_eq!(pieces("ééé", 5).collect::<Vec<_>>(), ["éé", "é"]);
+        assert_eq!(pieces("a####", 4).collect::<Vec<_>>(), ["a##", "##"]);
+        let long = "word ".repeat(1000);
+        assert!(pieces(&long, LONGEST).all(|piece| piece.len() <= LONGEST));
+        assert_eq!(pieces(&long, LONGEST).flat_map(str::split_whitespace).count(), 1000);
+    }
+
+    #[test]
+    fn categories_are_known_by_their_declared_names_only() {
+        for category in Category::ALL {
+            assert_eq!(Category::from_name(category.name()), Some(category));
+        }
+        assert_eq!(Category::from_name(c"logAll"), None);
+        assert_eq!(Category::from_name(c""), None);
+    }
+}

@@ -1,0 +1,447 @@
+//! Who may call what when, which variable may be set when, and what a refusal answers: as tables.
+//!
+//! The phases are those of the co-simulation state machine (FMI 2.0.4, section 4.2.4). Steps are
+//! synchronous and never answer `fmi2Discard`, so *step in progress*, *step failed* and *step
+//! canceled* do not occur; `fmi2Fatal` is never returned, so there is no phase for it either.
+//!
+//! Accepted beyond the letter of the standard, on purpose, because importers do it and nothing speaks
+//! against it: inputs set while instantiated; any variable read in any phase (the start or the last
+//! value); `fmi2SetupExperiment` left out (start time 0, no stop time, no tolerance) or repeated;
+//! `fmi2Terminate` after an error.
+//!
+//! # What moves the phase
+//!
+//! | function | phase after success | after failure |
+//! |---|---|---|
+//! | `fmi2EnterInitializationMode` | initialization mode | error |
+//! | `fmi2ExitInitializationMode` | step complete | error |
+//! | `fmi2DoStep` | step complete | error |
+//! | `fmi2Terminate` | terminated | - |
+//! | `fmi2Reset` | instantiated | - |
+//! | `fmi2SetFMUstate` | that of the FMU state | as before |
+//!
+//! Failure means that the model failed ([`Fault::Initialisation`], [`Fault::Step`], and
+//! [`Fault::Panic`] in any function). A call that is refused before the model is asked, for its order
+//! or its arguments, leaves the instance as it was.
+
+#![forbid(unsafe_code)]
+
+use super::types::Status;
+use crate::variables::{COUNT, Causality, FLAT, Kind, TABLE, ValueReference, Variability};
+
+/// Phase of an instance. The discriminants are the bits of the masks.
+#[repr(u8)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Phase {
+    /// After `fmi2Instantiate` or `fmi2Reset`.
+    Instantiated = 1,
+    /// Between `fmi2EnterInitializationMode` and `fmi2ExitInitializationMode`.
+    Initialization = 2,
+    /// Initialised, between two steps.
+    StepComplete = 4,
+    /// After `fmi2Terminate`.
+    Terminated = 8,
+    /// After a failed initialisation or step.
+    Error = 16,
+}
+
+impl Phase {
+    /// Every phase with its name in messages.
+    pub const ALL: [(Phase, &'static str); 5] = [
+        (Phase::Instantiated, "instantiated"),
+        (Phase::Initialization, "initialization mode"),
+        (Phase::StepComplete, "step complete"),
+        (Phase::Terminated, "terminated"),
+        (Phase::Error, "error"),
+    ];
+
+    /// The phase of a bit, as it stands in a serialised FMU state.
+    pub fn from_bit(bit: u8) -> Option<Phase> {
+        Phase::ALL.iter().map(|entry| entry.0).find(|&phase| phase as u8 == bit)
+    }
+}
+
+/// A set of phases.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Phases(u8);
+
+impl Phases {
+    /// Whether `phase` is in the set.
+    #[inline(always)]
+    pub const fn contains(self, phase: Phase) -> bool {
+        self.0 & phase as u8 != 0
+    }
+
+    const fn and(self, other: Phases) -> Phases {
+        Phases(self.0 | other.0)
+    }
+
+    /// The names of the phases, for messages.
+    pub fn names(self) -> String {
+        let names: Vec<_> =
+            Phase::ALL.iter().filter(|&&(phase, _)| self.contains(phase)).map(|&(_, name)| name).collect();
+        if names.is_empty() { "no phase".into() } else { names.join(", ") }
+    }
+}
+
+const NEVER: Phases = Phases(0);
+const INSTANTIATED: Phases = Phases(Phase::Instantiated as u8);
+const INITIALIZATION: Phases = Phases(Phase::Initialization as u8);
+const BEFORE: Phases = INSTANTIATED.and(INITIALIZATION);
+const STEP_COMPLETE: Phases = Phases(Phase::StepComplete as u8);
+const UNTIL_TERMINATED: Phases = BEFORE.and(STEP_COMPLETE);
+const FAILED: Phases = Phases(Phase::Error as u8);
+const STEPPED: Phases = STEP_COMPLETE.and(Phases(Phase::Terminated as u8)).and(FAILED);
+const ANY: Phases = BEFORE.and(STEPPED);
+
+/// The functions that take an instance, except `fmi2FreeInstance`, which is allowed in every phase.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Function {
+    /// `fmi2SetDebugLogging`
+    SetDebugLogging,
+    /// `fmi2SetupExperiment`
+    SetupExperiment,
+    /// `fmi2EnterInitializationMode`
+    EnterInitializationMode,
+    /// `fmi2ExitInitializationMode`
+    ExitInitializationMode,
+    /// `fmi2Terminate`
+    Terminate,
+    /// `fmi2Reset`
+    Reset,
+    /// `fmi2GetReal`
+    GetReal,
+    /// `fmi2GetInteger`
+    GetInteger,
+    /// `fmi2GetBoolean`
+    GetBoolean,
+    /// `fmi2GetString`
+    GetString,
+    /// `fmi2SetReal`
+    SetReal,
+    /// `fmi2SetInteger`
+    SetInteger,
+    /// `fmi2SetBoolean`
+    SetBoolean,
+    /// `fmi2SetString`
+    SetString,
+    /// `fmi2GetFMUstate`
+    GetFmuState,
+    /// `fmi2SetFMUstate`
+    SetFmuState,
+    /// `fmi2FreeFMUstate`
+    FreeFmuState,
+    /// `fmi2SerializedFMUstateSize`
+    SerializedFmuStateSize,
+    /// `fmi2SerializeFMUstate`
+    SerializeFmuState,
+    /// `fmi2DeSerializeFMUstate`
+    DeSerializeFmuState,
+    /// `fmi2GetDirectionalDerivative`
+    GetDirectionalDerivative,
+    /// `fmi2SetRealInputDerivatives`
+    SetRealInputDerivatives,
+    /// `fmi2GetRealOutputDerivatives`
+    GetRealOutputDerivatives,
+    /// `fmi2DoStep`
+    DoStep,
+    /// `fmi2CancelStep`
+    CancelStep,
+    /// `fmi2GetStatus`
+    GetStatus,
+    /// `fmi2GetRealStatus`
+    GetRealStatus,
+    /// `fmi2GetIntegerStatus`
+    GetIntegerStatus,
+    /// `fmi2GetBooleanStatus`
+    GetBooleanStatus,
+    /// `fmi2GetStringStatus`
+    GetStringStatus,
+}
+
+/// One row of the table of call sequences.
+pub struct Rule {
+    /// The function.
+    pub function: Function,
+    /// Its name in C.
+    pub name: &'static str,
+    /// When it may be called.
+    pub allowed: Phases,
+}
+
+const fn rule(function: Function, name: &'static str, allowed: Phases) -> Rule {
+    Rule { function, name, allowed }
+}
+
+/// The call sequences, in the order of [`Function`].
+pub const RULES: [Rule; 30] = [
+    rule(Function::SetDebugLogging, "fmi2SetDebugLogging", ANY),
+    rule(Function::SetupExperiment, "fmi2SetupExperiment", INSTANTIATED),
+    rule(Function::EnterInitializationMode, "fmi2EnterInitializationMode", INSTANTIATED),
+    rule(Function::ExitInitializationMode, "fmi2ExitInitializationMode", INITIALIZATION),
+    rule(Function::Terminate, "fmi2Terminate", STEP_COMPLETE.and(FAILED)),
+    rule(Function::Reset, "fmi2Reset", ANY),
+    rule(Function::GetReal, "fmi2GetReal", ANY),
+    rule(Function::GetInteger, "fmi2GetInteger", ANY),
+    rule(Function::GetBoolean, "fmi2GetBoolean", ANY),
+    rule(Function::GetString, "fmi2GetString", ANY),
+    // Which variables may be set when: see `ACCESS`.
+    rule(Function::SetReal, "fmi2SetReal", UNTIL_TERMINATED),
+    rule(Function::SetInteger, "fmi2SetInteger", UNTIL_TERMINATED),
+    rule(Function::SetBoolean, "fmi2SetBoolean", UNTIL_TERMINATED),
+    rule(Function::SetString, "fmi2SetString", UNTIL_TERMINATED),
+    rule(Function::GetFmuState, "fmi2GetFMUstate", ANY),
+    rule(Function::SetFmuState, "fmi2SetFMUstate", ANY),
+    rule(Function::FreeFmuState, "fmi2FreeFMUstate", ANY),
+    rule(Function::SerializedFmuStateSize, "fmi2SerializedFMUstateSize", ANY),
+    rule(Function::SerializeFmuState, "fmi2SerializeFMUstate", ANY),
+    rule(Function::DeSerializeFmuState, "fmi2DeSerializeFMUstate", ANY),
+    rule(Function::GetDirectionalDerivative, "fmi2GetDirectionalDerivative", INITIALIZATION.and(STEPPED)),
+    rule(Function::SetRealInputDerivatives, "fmi2SetRealInputDerivatives", UNTIL_TERMINATED),
+    rule(Function::GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives", STEPPED),
+    rule(Function::DoStep, "fmi2DoStep", STEP_COMPLETE),
+    // A step is over before another call can be made.
+    rule(Function::CancelStep, "fmi2CancelStep", NEVER),
+    rule(Function::GetStatus, "fmi2GetStatus", STEPPED),
+    rule(Function::GetRealStatus, "fmi2GetRealStatus", STEPPED),
+    rule(Function::GetIntegerStatus, "fmi2GetIntegerStatus", STEPPED),
+    rule(Function::GetBooleanStatus, "fmi2GetBooleanStatus", STEPPED),
+    rule(Function::GetStringStatus, "fmi2GetStringStatus", STEPPED),
+];
+
+const _: () = {
+    let mut index = 0;
+    while index < RULES.len() {
+        assert!(RULES[index].function as usize == index, "the rules must be in the order of the functions");
+        index += 1;
+    }
+};
+
+impl Function {
+    /// The function's row.
+    #[inline(always)]
+    pub const fn rule(self) -> &'static Rule {
+        &RULES[self as usize]
+    }
+}
+
+/// Type of a variable as the interface sees it; enumerations are integers.
+#[repr(u8)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Type {
+    /// `fmi2Real`
+    Real = 1,
+    /// `fmi2Integer`, enumerations included
+    Integer = 2,
+    /// `fmi2Boolean`
+    Boolean = 3,
+}
+
+impl Type {
+    /// Name in messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Type::Real => "Real",
+            Type::Integer => "Integer or enumeration",
+            Type::Boolean => "Boolean",
+        }
+    }
+}
+
+/// Type, role and settable phases of a variable in one byte: bits 0..5 the phases in which it may be
+/// set, bits 5..7 the type (0: no such variable), bit 7 whether it is an input.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Access(u8);
+
+impl Access {
+    const NONE: Access = Access(0);
+    const TYPE_SHIFT: u32 = 5;
+    const INPUT: u8 = 0x80;
+
+    const fn of(row: &crate::variables::Row) -> Access {
+        let settable = match (row.causality, row.variability) {
+            (Causality::Parameter, Variability::Tunable) => UNTIL_TERMINATED,
+            (Causality::Parameter, _) => BEFORE,
+            (Causality::Input, _) => UNTIL_TERMINATED,
+            (Causality::Output | Causality::Local, _) => NEVER,
+        };
+        let kind = match row.kind {
+            Kind::Real { .. } => Type::Real,
+            Kind::Integer { .. } | Kind::Enumeration(_) => Type::Integer,
+            Kind::Boolean => Type::Boolean,
+        };
+        let input = if matches!(row.causality, Causality::Input) { Access::INPUT } else { 0 };
+        Access(settable.0 | (kind as u8) << Access::TYPE_SHIFT | input)
+    }
+
+    /// Whether there is such a variable at all.
+    #[inline(always)]
+    pub const fn exists(self) -> bool {
+        self.0 != 0
+    }
+
+    /// Whether the variable exists and is of type `kind`.
+    #[inline(always)]
+    pub const fn is(self, kind: Type) -> bool {
+        (self.0 >> Access::TYPE_SHIFT) & 3 == kind as u8
+    }
+
+    /// Whether the variable is an input.
+    #[inline(always)]
+    pub const fn is_input(self) -> bool {
+        self.0 & Access::INPUT != 0
+    }
+
+    /// When the variable may be set.
+    #[inline(always)]
+    pub const fn settable(self) -> Phases {
+        Phases(self.0 & 31)
+    }
+}
+
+static ACCESS: [Access; COUNT] = {
+    let mut table = [Access::NONE; COUNT];
+    let mut reference = 0;
+    while reference < COUNT {
+        table[reference] = Access::of(&TABLE[FLAT[reference].0 as usize]);
+        reference += 1;
+    }
+    table
+};
+
+/// What may be done with a value reference.
+#[inline(always)]
+pub fn access(reference: ValueReference) -> Access {
+    ACCESS.get(reference as usize).copied().unwrap_or(Access::NONE)
+}
+
+/// Why a call failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fault {
+    /// Not allowed in this phase.
+    Order,
+    /// A pointer is NULL, a number out of range, an order that is not offered, time that does not fit.
+    Argument,
+    /// Unknown value reference, wrong type, or a variable that may not be set (now).
+    Reference,
+    /// A parameter's value was refused.
+    Value,
+    /// A status that this slave does not have.
+    Nothing,
+    /// A directional derivative that does not exist at this point.
+    Derivative,
+    /// An FMU state that is unknown, damaged, or of another FMU.
+    State,
+    /// The model cannot be initialised with these parameters.
+    Initialisation,
+    /// A step failed, also for inputs that are no numbers.
+    Step,
+    /// A defect of this library, caught.
+    Panic,
+}
+
+/// What a fault answers, and whether it moves the instance to [`Phase::Error`].
+pub const CONSEQUENCES: [(Fault, Status, bool); 10] = [
+    (Fault::Order, Status::Error, false),
+    (Fault::Argument, Status::Error, false),
+    (Fault::Reference, Status::Error, false),
+    (Fault::Value, Status::Discard, false),
+    (Fault::Nothing, Status::Discard, false),
+    (Fault::Derivative, Status::Error, false),
+    (Fault::State, Status::Error, false),
+    (Fault::Initialisation, Status::Error, true),
+    (Fault::Step, Status::Error, true),
+    (Fault::Panic, Status::Error, true),
+];
+
+const _: () = {
+    let mut index = 0;
+    while index < CONSEQUENCES.len() {
+        assert!(CONSEQUENCES[index].0 as usize == index, "the consequences must be in the order of the faults");
+        index += 1;
+    }
+};
+
+impl Fault {
+    /// The status that a call with this fault answers.
+    pub const fn status(self) -> Status {
+        CONSEQUENCES[self as usize].1
+    }
+
+    /// Whether the instance is in the error phase afterwards.
+    pub const fn fails_instance(self) -> bool {
+        CONSEQUENCES[self as usize].2
+    }
+}
+
+/// Highest order of the input derivatives that are taken.
+pub const INPUT_DERIVATIVE_ORDER: i32 = 1;
+
+/// Highest order of the output derivatives that are offered; as `maxOutputDerivativeOrder` in the XML.
+pub const OUTPUT_DERIVATIVE_ORDER: i32 = 0;
+
+/// How far two times may lie apart and still be the same, in seconds: `1e-9 max(1, |t|)`.
+///
+/// For the communication point against the end of the last step, and for the end of a step against the
+/// stop time. Masters add up steps in their own arithmetic; the largest difference that one makes in
+/// earnest is that of a clock in whole nanoseconds.
+pub fn same_time_within(time: f64) -> f64 {
+    1e-9 * time.abs().max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::variables::{find, lookup};
+
+    #[test]
+    fn access_follows_causality_and_variability() {
+        let of = |name| access(find(name).unwrap());
+        let cases = [
+            ("sliding_velocity", UNTIL_TERMINATED, Type::Real, true),
+            ("contact.friction_coefficient", UNTIL_TERMINATED, Type::Real, false),
+            ("punch.height", BEFORE, Type::Real, false),
+            ("contact.initial_gap[33]", BEFORE, Type::Real, false),
+            ("contact.faces", BEFORE, Type::Integer, false),
+            ("solver.fidelity", BEFORE, Type::Integer, false),
+            ("contact.shear_coupling", BEFORE, Type::Boolean, false),
+            ("wear_depth", NEVER, Type::Real, false),
+            ("limit_reached", NEVER, Type::Integer, false),
+            ("profile.pressure[1]", NEVER, Type::Real, false),
+        ];
+        for (name, settable, kind, input) in cases {
+            assert_eq!(of(name).settable(), settable, "{name}");
+            assert!(of(name).is(kind) && of(name).exists(), "{name}");
+            assert_eq!(of(name).is_input(), input, "{name}");
+        }
+        assert!(!access(COUNT as u32).exists() && !access(u32::MAX).exists());
+        assert!(![Type::Real, Type::Integer, Type::Boolean].iter().any(|&kind| access(u32::MAX).is(kind)));
+    }
+
+    #[test]
+    fn every_variable_has_one_type_and_only_parameters_and_inputs_can_be_set() {
+        for reference in 0..COUNT as u32 {
+            let access = access(reference);
+            let kinds = [Type::Real, Type::Integer, Type::Boolean];
+            assert_eq!(kinds.iter().filter(|&&kind| access.is(kind)).count(), 1);
+            let row = lookup(reference).unwrap().0;
+            let is_set = matches!(row.causality, Causality::Parameter | Causality::Input);
+            assert_eq!(access.settable() != NEVER, is_set, "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn a_phase_comes_back_from_its_bit_and_no_other_number_is_one() {
+        let phases = (0..=255).filter_map(Phase::from_bit).collect::<Vec<_>>();
+        assert_eq!(phases, Phase::ALL.map(|entry| entry.0));
+    }
+
+    #[test]
+    fn steps_and_setters_never_answer_a_warning() {
+        assert!(CONSEQUENCES.iter().all(|row| row.1 != Status::Warning && row.1 != Status::Ok));
+        // doStep's own faults: order, arguments, step, panic.
+        for fault in [Fault::Order, Fault::Argument, Fault::Step, Fault::Panic] {
+            assert_eq!(fault.status(), Status::Error);
+        }
+    }
+}

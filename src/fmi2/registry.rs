@@ -1,0 +1,340 @@
+//! Handles in place of pointers.
+//!
+//! An importer holds `fmi2Component` and `fmi2FMUstate` as opaque pointers and may hand back anything:
+//! NULL, an uninitialised variable, one that was freed, one in use in another thread. So what it gets
+//! is no address but a number in a pointer's clothes,
+//!
+//! | bits (64-bit pointer) | what |
+//! |---|---|
+//! | 0..3 | tag of the registry; odd, so that no aligned address looks like a handle |
+//! | 3..32 | number of the slot |
+//! | 32..63 | generation of the slot, > 0; changes whenever the slot is freed |
+//!
+//! and it is looked up here. A slot is one word of state, `2 generation + taken`, and the value. The
+//! word of a vacant slot is `taken` with generation 0, which no handle has. So a single compare-and-
+//! exchange from `2 generation` to `2 generation + 1` answers all questions at once: is this handle
+//! alive, and is nobody else inside?
+//!
+//! Slots live in chunks of doubling size that are never moved or freed, so looking up takes no lock.
+//! A lock guards only the list of free slots, when a value comes or goes. A slot whose generations are
+//! used up is retired.
+
+use core::cell::UnsafeCell;
+use core::ffi::c_void;
+use core::ops::{Deref, DerefMut};
+use core::ptr;
+use core::sync::atomic::{AtomicPtr, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+const TAG_BITS: u32 = 3;
+const INDEX_BITS: u32 = if usize::BITS >= 64 { 29 } else { 14 };
+const GENERATION_SHIFT: u32 = TAG_BITS + INDEX_BITS;
+/// Highest generation: what fits into the handle, and into the slot's word beside `taken`.
+const LAST_GENERATION: u32 = {
+    let bits = usize::BITS - GENERATION_SHIFT;
+    (1 << if bits > 31 { 31 } else { bits }) - 1
+};
+/// Slots of the first chunk; chunk `k` has `FIRST << k`.
+const FIRST: usize = 32;
+const CHUNKS: usize = (INDEX_BITS - FIRST.trailing_zeros()) as usize;
+const TAKEN: u32 = 1;
+/// Word of a slot without a value: taken, of generation 0.
+const VACANT: u32 = TAKEN;
+
+/// One value and who may touch it. Slots keep their distance, so that instances driven in different
+/// threads do not share a cache line.
+#[repr(align(64))]
+struct Slot<T> {
+    word: AtomicU32,
+    value: UnsafeCell<Option<Box<T>>>,
+}
+
+/// The slots that no value lives in.
+struct Vacancies {
+    /// Slots whose value was removed, with the generation that comes next.
+    again: Vec<(u32, u32)>,
+    /// Slots handed out so far, from the start of the first chunk.
+    used: u32,
+}
+
+/// Values that C code holds by handle.
+pub struct Registry<T> {
+    tag: usize,
+    chunks: [AtomicPtr<Slot<T>>; CHUNKS],
+    vacancies: Mutex<Vacancies>,
+}
+
+// SAFETY: a value is reached by one thread at a time, the one that set `taken`; the compare-and-
+// exchange (acquire) and the store that clears it (release) order its accesses. It may so move from
+// thread to thread, hence `T: Send`.
+unsafe impl<T: Send> Sync for Registry<T> {}
+
+/// Why a handle was refused.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Refused {
+    /// It is no handle of this registry, or its value is gone.
+    Unknown,
+    /// Another call is using the value.
+    Busy,
+}
+
+/// Exclusive use of a value; given back when dropped.
+pub struct Guard<'a, T> {
+    slot: &'a Slot<T>,
+    value: &'a mut T,
+    free_word: u32,
+}
+
+impl<T> Deref for Guard<'_, T> {
+    type Target = T;
+    #[inline(always)]
+    fn deref(&self) -> &T {
+        self.value
+    }
+}
+
+impl<T> DerefMut for Guard<'_, T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut T {
+        self.value
+    }
+}
+
+impl<T> Drop for Guard<'_, T> {
+    #[inline(always)]
+    fn drop(&mut self) {
+        self.slot.word.store(self.free_word, Ordering::Release);
+    }
+}
+
+/// Chunk of a slot, and its place there.
+#[inline(always)]
+const fn place(index: usize) -> (usize, usize) {
+    let shifted = index + FIRST;
+    let chunk = (shifted.ilog2() - FIRST.ilog2()) as usize;
+    (chunk, shifted - (FIRST << chunk))
+}
+
+impl<T> Registry<T> {
+    /// An empty registry. `tag`: an odd number below 8, different for each registry.
+    pub const fn new(tag: usize) -> Registry<T> {
+        assert!(tag % 2 == 1 && tag < 1 << TAG_BITS, "the tag is an odd number below 8");
+        Registry {
+            tag,
+            chunks: [const { AtomicPtr::new(ptr::null_mut()) }; CHUNKS],
+            vacancies: Mutex::new(Vacancies { again: Vec::new(), used: 0 }),
+        }
+    }
+
+    /// Takes a value in and returns its handle; `None` when there is no slot left.
+    pub fn insert(&self, value: Box<T>) -> Option<*mut c_void> {
+        let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
+        let (index, generation) = match vacancies.again.pop() {
+            Some(vacancy) => vacancy,
+            None if vacancies.used < ((1 << INDEX_BITS) - FIRST) as u32 => {
+                self.provide(vacancies.used as usize);
+                vacancies.used += 1;
+                (vacancies.used - 1, self.first_generation(vacancies.used - 1))
+            }
+            None => return None,
+        };
+        drop(vacancies);
+        let slot = self.slot(index as usize)?;
+        // SAFETY: the slot is vacant, so `take` refuses every handle, and its index came out of the list
+        // of vacancies (or was never handed out) under the lock, so no other thread has it.
+        unsafe { *slot.value.get() = Some(value) };
+        slot.word.store(generation << 1, Ordering::Release);
+        let (generation, index) = (generation as usize, index as usize);
+        Some(ptr::without_provenance_mut((generation << GENERATION_SHIFT) | (index << TAG_BITS) | self.tag))
+    }
+
+    /// Exclusive use of the value of a handle.
+    ///
+    /// # Errors
+    /// [`Refused`]; never waits.
+    #[inline(always)]
+    pub fn acquire(&self, handle: *mut c_void) -> Result<Guard<'_, T>, Refused> {
+        let (slot, free_word) = self.take(handle)?;
+        // SAFETY: `take` set `taken` for this handle's generation, so this thread alone has access to
+        // the value until `Guard::drop` clears it, and the value is there.
+        match unsafe { &mut *slot.value.get() } {
+            Some(value) => Ok(Guard { slot, value, free_word }),
+            None => Err(Refused::Unknown),
+        }
+    }
+
+    /// Takes the value of a handle out; the handle is dead from then on.
+    ///
+    /// # Errors
+    /// [`Refused`]; a value in use stays.
+    pub fn remove(&self, handle: *mut c_void) -> Result<Box<T>, Refused> {
+        let (slot, free_word) = self.take(handle)?;
+        // SAFETY: as in `acquire`; no handle of this generation gets in again.
+        let value = unsafe { (*slot.value.get()).take() };
+        slot.word.store(VACANT, Ordering::Release);
+        let generation = free_word >> 1;
+        if generation < LAST_GENERATION {
+            let index = (handle.addr() >> TAG_BITS) & ((1 << INDEX_BITS) - 1);
+            let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
+            vacancies.again.push((index as u32, generation + 1));
+        }
+        value.ok_or(Refused::Unknown)
+    }
+
+    /// Marks the slot of a handle as taken; returns it with the word that makes it free again.
+    #[inline(always)]
+    fn take(&self, handle: *mut c_void) -> Result<(&Slot<T>, u32), Refused> {
+        let bits = handle.addr();
+        let generation = bits >> GENERATION_SHIFT;
+        if bits & ((1 << TAG_BITS) - 1) != self.tag || generation == 0 || generation > LAST_GENERATION as usize {
+            return Err(Refused::Unknown);
+        }
+        let slot = self.slot((bits >> TAG_BITS) & ((1 << INDEX_BITS) - 1)).ok_or(Refused::Unknown)?;
+        let free_word = (generation as u32) << 1;
+        match slot.word.compare_exchange(free_word, free_word | TAKEN, Ordering::Acquire, Ordering::Relaxed) {
+            Ok(_) => Ok((slot, free_word)),
+            Err(word) if word == free_word | TAKEN => Err(Refused::Busy),
+            Err(_) => Err(Refused::Unknown),
+        }
+    }
+
+    #[inline(always)]
+    fn slot(&self, index: usize) -> Option<&Slot<T>> {
+        let (chunk, offset) = place(index);
+        let start = self.chunks.get(chunk)?.load(Ordering::Acquire);
+        if start.is_null() {
+            return None;
+        }
+        // SAFETY: a chunk that is not null has `FIRST << chunk` initialised slots and is never freed;
+        // `place` returns an offset below that.
+        Some(unsafe { &*start.add(offset) })
+    }
+
+    /// Generation of a slot's first value: a number of its own for each slot and for each copy of the
+    /// library (whose address is random where the system loads it so), so that neither a damaged handle
+    /// nor one of another FMU is likely to fit.
+    fn first_generation(&self, index: u32) -> u32 {
+        let salt = (ptr::from_ref(self).addr() >> 4) as u32;
+        let mixed = salt.wrapping_add(index).wrapping_mul(0x9e37_79b1);
+        (mixed ^ (mixed >> 15)) % (LAST_GENERATION / 2) + 1
+    }
+
+    /// Makes the chunk of slot `index`, if it is not there. Called under the lock.
+    fn provide(&self, index: usize) {
+        let (chunk, _) = place(index);
+        if !self.chunks[chunk].load(Ordering::Relaxed).is_null() {
+            return;
+        }
+        let slots: Box<[Slot<T>]> =
+            (0..FIRST << chunk).map(|_| Slot { word: AtomicU32::new(VACANT), value: UnsafeCell::new(None) }).collect();
+        self.chunks[chunk].store(Box::into_raw(slots).cast(), Ordering::Release);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn counted(registry: &Registry<u64>, value: u64) -> *mut c_void {
+        registry.insert(Box::new(value)).unwrap()
+    }
+
+    #[test]
+    fn a_handle_reaches_its_own_value_and_no_other() {
+        let registry = Registry::new(1);
+        let handles: Vec<_> = (0..5000).map(|value| counted(&registry, value)).collect();
+        for (value, &handle) in handles.iter().enumerate() {
+            let mut guard = registry.acquire(handle).unwrap();
+            assert_eq!(*guard, value as u64);
+            *guard += 1;
+        }
+        for (value, &handle) in handles.iter().enumerate() {
+            assert_eq!(*registry.remove(handle).unwrap(), value as u64 + 1);
+        }
+    }
+
+    #[test]
+    fn a_freed_handle_stays_dead_when_its_slot_is_used_again() {
+        let registry = Registry::new(1);
+        let first = counted(&registry, 1);
+        assert_eq!(*registry.remove(first).unwrap(), 1);
+        assert_eq!(registry.remove(first), Err(Refused::Unknown));
+        let second = counted(&registry, 2);
+        let index = |handle: *mut c_void| (handle.addr() >> TAG_BITS) & ((1 << INDEX_BITS) - 1);
+        assert_eq!(index(first), index(second), "the slot is used again");
+        assert_eq!(registry.acquire(first).err(), Some(Refused::Unknown));
+        assert_eq!(*registry.acquire(second).unwrap(), 2);
+    }
+
+    #[test]
+    fn a_value_in_use_is_busy_also_for_removal() {
+        let registry = Registry::new(1);
+        let handle = counted(&registry, 1);
+        let guard = registry.acquire(handle).unwrap();
+        assert_eq!(registry.acquire(handle).err(), Some(Refused::Busy));
+        assert_eq!(registry.remove(handle).err(), Some(Refused::Busy));
+        drop(guard);
+        assert!(registry.remove(handle).is_ok());
+    }
+
+    #[test]
+    fn what_is_no_handle_is_unknown() {
+        let (registry, other) = (Registry::new(1), Registry::new(3));
+        let handle = counted(&registry, 1);
+        for bit in 0..usize::BITS {
+            let damaged = handle.map_addr(|address| address ^ (1 << bit));
+            assert_eq!(registry.acquire(damaged).err(), Some(Refused::Unknown), "bit {bit}");
+        }
+        let mut word = 0x9e37_79b9_7f4a_7c15_u64;
+        for _ in 0..100_000 {
+            word ^= word << 13;
+            word ^= word >> 7;
+            word ^= word << 17;
+            let garbage = ptr::without_provenance_mut(word as usize);
+            assert!(garbage == handle || registry.acquire(garbage).is_err());
+        }
+        for small in 0..1000 {
+            assert!(registry.acquire(ptr::without_provenance_mut(small)).is_err());
+        }
+        let foreign = counted(&other, 1);
+        assert_eq!(registry.acquire(foreign).err(), Some(Refused::Unknown));
+    }
+
+    #[test]
+    fn a_slot_whose_generations_are_used_up_is_retired() {
+        let registry = Registry::new(1);
+        let handle = counted(&registry, 1);
+        registry.remove(handle).unwrap();
+        registry.vacancies.lock().unwrap().again[0].1 = LAST_GENERATION;
+        let last = counted(&registry, 2);
+        assert_eq!(*registry.remove(last).unwrap(), 2);
+        assert_eq!(registry.remove(last), Err(Refused::Unknown));
+        let next = counted(&registry, 3);
+        assert_eq!((next.addr() >> TAG_BITS) & ((1 << INDEX_BITS) - 1), 1);
+    }
+
+    #[test]
+    fn only_one_of_many_threads_is_inside_at_a_time() {
+        let registry = Registry::new(1);
+        let handle = counted(&registry, 0).addr();
+        let entered: u64 = std::thread::scope(|scope| {
+            let workers: Vec<_> = (0..4)
+                .map(|_| {
+                    scope.spawn(|| {
+                        let mut entered = 0;
+                        for _ in 0..20_000 {
+                            if let Ok(mut guard) = registry.acquire(ptr::without_provenance_mut(handle)) {
+                                *guard += 1;
+                                entered += 1;
+                            }
+                        }
+                        entered
+                    })
+                })
+                .collect();
+            workers.into_iter().map(|worker| worker.join().unwrap()).sum()
+        });
+        assert!(entered > 0);
+        assert_eq!(*registry.acquire(ptr::without_provenance_mut(handle)).unwrap(), entered);
+    }
+}
