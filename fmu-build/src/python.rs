@@ -7,7 +7,6 @@
 use crate::project;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -207,49 +206,40 @@ impl Interpreter {
 
 /// An empty environment with pip in it, by the first way that is open.
 fn create(base: &Interpreter, folder: &Path) -> Result<()> {
-    let target = folder.as_os_str();
     let python = executable(folder);
-    let done = |program: &Path, arguments: &[&OsStr]| {
-        run(program, arguments).is_ok_and(|output| output.status.success())
-            && run(&python, &["-m", "pip", "--version"]).is_ok_and(|output| output.status.success())
+    let done = |program: &Path, before: &[&str], path: &Path, after: &[&str]| {
+        let mut command = Command::new(program);
+        command.args(before).arg(path).args(after).stdin(Stdio::null());
+        command.output().is_ok_and(|output| output.status.success())
     };
-    let words = |text: &[&'static str]| text.iter().map(OsStr::new).collect::<Vec<_>>();
-    if base.has("venv")
-        && base.has("ensurepip")
-        && done(&base.path, &[&words(&["-m", "venv", "--clear"])[..], &[target]].concat())
-    {
-        return Ok(());
-    }
+    let has_pip = || run(&python, &["-m", "pip", "--version"]).is_ok_and(|output| output.status.success());
+    let base_does = |before: &[&str], path: &Path, after: &[&str]| done(&base.path, before, path, after);
+
     if base.has("venv") {
-        let output = run(&base.path, &[&words(&["-m", "venv", "--clear", "--without-pip"])[..], &[target]].concat())?;
-        if output.status.success() {
+        if base.has("ensurepip") && base_does(&["-m", "venv", "--clear"], folder, &[]) && has_pip() {
+            return Ok(());
+        }
+        if base_does(&["-m", "venv", "--clear", "--without-pip"], folder, &[]) {
             let packages = site_packages(&python)?;
             // `--target` serves pip of any age and is open on systems that manage their own packages.
-            if base.has("pip")
-                && done(
-                    &base.path,
-                    &[&words(&["-m", "pip", "install", "--no-input", "--target"])[..], &[packages.as_os_str()], &words(&[PIP])]
-                        .concat(),
-                )
-            {
+            if base_does(&["-m", "pip", "install", "--no-input", "--target"], &packages, &[PIP]) && has_pip() {
                 return Ok(());
             }
-            for wheel in distribution_wheels() {
-                // A wheel is a zip file that Python runs from.
-                if done(&python, &[wheel.join("pip").as_os_str(), OsStr::new("install"), OsStr::new(PIP)]) {
-                    return Ok(());
-                }
+            // A wheel is a zip file that Python runs from.
+            let from_wheel = |wheel: PathBuf| done(&python, &[], &wheel.join("pip"), &["install", "--no-input", PIP]);
+            if distribution_wheels().into_iter().any(from_wheel) && has_pip() {
+                return Ok(());
             }
         }
     }
-    if base.has("virtualenv") && done(&base.path, &[&words(&["-m", "virtualenv"])[..], &[target]].concat()) {
-        return Ok(());
-    }
-    let interpreter = base.path.as_os_str();
-    if done(Path::new("virtualenv"), &[OsStr::new("--python"), interpreter, target])
-        || done(Path::new("uv"), &[&words(&["venv", "--clear", "--seed", "--python"])[..], &[interpreter, target]].concat())
+    let interpreter = base.path.to_string_lossy();
+    if base_does(&["-m", "virtualenv"], folder, &[])
+        || done(Path::new("virtualenv"), &["--python", &interpreter], folder, &[])
+        || done(Path::new("uv"), &["venv", "--clear", "--seed", "--python", &interpreter], folder, &[])
     {
-        return Ok(());
+        if has_pip() {
+            return Ok(());
+        }
     }
     bail!(
         "Python {} at {} can make no environment with pip in it; type `{}` and run this command again.",
@@ -296,7 +286,7 @@ fn remedy(base: &Interpreter) -> String {
 }
 
 /// Runs a program to its end without input; what it prints is returned.
-fn run<S: AsRef<OsStr>>(program: &Path, arguments: &[S]) -> Result<Output> {
+fn run(program: &Path, arguments: &[&str]) -> Result<Output> {
     Command::new(program)
         .args(arguments)
         .stdin(Stdio::null())
@@ -313,7 +303,8 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for (_, name, text) in REQUIREMENTS {
             for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
-                let (package, rest) = line.split_once("==").unwrap_or_else(|| panic!("{name}.txt: {line} has no version"));
+                let (package, rest) =
+                    line.split_once("==").unwrap_or_else(|| panic!("{name}.txt: {line} has no version"));
                 let (version, marker) = rest.split_once("; ").unwrap_or((rest, ""));
                 assert!(version.chars().all(|c| c.is_ascii_alphanumeric() || c == '.'), "{name}.txt: {line}");
                 assert!(seen.insert((package.to_lowercase(), marker)), "{name}.txt: {package} stands twice");
