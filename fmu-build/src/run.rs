@@ -41,7 +41,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let fmu = match &arguments.fmu {
         Some(file) if file.is_file() => file.clone(),
         Some(file) => bail!("there is no file {}", file.display()),
-        None => package::package(&arguments.scene, None)?,
+        None => package::build(Some(&arguments.scene), &package::Options::default())?,
     };
     let output = arguments.output.clone().unwrap_or_else(|| project::target().join("run"));
     let mut command = script(&python, "examples/disc_brake/drive.py");

@@ -3,14 +3,14 @@
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{package, project};
+use crate::{bench, package, project, scenes};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use tally::{Counter, Tally};
 
-/// Scenes that are packaged and driven.
-const SCENES: [&str; 4] = ["disc_brake", "pin_on_disk", "reciprocating_punch", "clutch"];
+/// Scene that the importers and the clock run.
+const BRAKE: &str = "disc_brake";
 /// Targets of the platform tier.
 const PLATFORMS: [&str; 3] = ["aarch64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
 
@@ -44,13 +44,13 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         let command = cargo(&["test", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
         step.run(command, Counter::CargoTest)
     });
-    for scene in SCENES {
-        tally.step(&format!("package {scene}"), |step| {
-            package::package(scene, None)?;
+    tally.step("packaging", |step| {
+        for scene in std::iter::once(None).chain(scenes::names().iter().map(|name| Some(name.as_str()))) {
+            package::build(scene, &package::Options::default())?;
             step.pass();
-            Ok(())
-        });
-    }
+        }
+        Ok(())
+    });
     tally.step("fmpy tests", |step| {
         let python = python::environment_for(Tier::Test)?;
         let mut command = Command::new(python);
@@ -61,6 +61,12 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
             .env("PYTHONDONTWRITEBYTECODE", "1");
         step.run(command, Counter::Pytest)
+    });
+    tally.step("cost of a step", |step| {
+        for cost in bench::measure(&package::build(Some(BRAKE), &package::Options::default())?)? {
+            step.judge(&cost.to_string(), cost.is_tolerable());
+        }
+        Ok(())
     });
     if arguments.importers || arguments.all {
         tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
@@ -138,7 +144,7 @@ fn importers() -> Result<Command> {
         .env("CARGO_TARGET_DIR", project::target().join("importers"))
         .env("LIBCLANG_PATH", library)
         .env("BINDGEN_EXTRA_CLANG_ARGS", format!("-I{headers}"))
-        .env("SLIDING_CONTACT_FMU", package::package(SCENES[0], None)?);
+        .env("SLIDING_CONTACT_FMU", package::build(Some(BRAKE), &package::Options::default())?);
     Ok(command)
 }
 

@@ -121,6 +121,16 @@ impl Step {
         self.counts.passed += 1;
     }
 
+    /// Counts one measurement, shown as `text`.
+    pub fn judge(&mut self, text: &str, holds: bool) {
+        say(self.json, &format!("{text}{}", if holds { "" } else { "  FAILED" }));
+        if holds {
+            self.counts.passed += 1;
+        } else {
+            self.counts.failed += 1;
+        }
+    }
+
     /// Runs a program that reports only through its exit status.
     ///
     /// # Errors
