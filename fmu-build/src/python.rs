@@ -233,13 +233,11 @@ fn create(base: &Interpreter, folder: &Path) -> Result<()> {
         }
     }
     let interpreter = base.path.to_string_lossy();
-    if base_does(&["-m", "virtualenv"], folder, &[])
+    let is_made = base_does(&["-m", "virtualenv"], folder, &[])
         || done(Path::new("virtualenv"), &["--python", &interpreter], folder, &[])
-        || done(Path::new("uv"), &["venv", "--clear", "--seed", "--python", &interpreter], folder, &[])
-    {
-        if has_pip() {
-            return Ok(());
-        }
+        || done(Path::new("uv"), &["venv", "--clear", "--seed", "--python", &interpreter], folder, &[]);
+    if is_made && has_pip() {
+        return Ok(());
     }
     bail!(
         "Python {} at {} can make no environment with pip in it; type `{}` and run this command again.",

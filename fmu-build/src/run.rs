@@ -44,8 +44,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => package::build(Some(&arguments.scene), &package::Options::default())?,
     };
     let output = arguments.output.clone().unwrap_or_else(|| project::target().join("run"));
-    let mut command = script(&python, "examples/disc_brake/drive.py");
-    command.arg("--fmu").arg(fmu).arg("--cycle").arg(cycle).arg("--output").arg(output);
+    let mut command = drive(&python, &fmu, &cycle, &output);
     command.arg("--step").arg(arguments.step.to_string());
     if arguments.json {
         command.arg("--json");
@@ -57,11 +56,29 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// A Python script of the source tree in the project's environment.
-fn script(python: &Path, path: &str) -> Command {
+/// Drives an .fmu through the UDDS without printing anything and returns the recording.
+///
+/// # Errors
+/// As [`execute`].
+pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
+    let output = drive(python, fmu, &cycle_file("udds")?, folder).output()?;
+    if !output.status.success() {
+        bail!("the drive did not finish: {}", String::from_utf8_lossy(&output.stderr).trim());
+    }
+    Ok(folder.join("udds.csv"))
+}
+
+/// The script that drives, in the project's environment.
+fn drive(python: &Path, fmu: &Path, cycle: &Path, output: &Path) -> Command {
     let mut command = Command::new(python);
     command
-        .arg(project::root().join(path))
+        .arg(project::root().join("examples/disc_brake/drive.py"))
+        .arg("--fmu")
+        .arg(fmu)
+        .arg("--cycle")
+        .arg(cycle)
+        .arg("--output")
+        .arg(output)
         // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
         .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
         .env("PYTHONDONTWRITEBYTECODE", "1");

@@ -3,7 +3,7 @@
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{bench, package, project, scenes};
+use crate::{bench, package, project, run, scenes};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -139,12 +139,16 @@ fn importers() -> Result<Command> {
     let python = python::environment_for(Tier::Importers)?;
     let library = output(&python, &["-c", "import clang, os; print(os.path.join(clang.__path__[0], 'native'))"])?;
     let headers = output(Path::new("cc"), &["-print-file-name=include"])?;
+    let folder = project::target().join("importers");
+    let fmu = package::build(Some(BRAKE), &package::Options::default())?;
+    let recording = run::record(&python, &fmu, &folder)?;
     let mut command = cargo(&["test", "--release", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
     command
-        .env("CARGO_TARGET_DIR", project::target().join("importers"))
+        .env("CARGO_TARGET_DIR", folder)
         .env("LIBCLANG_PATH", library)
         .env("BINDGEN_EXTRA_CLANG_ARGS", format!("-I{headers}"))
-        .env("SLIDING_CONTACT_FMU", package::build(Some(BRAKE), &package::Options::default())?);
+        .env("SLIDING_CONTACT_FMU", fmu)
+        .env("SLIDING_CONTACT_RECORDING", recording);
     Ok(command)
 }
 
