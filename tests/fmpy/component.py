@@ -1,6 +1,7 @@
 """An FMU by the names of its variables: a thin layer over fmpy's FMU2Slave that keeps status and log of every call."""
 
 import shutil
+from ctypes import byref
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,6 +14,7 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
+from fmpy.logging import addLoggerProxy
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 
@@ -72,6 +74,8 @@ class Component:
         self.callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
         self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        # The library hands over a format and its arguments; this proxy of fmpy's makes one text of them.
+        addLoggerProxy(byref(self.callbacks))
         self.slave = FMU2Slave(
             guid=guid or fmu.description.guid,
             unzipDirectory=fmu.folder,
