@@ -1,0 +1,58 @@
+"""Drives the disc brake's FMU through a drive cycle: CSV, plots and a table of what came out.
+
+Run by `cargo fmu run`, which builds the FMU and the Python environment; by hand:
+
+    python drive.py --fmu SlidingContact.fmu --cycle ../data/udds.csv --output results
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import report
+import road_load
+import simulation
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--fmu", type=Path, required=True, help="the FMU of a disc brake")
+    parser.add_argument("--cycle", type=Path, required=True, help="CSV with the columns time_s, speed_m_per_s")
+    parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
+    parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds (default 0.1)")
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    time, speed = road_load.read_cycle(options.cycle)
+    if not 0.0 < options.step <= time[-1]:
+        raise ValueError(f"--step {options.step:g} s must be positive and at most the cycle's {time[-1]:g} s")
+    description, start_values = simulation.describe(options.fmu)
+    drive = road_load.front_brake(time, speed, road_load.Brake.of(start_values))
+    recording = simulation.drive(options.fmu, drive.signals(), options.step)
+    summary = report.summarise(recording, drive)
+
+    options.output.mkdir(parents=True, exist_ok=True)
+    table = options.output / f"{options.cycle.stem}.csv"
+    report.write_csv(table, recording, drive)
+    title = f"{description.modelName}: one front brake over {options.cycle.stem.upper()}"
+    # Imported late: matplotlib takes longer to load than the cycle to run.
+    import plots
+
+    paths = [table, *plots.save(options.output, recording, drive, title)]
+    if options.json:
+        print(json.dumps({**summary.as_dictionary(), "files": [str(path) for path in paths]}, indent=2))
+    else:
+        print(title)
+        print(summary.table())
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (ValueError, RuntimeError, OSError) as error:
+        sys.exit(f"error: {error}")

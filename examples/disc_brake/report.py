@@ -1,0 +1,127 @@
+"""Figures of a run: what happened, whether energy is conserved, how fast it went."""
+
+import csv
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+ZERO_CELSIUS = 273.15
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Results of a run; every name carries its unit."""
+
+    duration_s: float
+    distance_km: float
+    contact_temperature_peak_degC: float
+    contact_temperature_final_degC: float
+    disc_temperature_peak_degC: float
+    disc_temperature_final_degC: float
+    friction_torque_peak_N_m: float
+    pad_wear_um: float
+    disc_wear_um: float
+    energy_in_kJ: float
+    heat_stored_kJ: float
+    heat_lost_kJ: float
+    heat_share_disc: float
+    energy_balance_error: float
+    flow_integral_error: float
+    steps: int
+    steps_per_second: float
+    real_time_factor: float
+
+    def as_dictionary(self):
+        return asdict(self)
+
+    def table(self):
+        """One screen of text."""
+        rows = (
+            ("Driven", f"{self.duration_s:.0f} s, {self.distance_km:.2f} km"),
+            ("Contact temperature", f"peak {self.contact_temperature_peak_degC:.1f} degC, "
+             f"final {self.contact_temperature_final_degC:.1f} degC"),
+            ("Disc temperature (mean)", f"peak {self.disc_temperature_peak_degC:.1f} degC, "
+             f"final {self.disc_temperature_final_degC:.1f} degC"),
+            ("Friction torque", f"peak {self.friction_torque_peak_N_m:.1f} N m"),
+            ("Wear of the pad", f"{self.pad_wear_um:.4g} um"),
+            ("Wear of the disc", f"{self.disc_wear_um:.4g} um per face"),
+            ("Energy in", f"{self.energy_in_kJ:.2f} kJ, {100 * self.heat_share_disc:.1f} % of it into the disc"),
+            ("Energy out", f"{self.heat_stored_kJ:.2f} kJ stored, {self.heat_lost_kJ:.2f} kJ lost"),
+            ("Energy balance error", f"{self.energy_balance_error:.1e} of the energy in"),
+            ("Pace", f"{self.steps} steps, {self.steps_per_second:.0f} steps/s, "
+             f"{self.real_time_factor:.0f} times real time"),
+        )
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"  {name:{width}}  {value}" for name, value in rows)
+
+
+def stored_minus_lost(recording):
+    """Energy not accounted for [J]: heat made, less heat stored, less what left through each boundary."""
+    return (
+        recording["dissipated_energy"]
+        - recording["stored_heat"]
+        - recording["heat_lost_ambient"]
+        - recording["heat_lost_punch_top"]
+        - recording["heat_lost_strip_base"]
+    )
+
+
+def flow_integral_error(recording):
+    """Largest distance between the FMU's integrals of the heat flows and the trapezoid sums of the recorded flows,
+    relative to the energy in. The sums are of second order in the step, so this is no zero: it shows that the integrals
+    are those of the flows that one can plot."""
+    time = recording["time"]
+    worst = 0.0
+    for name in ("ambient", "punch_top", "strip_base"):
+        flow = recording[f"heat_flow_{name}"]
+        total = np.sum(0.5 * (flow[1:] + flow[:-1]) * np.diff(time))
+        worst = max(worst, abs(total - recording[f"heat_lost_{name}"][-1]))
+    return float(worst / recording["dissipated_energy"][-1])
+
+
+def summarise(recording, drive):
+    """The summary of a recording of `drive`."""
+    time = recording["time"]
+    energy = float(recording["dissipated_energy"][-1])
+    if not energy > 0.0:
+        raise ValueError(f"no heat was made: the energy in is {energy} J")
+    lost = sum(float(recording[f"heat_lost_{name}"][-1]) for name in ("ambient", "punch_top", "strip_base"))
+    strip = np.sum(0.5 * (recording["heat_flow_strip"][1:] + recording["heat_flow_strip"][:-1]) * np.diff(time))
+    duration = float(time[-1] - time[0])
+    celsius = {
+        name: recording[name] - ZERO_CELSIUS for name in ("contact_temperature_max", "strip.mean_temperature")
+    }
+    return Summary(
+        duration_s=duration,
+        distance_km=float(np.trapezoid(drive.speed, drive.time)) / 1e3,
+        contact_temperature_peak_degC=float(celsius["contact_temperature_max"].max()),
+        contact_temperature_final_degC=float(celsius["contact_temperature_max"][-1]),
+        disc_temperature_peak_degC=float(celsius["strip.mean_temperature"].max()),
+        disc_temperature_final_degC=float(celsius["strip.mean_temperature"][-1]),
+        friction_torque_peak_N_m=float(np.abs(recording["friction_torque"]).max()),
+        pad_wear_um=float(recording["wear_depth_punch"][-1]) * 1e6,
+        disc_wear_um=float(recording["wear_depth_strip"][-1]) * 1e6,
+        energy_in_kJ=energy / 1e3,
+        heat_stored_kJ=float(recording["stored_heat"][-1]) / 1e3,
+        heat_lost_kJ=lost / 1e3,
+        heat_share_disc=float(strip) / energy,
+        energy_balance_error=float(np.abs(stored_minus_lost(recording)).max()) / energy,
+        flow_integral_error=flow_integral_error(recording),
+        steps=recording.steps,
+        steps_per_second=recording.steps / recording.seconds,
+        real_time_factor=duration / recording.seconds,
+    )
+
+
+def write_csv(path, recording, drive):
+    """Every recorded value with its unit in the heading; the car's speed beside them. Seventeen digits: what is read
+    back is what the FMU gave. A row holds the inputs of the step that ends at its time."""
+    names = recording.table.dtype.names
+    speed = np.interp(recording["time"], drive.time, drive.speed)
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            ["time [s]", "car.speed [m/s]", *(f"{name} [{recording.units[name]}]" for name in names[1:])]
+        )
+        for row, at in zip(recording.table.tolist(), speed):
+            writer.writerow([repr(row[0]), repr(float(at)), *map(repr, row[1:])])

@@ -1,0 +1,115 @@
+"""Drives the FMU with fmpy and records what it answers."""
+
+import sys
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.simulation import instantiate_fmu
+
+INPUTS = ("sliding_velocity", "normal_load")
+OUTPUTS = (
+    "wear_depth_punch",
+    "wear_depth_strip",
+    "wear_volume_punch",
+    "wear_volume_strip",
+    "contact_temperature",
+    "contact_temperature_max",
+    "punch.mean_temperature",
+    "strip.mean_temperature",
+    "friction_force",
+    "friction_torque",
+    "friction_power",
+    "friction_coefficient",
+    "pressure_mean",
+    "heat_flow_punch",
+    "heat_flow_strip",
+    "heat_flow_ambient",
+    "heat_flow_punch_top",
+    "heat_flow_strip_base",
+    "heat_lost_ambient",
+    "heat_lost_punch_top",
+    "heat_lost_strip_base",
+    "dissipated_energy",
+    "stored_heat",
+    "sliding_distance",
+    "estimated_error",
+)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a run gave."""
+
+    table: np.ndarray  # structured: time, inputs, outputs
+    units: dict  # name to unit
+    steps: int
+    seconds: float  # wall time of the stepping, fmpy included
+
+    def __getitem__(self, name):
+        return self.table[name]
+
+
+class Progress:
+    """A bar on the error stream, redrawn ten times a second; silent where that is no terminal."""
+
+    def __init__(self, stop):
+        self.stop = stop
+        self.shown = 0.0
+        self.is_active = sys.stderr.isatty()
+
+    def __call__(self, now):
+        if not self.is_active:
+            return
+        clock = time.monotonic()
+        if clock - self.shown > 0.1 or now >= self.stop:
+            self.shown = clock
+            done = min(1.0, now / self.stop)
+            print(f"\r  Driving [{'#' * int(30 * done):30}] {now:5.0f} / {self.stop:.0f} s", end="", file=sys.stderr)
+
+    def close(self):
+        if self.is_active:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def describe(fmu):
+    """Model description of the FMU and its start values by name."""
+    description = read_model_description(str(fmu), validate=True)
+    return description, {variable.name: variable.start for variable in description.modelVariables}
+
+
+def drive(fmu, signals, step):
+    """Runs the FMU over `signals` (see `Drive.signals`) with the communication step `step` [s]."""
+    description, _ = describe(fmu)
+    units = {variable.name: variable.unit or "1" for variable in description.modelVariables}
+    stop = float(signals["time"][-1])
+    progress = Progress(stop)
+
+    def step_finished(now, _recorder):
+        progress(now)
+        return True
+
+    folder = extract(str(fmu))
+    # Unpacking and loading are not part of the pace.
+    instance = instantiate_fmu(folder, description, "CoSimulation")
+    try:
+        begin = time.perf_counter()
+        table = simulate_fmu(
+            folder,
+            model_description=description,
+            fmu_instance=instance,
+            stop_time=stop,
+            step_size=step,
+            output_interval=step,
+            input=signals,
+            output=[*INPUTS, *OUTPUTS],
+            step_finished=step_finished,
+        )
+        seconds = time.perf_counter() - begin
+    finally:
+        progress.close()
+        instance.freeInstance()
+    if abs(table["time"][-1] - stop) > 1e-6 * stop:
+        raise RuntimeError(f"the FMU stopped at {table['time'][-1]:.6g} s of {stop:.6g} s")
+    return Recording(table, units, len(table) - 1, seconds)

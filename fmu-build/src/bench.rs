@@ -1,0 +1,218 @@
+//! `cargo fmu bench`: what a call costs, beside a component written by hand in C, both timed in the same run.
+//!
+//! One thread; both libraries are loaded into this process and called through the same function pointers. Steps of
+//! both are timed in turns, so that a slower moment of the machine meets both, and the fastest turn counts: nothing
+//! can make a turn faster than the code is.
+
+mod native;
+
+use crate::{package, project};
+use anyhow::{Context, Result, bail};
+use native::{Component, Instance, Variables};
+use std::fmt;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+/// Communication step, s.
+const STEP: f64 = 0.1;
+/// Turns of every timing.
+const TURNS: usize = 30;
+/// How much a time may exceed its limit before a test fails: other work on the machine takes its share. The ratio to
+/// the peer, measured under the same load, gets no allowance.
+const ALLOWANCE: f64 = 3.0;
+
+/// Time the FMU's calls natively, beside a plain C lumped brake (benches/peers/lumped_brake.c).
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Scene to time: a name in examples/ or the path of a scene file.
+    #[arg(default_value = "disc_brake")]
+    scene: String,
+    /// Print the results as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// One measured cost.
+#[derive(Clone, Copy, serde::Serialize, Debug)]
+pub struct Cost {
+    /// What was measured.
+    pub quantity: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// The same of the C peer, where it does the same.
+    pub peer: Option<f64>,
+    /// The most it should be on a quiet core.
+    pub limit: f64,
+}
+
+impl Cost {
+    /// Whether it is within its limit, times an allowance for a busy machine where it is a time.
+    pub fn is_tolerable(&self) -> bool {
+        let allowance = if matches!(self.unit, "1" | "byte") { 1.0 } else { ALLOWANCE };
+        self.value <= allowance * self.limit
+    }
+}
+
+impl fmt::Display for Cost {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let peer = self.peer.map_or(String::new(), |peer| format!("  (C peer {peer:.3})"));
+        let Cost { quantity, value, unit, limit, .. } = self;
+        let unit = if *unit == "1" { "" } else { unit };
+        write!(formatter, "{quantity:48} {value:10.3} {unit:4} limit {limit:7} {unit:4}{peer}")
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where something cannot be built or loaded, or a cost exceeds its limit with the allowance.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    let costs = measure(&package::build(Some(&arguments.scene), &package::Options::default())?)?;
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&costs)?);
+    } else {
+        costs.iter().for_each(|cost| println!("{cost}"));
+    }
+    match costs.iter().find(|cost| !cost.is_tolerable()) {
+        Some(cost) => bail!("too slow or too large: {cost}"),
+        None => Ok(()),
+    }
+}
+
+/// Measures an FMU.
+///
+/// # Errors
+/// Where a library cannot be built or loaded or a call fails.
+pub fn measure(fmu: &Path) -> Result<Vec<Cost>> {
+    let folder = project::target().join("bench");
+    fs::create_dir_all(&folder)?;
+    let (library, guid) = unpack(fmu, &folder)?;
+    let own = Component::load(&library, &guid)?;
+    let peer = Component::load(&compile_peer(&folder)?, "")?;
+    let reference = |name| sliding_contact::variables::find(name).with_context(|| format!("no variable {name}"));
+    let own_variables = Variables {
+        inputs: [reference("sliding_velocity")?, reference("normal_load")?],
+        outputs: [reference("wear_depth")?, reference("contact_temperature")?, reference("friction_force")?],
+    };
+    let peer_variables = Variables { inputs: [0, 1], outputs: [2, 3, 4] };
+    let inputs = inputs()?;
+
+    let mut own_instance = own.instantiate()?;
+    own_instance.initialise()?;
+    let mut peer_instance = peer.instantiate()?;
+    peer_instance.initialise()?;
+    let (mut own_step, mut peer_step) = (f64::INFINITY, f64::INFINITY);
+    for _ in 0..TURNS {
+        own_step = own_step.min(exchange(&mut own_instance, &own_variables, &inputs)?);
+        peer_step = peer_step.min(exchange(&mut peer_instance, &peer_variables, &inputs)?);
+    }
+
+    let life = |component: &Component| fastest(20, || component.instantiate()?.initialise());
+    let (own_life, peer_life) = (life(&own)?, life(&peer)?);
+    let own_reset = fastest(50, || own_instance.reset().and_then(|()| own_instance.initialise()))?;
+    let peer_reset = fastest(50, || peer_instance.reset().and_then(|()| peer_instance.initialise()))?;
+    exchange(&mut own_instance, &own_variables, &inputs)?;
+    let mut state = own_instance.state()?;
+    let kept = fastest(1000, || state.update().and_then(|()| state.restore()))?;
+    let size = state.size()?;
+
+    let cost = |quantity, value, unit, peer, limit| Cost { quantity, value, unit, peer, limit };
+    Ok(vec![
+        cost("set 2 inputs, step, get 3 outputs", 1e9 * own_step, "ns", Some(1e9 * peer_step), 200.0),
+        cost("the same over that of the C peer", own_step / peer_step, "1", None, 12.0),
+        cost("instantiate, initialise, free", 1e3 * own_life, "ms", Some(1e3 * peer_life), 2.0),
+        cost("reset, initialise (geometry unchanged)", 1e3 * own_reset, "ms", Some(1e3 * peer_reset), 0.3),
+        cost("get and set the state", 1e6 * kept, "us", None, 2.0),
+        cost("size of the serialised state", size as f64, "byte", None, 2048.0),
+    ])
+}
+
+/// Seconds per exchange, over all inputs in turn.
+fn exchange(instance: &mut Instance<'_>, variables: &Variables, inputs: &[[f64; 2]]) -> Result<f64> {
+    let begin = Instant::now();
+    let mut outputs = [0.0; 3];
+    for pair in inputs {
+        outputs = instance.exchange(variables, pair, STEP)?;
+    }
+    let seconds = begin.elapsed().as_secs_f64() / inputs.len() as f64;
+    if outputs.iter().any(|value| !value.is_finite()) {
+        bail!("the outputs are not finite: {outputs:?}");
+    }
+    Ok(seconds)
+}
+
+/// Fastest of `calls` calls per turn, in seconds.
+fn fastest(calls: usize, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
+    let mut best = f64::INFINITY;
+    for _ in 0..TURNS {
+        let begin = Instant::now();
+        for _ in 0..calls {
+            call()?;
+        }
+        best = best.min(begin.elapsed().as_secs_f64() / calls as f64);
+    }
+    Ok(best)
+}
+
+/// Sliding velocity and load of a brake over the UDDS, one pair per step. The load here is 2 kN for every 1 m/s2 of
+/// deceleration: what matters is that both change as they do in a drive.
+fn inputs() -> Result<Vec<[f64; 2]>> {
+    let path = project::root().join("examples/data/udds.csv");
+    let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    let speeds: Vec<f64> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split_once(',').and_then(|(_, speed)| speed.trim().parse().ok()))
+        .collect::<Option<_>>()
+        .with_context(|| format!("{} has a row without a speed", path.display()))?;
+    let steps_per_second = (1.0 / STEP).round() as usize;
+    let mut inputs = Vec::with_capacity(speeds.len() * steps_per_second);
+    for pair in speeds.windows(2) {
+        let acceleration = pair[1] - pair[0];
+        for step in 0..steps_per_second {
+            let speed = pair[0] + acceleration * step as f64 * STEP;
+            inputs.push([speed * 0.1175 / 0.30, 2000.0 * (-acceleration).max(0.0)]);
+        }
+    }
+    Ok(inputs)
+}
+
+/// Takes library and GUID out of an .fmu.
+fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
+    let context = || format!("reading {}", fmu.display());
+    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
+    let mut library = Vec::new();
+    archive.by_name("binaries/linux64/SlidingContact.so").with_context(context)?.read_to_end(&mut library)?;
+    let path = folder.join("SlidingContact.so");
+    fs::write(&path, library)?;
+    let mut description = String::new();
+    archive.by_name("modelDescription.xml").with_context(context)?.read_to_string(&mut description)?;
+    let guid = description
+        .split_once("guid=\"")
+        .and_then(|(_, rest)| rest.split_once('"'))
+        .with_context(|| format!("{} has no GUID", fmu.display()))?
+        .0;
+    Ok((path, guid.to_owned()))
+}
+
+/// Builds the peer with the system's C compiler.
+fn compile_peer(folder: &Path) -> Result<PathBuf> {
+    let source = project::root().join("benches/peers/lumped_brake.c");
+    let library = folder.join("lumped_brake.so");
+    let output = Command::new("cc")
+        .args(["-O3", "-std=c99", "-shared", "-fPIC", "-fvisibility=hidden", "-o"])
+        .arg(&library)
+        .arg(&source)
+        .arg("-lm")
+        .output()
+        .context("starting the C compiler cc")?;
+    if !output.status.success() {
+        bail!("{} does not compile:\n{}", source.display(), String::from_utf8_lossy(&output.stderr));
+    }
+    Ok(library)
+}

@@ -1,0 +1,261 @@
+//! An FMI 2.0 co-simulation library loaded into this process: just the calls that are timed.
+
+use anyhow::{Context, Result, bail};
+use libloading::Library;
+use std::ffi::{CString, c_char, c_double, c_int, c_uint, c_void};
+use std::path::Path;
+use std::ptr::{self, NonNull};
+
+/// `fmi2Component` and `fmi2FMUstate`.
+type Handle = *mut c_void;
+type Status = c_uint;
+
+/// `fmi2CallbackFunctions` with a logger that says nothing.
+#[repr(C)]
+struct Callbacks {
+    logger: Option<unsafe extern "C" fn()>,
+    allocate: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
+    free: Option<unsafe extern "C" fn(*mut c_void)>,
+    step_finished: Option<unsafe extern "C" fn(*mut c_void, Status)>,
+    environment: *mut c_void,
+}
+
+/// Shared: an instance keeps its address.
+struct Shared(Callbacks);
+// SAFETY: it is never written and holds no pointer.
+unsafe impl Sync for Shared {}
+static CALLBACKS: Shared = Shared(Callbacks {
+    logger: None,
+    allocate: Some(libc_calloc),
+    free: Some(libc_free),
+    step_finished: None,
+    environment: ptr::null_mut(),
+});
+
+unsafe extern "C" {
+    #[link_name = "calloc"]
+    fn libc_calloc(count: usize, size: usize) -> *mut c_void;
+    #[link_name = "free"]
+    fn libc_free(memory: *mut c_void);
+}
+
+macro_rules! functions {
+    ($($field:ident = $symbol:literal ($($argument:ty),*) -> $result:ty;)*) => {
+        /// Functions that every peer exports.
+        struct Functions { $($field: unsafe extern "C" fn($($argument),*) -> $result,)* }
+
+        impl Functions {
+            fn load(library: &Library) -> Result<Self> {
+                // SAFETY: the signatures are those that FMI 2.0 fixes for these names.
+                unsafe { Ok(Self { $($field: *library.get($symbol).with_context(|| String::from_utf8_lossy($symbol).into_owned())?,)* }) }
+            }
+        }
+    };
+}
+
+functions! {
+    instantiate = b"fmi2Instantiate" (*const c_char, c_uint, *const c_char, *const c_char, *const Callbacks, c_int, c_int) -> Handle;
+    free = b"fmi2FreeInstance" (Handle) -> ();
+    setup = b"fmi2SetupExperiment" (Handle, c_int, c_double, c_double, c_int, c_double) -> Status;
+    enter = b"fmi2EnterInitializationMode" (Handle) -> Status;
+    exit = b"fmi2ExitInitializationMode" (Handle) -> Status;
+    reset = b"fmi2Reset" (Handle) -> Status;
+    set = b"fmi2SetReal" (Handle, *const c_uint, usize, *const c_double) -> Status;
+    get = b"fmi2GetReal" (Handle, *const c_uint, usize, *mut c_double) -> Status;
+    step = b"fmi2DoStep" (Handle, c_double, c_double, c_int) -> Status;
+}
+
+/// Functions for the state of an FMU.
+struct StateFunctions {
+    get: unsafe extern "C" fn(Handle, *mut Handle) -> Status,
+    set: unsafe extern "C" fn(Handle, Handle) -> Status,
+    free: unsafe extern "C" fn(Handle, *mut Handle) -> Status,
+    size: unsafe extern "C" fn(Handle, Handle, *mut usize) -> Status,
+}
+
+/// A loaded library.
+pub struct Component {
+    functions: Functions,
+    state: Option<StateFunctions>,
+    guid: CString,
+    // Last: the functions must not outlive it.
+    _library: Library,
+}
+
+impl Component {
+    /// Loads a library that answers to this GUID.
+    ///
+    /// # Errors
+    /// Where it cannot be loaded or lacks a function.
+    pub fn load(path: &Path, guid: &str) -> Result<Self> {
+        // SAFETY: loading runs the library's initialisers; both libraries are made by this project.
+        let library = unsafe { Library::new(path) }.with_context(|| format!("loading {}", path.display()))?;
+        let functions = Functions::load(&library)?;
+        // SAFETY: the signatures are those that FMI 2.0 fixes for these names.
+        let state = unsafe {
+            match (
+                library.get(b"fmi2GetFMUstate"),
+                library.get(b"fmi2SetFMUstate"),
+                library.get(b"fmi2FreeFMUstate"),
+                library.get(b"fmi2SerializedFMUstateSize"),
+            ) {
+                (Ok(get), Ok(set), Ok(free), Ok(size)) => {
+                    Some(StateFunctions { get: *get, set: *set, free: *free, size: *size })
+                }
+                _ => None,
+            }
+        };
+        Ok(Self { functions, state, guid: CString::new(guid)?, _library: library })
+    }
+
+    /// A new instance, not initialised.
+    ///
+    /// # Errors
+    /// Where the library refuses.
+    pub fn instantiate(&self) -> Result<Instance<'_>> {
+        const CO_SIMULATION: c_uint = 1;
+        // SAFETY: all strings end with a zero and the callbacks live for ever.
+        let handle = unsafe {
+            (self.functions.instantiate)(
+                c"bench".as_ptr(),
+                CO_SIMULATION,
+                self.guid.as_ptr(),
+                ptr::null(),
+                &raw const CALLBACKS.0,
+                0,
+                0,
+            )
+        };
+        match NonNull::new(handle) {
+            Some(handle) => Ok(Instance { component: self, handle, time: 0.0 }),
+            None => bail!("fmi2Instantiate returned NULL for the GUID {:?}", self.guid),
+        }
+    }
+}
+
+/// An instance; freed when dropped.
+pub struct Instance<'a> {
+    component: &'a Component,
+    handle: NonNull<c_void>,
+    time: f64,
+}
+
+impl Drop for Instance<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the handle came from fmi2Instantiate and is freed once.
+        unsafe { (self.component.functions.free)(self.handle.as_ptr()) }
+    }
+}
+
+fn ok(status: Status, call: &str) -> Result<()> {
+    if status == 0 { Ok(()) } else { bail!("{call} returned status {status}") }
+}
+
+impl Instance<'_> {
+    /// Set-up and initialisation from time 0.
+    ///
+    /// # Errors
+    /// Where a call does not return fmi2OK; so below.
+    pub fn initialise(&mut self) -> Result<()> {
+        self.time = 0.0;
+        let (functions, handle) = (&self.component.functions, self.handle.as_ptr());
+        // SAFETY: the handle is alive; so below.
+        unsafe {
+            ok((functions.setup)(handle, 0, 0.0, 0.0, 0, 0.0), "fmi2SetupExperiment")?;
+            ok((functions.enter)(handle), "fmi2EnterInitializationMode")?;
+            ok((functions.exit)(handle), "fmi2ExitInitializationMode")
+        }
+    }
+
+    /// Back to the start values.
+    ///
+    /// # Errors
+    /// See [`Self::initialise`].
+    pub fn reset(&mut self) -> Result<()> {
+        // SAFETY: see `initialise`.
+        ok(unsafe { (self.component.functions.reset)(self.handle.as_ptr()) }, "fmi2Reset")
+    }
+
+    /// Sets two inputs, steps, gets three outputs: what is timed.
+    ///
+    /// # Errors
+    /// See [`Self::initialise`].
+    #[inline]
+    pub fn exchange(&mut self, variables: &Variables, inputs: &[f64; 2], step: f64) -> Result<[f64; 3]> {
+        let (functions, handle) = (&self.component.functions, self.handle.as_ptr());
+        let mut outputs = [0.0; 3];
+        // SAFETY: the arrays have the lengths given.
+        unsafe {
+            ok((functions.set)(handle, variables.inputs.as_ptr(), 2, inputs.as_ptr()), "fmi2SetReal")?;
+            ok((functions.step)(handle, self.time, step, 1), "fmi2DoStep")?;
+            ok((functions.get)(handle, variables.outputs.as_ptr(), 3, outputs.as_mut_ptr()), "fmi2GetReal")?;
+        }
+        self.time += step;
+        Ok(outputs)
+    }
+
+    /// The state of the instance.
+    ///
+    /// # Errors
+    /// Also where the library has no such functions.
+    pub fn state(&self) -> Result<State<'_>> {
+        let Some(functions) = &self.component.state else { bail!("the library keeps no states") };
+        let mut handle = ptr::null_mut();
+        // SAFETY: NULL asks for a new state.
+        ok(unsafe { (functions.get)(self.handle.as_ptr(), &raw mut handle) }, "fmi2GetFMUstate")?;
+        Ok(State { instance: self, functions, handle })
+    }
+}
+
+/// A kept state; freed when dropped.
+pub struct State<'a> {
+    instance: &'a Instance<'a>,
+    functions: &'a StateFunctions,
+    handle: Handle,
+}
+
+impl State<'_> {
+    /// Overwrites the kept state with the present one.
+    ///
+    /// # Errors
+    /// See [`Instance::initialise`].
+    pub fn update(&mut self) -> Result<()> {
+        // SAFETY: both handles are alive; so below.
+        ok(unsafe { (self.functions.get)(self.instance.handle.as_ptr(), &raw mut self.handle) }, "fmi2GetFMUstate")
+    }
+
+    /// Puts the kept state back.
+    ///
+    /// # Errors
+    /// See [`Instance::initialise`].
+    pub fn restore(&self) -> Result<()> {
+        ok(unsafe { (self.functions.set)(self.instance.handle.as_ptr(), self.handle) }, "fmi2SetFMUstate")
+    }
+
+    /// Bytes of the serialised state.
+    ///
+    /// # Errors
+    /// See [`Instance::initialise`].
+    pub fn size(&self) -> Result<usize> {
+        let mut size = 0;
+        // SAFETY: see `update`.
+        let status = unsafe { (self.functions.size)(self.instance.handle.as_ptr(), self.handle, &raw mut size) };
+        ok(status, "fmi2SerializedFMUstateSize").map(|()| size)
+    }
+}
+
+impl Drop for State<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the state came from fmi2GetFMUstate of this instance and is freed once.
+        unsafe { (self.functions.free)(self.instance.handle.as_ptr(), &raw mut self.handle) };
+    }
+}
+
+/// Value references of what is exchanged.
+#[derive(Clone, Copy, Debug)]
+pub struct Variables {
+    /// Sliding velocity and normal load.
+    pub inputs: [u32; 2],
+    /// Wear depth, contact temperature and friction force.
+    pub outputs: [u32; 3],
+}

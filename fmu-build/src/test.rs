@@ -1,0 +1,187 @@
+//! `cargo fmu test`: everything that must hold before a change lands, in tiers.
+
+mod tally;
+
+use crate::python::{self, Tier};
+use crate::{bench, package, project, run, scenes};
+use anyhow::{Context, Result, bail};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use tally::{Counter, Tally};
+
+/// Scene that the importers and the clock run.
+const BRAKE: &str = "disc_brake";
+/// Targets of the platform tier.
+const PLATFORMS: [&str; 3] = ["aarch64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
+
+/// Check formatting and lints, run the Rust tests, package the scenes and test the FMU from fmpy.
+///
+/// Ends with what was skipped and why, and with one line that counts everything.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Also load the FMU natively with the `fmi` crate and compare the C declarations with its bindings.
+    #[arg(long)]
+    importers: bool,
+    /// Also check that the FMU's library compiles for other platforms.
+    #[arg(long)]
+    platforms: bool,
+    /// All tiers.
+    #[arg(long)]
+    all: bool,
+    /// Print the counts as JSON; the log goes to the error stream.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where anything failed.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    let mut tally = Tally::new(arguments.json);
+    lints(&mut tally);
+    tally.step("Rust tests", |step| {
+        let command = cargo(&["test", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
+        step.run(command, Counter::CargoTest)
+    });
+    tally.step("packaging", |step| {
+        for scene in std::iter::once(None).chain(scenes::names().iter().map(|name| Some(name.as_str()))) {
+            package::build(scene, &package::Options::default())?;
+            step.pass();
+        }
+        Ok(())
+    });
+    tally.step("fmpy tests", |step| {
+        let python = python::environment_for(Tier::Test)?;
+        let mut command = Command::new(python);
+        command
+            .current_dir(project::root())
+            .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "tests/fmpy"])
+            .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
+            .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
+            .env("PYTHONDONTWRITEBYTECODE", "1");
+        step.run(command, Counter::Pytest)
+    });
+    tally.step("cost of a step", |step| {
+        for cost in bench::measure(&package::build(Some(BRAKE), &package::Options::default())?)? {
+            step.judge(&cost.to_string(), cost.is_tolerable());
+        }
+        Ok(())
+    });
+    if arguments.importers || arguments.all {
+        tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
+    } else {
+        tally.skip("importer tests", "not asked for: --importers");
+    }
+    if arguments.platforms || arguments.all {
+        platforms(&mut tally);
+    } else {
+        tally.skip("platforms", "not asked for: --platforms");
+    }
+    tally.close()
+}
+
+/// Formatting and lints change with the toolchain, so they are judged by the one that the project names.
+fn lints(tally: &mut Tally) {
+    if let Err(reason) = named_toolchain() {
+        tally.skip("formatting", &reason);
+        tally.skip("lints", &reason);
+        return;
+    }
+    let importers = project::root().join("tests/importers/Cargo.toml");
+    tally.step("formatting", |step| {
+        step.check(cargo(&["fmt", "--all", "--check"]))?;
+        let mut command = cargo(&["fmt", "--check", "--manifest-path"]);
+        command.arg(&importers);
+        step.check(command)?;
+        step.pass();
+        Ok(())
+    });
+    tally.step("lints", |step| {
+        step.check(cargo(&["clippy", "--workspace", "--all-targets", "--all-features", "--", "--deny", "warnings"]))?;
+        step.pass();
+        Ok(())
+    });
+}
+
+/// `Ok` where the running toolchain is the one of rust-toolchain.toml and has its tools, else why not.
+fn named_toolchain() -> Result<(), String> {
+    let file = project::root().join("rust-toolchain.toml");
+    let text = std::fs::read_to_string(&file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let named = text
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("channel = \"")?.strip_suffix('"'))
+        .ok_or_else(|| format!("{} names no channel", file.display()))?;
+    let version = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).current_dir(project::root()).output().ok()?;
+        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let running = version("rustc", &["--version"]).ok_or("rustc does not run")?;
+    if running.split_whitespace().nth(1) != Some(named) {
+        return Err(format!("rust-toolchain.toml names {named}, running is {}", running.trim()));
+    }
+    for tool in ["fmt", "clippy"] {
+        if version("cargo", &[tool, "--version"]).is_none() {
+            return Err(format!("cargo {tool} is not installed: rustup component add rustfmt clippy"));
+        }
+    }
+    Ok(())
+}
+
+fn cargo(arguments: &[&str]) -> Command {
+    let mut command = Command::new("cargo");
+    command.current_dir(project::root()).args(arguments);
+    command
+}
+
+/// The importer tests bind the FMI headers, so they need libclang and the C compiler's own headers.
+fn importers() -> Result<Command> {
+    let python = python::environment_for(Tier::Importers)?;
+    let library = output(&python, &["-c", "import clang, os; print(os.path.join(clang.__path__[0], 'native'))"])?;
+    let headers = output(Path::new("cc"), &["-print-file-name=include"])?;
+    let folder = project::target().join("importers");
+    let fmu = package::build(Some(BRAKE), &package::Options::default())?;
+    let recording = run::record(&python, &fmu, &folder)?;
+    let mut command = cargo(&["test", "--release", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
+    command
+        .env("CARGO_TARGET_DIR", folder)
+        .env("LIBCLANG_PATH", library)
+        .env("BINDGEN_EXTRA_CLANG_ARGS", format!("-I{headers}"))
+        .env("SLIDING_CONTACT_FMU", fmu)
+        .env("SLIDING_CONTACT_RECORDING", recording);
+    Ok(command)
+}
+
+fn output(program: &Path, arguments: &[&str]) -> Result<String> {
+    let output = Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::null())
+        .output()
+        .with_context(|| format!("starting {}", program.display()))?;
+    if !output.status.success() {
+        bail!("{} {}: {}", program.display(), arguments.join(" "), String::from_utf8_lossy(&output.stderr).trim());
+    }
+    Ok(String::from_utf8(output.stdout)?.trim().to_owned())
+}
+
+/// Checks that the library compiles for the other platforms whose standard library is installed.
+fn platforms(tally: &mut Tally) {
+    let installed = |target: &str| {
+        output(Path::new("rustc"), &["--print", "sysroot"])
+            .is_ok_and(|root| Path::new(&root).join("lib/rustlib").join(target).join("lib").is_dir())
+    };
+    for target in PLATFORMS {
+        if !installed(target) {
+            tally.skip(
+                &format!("platform {target}"),
+                &format!("its standard library is missing: rustup target add {target}"),
+            );
+            continue;
+        }
+        tally.step(&format!("platform {target}"), |step| {
+            step.check(cargo(&["check", "--package", "sliding-contact", "--profile", "fmu", "--target", target]))?;
+            step.pass();
+            Ok(())
+        });
+    }
+}

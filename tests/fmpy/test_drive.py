@@ -1,0 +1,148 @@
+"""The drive cycle from end to end, as `cargo fmu run` drives it."""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import report
+import simulation
+from component import Component
+from conftest import ROOT, file_of
+from drive_inputs import STEP, udds
+
+
+@pytest.fixture(scope="module")
+def recording(fmus):
+    fmu = fmus("disc_brake")
+    drive, _ = udds(fmu)
+    return drive, simulation.drive(fmu.path, drive.signals(), STEP)
+
+
+def test_energy_is_closed_from_outputs_alone(recording):
+    _, table = recording
+    error = np.abs(report.stored_minus_lost(table)) / table["dissipated_energy"][-1]
+    assert table["dissipated_energy"][-1] > 5e5
+    assert error.max() <= 1e-9
+
+
+def test_integrals_are_those_of_the_flows(recording):
+    """Trapezoid sums are of second order, so the sums of the recorded flows come near, not equal."""
+    drive, table = recording
+    assert 0.0 < report.flow_integral_error(table) < 1e-3
+    power = table["friction_power"]
+    inputs = table["sliding_velocity"], table["normal_load"]
+    assert (power[inputs[0] * inputs[1] > 0.0] > 0.0).all()
+
+
+def test_energy_in_is_the_work_of_the_friction_force(recording):
+    """Each step holds its inputs, so the work of a step is friction times load times speed times its length."""
+    _, table = recording
+    steps = np.diff(table["time"])
+    # A row's inputs are those of the step that ends there.
+    work = table["friction_coefficient"][1:] * table["normal_load"][1:] * np.abs(table["sliding_velocity"][1:]) * steps
+    faces = table["friction_force"] / np.where(table["normal_load"] > 0, table["normal_load"], 1.0)
+    assert np.ptp(table["friction_coefficient"]) == 0.0, "the sum below needs a scene without fade"
+    total = work.sum() * round(faces.max() / table["friction_coefficient"][0])
+    assert table["dissipated_energy"][-1] == pytest.approx(total, rel=1e-9)
+
+
+def test_wear_is_the_law_of_archard(recording, fmus):
+    fmu = fmus("disc_brake")
+    _, table = recording
+    pressure = table["normal_load"][1:] / (fmu.start("punch.width") * fmu.start("depth"))
+    slid = np.abs(table["sliding_velocity"][1:]) * np.diff(table["time"])
+    depth = fmu.start("punch.wear_coefficient") * np.sum(pressure * slid)
+    assert table["wear_depth_punch"][-1] == pytest.approx(depth, rel=1e-6)
+    for name in ("wear_volume_punch", "wear_volume_strip"):
+        assert (np.diff(table[name]) >= 0.0).all() and table[name][-1] > 0.0
+
+
+def test_temperatures_are_those_of_a_brake_in_town(recording):
+    _, table = recording
+    disc = table["strip.mean_temperature"] - report.ZERO_CELSIUS
+    contact = table["contact_temperature_max"] - report.ZERO_CELSIUS
+    assert 50.0 < disc.max() < 250.0
+    assert disc.max() < contact.max() < 400.0
+    assert (table["contact_temperature_max"] >= table["contact_temperature"]).all()
+
+
+def test_the_command_writes_what_it_says(tmp_path):
+    command = [sys.executable, ROOT / "examples" / "disc_brake" / "drive.py", "--fmu", file_of("disc_brake"),
+               "--cycle", ROOT / "examples" / "data" / "hwfet.csv", "--output", tmp_path, "--json"]
+    output = subprocess.run(command, check=True, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    result = json.loads(output.stdout)
+    assert result["steps"] == 7650
+    assert result["energy_balance_error"] <= 1e-9
+    assert (tmp_path / "hwfet.csv").read_text().startswith("time [s],car.speed [m/s],sliding_velocity [m/s]")
+    assert len((tmp_path / "hwfet.csv").read_text().splitlines()) == 7652
+    for name in ("overview", "speed_and_load", "temperatures", "wear", "friction_torque", "energy_balance"):
+        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_scene_that_is_no_brake_is_refused(tmp_path):
+    command = [sys.executable, ROOT / "examples" / "disc_brake" / "drive.py", "--fmu", file_of("pin_on_disk"),
+               "--cycle", ROOT / "examples" / "data" / "udds.csv", "--output", tmp_path]
+    output = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    assert output.returncode != 0
+    assert "no brake" in output.stderr and "MPa" in output.stderr and "Traceback" not in output.stderr
+
+
+def test_the_component_takes_a_small_share_of_a_step(fmus):
+    """Time inside the library over time of the whole of `simulate_fmu`, which sets inputs, steps and records.
+
+    The library is called once more for exactly the same drive by the shortest loop that Python has: the same calls on
+    argument arrays made beforehand. That loop still counts ctypes' own cost as the component's, so a tenth is for the
+    native harness (`cargo fmu bench`), whose time per step is compared here; this bounds it from above.
+    """
+    from ctypes import c_double, c_uint
+
+    fmu = fmus("disc_brake")
+    drive, inputs = udds(fmu)
+    outputs = ("wear_depth", "contact_temperature", "friction_force")
+
+    def whole():
+        begin = time.perf_counter()
+        from fmpy import simulate_fmu
+
+        with Component(fmu, logging=False) as component:
+            simulate_fmu(fmu.folder, model_description=fmu.description, fmu_instance=component.slave,
+                         stop_time=float(drive.time[-1]), output_interval=STEP, input=drive.signals(), output=outputs)
+        return time.perf_counter() - begin
+
+    def bare():
+        own = (c_uint * 2)(*(fmu.variables[name].valueReference for name in ("sliding_velocity", "normal_load")))
+        read = (c_uint * 3)(*(fmu.variables[name].valueReference for name in outputs))
+        values, rows = (c_double * 3)(), [(c_double * 2)(*pair) for pair in inputs]
+        with Component(fmu, logging=False) as component:
+            component.initialise()
+            handle, functions = component.slave.component, component.slave._functions
+            put, step, get = (functions[name] for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal"))
+            begin = time.perf_counter()
+            for index, row in enumerate(rows):
+                put(handle, own, 2, row)
+                step(handle, index * STEP, STEP, 1)
+                get(handle, read, 3, values)
+            return time.perf_counter() - begin
+
+    def empty():
+        """The same loop around calls that do nothing: ctypes' own cost."""
+        with Component(fmu, logging=False) as component:
+            handle = component.slave.component
+            put, step, get = (component.slave._functions[name] for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal"))
+            own, values, rows = (c_uint * 2)(), (c_double * 3)(), [(c_double * 2)(*pair) for pair in inputs]
+            component.initialise()
+            begin = time.perf_counter()
+            for index, row in enumerate(rows):
+                put(handle, own, 0, row)
+                step(handle, 0.0, 0.0, 1)
+                get(handle, own, 0, values)
+            return time.perf_counter() - begin
+
+    fastest = {work.__name__: min(work() for _ in range(5)) for work in (whole, bare, empty)}
+    share = max(0.0, fastest["bare"] - fastest["empty"]) / fastest["whole"]
+    per_step = {name: f"{1e6 * seconds / len(inputs):.2f} us" for name, seconds in fastest.items()}
+    print(f"share of the component {share:.3f}; per step {per_step}")
+    assert share < 0.1, per_step
