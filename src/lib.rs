@@ -8,5 +8,6 @@ pub mod coupled;
 pub mod elastic;
 pub mod heat;
 pub mod scene;
+pub mod slot;
 pub mod variables;
 pub mod wear;
