@@ -1,6 +1,10 @@
 //! A scene: the parameters as the physics reads them, made from the values of the variable table.
 
 mod fade;
+#[cfg(feature = "scene-file")]
+pub mod file;
+#[cfg(feature = "scene-file")]
+pub mod materials;
 mod rules;
 
 pub use fade::FadeTable;

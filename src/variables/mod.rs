@@ -157,6 +157,11 @@ impl Row {
         if self.elements == 0 { self.name.to_owned() } else { format!("{}[{}]", self.name, index + 1) }
     }
 
+    /// Whether the value is a difference, to which the offset of a display unit must not be applied.
+    pub fn is_difference(&self) -> bool {
+        self.name.ends_with("_offset")
+    }
+
     /// Inclusive bounds as f64 (enumerations: 1 to the number of items; booleans: 0 to 1).
     pub const fn bounds(&self) -> (Option<f64>, Option<f64>) {
         match self.kind {

@@ -1,0 +1,187 @@
+//! What a scene file may say, and the message for everything it may not.
+
+use super::*;
+
+fn start(scene: &SceneFile, name: &str) -> f64 {
+    scene.packaged.starts[find(name).unwrap() as usize]
+}
+
+#[test]
+fn values_units_items_arrays_and_materials_are_read() {
+    let scene = parse(
+        r#"
+        name = "bench"
+        description = "A bench"
+        depth = 0.01
+        wear_acceleration = 1_000
+        sliding_velocity = "36 km/h"
+        ambient_temperature_offset = "5 K"
+
+        [experiment]
+        start = 10
+        stop = "20 min"
+        step = "0.5 s"
+        tolerance = "0.01 %"
+
+        [punch]
+        material = "grey_cast_iron"
+        conductivity = 40.0
+        width = "60 mm"
+        count = 0x3
+        body = "winkler"
+        wear_coefficient = "2.0e-5mm3/(N.m)"
+
+        [contact]
+        shear_coupling = false
+        conductance = 5
+        friction_fade.factor = [1, 1.0, "95 %", 0.9, 0.8, 0.7, 0.6, "0.5"]
+
+        [strip]
+        base_thermal = "held"
+        base_temperature = "15 degC"
+        "#,
+    )
+    .unwrap();
+    assert_eq!((scene.packaged.name.as_str(), scene.description.as_str()), ("bench", "A bench"));
+    assert_eq!(scene.packaged.experiment, Experiment { start: 10.0, stop: 1200.0, step: 0.5, tolerance: 1e-4 });
+    for (name, expected) in [
+        ("depth", 0.01),
+        ("wear_acceleration", 1000.0),
+        ("sliding_velocity", 10.0),
+        ("ambient_temperature_offset", 5.0),
+        ("punch.youngs_modulus", 1.1e11),
+        ("punch.conductivity", 40.0),
+        ("punch.width", 0.06),
+        ("punch.count", 3.0),
+        ("punch.body", 2.0),
+        ("punch.wear_coefficient", 2e-14),
+        ("contact.shear_coupling", 0.0),
+        ("contact.friction_fade.factor[3]", 0.95),
+        ("contact.friction_fade.factor[8]", 0.5),
+        ("strip.base_thermal", 1.0),
+        ("strip.base_temperature", 288.15),
+        // Not mentioned: the table's own.
+        ("strip.height", STARTS[find("strip.height").unwrap() as usize]),
+    ] {
+        assert_eq!(start(&scene, name), expected, "{name}");
+    }
+    let given = |name: &str| scene.given.contains(&find(name).unwrap());
+    assert!(given("punch.density") && given("depth") && given("contact.friction_fade.factor[1]"));
+    assert!(!given("strip.density"));
+}
+
+#[test]
+fn an_explicit_key_overrides_the_material_wherever_it_stands() {
+    for text in ["punch.density = 1\npunch.material = \"bronze\"", "punch.material = \"bronze\"\npunch.density = 1"] {
+        let scene = parse(&format!("name = \"a\"\n{text}")).unwrap();
+        assert_eq!((start(&scene, "punch.density"), start(&scene, "punch.conductivity")), (1.0, 67.0));
+    }
+}
+
+#[test]
+fn the_experiment_follows_the_nominal_duration() {
+    let scene = parse("name = \"a\"\nnominal.duration = \"1 h\"\nexperiment.start = 100").unwrap();
+    assert_eq!(scene.packaged.experiment, Experiment { start: 100.0, stop: 3700.0, step: 3.6, tolerance: 1e-3 });
+}
+
+#[test]
+fn every_display_unit_is_the_decimal_number_one_means() {
+    for (text, name, expected) in [
+        ("20 um", "punch.width", 2e-5),
+        ("1.1 kN", "normal_load", 1100.0),
+        ("207.9 GPa", "punch.youngs_modulus", 2.079e11),
+        ("1.2e-6 mm3/(N.m)", "punch.wear_coefficient", 1.2e-15),
+        ("11.9 um/(m.K)", "punch.thermal_expansion", 1.19e-5),
+        ("15 degC", "ambient_temperature", 288.15),
+        ("0.7 h", "nominal.duration", 2520.0),
+        ("7.2 km/h", "sliding_velocity", 2.0),
+    ] {
+        let scene = parse(&format!("name = \"a\"\n{name} = \"{text}\"")).unwrap();
+        assert_eq!(start(&scene, name), expected, "{text}");
+    }
+}
+
+/// Lines of a scene file that are wrong, and parts of the message that each must give.
+#[test]
+fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
+    const WRONG: &[(&str, &[&str])] = &[
+        // Text that is no TOML.
+        ("punch = ", &["line 2, column", "not TOML"]),
+        ("depth = 1\ndepth = 2", &["line 3, column 1", "not TOML", "duplicate key"]),
+        ("[punch]\nwidth = 1\n[punch]\nheight = 1", &["not TOML", "line 4"]),
+        // Keys.
+        ("punch.widht = 1", &["line 2, column 7", "punch.widht", "did you mean punch.width?"]),
+        ("strip.width = 1", &["strip.width", "no such key", "punch.width"]),
+        ("colour = \"red\"", &["colour", "no such key"]),
+        ("experiment.steps = 1", &["experiment.steps", "experiment.step"]),
+        ("[profile]\nx = 1", &["profile.x", "calculated by the FMU"]),
+        ("wear_depth = 1", &["wear_depth", "calculated by the FMU"]),
+        ("punch = 1", &["punch", "no such key"]),
+        ("depth.of = 1", &["depth", "a table", "number"]),
+        ("\"contact.friction_coefficient\" = 0.1\ncontact.friction_coefficient = 0.2", &["more than once"]),
+        // Units.
+        ("punch.width = \"60\"", &["punch.width", "\"60\" has no unit", "m, mm, um, km"]),
+        ("punch.width = \"60 kg\"", &["\"60 kg\" has the wrong unit \"kg\"", "m, mm, um, km"]),
+        ("punch.width = \"mm\"", &["\"mm\" is not a number with a unit", "20 mm"]),
+        ("punch.width = \"nan mm\"", &["\"nan mm\" is not a number"]),
+        ("ambient_temperature_offset = \"5 degC\"", &["wrong unit \"degC\"", "accepted are K"]),
+        ("experiment.stop = \"9 m\"", &["experiment.stop", "s, min, h"]),
+        // Ranges, in the unit that was written.
+        ("punch.width = \"20000 mm\"", &["punch.width: 20000 mm is outside", "from 0.001 mm to 10000 mm"]),
+        ("punch.width = -1", &["-1 m is outside", "from 0.000001 m to 10 m"]),
+        ("ambient_temperature = \"-300 degC\"", &["-300 degC is outside", "from -272.15 degC to 9726.85 degC"]),
+        ("normal_load = -5", &["-5 N is outside", "at least 0 N"]),
+        ("depth = inf", &["depth: inf is not a finite number"]),
+        ("depth = nan", &["depth: NaN is not a finite number"]),
+        ("contact.faces = 0", &["contact.faces: 0 is outside", "from 1 to 1000"]),
+        ("contact.faces = 9223372036854775808", &["contact.faces", "not a finite number"]),
+        ("wear_acceleration = \"50 %\"", &["50 % is outside", "from 100 %"]),
+        // Types.
+        ("depth = true", &["the boolean true", "a number or a string such as \"20 mm\""]),
+        ("depth = 2020-01-01", &["the date 2020-01-01"]),
+        ("depth = [1]", &["an array", "must be a number"]),
+        ("contact.faces = 2.0", &["the number 2.0, but must be an integer"]),
+        ("contact.shear_coupling = 1", &["the number 1, but must be true or false"]),
+        ("punch.body = 2", &["the number 2", "rigid, winkler, half_plane, elastic"]),
+        ("punch.body = \"soft\"", &["\"soft\" is none of rigid, winkler, half_plane, elastic"]),
+        ("description = 3", &["description: is the number 3, but must be a string"]),
+        // Arrays.
+        ("contact.friction_fade.factor = 1", &["an array of 8 elements"]),
+        ("contact.friction_fade.factor = [1, 2]", &["has 2 elements, but must have 8"]),
+        (
+            "contact.friction_fade.factor = [1, 1, 1, 1, -1, 1, 1, 1]",
+            &["contact.friction_fade.factor[5]: -1 is outside", "from 0 to 1000"],
+        ),
+        // Materials.
+        ("punch.material = \"wood\"", &["punch.material", "\"wood\"", "grey_cast_iron", "ptfe"]),
+        ("strip.material = 1", &["strip.material: is the number 1, but must be a string"]),
+        // The experiment.
+        ("experiment.stop = -1", &["stop time -1 s"]),
+        ("experiment.step = 1e9", &["step 1000000000 s"]),
+        ("experiment.tolerance = 0", &["tolerance 0"]),
+    ];
+    for (text, expected) in WRONG {
+        let message = parse(&format!("name = \"a\"\n{text}")).expect_err(text).to_string();
+        for part in *expected {
+            assert!(message.contains(part), "{text:?} gave {message:?}, which lacks {part:?}");
+        }
+    }
+}
+
+#[test]
+fn all_problems_are_told_at_once_in_the_order_of_the_lines() {
+    let problems = parse("depth = -1\n[punch]\nwidth = \"1 s\"\nheigth = 2").unwrap_err().0;
+    let lines: Vec<(usize, &str)> = problems.iter().map(|problem| (problem.line, problem.key.as_str())).collect();
+    assert_eq!(lines, [(1, "name"), (1, "depth"), (3, "punch.width"), (4, "punch.heigth")]);
+}
+
+#[test]
+fn a_bad_name_is_refused() {
+    assert!(parse("name = \"my brake\"").unwrap_err().to_string().contains("\"my brake\""));
+}
+
+#[test]
+fn a_file_that_is_not_there_is_named() {
+    let message = read(Path::new("no/such/scene.toml")).unwrap_err().to_string();
+    assert!(message.contains("no/such/scene.toml cannot be read"), "{message}");
+}
