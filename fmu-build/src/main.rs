@@ -1,28 +1,48 @@
-//! `cargo fmu`.
+//! `cargo fmu`: everything that is done with the sliding contact FMU from the command line.
+
 mod bench;
 mod package;
 mod project;
 mod python;
 mod run;
 mod scenes;
+mod tables;
 mod test;
-use clap::Parser;
-#[derive(Parser)]
-#[command(name = "cargo fmu", bin_name = "cargo fmu")]
-enum Commands {
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Wear and heat in a sliding contact: makes, runs and tests the FMU.
+#[derive(Parser, Debug)]
+#[command(name = "cargo fmu", bin_name = "cargo fmu", version, arg_required_else_help = true)]
+struct CommandLine {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    Package(package::Arguments),
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
+    Tables(tables::Arguments),
 }
-fn main() -> std::process::ExitCode {
-    let result = match Commands::parse() {
-        Commands::Run(arguments) => run::execute(&arguments),
-        Commands::Test(arguments) => test::execute(&arguments),
-        Commands::Bench(arguments) => bench::execute(&arguments),
+
+fn main() -> ExitCode {
+    let result = match CommandLine::parse().command {
+        Command::Package(arguments) => package::execute(&arguments),
+        Command::Run(arguments) => run::execute(&arguments),
+        Command::Test(arguments) => test::execute(&arguments),
+        Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Tables(arguments) => tables::execute(&arguments),
     };
-    if let Err(error) = result {
-        eprintln!("error: {error:#}");
-        return std::process::ExitCode::FAILURE;
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
     }
-    std::process::ExitCode::SUCCESS
 }

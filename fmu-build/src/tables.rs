@@ -42,7 +42,7 @@ fn speeds() -> impl Iterator<Item = f64> {
 /// Everything wrong with the scene.
 pub fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
     let packaged = scenes::load(scene)?.packaged;
-    let mut scene = Scene::new(&packaged.values, None)?;
+    let mut scene = Scene::new(&packaged.starts, None)?;
     if let Some(tolerance) = tolerance {
         scene.tolerance = tolerance;
     }

@@ -1,0 +1,100 @@
+//! Builds the FMU's library: optimised, free of the paths of this machine, for old distributions too.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use super::Platform;
+use super::glibc;
+use crate::{project, python};
+
+/// Cargo's separator of compiler flags in `CARGO_ENCODED_RUSTFLAGS`; it lets paths contain spaces.
+const SEPARATOR: &str = "\u{1f}";
+
+/// Builds the library for a platform and returns its bytes, the scene slot not yet filled.
+///
+/// On Linux the linker is zig's, which links against glibc 2.17 whatever is installed here. Where it cannot be
+/// had, the system's linker is used and the library needs at least the glibc of this machine: a warning says so.
+///
+/// # Errors
+/// Where the platform cannot be built here, with what would be needed, or the compiler reports an error.
+pub fn build(platform: Platform) -> Result<Vec<u8>> {
+    let target = match platform {
+        Platform::Linux64 => "x86_64-unknown-linux-gnu",
+        other => bail!("{}", other.requirement()),
+    };
+    let folder = match zigbuild() {
+        Ok(zigbuild) => {
+            let folder = project::target();
+            let (major, minor) = glibc::WANTED;
+            cargo(zigbuild, &format!("{target}.{major}.{minor}"), &folder)?;
+            folder
+        }
+        Err(reason) => {
+            eprintln!("warning: {reason:#}");
+            eprintln!("warning: linking with this system's linker; the FMU will not run on older distributions");
+            // Apart from the other one: cargo does not notice that the linker has changed.
+            let folder = project::target().join("system-linker");
+            let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+            command.arg("build");
+            cargo(command, target, &folder)?;
+            folder
+        }
+    };
+    let path = folder.join(target).join("fmu/libsliding_contact.so");
+    std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
+}
+
+/// cargo-zigbuild of the project's Python environment, ready to build.
+fn zigbuild() -> Result<Command> {
+    let python = python::environment()
+        .context("cargo-zigbuild, which links for old Linux distributions, cannot be installed")?;
+    let scripts = python.parent().unwrap_or(Path::new("")).to_owned();
+    let mut command = Command::new(scripts.join("cargo-zigbuild"));
+    command.arg("zigbuild");
+    // It finds zig as a module of the Python that comes first on the path.
+    let mut path = OsString::from(&scripts);
+    if let Some(rest) = std::env::var_os("PATH") {
+        path.push(if cfg!(windows) { ";" } else { ":" });
+        path.push(rest);
+    }
+    command.env("PATH", path).env("CARGO_ZIGBUILD_PYTHON_PATH", python);
+    Ok(command)
+}
+
+/// Runs the build; cargo itself shows the progress.
+fn cargo(mut command: Command, target: &str, folder: &Path) -> Result<()> {
+    command
+        .args(["--package", "sliding-contact", "--lib", "--profile", "fmu", "--locked", "--target", target])
+        .arg("--target-dir")
+        .arg(folder)
+        .current_dir(project::root())
+        .env_remove("RUSTFLAGS")
+        .env("CARGO_ENCODED_RUSTFLAGS", flags()?.join(SEPARATOR));
+    let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
+    if !status.success() {
+        bail!("building the library for {target} failed ({status})");
+    }
+    Ok(())
+}
+
+/// Compiler flags that replace the paths of this machine, which panic messages would carry into the library, by the
+/// same names everywhere. Whatever flags the user has set do not apply: the bytes must depend on the source alone.
+fn flags() -> Result<Vec<String>> {
+    let home = match std::env::var_os("CARGO_HOME") {
+        Some(home) => PathBuf::from(home),
+        None => std::env::home_dir().context("neither CARGO_HOME nor a home directory is known")?.join(".cargo"),
+    };
+    let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("starting rustc")?;
+    let sysroot = PathBuf::from(String::from_utf8(output.stdout)?.trim());
+    let replaced = [(project::root(), "/source"), (home, "/cargo"), (sysroot, "/rust")];
+    Ok(replaced
+        .iter()
+        .map(|(from, to)| {
+            let from = from.canonicalize().unwrap_or_else(|_| from.clone());
+            format!("--remap-path-prefix={}={to}", from.display())
+        })
+        .collect())
+}

@@ -1,0 +1,122 @@
+//! documentation/licenses: the licence of the model and of the libraries compiled into it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use super::archive::Files;
+use crate::project;
+
+const FOLDER: &str = "documentation/licenses";
+
+/// Adds the licence files.
+///
+/// # Errors
+/// Where cargo cannot list the dependencies or one comes without the text of its licence.
+pub fn add(files: &mut Files) -> Result<()> {
+    let own = ["LICENSE-MIT", "LICENSE-APACHE"];
+    let mut index = format!(
+        "SlidingContact {}: MIT OR Apache-2.0, at your choice; see {} and {} beside this file.\n\n\
+         The library contains the Rust standard library (MIT OR Apache-2.0) and these libraries:\n\n",
+        env!("CARGO_PKG_VERSION"),
+        own[0],
+        own[1]
+    );
+    for name in own {
+        let path = project::root().join(name);
+        let text = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
+        files.insert(format!("{FOLDER}/{name}"), text);
+    }
+    for (package, (licence, folder)) in dependencies()? {
+        let _ = writeln!(index, "{package}: {licence}");
+        for (name, text) in texts(&folder).with_context(|| format!("the licence of {package}"))? {
+            files.insert(format!("{FOLDER}/{package}/{name}"), text);
+        }
+    }
+    files.insert(format!("{FOLDER}/license.txt"), index.into_bytes());
+    Ok(())
+}
+
+/// Packages compiled into the library: `name-version`, licence and source folder.
+fn dependencies() -> Result<BTreeMap<String, (String, PathBuf)>> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let run = |arguments: &[&str]| -> Result<String> {
+        let output = Command::new(&cargo)
+            .args(arguments)
+            .arg("--locked")
+            .current_dir(project::root())
+            .output()
+            .context("starting cargo")?;
+        if !output.status.success() {
+            bail!("listing the dependencies failed: {}", String::from_utf8_lossy(&output.stderr).trim());
+        }
+        Ok(String::from_utf8(output.stdout)?)
+    };
+    let target = "x86_64-unknown-linux-gnu";
+    let tree = ["tree", "--package", "sliding-contact", "--edges", "normal,no-proc-macro", "--prefix", "none"];
+    let listed = run(&[&tree[..], &["--target", target, "--format", "{p}\t{l}"]].concat())?;
+    let metadata: serde_json::Value =
+        serde_json::from_str(&run(&["metadata", "--format-version", "1", "--filter-platform", target])?)?;
+    let mut folders = BTreeMap::new();
+    for package in metadata["packages"].as_array().into_iter().flatten() {
+        let text = |key: &str| package[key].as_str().unwrap_or_default().to_owned();
+        let manifest = PathBuf::from(text("manifest_path"));
+        folders.insert(format!("{} v{}", text("name"), text("version")), manifest);
+    }
+    let mut found = BTreeMap::new();
+    for line in listed.lines() {
+        let Some((package, licence)) = line.split_once('\t') else { continue };
+        // A package listed before is marked with `(*)`; the workspace's own ones come with their path.
+        let mut words = package.split(' ');
+        let (Some(name), Some(version)) = (words.next(), words.next()) else { continue };
+        if name == "sliding-contact" {
+            continue;
+        }
+        let manifest = folders.get(&format!("{name} {version}")).with_context(|| format!("finding {package}"))?;
+        let folder = manifest.parent().map(PathBuf::from).unwrap_or_default();
+        found.insert(
+            format!("{name}-{}", version.trim_start_matches('v')),
+            (licence.trim_end_matches(" (*)").to_owned(), folder),
+        );
+    }
+    Ok(found)
+}
+
+/// Files of a package that state its licence; a package without any names it in its manifest only.
+fn texts(folder: &PathBuf) -> Result<Vec<(String, Vec<u8>)>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let upper = name.to_uppercase();
+        if ["LICENSE", "LICENCE", "COPYING", "NOTICE", "COPYRIGHT"].iter().any(|known| upper.starts_with(known))
+            && entry.path().is_file()
+        {
+            found.push((name, std::fs::read(entry.path())?));
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_model_and_every_library_in_it_have_a_licence() {
+        let mut files = Files::new();
+        add(&mut files).unwrap();
+        let index = String::from_utf8(files[&format!("{FOLDER}/license.txt")].clone()).unwrap();
+        assert!(files.contains_key(&format!("{FOLDER}/LICENSE-MIT")));
+        for package in ["nalgebra-", "libc-"] {
+            let line = index.lines().find(|line| line.starts_with(package)).expect(package);
+            let licence = line.split_once(": ").unwrap().1;
+            assert!(licence.contains("MIT") || licence.contains("Apache-2.0"), "{line}");
+        }
+        // Only what is compiled in: the command line's own libraries are not.
+        assert!(!index.contains("clap-") && !index.contains("toml-"), "{index}");
+    }
+}
