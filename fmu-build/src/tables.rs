@@ -70,7 +70,8 @@ fn body(body: &BodyOperators) -> Value {
 
 fn conduction(heat: &ReducedBody) -> serde_json::Map<String, Value> {
     let count = heat.count;
-    let observation = |observation: &Observation| json!({ "states": observation.states[..count], "direct": observation.direct });
+    let observation =
+        |observation: &Observation| json!({ "states": observation.states[..count], "direct": observation.direct });
     let inputs: Vec<&[f64]> = heat.input.iter().map(|weights| &weights[..count]).collect();
     let value = json!({
         "rate": heat.rate[..count],

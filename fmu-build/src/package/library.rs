@@ -90,11 +90,11 @@ fn flags() -> Result<Vec<String>> {
     let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("starting rustc")?;
     let sysroot = PathBuf::from(String::from_utf8(output.stdout)?.trim());
     let replaced = [(project::root(), "/source"), (home, "/cargo"), (sysroot, "/rust")];
-    Ok(replaced
-        .iter()
-        .map(|(from, to)| {
-            let from = from.canonicalize().unwrap_or_else(|_| from.clone());
-            format!("--remap-path-prefix={}={to}", from.display())
-        })
-        .collect())
+    // The compiler compares texts, and cargo may hand it a path through a link as it is or resolved.
+    let mut flags = Vec::new();
+    for (from, to) in replaced {
+        let resolved = from.canonicalize().unwrap_or_else(|_| from.clone());
+        flags.extend([&from, &resolved].map(|path| format!("--remap-path-prefix={}={to}", path.display())));
+    }
+    Ok(flags)
 }
