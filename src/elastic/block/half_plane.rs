@@ -1,0 +1,103 @@
+//! Elastic half-plane z >= 0 under a uniform pressure on an interval of its surface, in closed form.
+//!
+//! The block's own field differs from it by a part that is smooth away from the corners, so the logarithm of a
+//! jumping pressure never reaches the finite elements. Plane strain, displacements times the shear modulus, unit
+//! pressure pushing into +z, stresses positive in tension. Source: K. L. Johnson, Contact Mechanics, Cambridge 1985,
+//! sections 2.2 and 2.5; the constant of the displacement is fixed by the length scale of the logarithm.
+
+use std::f64::consts::PI;
+
+/// Half-plane of a given Poisson's ratio.
+#[derive(Clone, Copy, Debug)]
+pub struct HalfPlane {
+    pub poissons_ratio: f64,
+    /// Length at which the logarithm of the displacement under a line load is zero [m].
+    pub scale: f64,
+}
+
+/// Stress components (xx, zz, xz) per unit pressure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stress {
+    pub xx: f64,
+    pub zz: f64,
+    pub xz: f64,
+}
+
+impl HalfPlane {
+    /// Displacement (u_x, u_z) times the shear modulus at distance `x` along and `z` below a unit line load.
+    pub fn line_load_displacement(&self, x: f64, z: f64) -> (f64, f64) {
+        let nu = self.poissons_ratio;
+        let square = x * x + z * z;
+        let along = x * z / square - (1.0 - 2.0 * nu) * x.atan2(z);
+        let into = z * z / square - (1.0 - nu) * (square / (self.scale * self.scale)).ln();
+        (along / (2.0 * PI), into / (2.0 * PI))
+    }
+
+    /// Displacement (u_x, u_z) times the shear modulus at (x, z) by unit pressure on `cell`.
+    pub fn displacement(&self, cell: (f64, f64), x: f64, z: f64) -> (f64, f64) {
+        let (right, left) = (self.primitive(x - cell.0, z), self.primitive(x - cell.1, z));
+        (right.0 - left.0, right.1 - left.1)
+    }
+
+    /// Antiderivative of the line load's displacement along x.
+    fn primitive(&self, x: f64, z: f64) -> (f64, f64) {
+        let nu = self.poissons_ratio;
+        let square = x * x + z * z;
+        let logarithm = if square > 0.0 { 0.5 * (square / (self.scale * self.scale)).ln() } else { 0.0 };
+        let angle = x.atan2(z);
+        let along = z * logarithm - (1.0 - 2.0 * nu) * (x * angle - z * logarithm);
+        let into = z * angle - 2.0 * (1.0 - nu) * (x * logarithm - x + z * angle);
+        (along / (2.0 * PI), into / (2.0 * PI))
+    }
+
+    /// Stress at (x, z) by unit pressure on `cell`; at an end of the cell on the surface the limit from below.
+    pub fn stress(&self, cell: (f64, f64), x: f64, z: f64) -> Stress {
+        let at = |distance: f64| {
+            let square = distance * distance + z * z;
+            let ratio = |product: f64| if square > 0.0 { product / square } else { 0.0 };
+            (distance.atan2(z), ratio(distance * z), ratio(z * z))
+        };
+        let (right, left) = (at(x - cell.0), at(x - cell.1));
+        let angle = right.0 - left.0;
+        let product = right.1 - left.1;
+        Stress { xx: -(angle - product) / PI, zz: -(angle + product) / PI, xz: (right.2 - left.2) / PI }
+    }
+
+    /// Integral over `observed` of the surface's normal displacement (times the shear modulus) by unit pressure on
+    /// `loaded`: -(1 - nu)/pi times the double integral of ln(|x - s|/scale).
+    pub fn normal_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
+        let second = |distance: f64| {
+            if distance == 0.0 { 0.0 } else { 0.5 * distance * distance * ((distance / self.scale).abs().ln() - 1.5) }
+        };
+        let gap = (observed.0 - loaded.1).max(loaded.0 - observed.1);
+        let (a, b) = (observed.1 - observed.0, loaded.1 - loaded.0);
+        let double = if gap < 16.0 * a.max(b) {
+            second(observed.1 - loaded.0) - second(observed.1 - loaded.1) - second(observed.0 - loaded.0)
+                + second(observed.0 - loaded.1)
+        } else {
+            // The differences of the closed form cancel for distant small cells; the mean logarithm does not. Terms of
+            // the expansion about the centres: moments of a uniform density are w^2/12, w^4/80, w^6/448.
+            let distance = 0.5 * (observed.0 + observed.1 - loaded.0 - loaded.1).abs();
+            let (u, v) = ((a / distance).powi(2), (b / distance).powi(2));
+            let second_moment = (u + v) / 12.0;
+            let fourth_moment = (u * u + v * v) / 80.0 + 6.0 * u * v / 144.0;
+            let sixth_moment = (u * u * u + v * v * v) / 448.0 + 15.0 * (u * u * v + u * v * v) / (80.0 * 12.0);
+            a * b
+                * ((distance / self.scale).ln() - second_moment / 2.0 - fourth_moment / 4.0 - sixth_moment / 6.0)
+        };
+        -(1.0 - self.poissons_ratio) / PI * double
+    }
+
+    /// Integral over `observed` of the surface's displacement along x (times the shear modulus) by unit pressure on
+    /// `loaded`; the cells coincide or do not overlap.
+    pub fn tangential_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
+        let side = if observed.0 >= loaded.1 {
+            1.0
+        } else if observed.1 <= loaded.0 {
+            -1.0
+        } else {
+            0.0
+        };
+        -(1.0 - 2.0 * self.poissons_ratio) / 4.0 * side * (observed.1 - observed.0) * (loaded.1 - loaded.0)
+    }
+}
