@@ -99,7 +99,13 @@ impl Pattern {
         let mut values = vec![0.0; column_starts[self.degrees()]];
         for (element, &kind) in kind.iter().enumerate() {
             let (column, row) = mesh.column_and_row(element);
-            self.scatter(mesh, mesh.element_entities(column, row), &elements[kind].skeleton, column_starts, &mut values);
+            self.scatter(
+                mesh,
+                mesh.element_entities(column, row),
+                &elements[kind].skeleton,
+                column_starts,
+                &mut values,
+            );
         }
         let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), &values);
         let mut factor = vec![0.0; self.factor_entries()];

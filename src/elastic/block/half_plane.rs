@@ -82,8 +82,7 @@ impl HalfPlane {
             let second_moment = (u + v) / 12.0;
             let fourth_moment = (u * u + v * v) / 80.0 + 6.0 * u * v / 144.0;
             let sixth_moment = (u * u * u + v * v * v) / 448.0 + 15.0 * (u * u * v + u * v * v) / (80.0 * 12.0);
-            a * b
-                * ((distance / self.scale).ln() - second_moment / 2.0 - fourth_moment / 4.0 - sixth_moment / 6.0)
+            a * b * ((distance / self.scale).ln() - second_moment / 2.0 - fourth_moment / 4.0 - sixth_moment / 6.0)
         };
         -(1.0 - self.poissons_ratio) / PI * double
     }
@@ -99,5 +98,82 @@ impl HalfPlane {
             0.0
         };
         -(1.0 - 2.0 * self.poissons_ratio) / 4.0 * side * (observed.1 - observed.0) * (loaded.1 - loaded.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lobatto::gauss_legendre;
+    use super::*;
+
+    const BODY: HalfPlane = HalfPlane { poissons_ratio: 0.3, scale: 2.0 };
+    const CELL: (f64, f64) = (-0.4, 0.1);
+
+    #[test]
+    fn stress_follows_from_displacement_by_hooke() {
+        let nu = BODY.poissons_ratio;
+        let step = 1e-5;
+        for (x, z) in [(0.3, 0.2), (-0.2, 0.05), (-2.0, 1.0), (0.1, 0.7)] {
+            let slope = |dx: f64, dz: f64| {
+                let after = BODY.displacement(CELL, x + dx, z + dz);
+                let before = BODY.displacement(CELL, x - dx, z - dz);
+                ((after.0 - before.0) / (2.0 * step), (after.1 - before.1) / (2.0 * step))
+            };
+            let (along_x, along_z) = (slope(step, 0.0), slope(0.0, step));
+            let volume = along_x.0 + along_z.1;
+            let spherical = 2.0 * nu / (1.0 - 2.0 * nu) * volume;
+            let stress = BODY.stress(CELL, x, z);
+            assert!((stress.xx - (2.0 * along_x.0 + spherical)).abs() < 1e-8);
+            assert!((stress.zz - (2.0 * along_z.1 + spherical)).abs() < 1e-8);
+            assert!((stress.xz - (along_z.0 + along_x.1)).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn surface_carries_the_pressure_and_nothing_else() {
+        for (x, pressure) in [(-0.3, 1.0), (0.05, 1.0), (0.2, 0.0), (-0.6, 0.0)] {
+            let stress = BODY.stress(CELL, x, 1e-12);
+            assert!((stress.zz + pressure).abs() < 1e-10 && stress.xz.abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn stresses_balance_the_load() {
+        let pushed: f64 = gauss_legendre(400)
+            .iter()
+            .map(|&(t, weight)| {
+                // x = tan(angle) maps the whole line; dx = (1 + x^2) d(angle).
+                let x = (0.5 * PI * t).tan();
+                0.5 * PI * weight * (1.0 + x * x) * BODY.stress(CELL, x, 0.5).zz
+            })
+            .sum();
+        assert!((pushed + (CELL.1 - CELL.0)).abs() < 1e-10, "{pushed}");
+    }
+
+    #[test]
+    fn influence_is_the_integral_of_the_surface_displacement() {
+        // Pairs on both sides of the switch between closed form and expansion, and a touching one.
+        for observed in [(0.1, 0.3), (0.5, 0.9), (8.0, 8.4), (9.0, 9.5), (-12.0, -11.9)] {
+            let (middle, half) = (0.5 * (observed.0 + observed.1), 0.5 * (observed.1 - observed.0));
+            let mut sums = (0.0, 0.0);
+            for (t, weight) in gauss_legendre(200) {
+                let (along, into) = BODY.displacement(CELL, middle + half * t, 0.0);
+                sums.0 += half * weight * along;
+                sums.1 += half * weight * into;
+            }
+            let exact = BODY.normal_influence(observed, CELL);
+            let tolerance = if observed.0 == CELL.1 { 1e-7 } else { 1e-13 };
+            assert!((exact - sums.1).abs() < tolerance, "{observed:?}: {exact} {}", sums.1);
+            assert!((BODY.tangential_influence(observed, CELL) - sums.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn line_load_is_the_limit_of_a_narrow_cell() {
+        let half = 1e-4;
+        let narrow = BODY.displacement((-half, half), 0.3, 0.4);
+        let line = BODY.line_load_displacement(0.3, 0.4);
+        assert!((narrow.0 / (2.0 * half) - line.0).abs() < 1e-7);
+        assert!((narrow.1 / (2.0 * half) - line.1).abs() < 1e-7);
     }
 }

@@ -262,11 +262,8 @@ mod tests {
     #[test]
     fn every_skeleton_function_is_numbered_once() {
         for top_held in [false, true] {
-            let mesh = Mesh::new(
-                Grid::graded(0.0, 2.0, division(0.5), 4),
-                Grid::graded(0.0, 1.0, division(1.0), 3),
-                top_held,
-            );
+            let mesh =
+                Mesh::new(Grid::graded(0.0, 2.0, division(0.5), 4), Grid::graded(0.0, 1.0, division(1.0), 3), top_held);
             let (columns, rows) = (mesh.x.intervals(), mesh.z.intervals());
             let vertices = (columns + 1) * (rows + 1);
             let edges = columns * (rows + 1) * 3 + (columns + 1) * rows * 2;

@@ -26,6 +26,8 @@ pub mod element;
 pub mod half_plane;
 pub mod lobatto;
 pub mod mesh;
+#[cfg(test)]
+mod tests;
 
 use condense::{Factor, FactorizationError, Pattern};
 use element::{CondensedElement, Shape, condense, elastic_stiffness, local_functions};
@@ -34,6 +36,7 @@ use half_plane::HalfPlane;
 use lobatto::{MAXIMUM_ORDER, ReferenceMatrices, gauss_legendre, shape_derivatives, shape_values};
 use mesh::{Division, Grid, Mesh};
 use nalgebra::DMatrix;
+use std::cmp::Ordering;
 use std::fmt;
 
 /// What was refused, with its value and its limit.
@@ -84,10 +87,13 @@ pub struct BlockProperties {
 }
 
 impl BlockProperties {
+    /// Largest height / width: the bending of a more slender block amplifies rounding beyond 1e-4 of S.
+    pub const LARGEST_SLENDERNESS: f64 = 20.0;
+    /// Largest width / height: the mesh grows in proportion to it.
+    pub const LARGEST_FLATNESS: f64 = 500.0;
+
     fn check(&self) -> Result<(), BlockError> {
-        for (name, value) in
-            [("width", self.width), ("height", self.height), ("youngs_modulus", self.youngs_modulus)]
-        {
+        for (name, value) in [("width", self.width), ("height", self.height), ("youngs_modulus", self.youngs_modulus)] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(BlockError::OutOfRange { name, value, limit: "positive and finite" });
             }
@@ -95,6 +101,10 @@ impl BlockProperties {
         let value = self.poissons_ratio;
         if !(value > -1.0 && value < 0.5) {
             return Err(BlockError::OutOfRange { name: "poissons_ratio", value, limit: "above -1 and below 0.5" });
+        }
+        let value = self.height / self.width;
+        if !(1.0 / Self::LARGEST_FLATNESS..=Self::LARGEST_SLENDERNESS).contains(&value) {
+            return Err(BlockError::OutOfRange { name: "height / width", value, limit: "from 0.002 to 20" });
         }
         Ok(())
     }
@@ -124,12 +134,34 @@ pub struct Discretization {
 }
 
 impl Discretization {
-    /// The grading at which layers and order are used best for corner singularities of this kind.
-    pub const GRADING: f64 = 0.15;
+    /// Grading at which layers and order are used best for the singularities of the corners.
+    pub const CORNER_GRADING: f64 = 0.15;
+    /// Grading at which they are used best for the remainder fields of the cells next to the corners, which vary over
+    /// the distance between cell and corner: a steeper one takes higher orders, a milder one more layers.
+    pub const CELL_GRADING: f64 = 0.25;
+    /// Order that `for_cells` does not exceed.
+    pub const HIGHEST_ORDER: usize = 8;
 
-    /// The same number of layers at all corners.
+    /// The same number of layers at all four corners, for smooth loads.
     pub fn uniform(order: usize, layers: usize) -> Self {
-        Self { order, contact_layers: layers, top_layers: layers, grading: Self::GRADING }
+        Self { order, contact_layers: layers, top_layers: layers, grading: Self::CORNER_GRADING }
+    }
+
+    /// Order and layers for the compliance on the cells between `boundaries` to the relative `tolerance` (of the largest
+    /// entry of C).
+    ///
+    /// Measured on a square block with 9 to 129 cells: the error is 1.2e-3 at order 4 and falls by 4 with each order
+    /// (nu <= 0.45; up to four times that near nu = 0.5), once the smallest element is a third of the smallest cell.
+    /// About 1e-5 is the most that order 8 gives.
+    pub fn for_cells(properties: &BlockProperties, boundaries: &[f64], tolerance: f64) -> Self {
+        let order = 4.0 + (1.2e-3 / tolerance).ln() / 4.0f64.ln();
+        let order = (order.ceil() as usize).clamp(3, Self::HIGHEST_ORDER);
+        let smallest = boundaries.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+        let reach = graded_reach(properties);
+        let ratio = (smallest / (3.0 * reach)).clamp(1e-10, 1.0);
+        let contact_layers = 1 + (ratio.ln() / Self::CELL_GRADING.ln()).ceil() as usize;
+        let top_layers = 1 + order / 2;
+        Self { order, contact_layers: contact_layers.max(2), top_layers, grading: Self::CELL_GRADING }
     }
 
     fn check(&self) -> Result<(), BlockError> {
@@ -146,6 +178,11 @@ impl Discretization {
         }
         Ok(())
     }
+}
+
+/// Distance from a corner over which the elements shrink [m].
+fn graded_reach(properties: &BlockProperties) -> f64 {
+    (0.5 * properties.width).min(properties.height)
 }
 
 /// Compliance of the contact line of one body, N x N.
@@ -235,8 +272,7 @@ impl Block {
         let asymmetry = (&normal - normal.transpose()).amax() / normal.amax();
         let width = |i: usize| cells[i].1 - cells[i].0;
         let modulus = self.properties.shear_modulus();
-        let symmetric =
-            DMatrix::from_fn(n, n, |i, j| 0.5 * (normal[(i, j)] + normal[(j, i)]) / (width(i) * modulus));
+        let symmetric = DMatrix::from_fn(n, n, |i, j| 0.5 * (normal[(i, j)] + normal[(j, i)]) / (width(i) * modulus));
         // By Betti's theorem the normal displacement by shear is the displacement along x by pressure, transposed.
         let shear = DMatrix::from_fn(n, n, |i, j| {
             (half_plane.tangential_influence(cells[j], cells[i]) + observe(0, j, i)) / (width(i) * modulus)
@@ -276,7 +312,7 @@ impl Block {
 
     fn cells(&self, boundaries: &[f64]) -> Result<Vec<(f64, f64)>, BlockError> {
         for (index, pair) in boundaries.windows(2).enumerate() {
-            if !(pair[1] > pair[0]) {
+            if pair[1].partial_cmp(&pair[0]) != Some(Ordering::Greater) {
                 return Err(BlockError::CellsNotAscending { index: index + 1, before: pair[0], value: pair[1] });
             }
         }
@@ -284,7 +320,8 @@ impl Block {
         let first = boundaries.first().copied().unwrap_or(f64::NAN);
         let last = boundaries.last().copied().unwrap_or(f64::NAN);
         let tolerance = 1e-12 * self.properties.width;
-        if !((first + half_width).abs() <= tolerance && (last - half_width).abs() <= tolerance && boundaries.len() > 1) {
+        if !((first + half_width).abs() <= tolerance && (last - half_width).abs() <= tolerance && boundaries.len() > 1)
+        {
             return Err(BlockError::CellsDoNotSpanContact { first, last, half_width });
         }
         Ok(boundaries.windows(2).map(|pair| (pair[0], pair[1])).collect())
