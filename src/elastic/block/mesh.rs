@@ -10,6 +10,8 @@
 //! and edges (the skeleton) are numbered: by nested dissection of the grid, which keeps the Cholesky factor sparse
 //! without a general ordering algorithm.
 
+use super::element::Shape;
+
 /// Break points and polynomial orders of one direction of the mesh.
 #[derive(Clone, Debug)]
 pub struct Grid {
@@ -109,6 +111,8 @@ pub struct Mesh {
     pub free: usize,
     /// Scalar degrees of freedom of the skeleton.
     pub total: usize,
+    /// First scalar interior mode of each element, counted over all interiors, and their number at the end.
+    interiors: Vec<usize>,
     number_at: Vec<usize>,
 }
 
@@ -136,12 +140,55 @@ impl Mesh {
                 (free, free_entities) = (total, entities.len());
             }
         }
-        Self { x, z, entities, free_entities, free, total, number_at }
+        let mut interiors = vec![0];
+        for order_x in &x.orders {
+            interiors.extend(z.orders.iter().map(|order_z| (order_x - 1) * (order_z - 1)));
+        }
+        for element in 1..interiors.len() {
+            interiors[element] += interiors[element - 1];
+        }
+        Self { x, z, entities, free_entities, free, total, interiors, number_at }
     }
 
     /// Number of elements.
     pub fn elements(&self) -> usize {
         self.x.intervals() * self.z.intervals()
+    }
+
+    /// Scalar interior modes of element `element`, counted over all interiors.
+    pub fn interior(&self, element: usize) -> std::ops::Range<usize> {
+        self.interiors[element]..self.interiors[element + 1]
+    }
+
+    /// Number of scalar interior modes of all elements.
+    pub fn interior_total(&self) -> usize {
+        self.interiors[self.elements()]
+    }
+
+    /// Shape of element `element`.
+    pub fn shape(&self, element: usize) -> Shape {
+        let (column, row) = self.column_and_row(element);
+        Shape {
+            size_x: self.x.size(column),
+            size_z: self.z.size(row),
+            order_x: self.x.orders[column],
+            order_z: self.z.orders[row],
+        }
+    }
+
+    /// The distinct shapes of the elements, as `same` sees them, and which of them each element has.
+    pub fn distinct_shapes(&self, same: impl Fn(&Shape, &Shape) -> bool) -> (Vec<Shape>, Vec<usize>) {
+        let mut shapes: Vec<Shape> = Vec::new();
+        let kind = (0..self.elements())
+            .map(|element| {
+                let shape = self.shape(element);
+                shapes.iter().position(|other| same(other, &shape)).unwrap_or_else(|| {
+                    shapes.push(shape);
+                    shapes.len() - 1
+                })
+            })
+            .collect();
+        (shapes, kind)
     }
 
     /// Column and row of element `element`.
@@ -257,6 +304,7 @@ mod tests {
         assert!((grid.points[grid.intervals()] - 10.0).abs() < 1e-15);
         assert!((grid.smallest() - 0.01).abs() < 1e-12);
         assert_eq!(grid.intervals(), 3 + 8 + 2);
+        assert!(grid.points.iter().any(|point| (point - 9.0).abs() < 1e-12));
     }
 
     #[test]

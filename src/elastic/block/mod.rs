@@ -459,27 +459,7 @@ fn condensed_elements(
     lambda_over_shear: f64,
 ) -> (Option<Vec<CondensedElement>>, Vec<usize>) {
     let reference = ReferenceMatrices::new(order);
-    let mut shapes: Vec<Shape> = Vec::new();
-    let mut kind = Vec::with_capacity(mesh.elements());
-    for element in 0..mesh.elements() {
-        let (column, row) = mesh.column_and_row(element);
-        let shape = Shape {
-            size_x: mesh.x.size(column),
-            size_z: mesh.z.size(row),
-            order_x: mesh.x.orders[column],
-            order_z: mesh.z.orders[row],
-        };
-        let ratio = shape.size_z / shape.size_x;
-        let same = |other: &Shape| {
-            (other.order_x, other.order_z) == (shape.order_x, shape.order_z)
-                && (other.size_z / other.size_x - ratio).abs() <= 1e-13 * ratio
-        };
-        let found = shapes.iter().position(same);
-        kind.push(found.unwrap_or(shapes.len()));
-        if found.is_none() {
-            shapes.push(shape);
-        }
-    }
+    let (shapes, kind) = mesh.distinct_shapes(Shape::similar);
     let elements = shapes
         .iter()
         .map(|&shape| {
