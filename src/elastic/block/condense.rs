@@ -11,7 +11,7 @@ use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, Mat, MatMut, Par, Side};
 use nalgebra::DMatrix;
 
 /// Why a factorisation failed.
@@ -88,24 +88,21 @@ impl Pattern {
         self.symbolic_factor.len_val()
     }
 
-    /// Sums the element matrices and factorises. `kind[element]` says which of `elements` it is.
+    /// Sums the element matrices and factorises. `kind[element]` says which of `elements` it is; `boundary` holds
+    /// further (element, skeleton matrix) contributions.
     pub fn factorize(
         &self,
         mesh: &Mesh,
         elements: &[CondensedElement],
         kind: &[usize],
+        boundary: &[(usize, DMatrix<f64>)],
     ) -> Result<Factor, FactorizationError> {
         let column_starts = self.symbolic_matrix.col_ptr();
         let mut values = vec![0.0; column_starts[self.degrees()]];
-        for (element, &kind) in kind.iter().enumerate() {
+        let bulk = kind.iter().enumerate().map(|(element, &kind)| (element, &elements[kind].skeleton));
+        for (element, matrix) in bulk.chain(boundary.iter().map(|(element, matrix)| (*element, matrix))) {
             let (column, row) = mesh.column_and_row(element);
-            self.scatter(
-                mesh,
-                mesh.element_entities(column, row),
-                &elements[kind].skeleton,
-                column_starts,
-                &mut values,
-            );
+            self.scatter(mesh, mesh.element_entities(column, row), matrix, column_starts, &mut values);
         }
         let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), &values);
         let mut factor = vec![0.0; self.factor_entries()];
@@ -151,6 +148,32 @@ impl Pattern {
                     let source = matrix.column(starts[j] + local_column);
                     for (local_row, value) in values[start..start + rows].iter_mut().enumerate() {
                         *value += source[starts[i] + local_row];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Moves the values of the held degrees of freedom to the right-hand side.
+    pub fn subtract_held(
+        &self,
+        mesh: &Mesh,
+        elements: &[CondensedElement],
+        kind: &[usize],
+        loads: &mut Mat<f64>,
+        held: &Mat<f64>,
+    ) {
+        let row = mesh.z.intervals() - 1;
+        let free = self.components * mesh.free;
+        for column in 0..mesh.x.intervals() {
+            let matrix = &elements[kind[column * mesh.z.intervals() + row]].skeleton;
+            let expand = |degree: usize| self.components * degree..self.components * (degree + 1);
+            let degrees: Vec<usize> = mesh.element_degrees(column, row).into_iter().flat_map(expand).collect();
+            for j in 0..loads.ncols() {
+                for (b, &known) in degrees.iter().enumerate().filter(|&(_, &degree)| degree >= free) {
+                    let value = held[(known - free, j)];
+                    for (a, &unknown) in degrees.iter().enumerate().filter(|&(_, &degree)| degree < free) {
+                        loads[(unknown, j)] -= matrix[(a, b)] * value;
                     }
                 }
             }

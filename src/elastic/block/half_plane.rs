@@ -64,27 +64,9 @@ impl HalfPlane {
     }
 
     /// Integral over `observed` of the surface's normal displacement (times the shear modulus) by unit pressure on
-    /// `loaded`: -(1 - nu)/pi times the double integral of ln(|x - s|/scale).
+    /// `loaded`: -(1 - nu)/pi times the double integral of ln(|x - s|/scale). The cells coincide or do not overlap.
     pub fn normal_influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
-        let second = |distance: f64| {
-            if distance == 0.0 { 0.0 } else { 0.5 * distance * distance * ((distance / self.scale).abs().ln() - 1.5) }
-        };
-        let gap = (observed.0 - loaded.1).max(loaded.0 - observed.1);
-        let (a, b) = (observed.1 - observed.0, loaded.1 - loaded.0);
-        let double = if gap < 16.0 * a.max(b) {
-            second(observed.1 - loaded.0) - second(observed.1 - loaded.1) - second(observed.0 - loaded.0)
-                + second(observed.0 - loaded.1)
-        } else {
-            // The differences of the closed form cancel for distant small cells; the mean logarithm does not. Terms of
-            // the expansion about the centres: moments of a uniform density are w^2/12, w^4/80, w^6/448.
-            let distance = 0.5 * (observed.0 + observed.1 - loaded.0 - loaded.1).abs();
-            let (u, v) = ((a / distance).powi(2), (b / distance).powi(2));
-            let second_moment = (u + v) / 12.0;
-            let fourth_moment = (u * u + v * v) / 80.0 + 6.0 * u * v / 144.0;
-            let sixth_moment = (u * u * u + v * v * v) / 448.0 + 15.0 * (u * u * v + u * v * v) / (80.0 * 12.0);
-            a * b * ((distance / self.scale).ln() - second_moment / 2.0 - fourth_moment / 4.0 - sixth_moment / 6.0)
-        };
-        -(1.0 - self.poissons_ratio) / PI * double
+        -(1.0 - self.poissons_ratio) / PI * logarithm_integral(observed, loaded, self.scale)
     }
 
     /// Integral over `observed` of the surface's displacement along x (times the shear modulus) by unit pressure on
@@ -99,6 +81,59 @@ impl HalfPlane {
         };
         -(1.0 - 2.0 * self.poissons_ratio) / 4.0 * side * (observed.1 - observed.0) * (loaded.1 - loaded.0)
     }
+}
+
+/// Conducting half-plane z >= 0 under a uniform flux on an interval of its surface; temperatures times the conductivity,
+/// unit flux into the body, the constant fixed by the scale of the logarithm.
+#[derive(Clone, Copy, Debug)]
+pub struct ConductingHalfPlane {
+    /// Length at which the temperature by a line source is zero [m].
+    pub scale: f64,
+}
+
+impl ConductingHalfPlane {
+    /// Temperature at distance `x` along and `z` below a unit line source.
+    pub fn line_source_temperature(&self, x: f64, z: f64) -> f64 {
+        -0.5 / PI * ((x * x + z * z) / (self.scale * self.scale)).ln()
+    }
+
+    /// Temperature at (x, z), z > 0, by unit flux on `cell`.
+    pub fn temperature(&self, cell: (f64, f64), x: f64, z: f64) -> f64 {
+        let primitive = |x: f64| 0.5 * x * ((x * x + z * z) / (self.scale * self.scale)).ln() - x + z * x.atan2(z);
+        (primitive(x - cell.1) - primitive(x - cell.0)) / PI
+    }
+
+    /// Slope of the temperature along x at (x, z), z > 0, by unit flux on `cell`.
+    pub fn slope_along(&self, cell: (f64, f64), x: f64, z: f64) -> f64 {
+        self.line_source_temperature(x - cell.0, z) - self.line_source_temperature(x - cell.1, z)
+    }
+
+    /// Integral over `observed` of the surface temperature by unit flux on `loaded`. The cells coincide or do not
+    /// overlap.
+    pub fn influence(&self, observed: (f64, f64), loaded: (f64, f64)) -> f64 {
+        -logarithm_integral(observed, loaded, self.scale) / PI
+    }
+}
+
+/// Double integral of ln(|x - s|/scale) over x in `observed` and s in `loaded`, which coincide or do not overlap.
+fn logarithm_integral(observed: (f64, f64), loaded: (f64, f64), scale: f64) -> f64 {
+    let second = |distance: f64| {
+        if distance == 0.0 { 0.0 } else { 0.5 * distance * distance * ((distance / scale).abs().ln() - 1.5) }
+    };
+    let gap = (observed.0 - loaded.1).max(loaded.0 - observed.1);
+    let (a, b) = (observed.1 - observed.0, loaded.1 - loaded.0);
+    if gap < 16.0 * a.max(b) {
+        return second(observed.1 - loaded.0) - second(observed.1 - loaded.1) - second(observed.0 - loaded.0)
+            + second(observed.0 - loaded.1);
+    }
+    // The differences of the closed form cancel for distant small cells; the mean logarithm does not. Terms of the
+    // expansion about the centres: the moments of a uniform density are w^2/12, w^4/80, w^6/448.
+    let distance = 0.5 * (observed.0 + observed.1 - loaded.0 - loaded.1).abs();
+    let (u, v) = ((a / distance).powi(2), (b / distance).powi(2));
+    let second_moment = (u + v) / 12.0;
+    let fourth_moment = (u * u + v * v) / 80.0 + 6.0 * u * v / 144.0;
+    let sixth_moment = (u * u * u + v * v * v) / 448.0 + 15.0 * (u * u * v + u * v * v) / (80.0 * 12.0);
+    a * b * ((distance / scale).ln() - second_moment / 2.0 - fourth_moment / 4.0 - sixth_moment / 6.0)
 }
 
 #[cfg(test)]
@@ -175,5 +210,25 @@ mod tests {
         let line = BODY.line_load_displacement(0.3, 0.4);
         assert!((narrow.0 / (2.0 * half) - line.0).abs() < 1e-7);
         assert!((narrow.1 / (2.0 * half) - line.1).abs() < 1e-7);
+    }
+
+    #[test]
+    fn heat_of_the_half_plane_is_harmonic_with_the_given_flux() {
+        let body = ConductingHalfPlane { scale: 2.0 };
+        let step = 1e-4;
+        for (x, z) in [(0.3, 0.2), (-0.2, 0.05), (-2.0, 1.0)] {
+            let at = |dx: f64, dz: f64| body.temperature(CELL, x + dx, z + dz);
+            let curvature = at(step, 0.0) + at(-step, 0.0) + at(0.0, step) + at(0.0, -step) - 4.0 * at(0.0, 0.0);
+            assert!(curvature.abs() / (step * step) < 1e-5, "{curvature:e}");
+            let slope = (at(step, 0.0) - at(-step, 0.0)) / (2.0 * step);
+            assert!((slope - body.slope_along(CELL, x, z)).abs() < 1e-6);
+        }
+        for (x, flux) in [(-0.2, 1.0), (0.3, 0.0)] {
+            let slope = (body.temperature(CELL, x, 2e-6) - body.temperature(CELL, x, 1e-6)) / 1e-6;
+            assert!((slope + flux).abs() < 1e-4, "{slope}");
+        }
+        // Temperature over the half-plane's displacement scaled alike: both are the same logarithm at the surface.
+        let pressed = BODY.normal_influence((0.5, 0.9), CELL) / (1.0 - BODY.poissons_ratio);
+        assert!((body.influence((0.5, 0.9), CELL) - pressed).abs() < 1e-14);
     }
 }

@@ -1,5 +1,7 @@
+use super::boundary::{contact_cells, contact_integrals};
 use super::*;
-use nalgebra::DVector;
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
 
 const SQUARE: BlockProperties = BlockProperties { width: 2.0, height: 2.0, youngs_modulus: 1.0, poissons_ratio: 0.3 };
 
@@ -14,9 +16,9 @@ fn widths(boundaries: &[f64]) -> DVector<f64> {
 
 /// Finite-element response to a uniform traction on the whole contact: means of the component `observed` over the cells.
 fn direct_means(block: &Block, boundaries: &[f64], traction: usize, observed: usize) -> DVector<f64> {
-    let cells = block.cells(boundaries).unwrap();
+    let cells = contact_cells(block.properties.width, boundaries).unwrap();
     let mut load = Mat::zeros(block.degrees(), 1);
-    let integrals = block.contact_integrals(&cells);
+    let integrals = contact_integrals(&block.mesh, &cells);
     for &(degree, weight) in integrals.iter().flatten() {
         load[(2 * degree + traction, 0)] += weight;
     }
@@ -69,7 +71,7 @@ fn linear_displacements_are_exact() {
     };
     let exact = [expected(0), expected(1)];
     let held = Mat::from_fn(2 * (mesh.total - mesh.free), 1, |i, _| exact[i % 2][mesh.free + i / 2]);
-    block.subtract_held(&mut loads, &held);
+    block.pattern.subtract_held(&block.mesh, &block.elements, &block.kind, &mut loads, &held);
     block.solve_in_place(&mut loads).unwrap();
     for i in 0..block.degrees() {
         assert!((loads[(i, 0)] - exact[i % 2][i / 2]).abs() < 1e-11, "degree of freedom {i}");
@@ -122,8 +124,8 @@ fn compliance_is_that_of_elements_refined_at_every_pressure_jump() {
     }
     let x = Grid { orders: vec![6; points.len() - 1], points };
     let plain = Block::on_grids(SQUARE, x, Grid::graded(0.0, 2.0, z, 6), 6).unwrap();
-    let cells = plain.cells(&boundaries).unwrap();
-    let integrals = plain.contact_integrals(&cells);
+    let cells = contact_cells(2.0, &boundaries).unwrap();
+    let integrals = contact_integrals(&plain.mesh, &cells);
     let found = Block::new(SQUARE, Discretization { grading: 0.25, ..Discretization::uniform(8, 6) })
         .unwrap()
         .compliance(&boundaries)
@@ -147,7 +149,7 @@ fn compliance_is_that_of_elements_refined_at_every_pressure_jump() {
 #[test]
 fn compliance_is_symmetric_definite_and_mirrored() {
     let boundaries = graded_cells(33, 1.0);
-    let block = Block::new(SQUARE, Discretization::for_cells(&SQUARE, &boundaries, 1e-4)).unwrap();
+    let block = Block::new(SQUARE, Discretization::for_cells(2.0, 2.0, &boundaries, 1e-4)).unwrap();
     let Compliance { normal, shear, asymmetry } = block.compliance(&boundaries).unwrap();
     assert!(asymmetry < 5e-5, "{asymmetry:e}");
     let weighted = DMatrix::from_diagonal(&widths(&boundaries)) * &normal;
@@ -171,7 +173,7 @@ fn compliance_converges_to_that_of_a_finer_mesh() {
         let scale = reference.normal.amax();
         let margin = if poissons_ratio > 0.45 { 4.0 } else { 1.0 };
         for tolerance in [1e-3, 1e-4, 1e-5] {
-            let found = solve(Discretization::for_cells(&properties, &boundaries, tolerance));
+            let found = solve(Discretization::for_cells(2.0, 2.0, &boundaries, tolerance));
             for (found, expected) in [(&found.normal, &reference.normal), (&found.shear, &reference.shear)] {
                 let error = (found - expected).amax() / scale;
                 assert!(error < margin * tolerance, "{error:e} at tolerance {tolerance:e}, nu = {poissons_ratio}");
@@ -255,7 +257,7 @@ fn cyclic_pressure_of_a_translating_block_on_a_rigid_strip() {
     let friction = 0.25;
     let count = 240;
     let boundaries = graded_cells(count, 1.0);
-    let block = Block::new(SQUARE, Discretization::for_cells(&SQUARE, &boundaries, 1e-4)).unwrap();
+    let block = Block::new(SQUARE, Discretization::for_cells(2.0, 2.0, &boundaries, 1e-4)).unwrap();
     let Compliance { normal, shear, .. } = block.compliance(&boundaries).unwrap();
     let widths = widths(&boundaries);
     let weighted = DMatrix::from_diagonal(&widths) * &normal;
