@@ -13,6 +13,7 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, Mat, MatMut, Par, Side};
 use nalgebra::DMatrix;
+use std::fmt;
 
 /// Why a factorisation failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +22,15 @@ pub enum FactorizationError {
     NotPositiveDefinite,
     /// The factor does not fit into memory.
     OutOfMemory,
+}
+
+impl fmt::Display for FactorizationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotPositiveDefinite => "not positive definite",
+            Self::OutOfMemory => "its factor does not fit into memory",
+        })
+    }
 }
 
 /// Sparsity pattern of the free skeleton and its symbolic factorisation.

@@ -86,7 +86,7 @@ impl Block {
     pub(super) fn on_grids(properties: BlockProperties, x: Grid, z: Grid, order: usize) -> Result<Self, BlockError> {
         let mesh = Mesh::new(x, z, true);
         let (elements, kind) = condensed_elements(&mesh, order, properties.lambda_over_shear());
-        let failed = |reason| BlockError::Factorization { degrees: 2 * mesh.free, reason };
+        let failed = |reason| BlockError::Factorization { quantity: "stiffness", degrees: 2 * mesh.free, reason };
         let elements = elements.ok_or(failed(FactorizationError::NotPositiveDefinite))?;
         let pattern = Pattern::new(&mesh, 2).map_err(failed)?;
         let factor = pattern.factorize(&mesh, &elements, &kind, &[]).map_err(failed)?;
@@ -155,9 +155,11 @@ impl Block {
     }
 
     pub(super) fn solve_in_place(&self, loads: &mut Mat<f64>) -> Result<(), BlockError> {
-        self.pattern
-            .solve_in_place(&self.factor, loads.as_mut())
-            .map_err(|reason| BlockError::Factorization { degrees: self.degrees(), reason })
+        self.pattern.solve_in_place(&self.factor, loads.as_mut()).map_err(|reason| BlockError::Factorization {
+            quantity: "stiffness",
+            degrees: self.degrees(),
+            reason,
+        })
     }
 
     /// Coefficients of the remainder v (times the shear modulus) for unit pressure on each cell, one column per cell.

@@ -13,7 +13,7 @@
 use super::element::Shape;
 
 /// Break points and polynomial orders of one direction of the mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Ascending coordinates of the element boundaries [m], one more than there are intervals.
     pub points: Vec<f64>,

@@ -34,6 +34,7 @@ mod tests;
 pub mod thermal;
 
 pub use mechanical::{Block, BlockProperties, Compliance};
+pub use thermal::{ThermalBlock, ThermalProperties, TopCondition};
 
 use condense::FactorizationError;
 use lobatto::MAXIMUM_ORDER;
@@ -54,8 +55,10 @@ pub enum BlockError {
     CellsNotAscending { index: usize, before: f64, value: f64 },
     /// The first or last cell boundary is not an end of the contact.
     CellsDoNotSpanContact { first: f64, last: f64, half_width: f64 },
-    /// The stiffness matrix of `degrees` unknowns could not be factorised.
-    Factorization { degrees: usize, reason: FactorizationError },
+    /// Temperatures of one mesh were given to a block of another; the numbers of elements.
+    DifferentMeshes { mechanical: usize, thermal: usize },
+    /// The stiffness or conduction matrix of `degrees` unknowns could not be factorised.
+    Factorization { quantity: &'static str, degrees: usize, reason: FactorizationError },
 }
 
 impl fmt::Display for BlockError {
@@ -70,8 +73,13 @@ impl fmt::Display for BlockError {
                 "cell boundaries from {first} m to {last} m, must span the contact from {} m to {half_width} m",
                 -half_width
             ),
-            Self::Factorization { degrees, reason } => {
-                write!(f, "stiffness matrix of the block with {degrees} unknowns: {reason:?}")
+            Self::DifferentMeshes { mechanical, thermal } => write!(
+                f,
+                "temperatures on a mesh of {thermal} elements, must be on the block's own of {mechanical} elements and the \
+                 same shape and orders"
+            ),
+            Self::Factorization { quantity, degrees, reason } => {
+                write!(f, "{quantity} matrix of the block with {degrees} unknowns: {reason}")
             }
         }
     }
