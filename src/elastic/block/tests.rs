@@ -149,7 +149,7 @@ fn compliance_is_that_of_elements_refined_at_every_pressure_jump() {
 #[test]
 fn compliance_is_symmetric_definite_and_mirrored() {
     let boundaries = graded_cells(33, 1.0);
-    let block = Block::new(SQUARE, Discretization::for_cells(2.0, 2.0, &boundaries, 1e-4)).unwrap();
+    let block = Block::new(SQUARE, Discretization::for_cells(2.0, 2.0, &boundaries, 1e-3)).unwrap();
     let Compliance { normal, shear, asymmetry } = block.compliance(&boundaries).unwrap();
     assert!(asymmetry < 5e-5, "{asymmetry:e}");
     let weighted = DMatrix::from_diagonal(&widths(&boundaries)) * &normal;
@@ -164,19 +164,28 @@ fn compliance_is_symmetric_definite_and_mirrored() {
 }
 
 #[test]
-fn compliance_converges_to_that_of_a_finer_mesh() {
+fn chosen_order_and_layers_keep_the_tolerance() {
     let boundaries = graded_cells(33, 1.0);
+    let widths = widths(&boundaries);
+    // Pressure of a flat rigid partner sliding with friction, over its mean; cells may pull, to keep the problem linear.
+    let pressure = |compliance: &Compliance| {
+        let matrix = &compliance.normal - 0.25 * &compliance.shear;
+        let pressure = matrix.lu().solve(&DVector::from_element(33, 1.0)).unwrap();
+        2.0 / pressure.dot(&widths) * pressure
+    };
     for poissons_ratio in [0.3, 0.4999] {
         let properties = BlockProperties { poissons_ratio, ..SQUARE };
         let solve = |discretization| Block::new(properties, discretization).unwrap().compliance(&boundaries).unwrap();
         let reference = solve(Discretization { grading: 0.3, ..Discretization::uniform(10, 10) });
         let scale = reference.normal.amax();
         let margin = if poissons_ratio > 0.45 { 4.0 } else { 1.0 };
-        for tolerance in [1e-3, 1e-4, 1e-5] {
+        for tolerance in [1e-2, 1e-3, 1e-4] {
             let found = solve(Discretization::for_cells(2.0, 2.0, &boundaries, tolerance));
+            let error = (pressure(&found) - pressure(&reference)).amax();
+            assert!(error < margin * tolerance, "{error:e} at tolerance {tolerance:e}, nu = {poissons_ratio}");
             for (found, expected) in [(&found.normal, &reference.normal), (&found.shear, &reference.shear)] {
                 let error = (found - expected).amax() / scale;
-                assert!(error < margin * tolerance, "{error:e} at tolerance {tolerance:e}, nu = {poissons_ratio}");
+                assert!(error < 0.2 * margin * tolerance, "{error:e} at {tolerance:e}, nu = {poissons_ratio}");
             }
         }
     }
@@ -257,7 +266,7 @@ fn cyclic_pressure_of_a_translating_block_on_a_rigid_strip() {
     let friction = 0.25;
     let count = 240;
     let boundaries = graded_cells(count, 1.0);
-    let block = Block::new(SQUARE, Discretization::for_cells(2.0, 2.0, &boundaries, 1e-4)).unwrap();
+    let block = Block::new(SQUARE, Discretization::for_cells(2.0, 2.0, &boundaries, 1e-3)).unwrap();
     let Compliance { normal, shear, .. } = block.compliance(&boundaries).unwrap();
     let widths = widths(&boundaries);
     let weighted = DMatrix::from_diagonal(&widths) * &normal;
