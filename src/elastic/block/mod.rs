@@ -16,6 +16,8 @@
 //! v is smooth away from the four corners, so the error falls exponentially on a mesh that is graded to them, with few
 //! unknowns whose number does not depend on N, and no cell boundary has to be an element boundary.
 //!
+//! Heat conduction ([`thermal`]) lives on the same kind of mesh, and [`distortion`] couples the two.
+//!
 //! # Signs
 //! Normal displacement into the body (+z) and pressure (pushing into +z) count positive. A shear traction counts
 //! positive in +x on this body. On the punch friction acts in -x for s = +1: its shear compliance enters the gap
