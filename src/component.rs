@@ -412,3 +412,10 @@ fn tunables_of(values: &Values) -> Tunables {
         wear_acceleration: value!(values, "wear_acceleration"),
     }
 }
+
+impl Component {
+    /// Accepted and rejected internal steps since initialisation: the work counters of the charts.
+    pub fn work(&self) -> (u64, u64) {
+        self.model.as_ref().map_or((0, 0), |model| (model.state().steps, model.state().rejected))
+    }
+}

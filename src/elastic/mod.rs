@@ -1,3 +1,4 @@
-//! Elastic bodies.
+//! Elastic bodies, each reached only through what it does at the contact line.
 
+pub mod block;
 pub mod mean;

@@ -48,11 +48,15 @@ impl Observation {
     /// Part of the observation that the states alone give.
     #[inline]
     pub fn of_states(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
-        let mut sum = 0.0;
-        for k in 0..count {
-            sum += self.states[k] * states[k];
+        // Four running sums, for vector instructions in an order that is the same everywhere.
+        let groups = count.div_ceil(4);
+        let mut sum = [0.0; 4];
+        for (left, right) in self.states.as_chunks::<4>().0.iter().zip(states.as_chunks::<4>().0).take(groups) {
+            for lane in 0..4 {
+                sum[lane] += left[lane] * right[lane];
+            }
         }
-        sum
+        (sum[0] + sum[2]) + (sum[1] + sum[3])
     }
 }
 

@@ -2,62 +2,113 @@
 
 use super::operators::Operators;
 use super::stage::{POINTS, weights};
-use super::state::State;
-use crate::heat::flash::MAX_FLASH_STATES;
+use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 
-/// The moving source over one step.
+/// Weights of the moving source for one step size and one course of the speed.
+#[derive(Clone, Debug)]
 pub struct FlashStep {
-    /// Decay of every state over the step.
-    pub decay: [f64; MAX_FLASH_STATES],
+    /// The speeds (m/s) at the start and at the three points, and the step size (s) they hold for.
+    key: ([f64; 4], f64),
+    /// Decay of every state up to the three points.
+    pub decay: [[f64; MAX_FLASH_STATES]; 3],
     /// Gain from the stage fluxes to every state.
     pub update: [[f64; MAX_FLASH_STATES]; 2],
-    /// Contact temperature at the three points from the initial states, K.
-    pub homogeneous: [f64; 3],
     /// Gain from the stage fluxes to the contact temperature at the three points, K m2/W.
     pub gain: [[f64; 2]; 3],
+    /// Decays at rest up to the point 1/3, for the step size of the key.
+    at_rest: [f64; MAX_FLASH_STATES],
 }
 
 impl FlashStep {
-    /// Weights for `speeds` (m/s) at the start and at the three points of the step `step` (s); `None`
-    /// without a moving source.
-    pub fn new(operators: &Operators, state: &State, speeds: [f64; 4], step: f64) -> Option<FlashStep> {
-        let flash = operators.flash.as_ref()?;
-        let steady = speeds[1] == speeds[0] && speeds[2] == speeds[0] && speeds[3] == speeds[0];
-        let first = flash.sliding_rate(speeds[0]);
-        let rates = if steady { [first; 4] } else { speeds.map(|speed| flash.sliding_rate(speed)) };
-        let mut out = FlashStep {
-            decay: [0.0; MAX_FLASH_STATES],
+    /// Weights for no step at all; the first [`FlashStep::prepare`] fills them.
+    pub fn empty() -> FlashStep {
+        FlashStep {
+            key: ([f64::NAN; 4], f64::NAN),
+            decay: [[0.0; MAX_FLASH_STATES]; 3],
             update: [[0.0; MAX_FLASH_STATES]; 2],
-            homogeneous: [0.0; 3],
             gain: [[0.0; 2]; 3],
-        };
-        // Integral of sigma from the start to every point: exact for a rate cubic in time.
-        let passed = if steady {
-            POINTS.map(|c| first * c * step)
-        } else {
-            let [r0, r1, r2, r3] = rates;
-            [
-                step * (9.0 * r0 + 19.0 * r1 - 5.0 * r2 + r3) / 72.0,
-                step * (r0 + 4.0 * r1 + r2) / 9.0,
-                step * (r0 + 3.0 * r1 + 3.0 * r2 + r3) / 8.0,
-            ]
-        };
-        for (point, &c) in POINTS.iter().enumerate() {
-            let along = rates[point + 1];
-            for (k, (&rate, &residue)) in flash.decays.rate.iter().zip(&flash.decays.residue).enumerate() {
-                let homogeneous = (-rate * c * step - passed[point].max(0.0)).exp();
-                let local = if steady { homogeneous } else { (-(rate + along) * c * step).exp() };
-                let weight = weights(rate + along, local, c, step);
-                out.homogeneous[point] += homogeneous * state.flash[k];
-                out.gain[point][0] += residue * weight[0];
-                out.gain[point][1] += residue * weight[1];
-                if point == 2 {
-                    out.decay[k] = homogeneous;
-                    out.update[0][k] = residue * weight[0];
-                    out.update[1][k] = residue * weight[1];
-                }
+            at_rest: [0.0; MAX_FLASH_STATES],
+        }
+    }
+
+    /// Makes the weights those for `speeds` (m/s) at the start and at the three points of the step
+    /// `step` (s). A function of these alone, so that a replay gives the same bits.
+    pub fn prepare(&mut self, operators: &Operators, speeds: [f64; 4], step: f64) {
+        let Some(flash) = &operators.flash else { return };
+        if self.key == (speeds, step) {
+            return;
+        }
+        if self.key.1 != step {
+            for (decay, rate) in self.at_rest.iter_mut().zip(&flash.decays.rate) {
+                *decay = (-rate * POINTS[0] * step).exp();
             }
         }
-        Some(out)
+        self.key = (speeds, step);
+        self.gain = [[0.0; 2]; 3];
+        if speeds[1] == speeds[0] && speeds[2] == speeds[0] && speeds[3] == speeds[0] {
+            self.steady(flash, speeds[0], step);
+        } else {
+            self.varying(flash, speeds, step);
+        }
+    }
+
+    /// Constant speed: the decay to the points 2/3 and 1 is that to 1/3 squared and cubed.
+    fn steady(&mut self, flash: &Flash, speed: f64, step: f64) {
+        let sliding = flash.sliding_rate(speed);
+        let common = (-sliding * POINTS[0] * step).exp();
+        for (k, (&rate, &residue)) in flash.decays.rate.iter().zip(&flash.decays.residue).enumerate() {
+            let third = self.at_rest[k] * common;
+            self.decay[0][k] = third;
+            self.decay[1][k] = third * third;
+            self.decay[2][k] = third * third * third;
+            for point in 0..3 {
+                let weight = weights(rate + sliding, self.decay[point][k], POINTS[point], step);
+                self.take(point, k, residue, weight);
+            }
+        }
+    }
+
+    fn varying(&mut self, flash: &Flash, speeds: [f64; 4], step: f64) {
+        let rates = speeds.map(|speed| flash.sliding_rate(speed));
+        let [r0, r1, r2, r3] = rates;
+        // Integral of sigma from the start to every point, exact for a rate cubic in time.
+        let passed = [
+            step * (9.0 * r0 + 19.0 * r1 - 5.0 * r2 + r3) / 72.0,
+            step * (r0 + 4.0 * r1 + r2) / 9.0,
+            step * (r0 + 3.0 * r1 + 3.0 * r2 + r3) / 8.0,
+        ];
+        for (point, &c) in POINTS.iter().enumerate() {
+            for (k, (&rate, &residue)) in flash.decays.rate.iter().zip(&flash.decays.residue).enumerate() {
+                self.decay[point][k] = (-rate * c * step - passed[point].max(0.0)).exp();
+                // Fast states follow the speed of the moment, so it is theirs that weighs the flux.
+                let local = rate + rates[point + 1];
+                let weight = weights(local, (-local * c * step).exp(), c, step);
+                self.take(point, k, residue, weight);
+            }
+        }
+    }
+
+    #[inline]
+    fn take(&mut self, point: usize, k: usize, residue: f64, weight: [f64; 2]) {
+        self.gain[point][0] += residue * weight[0];
+        self.gain[point][1] += residue * weight[1];
+        if point == 2 {
+            self.update[0][k] = residue * weight[0];
+            self.update[1][k] = residue * weight[1];
+        }
+    }
+
+    /// What the initial states leave at `point`, K.
+    #[inline]
+    pub fn homogeneous(&self, point: usize, states: &[f64; MAX_FLASH_STATES]) -> f64 {
+        self.decay[point].iter().zip(states).map(|(decay, state)| decay * state).sum()
+    }
+
+    /// Carries the states over the step under the stage fluxes `flux` into the strip.
+    #[inline]
+    pub fn advance(&self, states: &mut [f64; MAX_FLASH_STATES], flux: [f64; 2]) {
+        for k in 0..MAX_FLASH_STATES {
+            states[k] = self.decay[2][k] * states[k] + self.update[0][k] * flux[0] + self.update[1][k] * flux[1];
+        }
     }
 }

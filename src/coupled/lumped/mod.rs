@@ -16,6 +16,7 @@ pub mod step;
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::{INPUTS, Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
+use flash_step::FlashStep;
 use operators::Operators;
 use point::{Frozen, Point};
 use state::State;
@@ -61,6 +62,9 @@ pub struct Lumped {
     /// Weights of recent step sizes; never part of the state, always rebuilt to the same bits.
     propagators: Vec<Propagators>,
     oldest: usize,
+    flash: FlashStep,
+    /// Conditions last computed, with the inputs they belong to.
+    known: ([f64; INPUTS], Conditions),
 }
 
 impl Lumped {
@@ -70,6 +74,7 @@ impl Lumped {
         let state = State::new(&operators, ambient);
         let mut friction = operators.friction.clone();
         friction.coefficient = tunables.friction_coefficient;
+        let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &Inputs::from_array(*inputs)));
         Lumped {
             frozen: Frozen::default(),
             frozen_is_current: false,
@@ -78,6 +83,8 @@ impl Lumped {
             state,
             propagators: Vec::with_capacity(KEPT_STEPS),
             oldest: 0,
+            flash: FlashStep::empty(),
+            known,
             operators,
         }
     }
@@ -96,12 +103,19 @@ impl Lumped {
     pub fn set_state(&mut self, state: &State) {
         self.state.clone_from(state);
         self.frozen_is_current = false;
+        self.forget_conditions();
     }
 
     /// Parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
+        self.forget_conditions();
+    }
+
+    /// Inputs that no inputs are equal to: the next conditions are computed anew.
+    fn forget_conditions(&mut self) {
+        self.known.0 = [f64::NAN; INPUTS];
     }
 
     fn refresh(&mut self) {
@@ -118,8 +132,13 @@ impl Lumped {
         point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
     }
 
-    fn conditions(&self, inputs: &[f64; INPUTS]) -> Conditions {
-        Conditions::new(&self.operators, &self.tunables, self.state.reference, &Inputs::from_array(*inputs))
+    fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {
+        if self.known.0 != *inputs {
+            let inputs_now = Inputs::from_array(*inputs);
+            self.known =
+                (*inputs, Conditions::new(&self.operators, &self.tunables, self.state.reference, &inputs_now));
+        }
+        self.known.1
     }
 
     /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates
@@ -209,13 +228,15 @@ impl Lumped {
                 *backup = Some(self.state.clone());
             }
             let index = self.propagators_of(step);
+            self.flash.prepare(&self.operators, at.map(|conditions| conditions.velocity.abs()), step);
             let stepper = Stepper {
+                flash: &self.flash,
                 operators: &self.operators,
                 friction: &self.friction,
                 tunables: &self.tunables,
                 propagators: &self.propagators[index],
             };
-            let attempt = stepper.attempt(&mut self.state, &at);
+            let attempt = stepper.attempt(&mut self.state, &at, constant);
             if attempt.error <= 1.0 {
                 self.state.steps += 1;
                 self.judge_temperature(attempt.hottest);

@@ -62,6 +62,8 @@ pub struct Operators {
     pub power_factor: f64,
     /// Torque over mu F, m.
     pub effective_radius: f64,
+    /// A wear rate depends on the contact temperature.
+    pub wear_follows_temperature: bool,
     /// The strip keeps a worn track of its own.
     pub tracked: bool,
     /// Mean compliance of both bodies, m/Pa.
@@ -101,7 +103,10 @@ impl Operators {
         let compliance = punch_compliance + strip_compliance;
         let series_stiffness =
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
+        let fades = !scene.friction_fade.flat;
+        let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         Operators {
+            wear_follows_temperature: follows(&punch) || follows(&strip),
             punch,
             strip,
             flash,

@@ -49,7 +49,7 @@ impl<'a> StageBody<'a> {
                     sum
                 };
                 stage.level[point] = observe(&propagator.contact);
-                if body.variable_cooling {
+                if body.variable_cooling && point != 1 {
                     stage.cooled[point] = observe(&propagator.cooled);
                 }
             }

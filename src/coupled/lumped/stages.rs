@@ -2,14 +2,12 @@
 
 use super::bristle::Bristle;
 use super::conditions::Conditions;
-use super::flash_step::FlashStep;
 use super::interface::agree;
 use super::operators::BodyOperators;
 use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
 use super::state::{BodyState, State};
 use super::step::Stepper;
-use crate::heat::reduced::Port;
 
 /// Unknowns of the two stages.
 pub struct Stages {
@@ -23,6 +21,7 @@ pub struct Stages {
     pub rates: [[f64; 2]; 2],
     /// Gain of the strip including its moving source.
     strip_gain: [[f64; 2]; 3],
+    split: Splitting,
     /// s v Stribeck at the stages: heat per faded friction and pressure.
     driver: [f64; 2],
     slip: [f64; 2],
@@ -37,17 +36,25 @@ pub struct Stages {
 }
 
 impl Stages {
-    pub fn new(stepper: &Stepper, state: &State, conditions: &[Conditions; 4], flash: &Option<FlashStep>) -> Stages {
+    pub fn new(
+        stepper: &Stepper,
+        state: &State,
+        conditions: &[Conditions; 4],
+        punch: &StageBody,
+        strip: &StageBody,
+    ) -> Stages {
         let operators = stepper.operators;
         let mut strip_gain =
             stepper.propagators.strip.as_ref().map_or([[0.0; 2]; 3], |propagator| propagator.contact.gain[0]);
-        if let Some(flash) = flash {
-            for (gain, extra) in strip_gain.iter_mut().zip(&flash.gain) {
+        if operators.flash.is_some() {
+            for (gain, extra) in strip_gain.iter_mut().zip(&stepper.flash.gain) {
                 gain[0] += extra[0];
                 gain[1] += extra[1];
             }
         }
         let (first, last) = (&conditions[1], &conditions[3]);
+        let closed = [first.load > 0.0, last.load > 0.0];
+        let split = Splitting::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
         let loads = [first.load, last.load];
         let power = operators.power_factor;
         Stages {
@@ -57,6 +64,7 @@ impl Stages {
             faded: [stepper.friction.coefficient * stepper.friction.fade.factor[0]; 2],
             rates: [[0.0; 2]; 2],
             strip_gain,
+            split,
             driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
             slip: [first.slip, last.slip],
             bristle: operators.bristle(),
@@ -109,8 +117,11 @@ impl Stages {
         let conductance = stepper.operators.scene.conductance;
         let closed = self.pressure.map(|pressure| pressure > 0.0);
         let before = self.temperature;
-        let split = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
-        let none = split.temperatures(&split.fluxes([0.0; 2]));
+        if closed != self.split.closed {
+            self.split = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
+        }
+        self.split.levels(punch, strip);
+        let split = self.split;
         if self.bristle.is_some() {
             self.slide_bristle(stepper);
         } else if stepper.friction.fade.flat {
@@ -118,6 +129,7 @@ impl Stages {
                 self.heat[stage] = self.faded[stage] * self.driver[stage] * self.pressure[stage];
             }
         } else {
+            let none = split.temperatures(&split.fluxes([0.0; 2]));
             // The temperature is affine in the heats: columns of its gain, then one agreement per stage in turn.
             let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| split.temperatures(&split.fluxes(unit)));
             for _ in 0..60 {
@@ -144,12 +156,12 @@ impl Stages {
         if self.bristle.is_some() && fades {
             self.faded = self.temperature.map(|rise| stepper.friction.faded(rise + self.reference));
         }
-        self.wear(stepper);
-        let nonlinear = stepper.operators.series_stiffness > 0.0
-            || punch.active[Port::Cooling as usize]
-            || strip.active[Port::Cooling as usize]
-            || (self.bristle.is_some() && fades);
-        if !nonlinear {
+        let caliper = stepper.operators.series_stiffness > 0.0;
+        if caliper {
+            self.wear(stepper);
+        }
+        // Cooling reports its own change; caliper and bristle feed back through what is solved here.
+        if !caliper && !(self.bristle.is_some() && fades) {
             return 0.0;
         }
         (0..2).map(|stage| (self.temperature[stage] - before[stage]).abs()).fold(0.0, f64::max)
@@ -177,7 +189,7 @@ impl Stages {
     }
 
     /// Wear rates at the stages.
-    fn wear(&mut self, stepper: &Stepper) {
+    pub fn wear(&mut self, stepper: &Stepper) {
         let operators = stepper.operators;
         let sliding = self.slipped / stepper.propagators.step;
         for stage in 0..2 {
@@ -201,6 +213,7 @@ impl Stages {
         conditions: &[Conditions; 4],
         punch: &StageBody,
         strip: &StageBody,
+        constant: bool,
     ) -> f64 {
         let operators = stepper.operators;
         let tolerance = stepper.operators.scene.tolerance;
@@ -234,7 +247,9 @@ impl Stages {
         let scale = self.heat[0].abs().max(self.heat[1].abs()).max(0.02 * state.peak_flux);
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
         let mut error = if defect > 0.0 { defect / (1.5 * tolerance * scale) } else { 0.0 };
-        if self.bristle.is_none() {
+        // At constant conditions only the temperature can make the wear rate change.
+        let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
+        if self.bristle.is_none() && changes {
             for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&self.rates) {
                 if body.wear.active() {
                     error = error.max(self.wear_error(stepper, conditions, body, rates, state.peak_wear));
@@ -290,6 +305,7 @@ impl Stages {
 }
 
 /// The linear map from the friction heats of both stages to the fluxes and the contact temperatures.
+#[derive(Clone, Copy)]
 struct Splitting {
     punch_level: [f64; 2],
     strip_level: [f64; 2],
@@ -331,8 +347,8 @@ impl Splitting {
             [-matrix[1][0] / determinant, matrix[0][0] / determinant],
         ];
         Splitting {
-            punch_level: [punch.contact_level(0), punch.contact_level(2)],
-            strip_level: [strip.contact_level(0), strip.contact_level(2)],
+            punch_level: [0.0; 2],
+            strip_level: [0.0; 2],
             punch_gain,
             strip_gain,
             inverse,
@@ -341,6 +357,12 @@ impl Splitting {
             conductance,
             closed,
         }
+    }
+
+    /// Takes the temperatures without contact flux, which the cooling changes from pass to pass.
+    fn levels(&mut self, punch: &StageBody, strip: &StageBody) {
+        self.punch_level = [punch.contact_level(0), punch.contact_level(2)];
+        self.strip_level = [strip.contact_level(0), strip.contact_level(2)];
     }
 
     /// Fluxes into punch and strip at both stages for the friction heats `heat`.

@@ -48,12 +48,15 @@ pub struct Stepper<'a> {
     pub friction: &'a FrictionLaw,
     pub tunables: &'a Tunables,
     pub propagators: &'a Propagators,
+    /// The moving source, prepared for this step and its speeds.
+    pub flash: &'a FlashStep,
 }
 
 impl Stepper<'_> {
-    /// Tries the step from `state`; `conditions` at the start and at the three points. On success
+    /// Tries the step from `state`; `conditions` at the start and at the three points,
+    /// all the same where `constant`. On success
     /// (error at most 1) `state` is carried over, otherwise it is left as it was.
-    pub fn attempt(&self, state: &mut State, conditions: &[Conditions; 4]) -> Attempt {
+    pub fn attempt(&self, state: &mut State, conditions: &[Conditions; 4], constant: bool) -> Attempt {
         let (operators, scene) = (self.operators, &self.operators.scene);
         let step = self.propagators.step;
         let at = |stage: usize| &conditions[if stage == 0 { 1 } else { 3 }];
@@ -74,18 +77,21 @@ impl Stepper<'_> {
             ambient,
             pair(|c| c.strip_far),
         );
-        let flash = FlashStep::new(operators, state, conditions.map(|c| c.velocity.abs()), step);
         let entry = strip_entry(operators, state);
-        if let Some(flash) = &flash {
-            for point in 0..3 {
-                strip.level[point] += flash.homogeneous[point];
+        for (point, level) in strip.level.iter_mut().enumerate() {
+            *level += entry;
+            if operators.flash.is_some() {
+                *level += self.flash.homogeneous(point, &state.flash);
             }
         }
-        for level in &mut strip.level {
-            *level += entry;
-        }
-        let mut stages = Stages::new(self, state, conditions, &flash);
+        let mut stages = Stages::new(self, state, conditions, &punch, &strip);
+        let enough = 1e-3 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
+        for body in [&mut punch, &mut strip] {
+            if body.active[Port::Cooling as usize] {
+                body.cool(state.reference, ambient, forced);
+            }
+        }
         for _ in 0..40 {
             stages.loads(self, state, &punch, &strip);
             let mut change = stages.solve(self, &mut punch, &mut strip);
@@ -94,7 +100,7 @@ impl Stepper<'_> {
                     change = change.max(body.cool(state.reference, ambient, forced));
                 }
             }
-            if change <= 1e-12 * (1.0 + state.peak_rise) {
+            if change <= enough {
                 converged = true;
                 break;
             }
@@ -103,19 +109,17 @@ impl Stepper<'_> {
         if !converged || !hottest.is_finite() {
             return Attempt { error: f64::INFINITY, hottest };
         }
-        let error = stages.error(self, state, conditions, &punch, &strip);
+        if operators.series_stiffness == 0.0 {
+            stages.wear(self);
+        }
+        let error = stages.error(self, state, conditions, &punch, &strip, constant);
         if error > 1.0 {
             return Attempt { error, hottest };
         }
         // Accepted: carry everything over.
         punch.commit(&mut state.punch, step);
-        if let Some(flash) = &flash {
-            let flux = strip.flux[0];
-            let count = operators.flash.as_ref().map_or(0, |flash| flash.decays.rate.len());
-            for k in 0..count {
-                state.flash[k] =
-                    flash.decay[k] * state.flash[k] + flash.update[0][k] * flux[0] + flash.update[1][k] * flux[1];
-            }
+        if operators.flash.is_some() {
+            self.flash.advance(&mut state.flash, strip.flux[0]);
         }
         strip.commit(&mut state.strip, step);
         let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);

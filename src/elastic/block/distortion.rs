@@ -1,0 +1,199 @@
+//! Thermal distortion of the contact line: how the heated block deforms where nothing presses on it.
+//!
+//! Plane strain with free thermal strain alpha T, the top held, sides and contact free:
+//!
+//! ```text
+//! a(u, v) = int (3 lambda + 2 G) alpha T div v dx dz   for all v
+//! ```
+//!
+//! Normal displacements count positive into the body (+z), so heating gives negative ones: the surface moves towards
+//! the partner and closes the gap.
+
+use super::BlockError;
+use super::boundary::{contact_cells, contact_integrals};
+use super::element::{Shape, dilatation};
+use super::lobatto::ReferenceMatrices;
+use super::mechanical::Block;
+use super::thermal::ThermalBlock;
+use faer::Mat;
+use nalgebra::DMatrix;
+
+impl Block {
+    /// Mean normal displacement over each cell per unit thermal expansion coefficient by each column of `fields`
+    /// (temperatures in the order of `thermal`'s vectors), N x columns [m].
+    ///
+    /// # Errors
+    /// The two blocks differ in shape or discretisation; boundaries that do not ascend or do not span the contact.
+    pub fn thermal_distortion(
+        &self,
+        thermal: &ThermalBlock,
+        fields: &Mat<f64>,
+        boundaries: &[f64],
+    ) -> Result<DMatrix<f64>, BlockError> {
+        if self.mesh.x != thermal.mesh.x || self.mesh.z != thermal.mesh.z {
+            return Err(BlockError::DifferentMeshes {
+                mechanical: self.mesh.elements(),
+                thermal: thermal.mesh.elements(),
+            });
+        }
+        self.distortion(boundaries, fields.ncols(), |element| {
+            let degrees = thermal.local_degrees(element);
+            DMatrix::from_fn(degrees.len(), fields.ncols(), |i, k| degrees[i].map_or(0.0, |d| fields[(d, k)]))
+        })
+    }
+
+    /// Mean normal displacement over each cell per unit thermal expansion coefficient and unit rise of a uniform
+    /// temperature, N x 1 [m/K].
+    pub fn uniform_distortion(&self, boundaries: &[f64]) -> Result<DMatrix<f64>, BlockError> {
+        self.distortion(boundaries, 1, |element| {
+            let Shape { order_x, order_z, .. } = self.mesh.shape(element);
+            // The functions of the four vertices come first and sum to 1.
+            DMatrix::from_fn((order_x + 1) * (order_z + 1), 1, |i, _| if i < 4 { 1.0 } else { 0.0 })
+        })
+    }
+
+    fn distortion(
+        &self,
+        boundaries: &[f64],
+        columns: usize,
+        temperature: impl Fn(usize) -> DMatrix<f64>,
+    ) -> Result<DMatrix<f64>, BlockError> {
+        let cells = contact_cells(self.properties.width, boundaries)?;
+        let mut loads = self.thermal_loads(columns, temperature);
+        self.solve_in_place(&mut loads)?;
+        let integrals = contact_integrals(&self.mesh, &cells);
+        Ok(DMatrix::from_fn(cells.len(), columns, |i, k| {
+            let sum: f64 = integrals[i].iter().map(|&(degree, integral)| integral * loads[(2 * degree + 1, k)]).sum();
+            sum / (cells[i].1 - cells[i].0)
+        }))
+    }
+
+    /// Loads on the free skeleton of the thermal stress over shear modulus and expansion coefficient, for the
+    /// temperatures `temperature(element)` (local functions by columns).
+    pub(super) fn thermal_loads(&self, columns: usize, temperature: impl Fn(usize) -> DMatrix<f64>) -> Mat<f64> {
+        let factor = 3.0 * self.properties.lambda_over_shear() + 2.0;
+        let mesh = &self.mesh;
+        let order = mesh.x.orders.iter().chain(&mesh.z.orders).copied().max().unwrap_or(1);
+        let reference = ReferenceMatrices::new(order);
+        let (shapes, shape_of) = mesh.distinct_shapes(Shape::congruent);
+        let dilatations: Vec<DMatrix<f64>> = shapes.iter().map(|&shape| dilatation(&reference, shape)).collect();
+        let mut loads = Mat::zeros(self.degrees(), columns);
+        for element in 0..mesh.elements() {
+            let load = factor * &dilatations[shape_of[element]] * temperature(element);
+            let condensed = &self.elements[self.kind[element]];
+            let skeleton = condensed.skeleton.nrows();
+            let mut interior = load.rows(skeleton, load.nrows() - skeleton).into_owned();
+            let reduced = load.rows(0, skeleton) + condensed.reduce(&mut interior);
+            let (column, row) = mesh.column_and_row(element);
+            for (i, degree) in mesh.element_degrees(column, row).into_iter().enumerate() {
+                if degree < mesh.free {
+                    for k in 0..columns {
+                        loads[(2 * degree, k)] += reduced[(2 * i, k)];
+                        loads[(2 * degree + 1, k)] += reduced[(2 * i + 1, k)];
+                    }
+                }
+            }
+        }
+        loads
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::boundary::top_values;
+    use super::super::{BlockProperties, Discretization, ThermalProperties, TopCondition};
+    use super::*;
+
+    fn pair(width: f64, poissons_ratio: f64) -> (Block, ThermalBlock) {
+        let discretization = Discretization::uniform(6, 4);
+        let elastic = BlockProperties { width, height: 1.0, youngs_modulus: 3.0, poissons_ratio };
+        let thermal = ThermalProperties {
+            width,
+            height: 1.0,
+            conductivity: 2.0,
+            volumetric_heat_capacity: 1.0,
+            side_convection: 0.0,
+            top: TopCondition::Held,
+        };
+        (Block::new(elastic, discretization).unwrap(), ThermalBlock::new(thermal, discretization).unwrap())
+    }
+
+    #[test]
+    fn free_expansion_is_exact() {
+        // A top that expands freely along x leaves the heated block free of stress in the plane.
+        let (block, _) = pair(2.0, 0.3);
+        let stretch = 1.3;
+        let mesh = &block.mesh;
+        let held = top_values(mesh, 1, |_, x| [stretch * x, stretch], |_, _| [stretch, 0.0]);
+        let mut loads = block.thermal_loads(1, |_| DMatrix::from_fn(49, 1, |i, _| if i < 4 { 1.0 } else { 0.0 }));
+        block.pattern.subtract_held(mesh, &block.elements, &block.kind, &mut loads, &held);
+        block.solve_in_place(&mut loads).unwrap();
+        for entity in &mesh.entities[..mesh.free_entities] {
+            if let Some((x, z)) = mesh.vertex(entity) {
+                assert!((loads[(2 * entity.first, 0)] - stretch * x).abs() < 1e-11);
+                assert!((loads[(2 * entity.first + 1, 0)] - stretch * z).abs() < 1e-11);
+            }
+        }
+    }
+
+    #[test]
+    fn wide_block_expands_like_a_layer_towards_the_partner() {
+        // u = -alpha (1 + nu)/(1 - nu) times the integral of T over the height.
+        let (block, thermal) = pair(30.0, 0.3);
+        let boundaries: Vec<f64> = (0..=15).map(|i| -15.0 + 2.0 * i as f64).collect();
+        let expected = -1.3 / 0.7;
+        let uniform = block.uniform_distortion(&boundaries).unwrap();
+        assert!((uniform[(7, 0)] - expected).abs() < 1e-5, "{}", uniform[(7, 0)]);
+        // A uniform flux of 2 makes T = 1 - z with conductivity 2: half the integral.
+        let loads = thermal.flux_loads(&boundaries).unwrap();
+        let mut field = Mat::from_fn(thermal.degrees(), 1, |i, _| (0..15).map(|j| 2.0 * loads[(i, j)]).sum());
+        thermal.solve_in_place(&thermal.factorize(0.0).unwrap(), &mut field).unwrap();
+        let linear = block.thermal_distortion(&thermal, &field, &boundaries).unwrap();
+        assert!((linear[(7, 0)] - 0.5 * expected).abs() < 1e-5, "{}", linear[(7, 0)]);
+        assert_eq!(linear.shape(), (15, 1));
+    }
+
+    #[test]
+    fn distortion_is_reciprocal_to_the_dilatation_by_pressure() {
+        // Betti: sum over cells of width times u_T = -(3 lambda + 2 G) alpha int T e, with e the dilatation by unit
+        // pressure on the whole contact; for uniform T the integral of e is minus the lost volume, known from the
+        // displacements of the boundary.
+        let (block, _) = pair(2.0, 0.3);
+        let boundaries = [-1.0, -0.3, 0.4, 1.0];
+        let widths = [0.7, 0.7, 0.6];
+        let distortion = block.uniform_distortion(&boundaries).unwrap();
+        let swept: f64 = widths.iter().zip(distortion.iter()).map(|(width, u)| width * u).sum();
+        let compliance = block.compliance(&boundaries).unwrap().normal;
+        let pushed_in: f64 = (0..3).map(|i| widths[i] * compliance.row(i).sum()).sum();
+        // Work of the pressure and of the thermal stress in the sides' normal displacement, from the loads themselves.
+        let mut pressed = Mat::zeros(block.degrees(), 1);
+        for (degree, integral) in contact_integrals(&block.mesh, &[(-1.0, 1.0)]).remove(0) {
+            pressed[(2 * degree + 1, 0)] += integral;
+        }
+        block.solve_in_place(&mut pressed).unwrap();
+        let shear_modulus = block.properties.shear_modulus();
+        let mut bulged = 0.0;
+        for row in 0..block.mesh.z.intervals() {
+            for (right, normal) in [(false, -1.0), (true, 1.0)] {
+                let integrals = [1.0, 1.0, -(2.0f64 / 3.0).sqrt()].map(|i| 0.5 * block.mesh.z.size(row) * i);
+                for (degree, integral) in block.mesh.vertical_degrees(row, right).into_iter().zip(integrals) {
+                    if degree < block.mesh.free {
+                        bulged += normal * integral * pressed[(2 * degree, 0)] / shear_modulus;
+                    }
+                }
+            }
+        }
+        let modulus = shear_modulus * (3.0 * block.properties.lambda_over_shear() + 2.0);
+        let expected = modulus * (bulged - pushed_in);
+        assert!(swept < 0.0 && (swept - expected).abs() < 1e-5 * swept.abs(), "{swept} {expected}");
+    }
+
+    #[test]
+    fn blocks_of_different_mesh_are_refused() {
+        let (block, _) = pair(2.0, 0.3);
+        let (_, thermal) = pair(3.0, 0.3);
+        let fields = Mat::zeros(thermal.degrees(), 1);
+        let refused = block.thermal_distortion(&thermal, &fields, &[-1.0, 1.0]);
+        assert!(matches!(refused, Err(BlockError::DifferentMeshes { .. })));
+    }
+}

@@ -1,0 +1,201 @@
+//! Hierarchical shape functions of one variable on the reference interval [-1, 1], their exact integrals, and Gauss
+//! quadrature.
+//!
+//! The functions are the two linear vertex functions and the integrated Legendre polynomials (Lobatto functions)
+//!
+//! ```text
+//! N_0 = (1 - xi)/2,   N_1 = (1 + xi)/2,   N_k = sqrt((2k - 1)/2) int_{-1}^{xi} P_{k-1},   k = 2 .. order
+//! ```
+//!
+//! N_k vanishes at both ends for k >= 2, and the N_k' with k >= 2 are orthonormal. A space of higher order contains
+//! every function of a lower one, so the matrices of a lower order are the leading blocks of those of a higher one.
+//! Source: B. Szabo, I. Babuska, Finite Element Analysis, Wiley 1991, chapter 6.
+
+use nalgebra::DMatrix;
+
+/// Highest polynomial order of a shape function that the block accepts. Order 8 is the practical limit; the orders
+/// above it exist for reference solutions.
+pub const MAXIMUM_ORDER: usize = 12;
+
+/// Exact matrices of one variable on [-1, 1], all (order + 1) x (order + 1), rows and columns in the order of the
+/// shape functions.
+#[derive(Clone, Debug)]
+pub struct ReferenceMatrices {
+    /// int N_i N_j
+    pub mass: DMatrix<f64>,
+    /// int N_i' N_j'
+    pub stiffness: DMatrix<f64>,
+    /// int N_i' N_j
+    pub mixed: DMatrix<f64>,
+}
+
+/// Shape function k as at most two Legendre polynomials (degree, coefficient).
+fn legendre_terms(k: usize) -> [(usize, f64); 2] {
+    match k {
+        0 => [(0, 0.5), (1, -0.5)],
+        1 => [(0, 0.5), (1, 0.5)],
+        _ => {
+            let scale = 1.0 / (2.0 * (2 * k - 1) as f64).sqrt();
+            [(k, scale), (k - 2, -scale)]
+        }
+    }
+}
+
+/// Derivative of shape function k, a single Legendre polynomial (degree, coefficient).
+fn derivative_term(k: usize) -> (usize, f64) {
+    match k {
+        0 => (0, -0.5),
+        1 => (0, 0.5),
+        _ => (k - 1, ((2 * k - 1) as f64 / 2.0).sqrt()),
+    }
+}
+
+/// int P_m P_n over [-1, 1].
+fn legendre_product(m: usize, n: usize) -> f64 {
+    if m == n { 2.0 / (2 * m + 1) as f64 } else { 0.0 }
+}
+
+impl ReferenceMatrices {
+    /// The matrices up to `order`, from the orthogonality of the Legendre polynomials: no quadrature.
+    pub fn new(order: usize) -> Self {
+        let n = order + 1;
+        let mass = DMatrix::from_fn(n, n, |i, j| {
+            let mut sum = 0.0;
+            for (m, a) in legendre_terms(i) {
+                for (l, b) in legendre_terms(j) {
+                    sum += a * b * legendre_product(m, l);
+                }
+            }
+            sum
+        });
+        let stiffness = DMatrix::from_fn(n, n, |i, j| {
+            let ((m, a), (l, b)) = (derivative_term(i), derivative_term(j));
+            a * b * legendre_product(m, l)
+        });
+        let mixed = DMatrix::from_fn(n, n, |i, j| {
+            let (m, a) = derivative_term(i);
+            legendre_terms(j).iter().map(|&(l, b)| a * b * legendre_product(m, l)).sum()
+        });
+        Self { mass, stiffness, mixed }
+    }
+}
+
+/// Legendre polynomials P_0 .. P_{values.len() - 1} at `xi`.
+fn legendre(xi: f64, values: &mut [f64]) {
+    let mut before = 0.0;
+    let mut current = 1.0;
+    for (n, value) in values.iter_mut().enumerate() {
+        *value = current;
+        let next = ((2 * n + 1) as f64 * xi * current - n as f64 * before) / (n + 1) as f64;
+        before = current;
+        current = next;
+    }
+}
+
+/// Values of the shape functions 0 .. values.len() - 1 at `xi`.
+pub fn shape_values(xi: f64, values: &mut [f64]) {
+    let mut polynomials = [0.0; MAXIMUM_ORDER + 1];
+    legendre(xi, &mut polynomials[..values.len().max(2)]);
+    for (k, value) in values.iter_mut().enumerate() {
+        *value = legendre_terms(k).iter().map(|&(degree, coefficient)| coefficient * polynomials[degree]).sum();
+    }
+}
+
+/// Derivatives with respect to `xi` of the shape functions 0 .. values.len() - 1 at `xi`.
+pub fn shape_derivatives(xi: f64, values: &mut [f64]) {
+    let mut polynomials = [0.0; MAXIMUM_ORDER + 1];
+    legendre(xi, &mut polynomials[..values.len().max(2)]);
+    for (k, value) in values.iter_mut().enumerate() {
+        let (degree, coefficient) = derivative_term(k);
+        *value = coefficient * polynomials[degree];
+    }
+}
+
+/// Points and weights of Gauss-Legendre quadrature on [-1, 1], exact for polynomials of degree 2 `count` - 1; points
+/// ascending. Newton's iteration on P_count from Tricomi's estimate of its zeros.
+pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+    let n = count as f64;
+    let mut rule = vec![(0.0, 0.0); count];
+    for i in 0..count.div_ceil(2) {
+        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..100 {
+            let (mut before, mut current) = (1.0, x);
+            for k in 2..=count {
+                let k = k as f64;
+                (before, current) = (current, ((2.0 * k - 1.0) * x * current - (k - 1.0) * before) / k);
+            }
+            slope = n * (x * current - before) / (x * x - 1.0);
+            let change = current / slope;
+            x -= change;
+            if change.abs() <= 4.0 * f64::EPSILON {
+                break;
+            }
+        }
+        let weight = 2.0 / ((1.0 - x * x) * slope * slope);
+        rule[i] = (-x, weight);
+        rule[count - 1 - i] = (x, weight);
+    }
+    rule
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_matrices_agree_with_quadrature() {
+        let exact = ReferenceMatrices::new(MAXIMUM_ORDER);
+        let n = MAXIMUM_ORDER + 1;
+        let mut sums = [DMatrix::zeros(n, n), DMatrix::zeros(n, n), DMatrix::zeros(n, n)];
+        let (mut value, mut slope) = (vec![0.0; n], vec![0.0; n]);
+        for (xi, weight) in gauss_legendre(n) {
+            shape_values(xi, &mut value);
+            shape_derivatives(xi, &mut slope);
+            for i in 0..n {
+                for j in 0..n {
+                    sums[0][(i, j)] += weight * value[i] * value[j];
+                    sums[1][(i, j)] += weight * slope[i] * slope[j];
+                    sums[2][(i, j)] += weight * slope[i] * value[j];
+                }
+            }
+        }
+        for (sum, matrix) in sums.iter().zip([&exact.mass, &exact.stiffness, &exact.mixed]) {
+            assert!((sum - matrix).amax() < 1e-13, "{}", (sum - matrix).amax());
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_values() {
+        let (mut above, mut below, mut slope) = ([0.0; 9], [0.0; 9], [0.0; 9]);
+        let step = 1e-5;
+        for xi in [-0.93, -0.2, 0.4, 0.999] {
+            shape_values(xi + step, &mut above);
+            shape_values(xi - step, &mut below);
+            shape_derivatives(xi, &mut slope);
+            for k in 0..9 {
+                assert!(((above[k] - below[k]) / (2.0 * step) - slope[k]).abs() < 1e-7);
+            }
+        }
+    }
+
+    #[test]
+    fn only_the_vertex_functions_live_at_the_ends() {
+        let mut values = [0.0; 9];
+        shape_values(1.0, &mut values);
+        assert!((values[1] - 1.0).abs() < 1e-15);
+        assert!(values.iter().enumerate().all(|(k, v)| k == 1 || v.abs() < 1e-15));
+    }
+
+    #[test]
+    fn gauss_rule_is_exact_to_its_degree_and_not_beyond() {
+        for count in 1..=20 {
+            let rule = gauss_legendre(count);
+            let even_power = |power: i32| rule.iter().map(|&(x, w)| w * x.powi(power)).sum::<f64>();
+            let highest = 2 * count as i32 - 2;
+            assert!((even_power(highest) - 2.0 / (highest + 1) as f64).abs() < 1e-14, "{count} points");
+            let beyond = highest + 2;
+            assert!((even_power(beyond) - 2.0 / (beyond + 1) as f64).abs() > 1e-14, "{count} points");
+        }
+    }
+}
