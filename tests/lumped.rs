@@ -53,7 +53,7 @@ fn timing() {
     let temperature = find("contact_temperature").unwrap();
     let force = find("friction_force").unwrap();
     let wear = find("wear_depth").unwrap();
-    for vary in [0.0, 1e-3, 1.0] {
+    for vary in [0.0] {
         let start = std::time::Instant::now();
         let n = 50_000;
         let mut sum = 0.0;
