@@ -61,7 +61,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         let mut command = Command::new(python);
         command
             .current_dir(project::root())
-            .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "tests/fmpy"])
+            .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/fmpy"])
             .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
             .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
             .env("PYTHONDONTWRITEBYTECODE", "1");
