@@ -26,7 +26,7 @@ class Car:
 
     mass: float = 1500.0  # kg, with driver: the car of the brake's stop from 100 km/h
     front_share: float = 0.70  # of the brake force on the front axle: weight moves forward in braking
-    wheel_radius: float = 0.30  # m, rolling radius of a 195/65 R15 tyre under load
+    wheel_radius: float = 0.31  # m, rolling radius of a 205/55 R16 tyre
     rolling_resistance: float = 0.012  # 1, radial tyres on asphalt
     drag_area: float = 0.66  # m2: cd 0.30 times 2.2 m2 of frontal area
     hold_grade: float = 0.03  # 1: at rest the driver presses as if to hold an automatic's creep, 3 % of the weight

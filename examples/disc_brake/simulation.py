@@ -79,6 +79,15 @@ def describe(fmu):
     return description, {variable.name: variable.start for variable in description.modelVariables}
 
 
+def with_optional_inputs(signals, description):
+    """The signals with a column of 0, which is neutral, for every input that they lack: fmpy warns of each."""
+    inputs = [variable.name for variable in description.modelVariables if variable.causality == "input"]
+    complete = np.zeros(len(signals), dtype=[("time", np.float64), *((name, np.float64) for name in inputs)])
+    for name in signals.dtype.names:
+        complete[name] = signals[name]
+    return complete
+
+
 def drive(fmu, signals, step):
     """Runs the FMU over `signals` (see `Drive.signals`) with the communication step `step` [s]."""
     description, _ = describe(fmu)
@@ -102,7 +111,7 @@ def drive(fmu, signals, step):
             stop_time=stop,
             step_size=step,
             output_interval=step,
-            input=signals,
+            input=with_optional_inputs(signals, description),
             output=[*INPUTS, *OUTPUTS],
             step_finished=step_finished,
         )

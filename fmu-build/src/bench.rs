@@ -176,7 +176,7 @@ fn inputs() -> Result<Vec<[f64; 2]>> {
         let acceleration = pair[1] - pair[0];
         for step in 0..steps_per_second {
             let speed = pair[0] + acceleration * step as f64 * STEP;
-            inputs.push([speed * 0.1175 / 0.30, 2000.0 * (-acceleration).max(0.0)]);
+            inputs.push([speed * 0.1175 / 0.31, 2000.0 * (-acceleration).max(0.0)]);
         }
     }
     Ok(inputs)

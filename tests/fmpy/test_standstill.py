@@ -6,7 +6,7 @@ from component import Component
 
 GRAVITY = 9.80665
 MASS = 1500.0 / 4  # kg, one corner
-WHEEL_RADIUS = 0.30  # m
+WHEEL_RADIUS = 0.31  # m
 
 
 def hill(fmu, grade, load, seconds, step, stiffness, damping):
@@ -31,8 +31,10 @@ def hill(fmu, grade, load, seconds, step, stiffness, damping):
     return np.array(rows), lever, pull, energy
 
 
-STIFFNESS = 2e6  # N/m at the disc: 0.2 mm at the wheel under the pull
-DAMPING = 2e4  # N.s/m at the disc: about a half of critical
+# An explicit master of step h and mass m (at the disc: the car's over the lever squared, 2.6 t) is stable in stick for
+# h k < c < 2 m/h - h k/2, with 10 ms from 1e5 to 4.7e5 N.s/m; the pull deflects the bristle by 0.1 mm.
+STIFFNESS = 1e7  # N/m
+DAMPING = 2e5  # N.s/m
 
 
 def test_a_corner_of_a_car_stays_on_a_ten_percent_grade_for_a_minute(fmus):
