@@ -1,4 +1,5 @@
 //! Elastic bodies, each reached only through what it does at the contact line.
 
+#[cfg(feature = "contact-line")]
 pub mod block;
 pub mod mean;
