@@ -41,6 +41,11 @@ pub type Values = [f64; COUNT];
 
 const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
 const FIRST_PARAMETER: usize = reference("punch.height") as usize;
+const MAIN: [usize; 3] = [
+    reference("wear_depth") as usize,
+    reference("contact_temperature") as usize,
+    reference("friction_force") as usize,
+];
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
 /// Groups of outputs that are computed together, as bits.
@@ -51,15 +56,14 @@ mod group {
     pub const ACCOUNT: u8 = 2;
     /// Profiles and the slope of the friction force.
     pub const REST: u8 = 4;
+    /// The three outputs of every drive, known at the end of a step without another evaluation.
+    pub const MAIN: u8 = 8;
 }
 
 /// Group of every value reference; 0 for inputs and parameters.
 static GROUPS: [u8; COUNT] = {
     let mut groups = [group::ACCOUNT; COUNT];
     let contact = [
-        "wear_depth",
-        "contact_temperature",
-        "friction_force",
         "friction_torque",
         "effective_radius",
         "friction_power",
@@ -86,6 +90,12 @@ static GROUPS: [u8; COUNT] = {
     let mut index = 0;
     while index < contact.len() {
         groups[reference(contact[index]) as usize] = group::CONTACT;
+        index += 1;
+    }
+    let main = ["wear_depth", "contact_temperature", "friction_force"];
+    index = 0;
+    while index < main.len() {
+        groups[reference(main[index]) as usize] = group::MAIN;
         index += 1;
     }
     groups[reference("friction_slope") as usize] = group::REST;
@@ -126,6 +136,8 @@ pub struct Component {
     tolerance: Option<f64>,
     /// Operators last built: used again where the scene is the same.
     operators: Option<Arc<Operators>>,
+    /// Inputs and tunable parameters are those of the end of the last step.
+    at_end: bool,
     /// Limits already logged.
     reported: u8,
     messages: Vec<Message>,
@@ -145,6 +157,7 @@ impl Component {
             stale: true,
             tolerance: None,
             operators: None,
+            at_end: false,
             reported: 0,
             messages: Vec::new(),
         }
@@ -180,7 +193,20 @@ impl Component {
         if let Some(model) = &mut self.model {
             let inputs = inputs_of(&self.values);
             match wanted {
-                group::CONTACT => model.write_contact(&inputs, &mut self.values),
+                group::MAIN if self.at_end => model.write_end(&mut self.values),
+                group::MAIN | group::CONTACT => {
+                    // Values read before stay what they were: only what is not current is written.
+                    let main = MAIN.map(|index| self.values[index]);
+                    model.write_contact(&inputs, &mut self.values);
+                    if self.at_end {
+                        model.write_end(&mut self.values);
+                    } else if self.current & group::MAIN != 0 {
+                        for (index, value) in MAIN.into_iter().zip(main) {
+                            self.values[index] = value;
+                        }
+                    }
+                    self.current |= group::MAIN | group::CONTACT;
+                }
                 group::ACCOUNT => model.write_account(&mut self.values),
                 _ => model.write_rest(&inputs, &mut self.values),
             }
@@ -195,12 +221,14 @@ impl Component {
         let inputs = inputs_of(&self.values);
         self.model = Some(Lumped::new(operators, tunables_of(&self.values), &inputs));
         self.current = 0;
+        self.at_end = false;
     }
 
     /// Stores a parameter that [`crate::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
     pub fn set_parameter(&mut self, reference: ValueReference, value: f64) {
         self.values[reference as usize] = value;
         self.current = 0;
+        self.at_end = false;
         self.stale = true;
         if self.phase == Phase::Running {
             let tunables = tunables_of(&self.values);
@@ -218,6 +246,7 @@ impl Component {
         if self.values[index].to_bits() != value.to_bits() {
             self.values[index] = value;
             self.current &= group::ACCOUNT;
+            self.at_end = false;
             self.stale = true;
         }
     }
@@ -319,6 +348,7 @@ impl Component {
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         model.step(&inputs, &slopes, step).map_err(|failure| failure.to_string())?;
+        self.at_end = slopes == [0.0; INPUTS] && model.operators().bristle().is_none();
         if slopes != [0.0; INPUTS] {
             for index in 0..INPUTS {
                 self.values[index] += slopes[index] * step;

@@ -19,6 +19,7 @@ pub struct Snapshot {
     phase: u8,
     tolerance: Option<f64>,
     reported: u8,
+    at_end: bool,
     /// Friction coefficient and so on with which the model was built: the wear law refers to them.
     built: [f64; 3],
     state: Option<State>,
@@ -42,6 +43,7 @@ impl Component {
         };
         into.tolerance = self.tolerance;
         into.reported = self.reported;
+        into.at_end = self.at_end;
         into.state = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
@@ -112,6 +114,7 @@ impl Component {
         };
         self.tolerance = from.tolerance;
         self.reported = from.reported;
+        self.at_end = from.at_end;
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -124,6 +127,7 @@ impl Snapshot {
         let mut put = |number: f64| out.extend(number.to_le_bytes());
         put(f64::from(self.phase));
         put(f64::from(self.reported));
+        put(f64::from(u8::from(self.at_end)));
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -140,7 +144,7 @@ impl Snapshot {
     /// Number of bytes that [`Snapshot::encode`] appends.
     pub fn encoded_size(&self) -> usize {
         let state = self.state.as_ref().map_or(0, |state| state.numbers().len());
-        8 * (4 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (5 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -158,7 +162,7 @@ impl Snapshot {
 
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
-        let (phase, reported, tolerance, count) = (next()?, next()?, next()?, next()?);
+        let (phase, reported, at_end, tolerance, count) = (next()?, next()?, next()?, next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
         {
             return None;
@@ -166,6 +170,7 @@ impl Snapshot {
         let mut snapshot = Snapshot {
             phase: phase as u8,
             reported: reported as u8,
+            at_end: at_end != 0.0,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
             ..Snapshot::default()
         };
@@ -198,6 +203,7 @@ impl State {
         row(&mut out, &self.flash);
         out.extend([self.position, self.distance, self.dissipated, self.bristle]);
         out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
+        out.extend([self.end_temperature, self.end_force]);
         out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
         if let Some(track) = &self.track {
             out.push(1.0);
@@ -227,6 +233,8 @@ impl State {
         state.peak_wear = next()?;
         state.reference = next()?;
         state.error = next()?;
+        state.end_temperature = next()?;
+        state.end_force = next()?;
         state.limits = next()? as u8;
         state.refinement = next()? as u8;
         state.steps = next()? as u64;

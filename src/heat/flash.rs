@@ -101,6 +101,10 @@ impl Decays {
 pub struct Flash {
     /// Decays of the part that moves with the contact, at rest.
     pub decays: Decays,
+    /// The same in rows of fixed length for the time step: rate 1 and residue 0 beyond the last.
+    pub rates: [f64; MAX_FLASH_STATES],
+    /// See `rates`.
+    pub residues: [f64; MAX_FLASH_STATES],
     /// Decays of the part that stays in a stroke's track.
     pub track: Decays,
     speed: SpeedTable,
@@ -114,7 +118,7 @@ impl Flash {
         // Slower than the whole duration, and than the contact's own diffusion time over the path, nothing changes.
         let slowest = (0.3 / duration).max(1e-6 * own);
         let fastest = (10.0 * own / tolerance).max(10.0 * slowest);
-        let count = (2.0 + (fastest / slowest).log10() * (0.25 - 0.25 * tolerance.log10())).round();
+        let count = (2.0 + (fastest / slowest).log10() * (0.2 - 0.16 * tolerance.log10())).round();
         let count = count.clamp(2.0, MAX_FLASH_STATES as f64) as usize;
         let shifts: Vec<f64> =
             (0..count).map(|i| slowest * (fastest / slowest).powf(i as f64 / (count - 1) as f64)).collect();
@@ -125,7 +129,8 @@ impl Flash {
             Decays::default()
         };
         let speed = SpeedTable::new(source, &decays);
-        Flash { decays, track, speed }
+        let row = |values: &[f64], rest: f64| std::array::from_fn(|k| values.get(k).copied().unwrap_or(rest));
+        Flash { rates: row(&decays.rate, 1.0), residues: row(&decays.residue, 0.0), decays, track, speed }
     }
 
     /// Rate sigma(v), 1/s, by which sliding at `speed` = |v| (m/s) adds to every decay.
@@ -150,12 +155,12 @@ struct SpeedTable {
 }
 
 /// Knots of the speed table per unit of ln v.
-const KNOTS_PER_UNIT: f64 = 3.0;
+const KNOTS_PER_UNIT: f64 = 2.0;
 
 impl SpeedTable {
     fn new(source: &MovingSource, decays: &Decays) -> SpeedTable {
         let own = source.slab().diffusivity() / source.half_length();
-        let (low, high) = ((1e-3 * own).ln(), (1e6 * own).ln());
+        let (low, high) = ((1e-3 * own).ln(), (1e8 * own).ln());
         let count = ((high - low) * KNOTS_PER_UNIT).ceil() as usize + 1;
         let mut values = Vec::with_capacity(count);
         let mut guess = 0.0;

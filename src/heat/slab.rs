@@ -21,7 +21,7 @@
 //! loss by volume; any slab otherwise.
 
 use super::reduced::{MAX_SLAB_STATES, MAX_STATES, Observation, PORTS, Port, ReducedBody};
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
 /// Condition at the face opposite to the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -85,6 +85,10 @@ impl Slab {
                 Base::Convecting(transfer) => (own + transfer) / (1.0 + transfer * self.height / k),
             }
         } else {
+            // Beyond 20 decay lengths the base is not felt to rounding.
+            if u.re > 20.0 {
+                return (kappa * k + self.surface_transfer).inv();
+            }
             let decay = (-2.0 * u).exp();
             let (sum, difference) = (1.0 + decay, 1.0 - decay);
             match self.base {
@@ -112,7 +116,7 @@ impl Slab {
         let effusivity = (self.conductivity * self.capacity).sqrt();
         let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration);
         let mut best: Option<ReducedBody> = None;
-        for ratio in [20.0, 10.0, 6.5, 5.0, 4.0, 3.3, 2.8, 2.4, 2.0] {
+        for ratio in [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9] {
             let Some(body) = self.project(0.05 / duration, fastest, ratio) else { continue };
             let error = self.largest_error(&body, 1.0 / duration, fastest);
             let better = best.as_ref().is_none_or(|known| error < known.error);
@@ -220,23 +224,26 @@ impl Grid {
 
 /// A trial function: values and slopes at the grid points, and values at the two faces.
 struct Function {
-    value: DVector<f64>,
-    slope: DVector<f64>,
+    value: Vec<f64>,
+    slope: Vec<f64>,
     contact: f64,
     base: f64,
 }
 
 impl Function {
     fn combine(&mut self, factor: f64, other: &Function) {
-        self.value.axpy(factor, &other.value, 1.0);
-        self.slope.axpy(factor, &other.slope, 1.0);
+        for (mine, its) in self.value.iter_mut().zip(&other.value) {
+            *mine += factor * its;
+        }
+        for (mine, its) in self.slope.iter_mut().zip(&other.slope) {
+            *mine += factor * its;
+        }
         self.contact += factor * other.contact;
         self.base += factor * other.base;
     }
 
     fn scale(&mut self, factor: f64) {
-        self.value *= factor;
-        self.slope *= factor;
+        self.value.iter_mut().chain(&mut self.slope).for_each(|value| *value *= factor);
         self.contact *= factor;
         self.base *= factor;
     }
@@ -258,15 +265,22 @@ impl<'a> Basis<'a> {
         self.functions.len()
     }
 
-    fn product(&self, left: &DVector<f64>, right: &DVector<f64>) -> f64 {
-        self.grid.weight.iter().zip(left.iter().zip(right)).map(|(w, (l, r))| w * l * r).sum()
+    /// Integral of left times right over the height; the grid has a whole number of groups of two.
+    fn product(&self, left: &[f64], right: &[f64]) -> f64 {
+        let mut sum = [0.0; 2];
+        let groups = self.grid.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
+        for ((weight, left), right) in groups {
+            sum[0] += weight[0] * left[0] * right[0];
+            sum[1] += weight[1] * left[1] * right[1];
+        }
+        sum[0] + sum[1]
     }
 
     fn function(&self, evaluate: impl Fn(f64) -> (f64, f64)) -> Function {
         let values: Vec<(f64, f64)> = self.grid.position.iter().map(|&z| evaluate(z)).collect();
         Function {
-            value: DVector::from_iterator(values.len(), values.iter().map(|pair| pair.0)),
-            slope: DVector::from_iterator(values.len(), values.iter().map(|pair| pair.1)),
+            value: values.iter().map(|pair| pair.0).collect(),
+            slope: values.iter().map(|pair| pair.1).collect(),
             contact: evaluate(0.0).0,
             base: evaluate(self.slab.height).0,
         }
@@ -386,8 +400,14 @@ impl<'a> Basis<'a> {
     fn modes(&self) -> ReducedBody {
         let count = self.count();
         let slab = self.slab;
-        let stiffness = DMatrix::from_fn(count, count, |i, j| self.stiffness(&self.functions[i], &self.functions[j]));
-        let eigen = SymmetricEigen::new(0.5 * (&stiffness + stiffness.transpose()));
+        let mut stiffness = DMatrix::zeros(count, count);
+        for i in 0..count {
+            for j in 0..=i {
+                stiffness[(i, j)] = self.stiffness(&self.functions[i], &self.functions[j]);
+                stiffness[(j, i)] = stiffness[(i, j)];
+            }
+        }
+        let eigen = SymmetricEigen::new(stiffness);
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
         let modes: Vec<Function> = order

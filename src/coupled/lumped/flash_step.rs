@@ -1,7 +1,7 @@
 //! The moving source over one step, at a velocity that may change during it.
 
 use super::operators::Operators;
-use super::stage::{POINTS, weights};
+use super::stage::{POINTS, fast_weights, weights};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 
 /// Weights of the moving source for one step size and one course of the speed.
@@ -17,6 +17,11 @@ pub struct FlashStep {
     pub gain: [[f64; 2]; 3],
     /// Decays at rest up to the point 1/3, for the step size of the key.
     at_rest: [f64; MAX_FLASH_STATES],
+    /// Rate that constant sliding adds, 1/s, and its decay up to the point 1/3.
+    sliding: f64,
+    common: f64,
+    /// Whether the weights of the point 2/3 are made as well.
+    has_middle: bool,
 }
 
 impl FlashStep {
@@ -28,6 +33,9 @@ impl FlashStep {
             update: [[0.0; MAX_FLASH_STATES]; 2],
             gain: [[0.0; 2]; 3],
             at_rest: [0.0; MAX_FLASH_STATES],
+            sliding: 0.0,
+            common: 1.0,
+            has_middle: false,
         }
     }
 
@@ -39,36 +47,72 @@ impl FlashStep {
             return;
         }
         if self.key.1 != step {
-            for (decay, rate) in self.at_rest.iter_mut().zip(&flash.decays.rate) {
+            for (decay, rate) in self.at_rest.iter_mut().zip(&flash.rates) {
                 *decay = (-rate * POINTS[0] * step).exp();
             }
         }
         self.key = (speeds, step);
         self.gain = [[0.0; 2]; 3];
+        self.has_middle = false;
+        self.make(flash, 0);
+        self.make(flash, 2);
+    }
+
+    /// Makes the weights of the point 2/3, which only the error estimate needs.
+    pub fn prepare_middle(&mut self, operators: &Operators) {
+        if let Some(flash) = &operators.flash
+            && !self.has_middle
+        {
+            self.make(flash, 1);
+            self.has_middle = true;
+        }
+    }
+
+    fn make(&mut self, flash: &Flash, point: usize) {
+        let (speeds, step) = self.key;
         if speeds[1] == speeds[0] && speeds[2] == speeds[0] && speeds[3] == speeds[0] {
-            self.steady(flash, speeds[0], step);
+            self.steady(flash, speeds[0], step, point);
         } else {
-            self.varying(flash, speeds, step);
+            self.varying(flash, speeds, step, point);
         }
     }
 
     /// Constant speed: the decay to the points 2/3 and 1 is that to 1/3 squared and cubed.
-    fn steady(&mut self, flash: &Flash, speed: f64, step: f64) {
-        let sliding = flash.sliding_rate(speed);
-        let common = (-sliding * POINTS[0] * step).exp();
-        for (k, (&rate, &residue)) in flash.decays.rate.iter().zip(&flash.decays.residue).enumerate() {
-            let third = self.at_rest[k] * common;
-            self.decay[0][k] = third;
-            self.decay[1][k] = third * third;
-            self.decay[2][k] = third * third * third;
-            for point in 0..3 {
-                let weight = weights(rate + sliding, self.decay[point][k], POINTS[point], step);
-                self.take(point, k, residue, weight);
-            }
+    fn steady(&mut self, flash: &Flash, speed: f64, step: f64, point: usize) {
+        if point == 0 {
+            self.sliding = flash.sliding_rate(speed);
+            self.common = (-self.sliding * POINTS[0] * step).exp();
+        }
+        let length = POINTS[point] * step;
+        for k in 0..MAX_FLASH_STATES {
+            let third = self.at_rest[k] * self.common;
+            self.decay[point][k] = match point {
+                0 => third,
+                1 => third * third,
+                _ => third * third * third,
+            };
+        }
+        let slow = self.sliding * length < 0.06;
+        let mut first = [0.0; MAX_FLASH_STATES];
+        let mut second = [0.0; MAX_FLASH_STATES];
+        for k in 0..MAX_FLASH_STATES {
+            let (rate, decay) = (flash.rates[k] + self.sliding, self.decay[point][k]);
+            // Without a branch inside, two states at a time.
+            let weight = if slow {
+                weights(rate, decay, POINTS[point], length)
+            } else {
+                fast_weights(rate, decay, POINTS[point], length)
+            };
+            first[k] = flash.residues[k] * weight[0];
+            second[k] = flash.residues[k] * weight[1];
+        }
+        self.gain[point] = [first.iter().sum(), second.iter().sum()];
+        if point == 2 {
+            self.update = [first, second];
         }
     }
 
-    fn varying(&mut self, flash: &Flash, speeds: [f64; 4], step: f64) {
+    fn varying(&mut self, flash: &Flash, speeds: [f64; 4], step: f64, point: usize) {
         let rates = speeds.map(|speed| flash.sliding_rate(speed));
         let [r0, r1, r2, r3] = rates;
         // Integral of sigma from the start to every point, exact for a rate cubic in time.
@@ -77,14 +121,13 @@ impl FlashStep {
             step * (r0 + 4.0 * r1 + r2) / 9.0,
             step * (r0 + 3.0 * r1 + 3.0 * r2 + r3) / 8.0,
         ];
-        for (point, &c) in POINTS.iter().enumerate() {
-            for (k, (&rate, &residue)) in flash.decays.rate.iter().zip(&flash.decays.residue).enumerate() {
-                self.decay[point][k] = (-rate * c * step - passed[point].max(0.0)).exp();
-                // Fast states follow the speed of the moment, so it is theirs that weighs the flux.
-                let local = rate + rates[point + 1];
-                let weight = weights(local, (-local * c * step).exp(), c, step);
-                self.take(point, k, residue, weight);
-            }
+        let length = POINTS[point] * step;
+        for (k, (&rate, &residue)) in flash.rates.iter().zip(&flash.residues).enumerate() {
+            self.decay[point][k] = (-rate * length - passed[point].max(0.0)).exp();
+            // Fast states follow the speed of the moment, so it is theirs that weighs the flux.
+            let local = rate + rates[point + 1];
+            let weight = weights(local, (-local * length).exp(), POINTS[point], length);
+            self.take(point, k, residue, weight);
         }
     }
 

@@ -45,7 +45,7 @@ const HIGHEST_VALID_WEAR: f64 = 0.5;
 const FINEST: u8 = 40;
 
 /// Step sizes whose weights are kept.
-const KEPT_STEPS: usize = 6;
+const KEPT_STEPS: usize = 12;
 
 /// Load and speed that a run may exceed the nominal by before the plan no longer holds.
 const NOMINAL_MARGIN: f64 = 10.0;
@@ -229,8 +229,8 @@ impl Lumped {
             }
             let index = self.propagators_of(step);
             self.flash.prepare(&self.operators, at.map(|conditions| conditions.velocity.abs()), step);
-            let stepper = Stepper {
-                flash: &self.flash,
+            let mut stepper = Stepper {
+                flash: &mut self.flash,
                 operators: &self.operators,
                 friction: &self.friction,
                 tunables: &self.tunables,
@@ -242,7 +242,7 @@ impl Lumped {
                 self.judge_temperature(attempt.hottest);
                 part += 1;
                 // The error falls by about eight when the step is halved: room for doubling it.
-                if level > 0 && part % 2 == 0 && attempt.error < 0.05 {
+                if level > 0 && part % 2 == 0 && attempt.error < 0.1 {
                     level -= 1;
                     part /= 2;
                 }

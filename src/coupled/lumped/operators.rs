@@ -24,6 +24,8 @@ pub struct BodyOperators {
     pub emissivity: f64,
     /// Whether cooling beyond the constant heat transfer acts.
     pub variable_cooling: bool,
+    /// The cooled surface is observed as the contact surface is.
+    pub cooled_is_contact: bool,
     /// Condition of the face opposite to the contact.
     pub far: ThermalBoundary,
     /// Temperature there where it is held, K; 0: ambient.
@@ -60,6 +62,8 @@ pub struct Operators {
     pub area: f64,
     /// Mean heat flux over mu p v, and friction force (torque over mean radius) over mu F: 1 for line geometry.
     pub power_factor: f64,
+    /// Friction force of all faces over mu p, m2.
+    pub per_pressure: f64,
     /// Torque over mu F, m.
     pub effective_radius: f64,
     /// A wear rate depends on the contact temperature.
@@ -86,7 +90,7 @@ impl Operators {
         };
         let (path, strip_length) = path_of(scene);
         let endless = path == moving_source::Path::Endless;
-        let punch = punch_of(scene, area);
+        let mut punch = punch_of(scene, area);
         let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
         let mut flash = None;
         if let Some(slab) = slab
@@ -97,6 +101,10 @@ impl Operators {
         }
         if let (Some(heat), Some(flash)) = (&mut strip.heat, &flash) {
             append_track(heat, flash);
+        }
+        for body in [&mut punch, &mut strip] {
+            body.cooled_is_contact =
+                body.heat.as_ref().is_some_and(|heat| heat.cooled_temperature == heat.contact_temperature);
         }
         let (punch_compliance, _) = mean_compliance(&scene.punch, scene.width, false);
         let (strip_compliance, _) = mean_compliance(&scene.strip, scene.width, true);
@@ -114,6 +122,7 @@ impl Operators {
             friction: FrictionLaw::new(scene),
             area,
             power_factor,
+            per_pressure: area * scene.faces * power_factor,
             effective_radius,
             tracked: scene.path == Path::Straight,
             compliance,
@@ -168,6 +177,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         variable_cooling: body.conductivity > 0.0
             && cooled_part > 0.0
             && (body.convection_forced > 0.0 || body.emissivity > 0.0),
+        cooled_is_contact: false,
         far: body.far_thermal,
         far_temperature: body.far_temperature,
         initial_temperature: body.initial_temperature,

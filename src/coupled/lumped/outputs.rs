@@ -35,6 +35,13 @@ impl Lumped {
         value!(values, "wear_depth_strip") = strip;
     }
 
+    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    pub fn write_end(&self, values: &mut [f64; COUNT]) {
+        value!(values, "wear_depth") = self.state.punch.depth + self.strip_depth();
+        value!(values, "contact_temperature") = self.state.end_temperature + self.state.reference;
+        value!(values, "friction_force") = self.state.end_force;
+    }
+
     /// Writes the outputs that only the states give: the heat account, volumes, distance.
     pub fn write_account(&self, values: &mut [f64; COUNT]) {
         self.on_states(&mut |reference: ValueReference, value: f64| values[reference as usize] = value);

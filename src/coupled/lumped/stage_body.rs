@@ -2,7 +2,7 @@
 
 use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
-use super::stage::{BASIS, Observed, Propagator, QUADRATURE};
+use super::stage::{Observed, Propagator, QUADRATURE};
 use super::state::BodyState;
 use crate::heat::reduced::{PORTS, Port};
 
@@ -30,7 +30,7 @@ impl<'a> StageBody<'a> {
         let mut stage = StageBody {
             body,
             propagator,
-            level: [ambient[0], BASIS[1][0] * ambient[0] + BASIS[1][1] * ambient[1], ambient[1]],
+            level: [ambient[0], 0.0, ambient[1]],
             cooled: [0.0; 3],
             flux: [[0.0; 2]; PORTS],
             active: [true, body.variable_cooling, ambient != [0.0; 2], far != [0.0; 2]],
@@ -38,23 +38,38 @@ impl<'a> StageBody<'a> {
         stage.flux[Port::Ambient as usize] = ambient;
         stage.flux[Port::Base as usize] = far;
         if let (Some(propagator), Some(heat)) = (propagator, &body.heat) {
-            for point in 0..3 {
-                let observe = |observed: &Observed| {
-                    let mut sum = observed.of_states(point, &state.heat, heat.count);
-                    for port in [Port::Ambient as usize, Port::Base as usize] {
-                        if stage.active[port] {
-                            sum += observed.of_flux(port, point, stage.flux[port]);
-                        }
-                    }
-                    sum
-                };
-                stage.level[point] = observe(&propagator.contact);
-                if body.variable_cooling && point != 1 {
-                    stage.cooled[point] = observe(&propagator.cooled);
+            for point in [0, 2] {
+                stage.level[point] = stage.observe(&propagator.contact, point, state, heat.count);
+                if body.variable_cooling {
+                    stage.cooled[point] = if body.cooled_is_contact {
+                        stage.level[point]
+                    } else {
+                        stage.observe(&propagator.cooled, point, state, heat.count)
+                    };
                 }
             }
         }
         stage
+    }
+
+    /// What states and prescribed temperatures give at `point`.
+    #[inline]
+    fn observe(&self, observed: &Observed, point: usize, state: &BodyState, count: usize) -> f64 {
+        let mut sum = observed.of_states(point, &state.heat, count);
+        for port in [Port::Ambient as usize, Port::Base as usize] {
+            if self.active[port] {
+                sum += observed.of_flux(port, point, self.flux[port]);
+            }
+        }
+        sum
+    }
+
+    /// Contact temperature at the point 2/3 without contact flux and cooling: only the error estimate needs it.
+    pub fn middle_level(&self, state: &BodyState) -> f64 {
+        match (self.propagator, &self.body.heat) {
+            (Some(propagator), Some(heat)) => self.observe(&propagator.contact, 1, state, heat.count),
+            _ => 0.5 * (self.level[0] + self.level[2]),
+        }
     }
 
     /// Contact temperature at `point` under the present stage fluxes.

@@ -4,6 +4,7 @@ use super::bristle::Bristle;
 use super::conditions::Conditions;
 use super::interface::agree;
 use super::operators::BodyOperators;
+use super::flash_step::FlashStep;
 use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
 use super::state::{BodyState, State};
@@ -11,12 +12,12 @@ use super::step::Stepper;
 
 /// Unknowns of the two stages.
 pub struct Stages {
-    pressure: [f64; 2],
+    pub pressure: [f64; 2],
     /// Friction heat flux.
     pub heat: [f64; 2],
     /// Mean contact temperature, K above the reference.
     pub temperature: [f64; 2],
-    faded: [f64; 2],
+    pub faded: [f64; 2],
     /// Wear rates of punch and strip at the stages.
     pub rates: [[f64; 2]; 2],
     /// Gain of the strip including its moving source.
@@ -203,6 +204,30 @@ impl Stages {
                 ) * (body.wear_factor * stepper.tunables.wear_acceleration);
             }
         }
+    }
+
+    /// Adds the moving source to the strip's gain at the point 2/3, which [`Stages::error`] needs.
+    pub fn take_middle(&mut self, strip: &StageBody, flash: &FlashStep) {
+        let own = strip.gain(1);
+        self.strip_gain[1] = [own[0] + flash.gain[1][0], own[1] + flash.gain[1][1]];
+    }
+
+    /// Upper bound of [`Stages::error`] that needs no third point: at constant conditions the fluxes relax, and
+    /// a relaxing flux is nowhere further from its line through both stages than half their difference.
+    /// Infinite where that does not hold.
+    pub fn bound(&self, stepper: &Stepper, state: &State, constant: bool, punch: &StageBody) -> f64 {
+        let operators = stepper.operators;
+        if !constant
+            || operators.series_stiffness > 0.0
+            || operators.wear_follows_temperature
+        {
+            return f64::INFINITY;
+        }
+        let split = (punch.flux[0][1] - punch.flux[0][0]).abs();
+        let heat = (self.heat[1] - self.heat[0]).abs();
+        let scale = self.heat[0].abs().max(self.heat[1].abs()).max(0.02 * state.peak_flux);
+        let defect = 0.5 * (split + heat);
+        if defect > 0.0 { defect / (1.5 * operators.scene.tolerance * scale) } else { 0.0 }
     }
 
     /// Error of the step in units of the tolerance, from the contact conditions at the point 2/3.

@@ -47,6 +47,9 @@ pub struct State {
     pub refinement: u8,
     /// Ambient temperature that heat is counted from, K.
     pub reference: f64,
+    /// Contact temperature (K above the reference) and friction force (N) at the end of the last step.
+    pub end_temperature: f64,
+    pub end_force: f64,
     /// Running estimate of the relative error.
     pub error: f64,
     /// Accepted steps, for work-precision charts.
@@ -97,6 +100,8 @@ impl State {
             limits: 0,
             refinement: 0,
             reference: 0.0,
+            end_temperature: 0.0,
+            end_force: 0.0,
             error: 0.0,
             steps: 0,
             rejected: 0,

@@ -49,15 +49,16 @@ pub struct Stepper<'a> {
     pub tunables: &'a Tunables,
     pub propagators: &'a Propagators,
     /// The moving source, prepared for this step and its speeds.
-    pub flash: &'a FlashStep,
+    pub flash: &'a mut FlashStep,
 }
 
 impl Stepper<'_> {
     /// Tries the step from `state`; `conditions` at the start and at the three points,
     /// all the same where `constant`. On success
     /// (error at most 1) `state` is carried over, otherwise it is left as it was.
-    pub fn attempt(&self, state: &mut State, conditions: &[Conditions; 4], constant: bool) -> Attempt {
-        let (operators, scene) = (self.operators, &self.operators.scene);
+    pub fn attempt(&mut self, state: &mut State, conditions: &[Conditions; 4], constant: bool) -> Attempt {
+        let operators = self.operators;
+        let scene = &operators.scene;
         let step = self.propagators.step;
         let at = |stage: usize| &conditions[if stage == 0 { 1 } else { 3 }];
         let pair = |of: fn(&Conditions) -> f64| [of(at(0)), of(at(1))];
@@ -78,10 +79,10 @@ impl Stepper<'_> {
             pair(|c| c.strip_far),
         );
         let entry = strip_entry(operators, state);
-        for (point, level) in strip.level.iter_mut().enumerate() {
-            *level += entry;
+        for point in [0, 2] {
+            strip.level[point] += entry;
             if operators.flash.is_some() {
-                *level += self.flash.homogeneous(point, &state.flash);
+                strip.level[point] += self.flash.homogeneous(point, &state.flash);
             }
         }
         let mut stages = Stages::new(self, state, conditions, &punch, &strip);
@@ -112,7 +113,17 @@ impl Stepper<'_> {
         if operators.series_stiffness == 0.0 {
             stages.wear(self);
         }
-        let error = stages.error(self, state, conditions, &punch, &strip, constant);
+        let mut error = stages.bound(self, state, constant, &punch);
+        if error > 1.0 || state.refinement > 0 {
+            self.flash.prepare_middle(operators);
+            punch.level[1] = punch.middle_level(&state.punch);
+            strip.level[1] = strip.middle_level(&state.strip) + entry;
+            if operators.flash.is_some() {
+                strip.level[1] += self.flash.homogeneous(1, &state.flash);
+                stages.take_middle(&strip, self.flash);
+            }
+            error = stages.error(self, state, conditions, &punch, &strip, constant);
+        }
         if error > 1.0 {
             return Attempt { error, hottest };
         }
@@ -137,6 +148,10 @@ impl Stepper<'_> {
         }
         state.position += travel;
         state.bristle = stages.deflection;
+        let last = &conditions[3];
+        state.end_temperature = stages.temperature[1];
+        state.end_force =
+            stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
         for rise in stages.temperature {
             state.peak_rise = state.peak_rise.max(rise.abs());
         }
