@@ -160,7 +160,7 @@ mod tests {
             let t = if k < 2 { z } else { z - 1.0 };
             let e = (-sign * q * t).exp();
             let s = sign * q * t;
-            let (u, w, du, dw) = if k % 2 == 0 {
+            let (u, w, du, dw) = if k.is_multiple_of(2) {
                 (e, e, -q * e, -q * e)
             } else {
                 ((s - kappa) * e, s * e, q * (1.0 - s + kappa) * e, q * (1.0 - s) * e)
