@@ -6,6 +6,7 @@ pub mod component;
 pub mod contact;
 pub mod coupled;
 pub mod elastic;
+pub mod exact;
 pub mod fmi2;
 pub mod heat;
 pub mod scene;
