@@ -80,6 +80,7 @@ struct Scaled {
     /// Initial gap less what given approach and tilt take from it.
     gap: DVector<f64>,
     load: f64,
+    moment: f64,
 }
 
 impl ContactSolver {
@@ -114,8 +115,9 @@ impl ContactSolver {
         if let Some(&value) = compliance.iter().find(|v| !v.is_finite()) {
             return Err(ContactError::Invalid { quantity: "compliance", value });
         }
-        let scale = compliance.diagonal().amax();
-        if scale == 0.0 {
+        // The softest scale of the pressure: a few cells may be stiffened by orders of magnitude (fast wear).
+        let scale = compliance.diagonal().min();
+        if scale <= 0.0 {
             return Err(ContactError::Rigid);
         }
         self.matrix = compliance / scale;
@@ -156,7 +158,7 @@ impl ContactSolver {
         }
         let mut tried: Vec<Vec<bool>> = Vec::new();
         while let Some((unknowns, pressure, gap)) = self.solve_on(&active, &problem) {
-            let next = next_active(&active, &pressure, &gap);
+            let next = self.next_active(&active, &pressure, &gap);
             let too_few = next.iter().filter(|a| **a).count() < problem.border.count();
             if next == active {
                 self.active = active;
@@ -183,7 +185,7 @@ impl ContactSolver {
         }
         let mut gap = DVector::from_column_slice(initial_gap);
         let mut border = Border { approach_free: true, tilt_free: false, spring: 0.0, lever: 0.0 };
-        let mut load = 0.0;
+        let (mut load, mut moment) = (0.0, 0.0);
         match normal {
             Normal::Load(value) => {
                 if finite("load", value)? < 0.0 {
@@ -213,8 +215,14 @@ impl ContactSolver {
                     return Err(ContactError::Tipping { lever: value, limit: limit * self.length });
                 }
             }
+            Tilt::Moment { lever, moment: value } => {
+                border.tilt_free = true;
+                border.lever = finite("lever", lever)? / self.length;
+                moment = finite("moment", value)?;
+            }
         }
-        Ok(Scaled { border, gap, load: load * self.scale / self.total_weight })
+        let to_mean = self.scale / self.total_weight;
+        Ok(Scaled { border, gap, load: load * to_mean, moment: moment * to_mean / self.length })
     }
 
     /// The state without pressure, where load or spring leave none: no load puts the punch where the bodies touch, a
@@ -222,7 +230,7 @@ impl ContactSolver {
     fn apart(&self, initial_gap: &[f64], normal: Normal, tilt: Tilt) -> Option<ContactState> {
         let tilt = match tilt {
             Tilt::Fixed(value) => value,
-            Tilt::ResultantAt(_) => 0.0,
+            Tilt::ResultantAt(_) | Tilt::Moment { .. } => 0.0,
         };
         let distance = |(g, x): (&f64, &f64)| g - tilt * x * self.length;
         let distances: Vec<f64> = initial_gap.iter().zip(&self.positions).map(distance).collect();
@@ -268,6 +276,9 @@ impl ContactSolver {
         }
         if border.approach_free {
             right[m] = problem.load;
+        }
+        if border.tilt_free {
+            right[size - 1] = problem.moment;
         }
         let solved = size == 0 || self.factor.as_ref()?.lu.solve_mut(&mut right);
         if !solved || right.iter().any(|v| !v.is_finite()) {
@@ -333,29 +344,18 @@ impl ContactSolver {
         system
     }
 
-    /// Active set by complementary pivoting.
-    ///
-    /// Rows are weighted with w, so that the bordered matrix is positive semidefinite. One block pivot on as many
-    /// cells as there are free unknowns (the outermost) brings these into the basis, where they stay: what is left is
-    /// a linear complementarity problem in the cells, whose matrix is positive semidefinite as principal pivots keep it.
+    /// Active set by complementary pivoting. Rows are weighted with w, so that the bordered matrix is positive
+    /// semidefinite; the outermost cells take the first pivot.
     fn pivoted(&mut self, problem: &Scaled) -> Result<Vec<bool>, ContactError> {
         let count = self.active.len();
         let border = problem.border;
-        let first: Vec<usize> = [0, count - 1][..border.count()].to_vec();
-        let rest: Vec<usize> = (0..count).filter(|i| !first.contains(i)).collect();
-        let (m, free) = (first.len(), border.count());
-        let order: Vec<usize> = first.iter().chain(&rest).copied().collect();
-        let full = self.bordered(&order, &order, border);
-        // T: first cells and free unknowns; U: the other cells.
-        let t: Vec<usize> = (0..m).chain(count..count + free).collect();
-        let u: Vec<usize> = (m..count).collect();
-        let mut weight = DVector::repeat(count + free, 1.0);
-        let mut q = DVector::zeros(count + free);
-        for (k, &i) in order.iter().enumerate() {
-            weight[k] = self.weights[i];
-            q[k] = problem.gap[i] * self.weights[i];
+        let all: Vec<usize> = (0..count).collect();
+        let mut full = self.bordered(&all, &all, border);
+        let mut q = DVector::zeros(full.nrows());
+        for (i, weight) in self.weights.iter().enumerate() {
+            full.row_mut(i).scale_mut(*weight);
+            q[i] = problem.gap[i] * weight;
         }
-        let mut full = DMatrix::from_fn(count + free, count + free, |i, j| weight[i] * full[(i, j)]);
         if border.approach_free {
             full[(count, count)] += border.spring;
             q[count] = -problem.load;
@@ -363,30 +363,21 @@ impl ContactSolver {
                 full[(count, count + 1)] -= border.spring * border.lever;
             }
         }
-        let block = |rows: &[usize], columns: &[usize]| full.select_rows(rows).select_columns(columns);
-        let inverse = block(&t, &t).try_inverse().ok_or(ContactError::NoEquilibrium)?;
-        let upper = -&inverse * block(&t, &u);
-        let lower = block(&u, &t) * &inverse;
-        let corner = block(&u, &u) + block(&u, &t) * &upper;
-        let q_t = q.select_rows(&t);
-        let q_upper = -&inverse * &q_t;
-        let q_lower = q.select_rows(&u) - &lower * &q_t;
-        let mut reduced = DMatrix::zeros(count, count);
-        reduced.view_mut((0, 0), (m, m)).copy_from(&inverse.view((0, 0), (m, m)));
-        reduced.view_mut((0, m), (m, count - m)).copy_from(&upper.rows(0, m));
-        reduced.view_mut((m, 0), (count - m, m)).copy_from(&lower.columns(0, m));
-        reduced.view_mut((m, m), (count - m, count - m)).copy_from(&corner);
-        let mut constant = DVector::zeros(count);
-        constant.rows_mut(0, m).copy_from(&q_upper.rows(0, m));
-        constant.rows_mut(m, count - m).copy_from(&q_lower);
-        let solution = lemke::solve(&reduced, &constant).map_err(|_| ContactError::NoEquilibrium)?;
-        self.counter.pivots += solution.pivots as u64;
-        let mut active = vec![false; count];
-        for (k, &i) in order.iter().enumerate() {
-            // For the first cells the roles are exchanged: there the pressure is the basic variable at the start.
-            active[i] = solution.basic[k] != (k < m);
+        if border.tilt_free {
+            q[count + border.count() - 1] = -problem.moment;
         }
-        Ok(active)
+        let first = &[0, count - 1][..border.count()];
+        let solution = lemke::solve_mixed(&full, &q, first).map_err(|_| ContactError::NoEquilibrium)?;
+        self.counter.pivots += solution.pivots as u64;
+        Ok(solution.basic)
+    }
+
+    /// Cells in tension leave, cells that penetrate enter. Compared as displacements, `A_ii p_i` with the gap.
+    fn next_active(&self, active: &[bool], pressure: &DVector<f64>, gap: &DVector<f64>) -> Vec<bool> {
+        let local = DVector::from_fn(active.len(), |i, _| self.matrix[(i, i)] * pressure[i]);
+        let tolerance = SIGN_TOLERANCE * local.amax().max(gap.amax());
+        let stays = |i: usize| if active[i] { local[i] >= -tolerance } else { gap[i] < -tolerance };
+        (0..active.len()).map(stays).collect()
     }
 
     fn state(
@@ -404,7 +395,7 @@ impl ContactSolver {
         };
         match tilt {
             Tilt::Fixed(value) => angle = value,
-            Tilt::ResultantAt(lever) => {
+            Tilt::ResultantAt(lever) | Tilt::Moment { lever, .. } => {
                 angle += free[free.len() - 1] / self.length;
                 if free.len() == 2 {
                     approach -= angle * lever;
@@ -420,13 +411,6 @@ impl ContactSolver {
             tilt: angle,
         }
     }
-}
-
-/// Cells in tension leave, cells that penetrate enter.
-fn next_active(active: &[bool], pressure: &DVector<f64>, gap: &DVector<f64>) -> Vec<bool> {
-    let tolerance = SIGN_TOLERANCE * pressure.amax().max(gap.amax());
-    let keep = |i: usize| if active[i] { pressure[i] >= -tolerance } else { gap[i] < -tolerance };
-    (0..active.len()).map(keep).collect()
 }
 
 #[cfg(test)]

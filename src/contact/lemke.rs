@@ -62,6 +62,45 @@ pub fn solve(matrix: &DMatrix<f64>, q: &DVector<f64>) -> Result<LemkeSolution, L
     Err(LemkeError::PivotLimit)
 }
 
+/// Finds `z >= 0` with complementary `w >= 0` and free unknowns `y` in `(w, 0) = M (z, y) + q`.
+///
+/// `M` is of order n + f, the free unknowns last, positive semidefinite. One block pivot on the cells `first` (as many
+/// as there are free unknowns, and such that the pivot block is regular) and the free unknowns brings these into the
+/// basis, where the free ones stay; what is left is a linear complementarity problem of order n, whose matrix is
+/// positive semidefinite as principal pivots keep it. Returns for every index whether `z` is basic.
+pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> Result<LemkeSolution, LemkeError> {
+    let free = first.len();
+    let n = q.len() - free;
+    let rest: Vec<usize> = (0..n).filter(|i| !first.contains(i)).collect();
+    let pivoted: Vec<usize> = first.iter().copied().chain(n..n + free).collect();
+    let block = |rows: &[usize], columns: &[usize]| matrix.select_rows(rows).select_columns(columns);
+    let inverse = if free == 0 {
+        DMatrix::zeros(0, 0)
+    } else {
+        block(&pivoted, &pivoted).try_inverse().ok_or(LemkeError::Ray)?
+    };
+    let upper = -&inverse * block(&pivoted, &rest);
+    let lower = block(&rest, &pivoted) * &inverse;
+    let corner = block(&rest, &rest) + block(&rest, &pivoted) * &upper;
+    let q_pivoted = q.select_rows(&pivoted);
+    let (m, k) = (free, rest.len());
+    let mut reduced = DMatrix::zeros(n, n);
+    reduced.view_mut((0, 0), (m, m)).copy_from(&inverse.view((0, 0), (m, m)));
+    reduced.view_mut((0, m), (m, k)).copy_from(&upper.rows(0, m));
+    reduced.view_mut((m, 0), (k, m)).copy_from(&lower.columns(0, m));
+    reduced.view_mut((m, m), (k, k)).copy_from(&corner);
+    let mut constant = DVector::zeros(n);
+    constant.rows_mut(0, m).copy_from(&(-&inverse * &q_pivoted).rows(0, m));
+    constant.rows_mut(m, k).copy_from(&(q.select_rows(&rest) - &lower * &q_pivoted));
+    let solution = solve(&reduced, &constant)?;
+    let mut basic = vec![false; n];
+    for (position, &i) in first.iter().chain(&rest).enumerate() {
+        // For the first cells the roles are exchanged: there z is the basic variable at the start.
+        basic[i] = solution.basic[position] != (position < m);
+    }
+    Ok(LemkeSolution { basic, pivots: solution.pivots })
+}
+
 /// `w - M z - z0 = q` in the current basis. Columns: w (n), z (n), z0, right-hand side.
 struct Tableau {
     columns: DMatrix<f64>,

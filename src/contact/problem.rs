@@ -25,6 +25,13 @@ pub enum Tilt {
     Fixed(f64),
     /// Free to rotate: the resultant acts at this `x`, in m. A pivot at height H: `s mu H`.
     ResultantAt(f64),
+    /// Free to rotate, with a moment besides: `integral (x - lever) p dx = moment` per depth, m and N.
+    Moment {
+        /// Where the resultant acts without the moment, in m.
+        lever: f64,
+        /// Moment per depth, in N; positive presses the +x edge.
+        moment: f64,
+    },
 }
 
 /// Pressure and gap of every cell, and where the punch stands.
@@ -53,6 +60,20 @@ pub struct WorkCounter {
     pub fallbacks: u64,
     /// Pivots of the fallback.
     pub pivots: u64,
+}
+
+impl std::ops::Add for WorkCounter {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            solves: self.solves + other.solves,
+            iterations: self.iterations + other.iterations,
+            factorisations: self.factorisations + other.factorisations,
+            fallbacks: self.fallbacks + other.fallbacks,
+            pivots: self.pivots + other.pivots,
+        }
+    }
 }
 
 /// Why there is no contact pressure.

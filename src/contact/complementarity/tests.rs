@@ -50,6 +50,12 @@ fn rough_surfaces_satisfy_every_condition() {
                     let state = solver.solve(&gap, Normal::Load(1e6), Tilt::ResultantAt(0.01)).unwrap();
                     check(&cells, &compliance, &gap, &state);
                     assert!((cells.moment(&state.pressure) / 1e6 - 0.01).abs() < 1e-11);
+                    // The same resultant, given as a moment about another point.
+                    let tilt = Tilt::Moment { lever: -0.002, moment: 0.012 * 1e6 };
+                    let again = solver.solve(&gap, Normal::Load(1e6), tilt).unwrap();
+                    for i in 0..count {
+                        assert!((again.pressure[i] - state.pressure[i]).abs() < 1e-9 * 1e6 / 0.06);
+                    }
                 }
             }
         }
@@ -65,6 +71,7 @@ fn pivoting_alone_finds_the_same_contact() {
         (Normal::Approach(4e-6), Tilt::Fixed(1e-5)),
         (Normal::Approach(4e-6), Tilt::ResultantAt(0.0)),
         (Normal::Spring { load: 1e6, stiffness: 1e11 }, Tilt::Fixed(0.0)),
+        (Normal::Load(1e6), Tilt::Moment { lever: 0.01, moment: -2e4 }),
     ] {
         let mut solver = ContactSolver::new(&cells, half_plane(&cells, -0.4)).unwrap();
         for seed in 0..10 {
