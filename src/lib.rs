@@ -11,5 +11,6 @@ pub mod fmi2;
 pub mod heat;
 pub mod scene;
 pub mod slot;
+pub mod steady;
 pub mod variables;
 pub mod wear;

@@ -73,6 +73,8 @@ pub struct WearingContact {
     weights: Vec<f64>,
     initial_gap: Vec<f64>,
     branches: [Branch; 2],
+    /// Worn depth of the cells per `tau f`; none: the identity.
+    operator: Option<DMatrix<f64>>,
     newton_iterations: u64,
 }
 
@@ -123,8 +125,17 @@ impl WearingContact {
             weights: weights.to_vec(),
             initial_gap,
             branches: [branch(forward)?, branch(backward)?],
+            operator: None,
             newton_iterations: 0,
         })
+    }
+
+    /// Lets a stage wear the shape by `T tau f(p)` instead of `tau f(p)`, T an N x N matrix: what the strip of a
+    /// straight path brings along is worn by all cells ahead.
+    pub fn with_operator(mut self, operator: DMatrix<f64>) -> Self {
+        assert_eq!(operator.shape(), (self.cells.count(), self.cells.count()), "the operator is N x N");
+        self.operator = Some(operator);
+        self
     }
 
     /// The cells.
@@ -182,7 +193,7 @@ impl WearingContact {
             return Ok(branch.elastic.solve(&gap, conditions.normal, conditions.tilt)?);
         }
         if rate.is_linear() {
-            branch.set_diagonal((0..count).map(|i| tau * rate.slope(i, 1.0)).collect())?;
+            branch.set_diagonal((0..count).map(|i| tau * rate.slope(i, 1.0)).collect(), self.operator.as_ref())?;
             return Ok(branch.solver.solve(&gap, conditions.normal, conditions.tilt)?);
         }
         let fresh = branch.pressure.iter().all(|p| *p == 0.0);
@@ -210,11 +221,15 @@ impl WearingContact {
             let slope: Vec<f64> = local.iter().map(|l| l.pressure_slope.max(LEAST_SLOPE / alpha)).collect();
             // p = kept + z and tau f = kept wear + diagonal z in the linearisation, z = slope t.
             let kept = DVector::from_fn(count, |i, _| local[i].pressure - slope[i] * local[i].displacement);
-            branch.set_diagonal((0..count).map(|i| local[i].wear_slope / slope[i]).collect())?;
-            let displacement = &branch.compliance * &kept;
-            let linearised_gap: Vec<f64> = (0..count)
-                .map(|i| gap[i] + displacement[i] + local[i].wear - local[i].wear_slope * local[i].displacement)
-                .collect();
+            let diagonal = (0..count).map(|i| local[i].wear_slope / slope[i]).collect();
+            branch.set_diagonal(diagonal, self.operator.as_ref())?;
+            let worn = |l: &LocalState| l.wear - l.wear_slope * l.displacement;
+            let mut shape = DVector::from_iterator(count, local.iter().map(worn));
+            if let Some(operator) = &self.operator {
+                shape = operator * shape;
+            }
+            shape.gemv(1.0, &branch.compliance, &kept, 1.0);
+            let linearised_gap: Vec<f64> = gap.iter().zip(&shape).map(|(g, s)| g + s).collect();
             let (normal, tilt) = without(&kept, &self.weights, self.cells.centres(), conditions);
             if matches!(normal, Normal::Load(load) if load < 0.0) {
                 return Ok(None);
@@ -236,12 +251,15 @@ impl WearingContact {
 }
 
 impl Branch {
-    /// Puts a wear diagonal into the solver's matrix, unless it is there already.
-    fn set_diagonal(&mut self, diagonal: Vec<f64>) -> Result<(), ContactError> {
+    /// Puts wear per pressure, a diagonal or `T diagonal`, into the solver's matrix, unless it is there already.
+    fn set_diagonal(&mut self, diagonal: Vec<f64>, operator: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if diagonal != self.diagonal {
             let mut matrix = self.compliance.clone();
-            for (i, value) in diagonal.iter().enumerate() {
-                matrix[(i, i)] += value;
+            for (j, value) in diagonal.iter().enumerate() {
+                match operator {
+                    None => matrix[(j, j)] += value,
+                    Some(operator) => matrix.column_mut(j).axpy(*value, &operator.column(j), 1.0),
+                }
             }
             self.solver.set_compliance(matrix)?;
             self.diagonal = diagonal;

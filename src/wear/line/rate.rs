@@ -62,6 +62,36 @@ impl CellRate {
         self.terms.iter().map(term).sum::<f64>() / self.reference_pressure
     }
 
+    /// Pressure at which a cell wears with the depth rate f >= 0, to rounding; infinite where it does not wear.
+    ///
+    /// Newton's method in `(p/p0)^beta`, beta the smallest exponent, monotone as in [`CellRate::invert`].
+    pub fn pressure_at(&self, cell: usize, rate: f64) -> f64 {
+        if rate <= 0.0 {
+            return 0.0;
+        }
+        let active = || self.terms.iter().filter(|term| term.coefficient[cell] > 0.0);
+        let beta = active().map(|term| term.exponent).fold(f64::INFINITY, f64::min);
+        let bound = |term: &WearTerm| power(rate / term.coefficient[cell], beta / term.exponent);
+        let mut y = active().map(bound).fold(f64::INFINITY, f64::min);
+        if !y.is_finite() {
+            return f64::INFINITY;
+        }
+        for _ in 0..60 {
+            let (mut value, mut slope) = (-rate, 0.0);
+            for term in active() {
+                let part = term.coefficient[cell] * power(y, term.exponent / beta);
+                value += part;
+                slope += part * term.exponent / (beta * y);
+            }
+            let next = y - value / slope;
+            if next >= y * (1.0 - 4.0 * f64::EPSILON) {
+                break;
+            }
+            y = next;
+        }
+        self.reference_pressure * power(y, 1.0 / beta)
+    }
+
     /// The state of a cell whose pressure is p, for an elastic scale alpha > 0 (m/Pa) and a stage length tau (s).
     ///
     /// A term with an exponent below 1 has an infinite slope at p = 0. In the local displacement t it has not: p(t) and
@@ -154,6 +184,18 @@ mod tests {
             }
             assert_eq!(rate.invert(0, 0.7, 1.0, 0.0), 0.0);
         }
+    }
+
+    #[test]
+    fn pressure_at_a_rate() {
+        for terms in [vec![(3.0, 1.0)], vec![(3.0, 0.3)], vec![(1e-9, 0.3), (1e4, 3.0)], vec![(0.0, 0.5), (2.0, 1.3)]] {
+            let rate = rate(&terms);
+            for pressure in [1e-9, 1.0, 1e7] {
+                let error = rate.pressure_at(0, rate.rate(0, pressure)) / pressure - 1.0;
+                assert!(error.abs() < 1e-13, "{terms:?} {pressure:e}: {error:e}");
+            }
+        }
+        assert_eq!((rate(&[]).pressure_at(0, 1.0), rate(&[(1.0, 1.0)]).pressure_at(0, 0.0)), (f64::INFINITY, 0.0));
     }
 
     #[test]
