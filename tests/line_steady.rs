@@ -6,7 +6,9 @@ use sliding_contact::elastic::{
     Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler,
 };
 use sliding_contact::exact::{CyclicHalfPlane, HolderKind, annular_pressure, one_way_rotating_pressure};
-use sliding_contact::steady::{SteadyError, ToAndFroProblem, groove, punch_run_in};
+use sliding_contact::steady::{
+    CycleProblem, SteadyError, ToAndFroProblem, can_run_in_to_and_fro, groove, punch_run_in,
+};
 use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, Scheme, WearTerm, WearingContact};
 
 const LOAD: f64 = 2.0;
@@ -156,8 +158,8 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
             let conditions =
                 Conditions { direction, normal: Normal::Load(LOAD), tilt, rate: CellRate::archard(65, 0.0, 0.0) };
             let state = contact.pressure(&cycle.shape, &conditions).unwrap();
-            for i in 0..65 {
-                assert!((state.pressure[i] - expected[i]).abs() < 1e-9, "{direction:?} cell {i}");
+            for (computed, expected) in state.pressure.iter().zip(expected) {
+                assert!((computed - expected).abs() < 1e-9, "{direction:?}: {computed} {expected}");
             }
         }
     }
@@ -344,6 +346,11 @@ fn states_that_do_not_exist_are_refused() {
     // Just below the limit it exists: nearly all of the contact is clipped.
     let cycle = problem(0.5, Some(0.99)).solve().unwrap();
     assert!(cycle.forward.iter().filter(|p| **p == 0.0).count() > 10);
+    assert_eq!(can_run_in_to_and_fro(true, true, true), Ok(()));
+    assert_eq!(can_run_in_to_and_fro(true, false, false), Ok(()));
+    assert_eq!(can_run_in_to_and_fro(true, true, false), Err(SteadyError::WearingStripToAndFro));
+    assert_eq!(can_run_in_to_and_fro(false, true, true), Err(SteadyError::NothingWears));
+    assert_eq!(can_run_in_to_and_fro(false, false, false), Err(SteadyError::NothingWears));
     let lifted = punch_run_in(&cells, cells.widths(), &power_rate(33, 1.0), LOAD, Tilt::ResultantAt(1.0));
     assert!(matches!(lifted, Err(SteadyError::Tipping { .. })));
     let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(33, 0.0, 1.0), LOAD, Tilt::Fixed(0.0));
@@ -353,5 +360,97 @@ fn states_that_do_not_exist_are_refused() {
             ToAndFroProblem { load, ..problem(0.2, None) }.solve(),
             Err(SteadyError::Invalid { quantity: "load", .. })
         ));
+    }
+}
+
+fn cycle_problem<'a>(
+    cells: &'a Cells,
+    bodies: [&'a Compliance; 2],
+    rate: &'a CellRate,
+    pivot_height: Option<f64>,
+    durations: [f64; 2],
+) -> CycleProblem<'a> {
+    let [punch, strip] = bodies;
+    CycleProblem { cells, punch, strip, friction: 0.3, load: LOAD, pivot_height, rate, durations }
+}
+
+#[test]
+fn general_cycle_is_the_programme_for_the_archard_law() {
+    let cells = Cells::graded(1.0, 65).unwrap();
+    let (punch, strip, rate) = (Rigid.compliance(&cells), layer(&cells), power_rate(65, 1.0));
+    for pivot_height in [None, Some(0.5), Some(1.4)] {
+        let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, [1.0; 2]).solve().unwrap();
+        let problem = ToAndFroProblem {
+            cells: &cells,
+            punch: &punch,
+            strip: &strip,
+            friction: 0.3,
+            load: LOAD,
+            pivot_height,
+            wear_per_stroke: 0.0,
+        };
+        let programme = problem.solve().unwrap();
+        for i in 0..65 {
+            assert!((cycle.forward[i] - programme.forward[i]).abs() < 1e-10, "{pivot_height:?} cell {i}");
+            assert!((cycle.shape[i] - programme.shape[i]).abs() < 1e-10, "{pivot_height:?} cell {i}");
+        }
+        assert!((cycle.approach_jump - programme.approach_jump).abs() < 1e-10);
+        assert!((cycle.tilt_jump - programme.tilt_jump).abs() < 1e-10);
+        println!("pivot {pivot_height:?}: {} iterations", cycle.iterations);
+    }
+}
+
+#[test]
+fn general_cycles_wear_evenly_and_give_their_pressures() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
+    for exponent in [0.3, 0.5, 0.8, 1.0, 1.5, 3.0] {
+        let rate = power_rate(33, exponent);
+        for (pivot_height, durations) in [
+            (None, [1.0, 1.0]),
+            (None, [1.0, 0.3]),
+            (Some(0.5), [1.0, 1.0]),
+            (Some(1.2), [1.0, 1.0]),
+            (Some(0.6), [1.0, 2.0]),
+        ] {
+            let case = format!("b {exponent} pivot {pivot_height:?} durations {durations:?}");
+            let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, durations)
+                .solve()
+                .unwrap_or_else(|error| panic!("{case}: {error}"));
+            for (i, x) in cells.centres().iter().enumerate() {
+                let depth =
+                    durations[0] * rate.rate(i, cycle.forward[i]) + durations[1] * rate.rate(i, cycle.backward[i]);
+                let rigid = cycle.sinking + cycle.tilting * x;
+                assert!((depth / rigid - 1.0).abs() < 1e-9, "{case} cell {i}: {depth} {rigid}");
+            }
+            // The shape alone, put into the contact, must give both pressures, clipped edges included.
+            let pair = |signed| pair_compliance(&punch, &strip, signed);
+            let mut contact = WearingContact::new(&cells, pair(0.3), pair(-0.3), vec![0.0; 33]).unwrap();
+            for (direction, sign, expected) in
+                [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
+            {
+                let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * 0.3 * h));
+                let conditions = Conditions { direction, normal: Normal::Load(LOAD), tilt, rate: rate.clone() };
+                let state = contact.pressure(&cycle.shape, &conditions).unwrap();
+                for (computed, expected) in state.pressure.iter().zip(expected) {
+                    assert!((computed - expected).abs() < 1e-8, "{case} {direction:?}: {computed} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn general_cycle_that_rocks_itself_round_is_refused() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
+    // mu H = .6 a: beyond a/2 for b = 1 and beyond .54 a for b = .5; .52 a exists for b = .5 alone.
+    for (exponent, height, exists) in [(1.0, 2.0, false), (0.5, 2.0, false), (0.5, 0.52 / 0.3, true)] {
+        let rate = power_rate(33, exponent);
+        let outcome = cycle_problem(&cells, [&punch, &strip], &rate, Some(height), [1.0; 2]).solve();
+        match outcome {
+            Ok(_) => assert!(exists, "b {exponent} height {height}"),
+            Err(error) => assert!(!exists && matches!(error, SteadyError::NoCycle { .. }), "b {exponent}: {error}"),
+        }
     }
 }

@@ -5,10 +5,12 @@
 //! over one common shape.
 
 mod box_programme;
+mod cycle;
 mod one_way;
 mod to_and_fro;
 
 pub use box_programme::{BoxProgramme, BoxSolution, ProgrammeError};
+pub use cycle::{Cycle, CycleProblem};
 pub use one_way::{OneWay, groove, punch_run_in};
 pub use to_and_fro::{ToAndFro, ToAndFroProblem};
 
@@ -42,7 +44,16 @@ pub enum SteadyError {
         /// Half of the half-width, in m: the limit for wear in proportion to pressure.
         limit: f64,
     },
-    /// Nothing wears, so the contact does not run in.
+    /// To-and-fro sliding with a general wear law: the iteration found no steady cycle.
+    NoCycle {
+        /// Lever mu H of the resultant, in m.
+        lever: f64,
+        /// Half-width of the contact, in m.
+        half_width: f64,
+        /// Newton iterations tried.
+        iterations: usize,
+    },
+    /// Nothing that could reshape the contact wears, so it does not run in.
     NothingWears,
     /// A strip that wears on a straight to-and-fro track: its ends are hardly visited and never run in.
     WearingStripToAndFro,
@@ -84,7 +95,12 @@ impl fmt::Display for SteadyError {
                 "no steady state: sliding to and fro, the punch rocks itself round, mu H = {lever} m is not below half \
                  the half-width, {limit} m"
             ),
-            Self::NothingWears => write!(f, "no steady state: nothing wears, the contact does not run in"),
+            Self::NoCycle { lever, half_width, iterations } => write!(
+                f,
+                "no steady state found in {iterations} iterations: with mu H = {lever} m on a half-width of \
+                 {half_width} m the punch may rock itself round"
+            ),
+            Self::NothingWears => write!(f, "no run-in state: nothing wears that could reshape the contact"),
             Self::WearingStripToAndFro => write!(
                 f,
                 "no steady state: the strip wears on a straight to-and-fro track, whose ends are hardly visited"
@@ -96,6 +112,17 @@ impl fmt::Display for SteadyError {
 }
 
 impl std::error::Error for SteadyError {}
+
+/// Whether to-and-fro sliding can run in at all, by which bodies wear.
+///
+/// A strip that wears on a straight track never does: the ends of the track are hardly visited. On a closed path its wear
+/// is even along it and reshapes nothing, so the punch has to wear.
+pub fn can_run_in_to_and_fro(punch_wears: bool, strip_wears: bool, closed_path: bool) -> Result<(), SteadyError> {
+    if strip_wears && !closed_path {
+        return Err(SteadyError::WearingStripToAndFro);
+    }
+    if punch_wears { Ok(()) } else { Err(SteadyError::NothingWears) }
+}
 
 /// A value that must be finite and positive.
 fn positive(quantity: &'static str, value: f64) -> Result<(), SteadyError> {

@@ -57,7 +57,7 @@ pub fn punch_run_in(
         Tilt::Moment { lever, moment } => (lever, Some(moment)),
     };
     let centre = lever + extra.unwrap_or(0.0) / load;
-    if extra.is_some() && !(centre.abs() < x[count - 1]) {
+    if extra.is_some() && (centre.is_nan() || centre.abs() >= x[count - 1]) {
         return Err(SteadyError::Tipping { lever: centre, limit: x[count - 1] });
     }
     // Tilting about the resultant keeps the two searches nearly independent.
