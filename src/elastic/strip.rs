@@ -170,7 +170,9 @@ impl<'a> PeriodicLogarithm<'a> {
         // The series is singular at |r| = 2P, one period outside the range: with n nodes on a cell of width c the
         // quadrature error is of order (c/(8P))^2n for small cells, 6^-2n for one cell of length P.
         let nodes = gauss_legendre(if 16.0 * widest < period { 4 } else { 12 });
-        let series = (1..=27).map(|k| zeta_less_one(2 * k) / k as f64).collect();
+        // The terms fall like (r/2P)^2k: 28 of them in full periodic contact, few where the period is long.
+        let terms = (40.0 / (period / cells.half_width()).powi(2).ln()).ceil() as i32;
+        let series = (1..=terms).map(|k| zeta_less_one(2 * k) / f64::from(k)).collect();
         Self { cells, period, nodes, series }
     }
 
