@@ -186,6 +186,16 @@ fn every_compliant_pair_is_accepted() {
 }
 
 #[test]
+fn equal_bodies_have_no_shear_coupling() {
+    // Friction acts on the punch against the direction in which it acts on the strip.
+    let cells = Cells::graded(0.03, 9).unwrap();
+    let (elastic, rigid) = (HalfPlane { material: steel() }.compliance(&cells), Rigid.compliance(&cells));
+    assert_eq!(pair_compliance(&elastic, &elastic, 0.5), &elastic.normal * 2.0);
+    assert_eq!(pair_compliance(&elastic, &rigid, 0.5), pair_compliance(&rigid, &elastic, -0.5));
+    assert_eq!(pair_compliance(&rigid, &elastic, 0.5), &elastic.normal + &elastic.shear * 0.5);
+}
+
+#[test]
 fn refusals_carry_the_numbers() {
     let cells = Cells::graded(0.03, 9).unwrap();
     let rigid = Rigid.compliance(&cells);
