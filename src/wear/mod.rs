@@ -1,4 +1,5 @@
-//! Wear: the law, and the track that a straight path keeps.
+//! Wear: the law, the track that a straight path keeps, and the shape of the contact line.
 
 pub mod law;
+pub mod line;
 pub mod track;

@@ -1,0 +1,214 @@
+use super::*;
+use crate::elastic::{Base, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
+
+fn steel() -> Material {
+    Material::new(200e9, 0.3).unwrap()
+}
+
+fn half_plane(cells: &Cells, signed_friction: f64) -> DMatrix<f64> {
+    let strip = HalfPlane { material: steel() }.compliance(cells);
+    pair_compliance(&Rigid.compliance(cells), &strip, signed_friction)
+}
+
+/// Checks all conditions of the solution against the unscaled problem.
+fn check(cells: &Cells, compliance: &DMatrix<f64>, gap: &[f64], state: &ContactState) {
+    let pressure = DVector::from_column_slice(&state.pressure);
+    let displacement = compliance * &pressure;
+    let scale = displacement.amax() + state.approach.abs();
+    for i in 0..cells.count() {
+        let computed = gap[i] + displacement[i] - state.approach - state.tilt * cells.centres()[i];
+        assert!((computed - state.gap[i]).abs() < 1e-10 * scale, "cell {i}: {computed:e} {:e}", state.gap[i]);
+        assert!(state.gap[i] >= 0.0 && state.pressure[i] >= 0.0 && state.gap[i] * state.pressure[i] == 0.0);
+    }
+}
+
+fn wavy(cells: &Cells, seed: u64, height: f64) -> Vec<f64> {
+    let mut state = seed;
+    cells
+        .centres()
+        .iter()
+        .map(|_| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            height * (state >> 11) as f64 / (1u64 << 53) as f64
+        })
+        .collect()
+}
+
+#[test]
+fn rough_surfaces_satisfy_every_condition() {
+    for count in [1, 2, 9, 65] {
+        let cells = Cells::graded(0.03, count).unwrap();
+        let compliance = half_plane(&cells, 0.4);
+        let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+        for seed in 0..20 {
+            for height in [1e-7, 1e-5, 1e-3] {
+                let gap = wavy(&cells, seed, height);
+                let state = solver.solve(&gap, Normal::Load(1e6), Tilt::Fixed(1e-5)).unwrap();
+                check(&cells, &compliance, &gap, &state);
+                assert!((cells.integral(&state.pressure) / 1e6 - 1.0).abs() < 1e-10);
+                if count > 2 {
+                    let state = solver.solve(&gap, Normal::Load(1e6), Tilt::ResultantAt(0.01)).unwrap();
+                    check(&cells, &compliance, &gap, &state);
+                    assert!((cells.moment(&state.pressure) / 1e6 - 0.01).abs() < 1e-11);
+                    // The same resultant, given as a moment about another point.
+                    let tilt = Tilt::Moment { lever: -0.002, moment: 0.012 * 1e6 };
+                    let again = solver.solve(&gap, Normal::Load(1e6), tilt).unwrap();
+                    for i in 0..count {
+                        assert!((again.pressure[i] - state.pressure[i]).abs() < 1e-9 * 1e6 / 0.06);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn pivoting_alone_finds_the_same_contact() {
+    let cells = Cells::graded(0.03, 41).unwrap();
+    for (normal, tilt) in [
+        (Normal::Load(1e6), Tilt::Fixed(0.0)),
+        (Normal::Load(1e6), Tilt::ResultantAt(-0.012)),
+        (Normal::Approach(4e-6), Tilt::Fixed(1e-5)),
+        (Normal::Approach(4e-6), Tilt::ResultantAt(0.0)),
+        (Normal::Spring { load: 1e6, stiffness: 1e11 }, Tilt::Fixed(0.0)),
+        (Normal::Load(1e6), Tilt::Moment { lever: 0.01, moment: -2e4 }),
+    ] {
+        let mut solver = ContactSolver::new(&cells, half_plane(&cells, -0.4)).unwrap();
+        for seed in 0..10 {
+            let gap = wavy(&cells, seed, 3e-6);
+            solver.solve(&gap, normal, tilt).unwrap();
+            let newton = solver.active.clone();
+            let problem = solver.scaled(&gap, normal, tilt).unwrap();
+            assert_eq!(solver.pivoted(&problem).unwrap(), newton, "{normal:?} {tilt:?} {seed}");
+        }
+        assert_eq!(solver.counter().fallbacks, 0);
+    }
+}
+
+#[test]
+fn fallback_is_taken_when_the_sets_run_in_a_circle() {
+    // A P-matrix on which the active-set iteration cycles through three sets (Murty); approach given, 3 cells.
+    let cells = Cells::uniform(1.0, 3).unwrap();
+    let compliance = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 2.0, 2.0, 1.0, 0.0, 0.0, 2.0, 1.0]);
+    let mut cycles = 0;
+    for start in 0..8 {
+        let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+        solver.set_active(&[start & 1 != 0, start & 2 != 0, start & 4 != 0]);
+        let state = solver.solve(&[0.0; 3], Normal::Approach(1.0), Tilt::Fixed(0.0)).unwrap();
+        check(&cells, &compliance, &[0.0; 3], &state);
+        assert!((state.pressure[0] - 1.0 / 3.0).abs() < 1e-14);
+        cycles += solver.counter().fallbacks;
+    }
+    assert!(cycles > 0);
+}
+
+#[test]
+fn unchanged_status_costs_one_back_substitution() {
+    let cells = Cells::graded(0.03, 33).unwrap();
+    let mut solver = ContactSolver::new(&cells, half_plane(&cells, 0.2)).unwrap();
+    for step in 0..50 {
+        let load = 1e6 * (1.0 + 0.3 * f64::from(step).sin());
+        solver.solve(&[0.0; 33], Normal::Load(load), Tilt::Fixed(0.0)).unwrap();
+    }
+    let expected = WorkCounter { solves: 50, iterations: 50, factorisations: 1, fallbacks: 0, pivots: 0 };
+    assert_eq!(solver.counter(), expected);
+}
+
+#[test]
+fn touch_down_and_lift_off() {
+    // A parabolic punch: from one cell in contact to all, and back to none.
+    let cells = Cells::graded(0.03, 33).unwrap();
+    let compliance = half_plane(&cells, 0.0);
+    let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+    let gap: Vec<f64> = cells.centres().iter().map(|x| x * x / 2.0).collect();
+    let mut in_contact = Vec::new();
+    for load in [1e-3, 1e2, 1e4, 1e6, 1e8, 1e9, 1e10, 1e6, 1e-3] {
+        let state = solver.solve(&gap, Normal::Load(load), Tilt::Fixed(0.0)).unwrap();
+        check(&cells, &compliance, &gap, &state);
+        in_contact.push(state.pressure.iter().filter(|p| **p > 0.0).count());
+    }
+    assert_eq!((in_contact[0], in_contact[8]), (1, 1));
+    assert_eq!(in_contact[6], 33);
+    assert_eq!(in_contact[3], in_contact[7]);
+    assert!(in_contact[..7].windows(2).all(|w| w[0] <= w[1]), "{in_contact:?}");
+    let state = solver.solve(&gap, Normal::Load(0.0), Tilt::Fixed(1e-3)).unwrap();
+    assert_eq!(state.pressure, [0.0; 33]);
+    assert_eq!(state.gap.iter().copied().fold(f64::INFINITY, f64::min), 0.0);
+    assert!(solver.counter().iterations < 12 * solver.counter().solves, "{:?}", solver.counter());
+}
+
+#[test]
+fn approach_load_and_spring_agree() {
+    let cells = Cells::graded(0.03, 25).unwrap();
+    let compliance = half_plane(&cells, 0.3);
+    let mut solver = ContactSolver::new(&cells, compliance).unwrap();
+    let gap: Vec<f64> = cells.centres().iter().map(|x| x * x / 20.0).collect();
+    let by_load = solver.solve(&gap, Normal::Load(2e6), Tilt::ResultantAt(0.004)).unwrap();
+    let by_approach = solver.solve(&gap, Normal::Approach(by_load.approach), Tilt::Fixed(by_load.tilt)).unwrap();
+    let stiffness = 3e11;
+    let spring = Normal::Spring { load: 2e6 + stiffness * by_load.approach, stiffness };
+    let by_spring = solver.solve(&gap, spring, Tilt::ResultantAt(0.004)).unwrap();
+    for i in 0..25 {
+        assert!((by_approach.pressure[i] - by_load.pressure[i]).abs() < 1e-3);
+        assert!((by_spring.pressure[i] - by_load.pressure[i]).abs() < 1e-3);
+    }
+    assert!((by_spring.approach / by_load.approach - 1.0).abs() < 1e-9);
+    // A relaxed spring stands where it is, out of contact.
+    let apart = solver.solve(&gap, Normal::Spring { load: -6e5, stiffness }, Tilt::ResultantAt(0.004)).unwrap();
+    assert_eq!((apart.pressure[12], apart.approach), (0.0, -2e-6));
+}
+
+#[test]
+fn every_compliant_pair_is_accepted() {
+    let cells = Cells::graded(0.03, 17).unwrap();
+    let winkler = Winkler::new(1e13).unwrap().compliance(&cells);
+    let layer = |base, nu, height| {
+        let material = Material::new(1e9, nu).unwrap();
+        Strip::new(material, height, base, Extent::Straight).unwrap().compliance(&cells)
+    };
+    for strip in [
+        winkler.clone(),
+        layer(Base::Bonded, 0.4999, 0.02),
+        layer(Base::Smooth, 0.4999, 0.02),
+        layer(Base::Bonded, 0.3, 6e-4),
+        HalfPlane { material: steel() }.compliance(&cells),
+    ] {
+        for friction in [-0.5, 0.0, 0.5] {
+            let compliance = pair_compliance(&winkler, &strip, friction);
+            let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+            let gap: Vec<f64> = cells.centres().iter().map(|x| (x - 0.01).powi(2)).collect();
+            for tilt in [Tilt::Fixed(0.0), Tilt::ResultantAt(-0.02)] {
+                let state = solver.solve(&gap, Normal::Load(1e4), tilt).unwrap();
+                check(&cells, &compliance, &gap, &state);
+            }
+        }
+    }
+}
+
+#[test]
+fn equal_bodies_have_no_shear_coupling() {
+    // Friction acts on the punch against the direction in which it acts on the strip.
+    let cells = Cells::graded(0.03, 9).unwrap();
+    let (elastic, rigid) = (HalfPlane { material: steel() }.compliance(&cells), Rigid.compliance(&cells));
+    assert_eq!(pair_compliance(&elastic, &elastic, 0.5), &elastic.normal * 2.0);
+    assert_eq!(pair_compliance(&elastic, &rigid, 0.5), pair_compliance(&rigid, &elastic, -0.5));
+    assert_eq!(pair_compliance(&rigid, &elastic, 0.5), &elastic.normal + &elastic.shear * 0.5);
+}
+
+#[test]
+fn refusals_carry_the_numbers() {
+    let cells = Cells::graded(0.03, 9).unwrap();
+    let rigid = Rigid.compliance(&cells);
+    assert_eq!(ContactSolver::new(&cells, rigid.normal).unwrap_err(), ContactError::Rigid);
+    let mut solver = ContactSolver::new(&cells, half_plane(&cells, 0.0)).unwrap();
+    let gap = [0.0; 9];
+    let message = solver.solve(&gap, Normal::Load(1.0), Tilt::ResultantAt(0.03)).unwrap_err().to_string();
+    assert!(message.starts_with("the punch tips over: equilibrium needs the resultant at x = 0.03 m"), "{message}");
+    for load in [-1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(
+            solver.solve(&gap, Normal::Load(load), Tilt::Fixed(0.0)),
+            Err(ContactError::Invalid { quantity: "load", .. })
+        ));
+    }
+    assert!(solver.solve(&[f64::NAN; 9], Normal::Load(1.0), Tilt::Fixed(0.0)).is_err());
+}

@@ -1,0 +1,63 @@
+//! Bodies whose cells do not influence each other: the Winkler foundation and the rigid body.
+
+use super::{Cells, Compliance, ElasticBody, OutOfRange};
+use nalgebra::DMatrix;
+
+/// Winkler foundation: `u = p/k_w`, no influence of shear. The limit of a strip thin against the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Winkler {
+    stiffness: f64,
+}
+
+impl Winkler {
+    /// Foundation of the given stiffness k_w, in Pa/m, positive.
+    pub fn new(stiffness: f64) -> Result<Self, OutOfRange> {
+        let positive = stiffness.is_finite() && stiffness > 0.0;
+        OutOfRange::unless(positive, "foundation stiffness", stiffness, "positive, in Pa/m")?;
+        Ok(Self { stiffness })
+    }
+
+    /// Stiffness k_w, in Pa/m.
+    pub fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+}
+
+impl ElasticBody for Winkler {
+    fn compliance(&self, cells: &Cells) -> Compliance {
+        let count = cells.count();
+        Compliance {
+            normal: DMatrix::from_diagonal_element(count, count, 1.0 / self.stiffness),
+            shear: DMatrix::zeros(count, count),
+        }
+    }
+}
+
+/// Rigid body: its surface does not move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rigid;
+
+impl ElasticBody for Rigid {
+    fn compliance(&self, cells: &Cells) -> Compliance {
+        let count = cells.count();
+        Compliance { normal: DMatrix::zeros(count, count), shear: DMatrix::zeros(count, count) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn winkler_is_diagonal_and_rigid_is_nothing() {
+        let cells = Cells::graded(1.0, 3).unwrap();
+        let compliance = Winkler::new(4.0).unwrap().compliance(&cells);
+        assert_eq!(compliance.normal, DMatrix::from_diagonal_element(3, 3, 0.25));
+        assert_eq!(compliance.shear, DMatrix::zeros(3, 3));
+        assert_eq!(Rigid.compliance(&cells).normal, DMatrix::zeros(3, 3));
+        assert_eq!(
+            Winkler::new(-1.0).unwrap_err().to_string(),
+            "foundation stiffness = -1 is out of range: must be positive, in Pa/m"
+        );
+    }
+}

@@ -1,0 +1,17 @@
+//! Exact and independently converged solutions that the numerics are judged by.
+//!
+//! Each stands for itself - none uses the cells, compliances or solvers it is compared with - and has tests of its
+//! own. Plane strain, `E* = E/(1 - nu^2)`, loads per depth, contact zone `-a <= x <= a`, `s = sign(v)`.
+
+mod cyclic;
+mod flat_punch;
+mod galin;
+mod hertz;
+mod special;
+mod wear;
+
+pub use cyclic::{CyclicHalfPlane, HolderKind};
+pub use flat_punch::{FlatPunch, friction_exponent};
+pub use galin::GalinRelaxation;
+pub use hertz::HertzLine;
+pub use wear::{annular_pressure, one_way_rotating_pressure, winkler_relaxation_rate, worn_cylinder_half_width};

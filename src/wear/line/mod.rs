@@ -1,0 +1,15 @@
+//! Wear of the contact line without heat: pressure, shape and approach stepped together.
+//!
+//! The worn depth `w` of every cell grows with a rate `f(p)` of the local pressure, and the pressure follows from the
+//! worn shape by the contact problem: a differential-algebraic system of index 1, stiff in proportion to the smallest
+//! eigenvalue of the compliance.
+
+mod contact;
+mod integrator;
+mod rate;
+mod stability;
+
+pub use contact::{Conditions, Direction, StageError, WearingContact};
+pub use integrator::{Integrator, Report, Scheme, StepError};
+pub use rate::{CellRate, WearTerm};
+pub use stability::explicit_limit;

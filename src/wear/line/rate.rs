@@ -1,0 +1,220 @@
+//! Depth rate of wear as a function of the local pressure, in a variable that is safe for every exponent.
+
+/// One body's share of the depth rate: `coefficient (p/p0)^exponent` on every cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WearTerm {
+    /// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance);
+    /// N values, >= 0. Speed, friction and temperature factors are inside.
+    pub coefficient: Vec<f64>,
+    /// Pressure exponent b > 0.
+    pub exponent: f64,
+}
+
+/// Depth rate `f(p) = sum_i c_i (p/p0)^b_i` of the cells, over all bodies that wear in the frame of the punch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellRate {
+    /// Reference pressure p0, in Pa.
+    pub reference_pressure: f64,
+    /// The terms; none: no wear.
+    pub terms: Vec<WearTerm>,
+}
+
+/// A cell's pressure with its linearisation in the local displacement `t = alpha p + tau f<(p)`, f< the terms with
+/// exponents below 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LocalState {
+    pub pressure: f64,
+    /// t, in m.
+    pub displacement: f64,
+    /// dp/dt, from 0 to 1/alpha.
+    pub pressure_slope: f64,
+    /// `tau f(p)` of all terms, in m.
+    pub wear: f64,
+    /// d(tau f)/dt.
+    pub wear_slope: f64,
+}
+
+impl CellRate {
+    /// The Archard law `f = k |v| p` for all of `count` cells alike: k in 1/Pa, speed in m/s.
+    pub fn archard(count: usize, wear: f64, speed: f64) -> Self {
+        let coefficient = vec![wear * speed.abs(); count];
+        Self { reference_pressure: 1.0, terms: vec![WearTerm { coefficient, exponent: 1.0 }] }
+    }
+
+    /// Whether f is linear in p.
+    pub fn is_linear(&self) -> bool {
+        self.terms.iter().all(|term| term.exponent == 1.0)
+    }
+
+    /// Depth rate of a cell at the pressure p >= 0.
+    pub fn rate(&self, cell: usize, pressure: f64) -> f64 {
+        let relative = pressure / self.reference_pressure;
+        self.terms.iter().map(|term| term.coefficient[cell] * power(relative, term.exponent)).sum()
+    }
+
+    /// df/dp of a cell at the pressure p > 0; infinite at 0 for exponents below 1.
+    pub fn slope(&self, cell: usize, pressure: f64) -> f64 {
+        let relative = pressure / self.reference_pressure;
+        let term = |term: &WearTerm| match term.coefficient[cell] {
+            0.0 => 0.0,
+            coefficient => coefficient * term.exponent * power(relative, term.exponent - 1.0),
+        };
+        self.terms.iter().map(term).sum::<f64>() / self.reference_pressure
+    }
+
+    /// Pressure at which a cell wears with the depth rate f >= 0, to rounding; infinite where it does not wear.
+    ///
+    /// Newton's method in `(p/p0)^beta`, beta the smallest exponent, monotone as in [`CellRate::invert`].
+    pub fn pressure_at(&self, cell: usize, rate: f64) -> f64 {
+        if rate <= 0.0 {
+            return 0.0;
+        }
+        let active = || self.terms.iter().filter(|term| term.coefficient[cell] > 0.0);
+        let beta = active().map(|term| term.exponent).fold(f64::INFINITY, f64::min);
+        let bound = |term: &WearTerm| power(rate / term.coefficient[cell], beta / term.exponent);
+        let mut y = active().map(bound).fold(f64::INFINITY, f64::min);
+        if !y.is_finite() {
+            return f64::INFINITY;
+        }
+        for _ in 0..60 {
+            let (mut value, mut slope) = (-rate, 0.0);
+            for term in active() {
+                let part = term.coefficient[cell] * power(y, term.exponent / beta);
+                value += part;
+                slope += part * term.exponent / (beta * y);
+            }
+            let next = y - value / slope;
+            if next >= y * (1.0 - 4.0 * f64::EPSILON) {
+                break;
+            }
+            y = next;
+        }
+        self.reference_pressure * power(y, 1.0 / beta)
+    }
+
+    /// The state of a cell whose pressure is p, for an elastic scale alpha > 0 (m/Pa) and a stage length tau (s).
+    ///
+    /// A term with an exponent below 1 has an infinite slope at p = 0. In the local displacement t it has not: p(t) and
+    /// f<(p(t)) are Lipschitz continuous with the constants 1/alpha and 1/tau, which is what Newton's method needs. The
+    /// other terms are convex in p, and Newton's method in p, that is in t without the first terms, suits them.
+    pub(super) fn local(&self, cell: usize, alpha: f64, tau: f64, pressure: f64) -> LocalState {
+        let relative = pressure / self.reference_pressure;
+        let (mut displacement, mut concave, mut convex, mut wear) = (alpha * pressure, 0.0, 0.0, 0.0);
+        for term in self.terms.iter().filter(|term| tau * term.coefficient[cell] > 0.0) {
+            let part = tau * term.coefficient[cell] * power(relative, term.exponent);
+            let slope = tau * term.coefficient[cell] * term.exponent * power(relative, term.exponent - 1.0)
+                / self.reference_pressure;
+            wear += part;
+            if term.exponent < 1.0 {
+                displacement += part;
+                concave += slope;
+            } else {
+                convex += slope;
+            }
+        }
+        let pressure_slope = if concave.is_finite() { 1.0 / (alpha + concave) } else { 0.0 };
+        let wear_slope = (1.0 - alpha * pressure_slope) + convex * pressure_slope;
+        LocalState { pressure, displacement, pressure_slope, wear, wear_slope }
+    }
+
+    /// The pressure at which `alpha p + tau f<(p) = t`, t >= 0, to rounding.
+    ///
+    /// Newton's method in `y = (p/p0)^beta`, beta the smallest exponent or 1: the sum is then convex and increasing,
+    /// and from a point above the root the iterates fall monotonically to it.
+    pub(super) fn invert(&self, cell: usize, alpha: f64, tau: f64, displacement: f64) -> f64 {
+        if displacement <= 0.0 {
+            return 0.0;
+        }
+        let active = || self.terms.iter().filter(|term| term.exponent < 1.0 && tau * term.coefficient[cell] > 0.0);
+        let beta = active().map(|term| term.exponent).fold(1.0, f64::min);
+        let elastic = alpha * self.reference_pressure;
+        let mut y = power(displacement / elastic, beta);
+        for term in active() {
+            y = y.min(power(displacement / (tau * term.coefficient[cell]), beta / term.exponent));
+        }
+        for _ in 0..60 {
+            let p = power(y, 1.0 / beta);
+            let (mut value, mut slope) = (elastic * p - displacement, elastic * p / (beta * y));
+            for term in active() {
+                let part = tau * term.coefficient[cell] * power(y, term.exponent / beta);
+                value += part;
+                slope += part * term.exponent / (beta * y);
+            }
+            let next = y - value / slope;
+            if next >= y * (1.0 - 4.0 * f64::EPSILON) {
+                break;
+            }
+            y = next;
+        }
+        self.reference_pressure * power(y, 1.0 / beta)
+    }
+}
+
+fn power(base: f64, exponent: f64) -> f64 {
+    if exponent == 1.0 { base } else { base.powf(exponent) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rate(terms: &[(f64, f64)]) -> CellRate {
+        let term = |&(coefficient, exponent)| WearTerm { coefficient: vec![coefficient], exponent };
+        CellRate { reference_pressure: 2.0, terms: terms.iter().map(term).collect() }
+    }
+
+    #[test]
+    fn inversion_returns_the_pressure() {
+        for terms in [
+            vec![],
+            vec![(3.0, 1.0)],
+            vec![(3.0, 0.3)],
+            vec![(3.0, 3.0)],
+            vec![(1e-9, 0.3), (1e4, 3.0)],
+            vec![(0.0, 0.5), (2.0, 1.3)],
+        ] {
+            let rate = rate(&terms);
+            for tau in [0.0, 1e-12, 1.0, 1e9] {
+                for exponent in -30..12 {
+                    let pressure = 10f64.powi(exponent);
+                    let displacement = rate.local(0, 0.7, tau, pressure).displacement;
+                    let error = rate.invert(0, 0.7, tau, displacement) / pressure - 1.0;
+                    assert!(error.abs() < 1e-13, "{terms:?} tau {tau:e} p {pressure:e}: {error:e}");
+                }
+            }
+            assert_eq!(rate.invert(0, 0.7, 1.0, 0.0), 0.0);
+        }
+    }
+
+    #[test]
+    fn pressure_at_a_rate() {
+        for terms in [vec![(3.0, 1.0)], vec![(3.0, 0.3)], vec![(1e-9, 0.3), (1e4, 3.0)], vec![(0.0, 0.5), (2.0, 1.3)]] {
+            let rate = rate(&terms);
+            for pressure in [1e-9, 1.0, 1e7] {
+                let error = rate.pressure_at(0, rate.rate(0, pressure)) / pressure - 1.0;
+                assert!(error.abs() < 1e-13, "{terms:?} {pressure:e}: {error:e}");
+            }
+        }
+        assert_eq!((rate(&[]).pressure_at(0, 1.0), rate(&[(1.0, 1.0)]).pressure_at(0, 0.0)), (f64::INFINITY, 0.0));
+    }
+
+    #[test]
+    fn slopes_are_bounded_and_right() {
+        for terms in [vec![(3.0, 0.3)], vec![(3.0, 1.0)], vec![(3.0, 2.0)], vec![(3.0, 0.5), (2.0, 1.5)]] {
+            let rate = rate(&terms);
+            for pressure in [1e-6f64, 0.1, 30.0] {
+                let local = rate.local(0, 0.7, 0.2, pressure);
+                let at = |t: f64| rate.local(0, 0.7, 0.2, rate.invert(0, 0.7, 0.2, t));
+                let h = 1e-6 * local.displacement;
+                let (low, high) = (at(local.displacement - h), at(local.displacement + h));
+                let numeric = (high.pressure - low.pressure) / (2.0 * h);
+                assert!((local.pressure_slope / numeric - 1.0).abs() < 1e-7, "{terms:?} {pressure}");
+                let numeric = (high.wear - low.wear) / (2.0 * h);
+                assert!((local.wear_slope / numeric - 1.0).abs() < 1e-7, "{terms:?} {pressure}");
+                assert!((local.wear - 0.2 * rate.rate(0, pressure)).abs() <= 1e-15 * local.wear);
+            }
+            let open = rate.local(0, 0.7, 0.2, 0.0);
+            assert!(open.wear_slope <= 1.0 + 1e-15 && open.pressure_slope <= 1.0 / 0.7);
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! Where contact and wear methods tend to fail: each case says what must come out.
+
+use sliding_contact::contact::{Normal, Tilt, pair_compliance};
+use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip};
+use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, Scheme, WearTerm, WearingContact};
+
+fn half_plane(cells: &Cells) -> Compliance {
+    HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(cells)
+}
+
+fn contact(cells: &Cells, strip: &Compliance, friction: f64, gap: Vec<f64>) -> WearingContact {
+    let pair = |signed| pair_compliance(&Rigid.compliance(cells), strip, signed);
+    WearingContact::new(cells, pair(friction), pair(-friction), gap).unwrap()
+}
+
+fn power_rate(count: usize, exponent: f64) -> CellRate {
+    CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: vec![1.0; count], exponent }] }
+}
+
+#[test]
+fn load_crossing_zero_in_both_directions() {
+    // A spring that lifts off and presses again: no pressure and no wear while it is relaxed beyond touching, and the
+    // worn area is the integral of the load while it is not.
+    let cells = Cells::graded(1.0, 17).unwrap();
+    let mut contact = contact(&cells, &half_plane(&cells), 0.3, vec![0.0; 17]);
+    let load = |time: f64| (1.0 + 2.0 * (5.0 * time).sin()).max(0.0);
+    let conditions = |time: f64| Conditions {
+        direction: Direction::Forward,
+        normal: Normal::Load(load(time)),
+        tilt: Tilt::ResultantAt(0.1),
+        rate: CellRate::archard(17, 1.0, 1.0),
+    };
+    let mut worn = vec![0.0; 17];
+    let integrator = Integrator::new(Scheme::Sdirk2, 1.0);
+    let (steps, mut exact) = (4000, 0.0);
+    for step in 0..steps {
+        let (time, length) = (step as f64 * 3.0 / steps as f64, 3.0 / steps as f64);
+        let before = worn.clone();
+        let state = integrator.step(&mut contact, &mut worn, time, length, &conditions).unwrap().0;
+        assert!((cells.integral(&state.pressure) - load(time + length)).abs() < 1e-12);
+        if load(time) == 0.0 && load(time + length) == 0.0 && load(time + 0.5 * length) == 0.0 {
+            assert_eq!(worn, before);
+        }
+        exact += length / 6.0 * (load(time) + 4.0 * load(time + 0.5 * length) + load(time + length));
+    }
+    assert!((cells.integral(&worn) / exact - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_reversal_in_each_of_a_hundred_steps() {
+    // The worn area does not notice; by symmetry of forward and backward the shape is even up to the last half-stroke.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    for exponent in [0.3, 1.0, 3.0] {
+        let mut contact = contact(&cells, &half_plane(&cells), 0.5, vec![0.0; 33]);
+        let mut worn = vec![0.0; 33];
+        let integrator = Integrator::new(Scheme::Sdirk2, 1.0);
+        let mut last = Vec::new();
+        for step in 0..100 {
+            let direction = if step % 2 == 0 { Direction::Forward } else { Direction::Backward };
+            let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
+            let conditions = Conditions {
+                direction,
+                normal: Normal::Load(2.0),
+                tilt: Tilt::ResultantAt(0.2 * sign),
+                rate: power_rate(33, exponent),
+            };
+            let before = worn.clone();
+            integrator.step(&mut contact, &mut worn, 0.0, 0.02, &|_| conditions.clone()).unwrap();
+            last = worn.iter().zip(&before).map(|(a, b)| a - b).collect::<Vec<f64>>();
+            assert!(last.iter().all(|d| *d >= 0.0), "b {exponent}: negative wear");
+        }
+        let asymmetry = (0..33).map(|i| (worn[i] - worn[32 - i]).abs()).fold(0.0, f64::max);
+        let stroke = last.iter().copied().fold(0.0, f64::max);
+        assert!(asymmetry < 2.0 * stroke, "b {exponent}: {asymmetry} {stroke}");
+        if exponent == 1.0 {
+            assert!((cells.integral(&worn) / 4.0 - 1.0).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn nearly_incompressible_layers_and_wide_pads() {
+    // Every cell keeps finite positive pressure, the load is carried, and wear makes the pressure uniform.
+    for (nu, height, base) in [
+        (0.4999, 1.0, Base::Bonded),
+        (0.4999, 0.02, Base::Bonded),
+        (0.4999, 0.02, Base::Smooth),
+        (0.3, 0.02, Base::Bonded),
+        (0.3, 1e-4, Base::Smooth),
+    ] {
+        let cells = Cells::graded(1.0, 33).unwrap();
+        let strip = Strip::new(Material::new(1.0, nu).unwrap(), height, base, Extent::Straight).unwrap();
+        let compliance = strip.compliance(&cells);
+        let mut contact = contact(&cells, &compliance, 0.3, vec![0.0; 33]);
+        let conditions = Conditions {
+            direction: Direction::Forward,
+            normal: Normal::Load(2.0),
+            tilt: Tilt::Fixed(0.0),
+            rate: power_rate(33, 1.0),
+        };
+        let fresh = contact.pressure(&[0.0; 33], &conditions).unwrap();
+        assert!((cells.integral(&fresh.pressure) - 2.0).abs() < 1e-9);
+        assert!(fresh.pressure.iter().all(|p| p.is_finite() && *p >= 0.0), "nu {nu} h {height}");
+        let mut worn = vec![0.0; 33];
+        let integrator = Integrator::new(Scheme::Sdirk2, 1.0);
+        for _ in 0..10 {
+            integrator.step(&mut contact, &mut worn, 0.0, 1e3, &|_| conditions.clone()).unwrap();
+        }
+        let state = contact.pressure(&worn, &conditions).unwrap();
+        let error = state.pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-5, "nu {nu} h {height}: {error:e}");
+    }
+}
+
+#[test]
+fn one_cell_and_one_cell_in_contact() {
+    let single = Cells::graded(1.0, 1).unwrap();
+    let mut contact_of_one = contact(&single, &half_plane(&single), 0.3, vec![0.0]);
+    let conditions = |count| Conditions {
+        direction: Direction::Backward,
+        normal: Normal::Load(2.0),
+        tilt: Tilt::Fixed(0.0),
+        rate: power_rate(count, 0.5),
+    };
+    let mut worn = vec![0.0];
+    let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3);
+    integrator.advance(&mut contact_of_one, &mut worn, 0.0, 3.0, &|_| conditions(1)).unwrap();
+    assert!((worn[0] - 3.0).abs() < 1e-12);
+    // A spike on one of 33 cells carries all the load until it is worn down to its neighbours.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let gap: Vec<f64> = (0..33).map(|i| if i == 20 { 0.0 } else { 1e4 }).collect();
+    let mut spike = contact(&cells, &half_plane(&cells), 0.3, gap);
+    let state = spike.pressure(&[0.0; 33], &conditions(33)).unwrap();
+    assert_eq!(state.pressure.iter().filter(|p| **p > 0.0).count(), 1);
+    assert!((state.pressure[20] * cells.widths()[20] - 2.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_punch_that_rocks_itself_round() {
+    // mu H between a/2 and a: no steady state, but every half-stroke has an equilibrium. The edges wear more than the
+    // middle for ever, so the worn shape grows rounder with every cycle.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let mut contact = contact(&cells, &half_plane(&cells), 0.0, vec![0.0; 33]);
+    let integrator = Integrator::new(Scheme::Sdirk2, 1.0);
+    let mut worn = vec![0.0; 33];
+    let mut roundness = Vec::new();
+    for cycle in 0..200 {
+        for (direction, lever) in [(Direction::Forward, 0.7), (Direction::Backward, -0.7)] {
+            let conditions = Conditions {
+                direction,
+                normal: Normal::Load(2.0),
+                tilt: Tilt::ResultantAt(lever),
+                rate: power_rate(33, 1.0),
+            };
+            let state = integrator.step(&mut contact, &mut worn, 0.0, 0.5, &|_| conditions.clone()).unwrap().0;
+            assert!((cells.moment(&state.pressure) / 2.0 - lever).abs() < 1e-10);
+        }
+        if cycle % 20 == 19 {
+            roundness.push(0.5 * (worn[0] + worn[32]) - worn[16]);
+        }
+    }
+    for pair in roundness.windows(2) {
+        assert!(pair[1] - pair[0] > 0.5 * (roundness[1] - roundness[0]), "{roundness:?}");
+    }
+    assert!((cells.integral(&worn) / 400.0 - 1.0).abs() < 1e-12);
+}

@@ -1,0 +1,456 @@
+//! Direct steady states against closed forms, against time stepping, and as the minima they are said to be.
+
+use nalgebra::DVector;
+use sliding_contact::contact::{Normal, Tilt, pair_compliance};
+use sliding_contact::elastic::{
+    Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler,
+};
+use sliding_contact::exact::{CyclicHalfPlane, HolderKind, annular_pressure, one_way_rotating_pressure};
+use sliding_contact::steady::{
+    CycleProblem, SteadyError, ToAndFroProblem, can_run_in_to_and_fro, groove, punch_run_in,
+};
+use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, Scheme, WearTerm, WearingContact};
+
+const LOAD: f64 = 2.0;
+
+/// E* = 1.
+fn half_plane(cells: &Cells) -> Compliance {
+    HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(cells)
+}
+
+fn layer(cells: &Cells) -> Compliance {
+    let material = Material::new(0.91, 0.3).unwrap();
+    Strip::new(material, 0.8, Base::Bonded, Extent::Straight).unwrap().compliance(cells)
+}
+
+fn power_rate(count: usize, exponent: f64) -> CellRate {
+    CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: vec![1.0; count], exponent }] }
+}
+
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+}
+
+#[test]
+fn to_and_fro_on_the_half_plane() {
+    let holders = [
+        (Some(1.0), HolderKind::Rotate { relative_height: 1.0 }),
+        (Some(0.4), HolderKind::Rotate { relative_height: 0.4 }),
+        (None, HolderKind::Translate { poissons_ratio: 0.3 }),
+    ];
+    for (pivot_height, holder) in holders {
+        let exact = CyclicHalfPlane::new(0.25, holder).unwrap();
+        let mut errors = Vec::new();
+        for count in [33, 65, 129, 257] {
+            let cells = Cells::graded(1.0, count).unwrap();
+            let (punch, strip) = (Rigid.compliance(&cells), half_plane(&cells));
+            let problem = ToAndFroProblem {
+                cells: &cells,
+                punch: &punch,
+                strip: &strip,
+                friction: 0.25,
+                load: LOAD,
+                pivot_height,
+                wear_per_stroke: 0.0,
+            };
+            let cycle = problem.solve().unwrap();
+            let means = cells.means_from_primitive(|x| exact.forward_primitive(x));
+            let error = (0..count)
+                .filter(|&i| cells.centres()[i].abs() < 0.8)
+                .map(|i| (cycle.forward[i] - means[i]).abs())
+                .fold(0.0, f64::max);
+            errors.push(error);
+            for i in 0..count {
+                assert!((cycle.forward[i] + cycle.backward[i] - 2.0).abs() < 1e-12);
+            }
+            // The edge of the clipped zone lies in the last clipped cell or the next.
+            let clipped = cycle.forward.iter().filter(|p| **p == 0.0).count();
+            let (inner, cell) =
+                if exact.sign > 0.0 { (clipped, clipped) } else { (count - clipped, count - 1 - clipped) };
+            let distance = (cells.edges()[inner].abs() - exact.inner_half_width()).abs();
+            assert!(distance <= cells.widths()[cell], "N {count}: clipped edge off by {distance}");
+        }
+        let order = (errors[0] / errors[3]).log2() / 3.0;
+        println!("to and fro, m {:.4}: {errors:?}, order {order:.2}", exact.m);
+        // The error wavers with the place of the clipped edge in its cell: no clean order, but it falls.
+        assert!(errors[1] < 1e-3 && errors[3] < 0.3 * errors[0], "{errors:?}, order {order}");
+    }
+}
+
+#[test]
+fn direct_cycle_equals_time_stepping() {
+    // Implicit Euler, one step per half-stroke, to convergence; k half-stroke = .7 of the compliance's scale.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, friction, wear_per_stroke) = (Rigid.compliance(&cells), 0.3, 0.7);
+    for strip in [half_plane(&cells), layer(&cells)] {
+        for pivot_height in [None, Some(1.1)] {
+            let problem = ToAndFroProblem {
+                cells: &cells,
+                punch: &punch,
+                strip: &strip,
+                friction,
+                load: LOAD,
+                pivot_height,
+                wear_per_stroke,
+            };
+            let direct = problem.solve().unwrap();
+            let pair = |signed| pair_compliance(&punch, &strip, signed);
+            let mut contact = WearingContact::new(&cells, pair(friction), pair(-friction), vec![0.0; 33]).unwrap();
+            let integrator = Integrator::new(Scheme::ImplicitEuler, 1.0);
+            let mut worn = vec![0.0; 33];
+            let mut half_stroke = |worn: &mut Vec<f64>, direction: Direction| {
+                let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
+                let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
+                let rate = CellRate::archard(33, wear_per_stroke, 1.0);
+                let conditions = Conditions { direction, normal: Normal::Load(LOAD), tilt, rate };
+                let before = worn.clone();
+                let state = integrator.step(&mut contact, worn, 0.0, 1.0, &|_| conditions.clone()).unwrap().0;
+                let mean: Vec<f64> = worn.iter().zip(&before).map(|(a, b)| (a - b) / wear_per_stroke).collect();
+                (state, mean)
+            };
+            let (mut forward, mut backward) = (Vec::new(), Vec::new());
+            let mut jump = 0.0;
+            for _ in 0..400 {
+                let (state, mean) = half_stroke(&mut worn, Direction::Forward);
+                (forward, jump) = (mean, state.approach);
+                let (state, mean) = half_stroke(&mut worn, Direction::Backward);
+                backward = mean;
+                jump -= state.approach;
+            }
+            for i in 0..33 {
+                let error = (forward[i] - direct.forward[i]).abs().max((backward[i] - direct.backward[i]).abs());
+                assert!(error < 1e-8, "pivot {pivot_height:?} cell {i}: {error:e}");
+                assert!((forward[i] + backward[i] - 2.0).abs() < 1e-10, "half-stroke means at cell {i}");
+            }
+            // Forward stands below what backward reaches by the jump, less the half-stroke's sinking k u pm.
+            assert!((jump + wear_per_stroke - direct.approach_jump).abs() < 1e-7, "{jump} {}", direct.approach_jump);
+        }
+    }
+}
+
+#[test]
+fn the_shape_of_the_cycle_gives_both_pressures() {
+    let cells = Cells::graded(1.0, 65).unwrap();
+    let (punch, strip, friction) = (Rigid.compliance(&cells), layer(&cells), 0.4);
+    for pivot_height in [None, Some(0.9)] {
+        let problem = ToAndFroProblem {
+            cells: &cells,
+            punch: &punch,
+            strip: &strip,
+            friction,
+            load: LOAD,
+            pivot_height,
+            wear_per_stroke: 0.0,
+        };
+        let cycle = problem.solve().unwrap();
+        let pair = |signed| pair_compliance(&punch, &strip, signed);
+        let mut contact = WearingContact::new(&cells, pair(friction), pair(-friction), vec![0.0; 65]).unwrap();
+        for (direction, sign, expected) in
+            [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
+        {
+            // A punch that cannot rotate keeps the tilt of the shape's gauge, here none.
+            let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
+            let conditions =
+                Conditions { direction, normal: Normal::Load(LOAD), tilt, rate: CellRate::archard(65, 0.0, 0.0) };
+            let state = contact.pressure(&cycle.shape, &conditions).unwrap();
+            for (computed, expected) in state.pressure.iter().zip(expected) {
+                assert!((computed - expected).abs() < 1e-9, "{direction:?}: {computed} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_cycle_minimises_the_strain_energy() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
+    let problem = ToAndFroProblem {
+        cells: &cells,
+        punch: &punch,
+        strip: &strip,
+        friction: 0.3,
+        load: LOAD,
+        pivot_height: Some(1.0),
+        wear_per_stroke: 0.0,
+    };
+    let cycle = problem.solve().unwrap();
+    let programme = problem.programme().unwrap();
+    let d = DVector::from_fn(33, |i, _| cycle.forward[i] - 1.0);
+    let functional = |d: &DVector<f64>| 0.5 * (&programme.quadratic * d).dot(d) + programme.linear.dot(d);
+    assert!((functional(&d) - cycle.energy).abs() < 1e-15);
+    let mut noise = Noise(7);
+    let balance = (programme.constraints.transpose() * &programme.constraints).try_inverse().unwrap();
+    let mut tried = 0;
+    while tried < 1000 {
+        // A random direction that keeps force and moment, cut back to the bounds.
+        let mut step =
+            DVector::from_fn(33, |i, _| if d[i].abs() < 1.0 { noise.next() } else { -d[i] * noise.next().abs() });
+        step -= &programme.constraints * (&balance * (programme.constraints.transpose() * &step));
+        let room = (0..33)
+            .map(|i| if step[i] > 0.0 { (1.0 - d[i]) / step[i] } else { (-1.0 - d[i]) / step[i] })
+            .fold(f64::INFINITY, f64::min);
+        if room <= 1e-12 {
+            continue;
+        }
+        let other = &d + step * (room.min(1.0) * (noise.next() + 0.5));
+        assert!((programme.constraints.transpose() * &other - &programme.right).amax() < 1e-12);
+        assert!(functional(&other) >= cycle.energy - 1e-14, "{:e}", functional(&other) - cycle.energy);
+        tried += 1;
+    }
+}
+
+#[test]
+fn one_way_closed_forms() {
+    let cells = Cells::graded(0.5, 65).unwrap();
+    let run_in = |rate: &CellRate, tilt| punch_run_in(&cells, cells.widths(), rate, 1.0, tilt).unwrap();
+    for exponent in [0.3, 1.0, 3.0] {
+        let state = run_in(&power_rate(65, exponent), Tilt::Fixed(0.3));
+        assert!(state.pressure.iter().all(|p| (p - 1.0).abs() < 1e-14), "b {exponent}");
+        assert!((state.sinking_rate - 1.0).abs() < 1e-13 && (state.dissipation - 1.0).abs() < 1e-13);
+    }
+    for lever in [0.1, -1.0 / 6.0] {
+        let state = run_in(&power_rate(65, 1.0), Tilt::ResultantAt(lever));
+        for (x, p) in cells.centres().iter().zip(&state.pressure) {
+            // The second moment of 65 cells of constant pressure falls short of L^3/12 by its cells' own.
+            assert!((p - one_way_rotating_pressure(*x, lever, 1.0)).abs() < 2e-3, "{lever} {x}");
+        }
+    }
+    // Annulus from 1 to 2 m.
+    let relative: Vec<f64> = cells.centres().iter().map(|x| (1.5 + x) / 1.5).collect();
+    let weights: Vec<f64> = cells.widths().iter().zip(&relative).map(|(c, r)| c * r).collect();
+    for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5), (0.0, 1.0)] {
+        let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
+        let rate = CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient, exponent: b }] };
+        let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).unwrap();
+        for (x, p) in cells.centres().iter().zip(&state.pressure) {
+            let error = p / annular_pressure(1.5 + x, LOAD, (1.0, 2.0), (a, b)) - 1.0;
+            assert!(error.abs() < 5e-4, "a {a} b {b} x {x}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn one_way_equals_time_stepping() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    for exponent in [0.3, 0.6, 1.0, 1.7, 3.0] {
+        let rate = power_rate(33, exponent);
+        let tilt = Tilt::ResultantAt(0.15);
+        let direct = punch_run_in(&cells, cells.widths(), &rate, LOAD, tilt).unwrap();
+        let pair = |signed| pair_compliance(&Rigid.compliance(&cells), &layer(&cells), signed);
+        let gap: Vec<f64> = cells.centres().iter().map(|x| 0.1 * x * x).collect();
+        let mut contact = WearingContact::new(&cells, pair(0.2), pair(-0.2), gap.clone()).unwrap();
+        let conditions = Conditions { direction: Direction::Forward, normal: Normal::Load(LOAD), tilt, rate };
+        let integrator = Integrator::new(Scheme::ImplicitEuler, 1.0);
+        let mut worn = vec![0.0; 33];
+        for step in 0..60 {
+            let length = 0.1 * 1.2f64.powi(step);
+            integrator.step(&mut contact, &mut worn, 0.0, length, &|_| conditions.clone()).unwrap();
+        }
+        let stepped = contact.pressure(&worn, &conditions).unwrap();
+        // The direct shape, put into the contact, gives the direct pressure.
+        let shape = direct.shape(&gap, contact.compliance(Direction::Forward));
+        let on_shape = contact.pressure(&shape, &conditions).unwrap();
+        for i in 0..33 {
+            let error = (stepped.pressure[i] - direct.pressure[i]).abs();
+            assert!(error < 1e-8, "b {exponent} cell {i}: {error:e}");
+            assert!((on_shape.pressure[i] - direct.pressure[i]).abs() < 1e-9, "b {exponent} cell {i}");
+        }
+    }
+}
+
+#[test]
+fn one_way_pressure_minimises_the_wear_dissipation_power() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (x, w) = (cells.centres(), cells.widths());
+    let mut noise = Noise(3);
+    for exponent in [0.5, 1.0, 2.0] {
+        let rate = power_rate(33, exponent);
+        // A lever at which part of the contact is empty, for the bound as well.
+        let state = punch_run_in(&cells, w, &rate, LOAD, Tilt::ResultantAt(0.45)).unwrap();
+        let power = |p: &DVector<f64>| (0..33).map(|i| w[i] * p[i] * rate.rate(i, p[i])).sum::<f64>();
+        let pressure = DVector::from_column_slice(&state.pressure);
+        assert!((power(&pressure) - state.dissipation).abs() < 1e-13);
+        let balance = nalgebra::DMatrix::from_fn(33, 2, |i, k| if k == 0 { w[i] } else { w[i] * x[i] });
+        let inverse = (balance.transpose() * &balance).try_inverse().unwrap();
+        let mut tried = 0;
+        while tried < 1000 {
+            let mut step =
+                DVector::from_fn(33, |i, _| if pressure[i] > 0.0 { noise.next() } else { noise.next().abs() });
+            step -= &balance * (&inverse * (balance.transpose() * &step));
+            let room = (0..33).filter(|&i| step[i] < 0.0).map(|i| -pressure[i] / step[i]).fold(f64::INFINITY, f64::min);
+            if room <= 1e-9 {
+                // Empty cells that the projection would unload further stay as they are.
+                continue;
+            }
+            let other = &pressure + step * (room.min(1.0) * (noise.next() + 0.5));
+            assert!(power(&other) >= state.dissipation - 1e-12, "b {exponent}");
+            tried += 1;
+        }
+    }
+}
+
+#[test]
+fn groove_on_a_winkler_foundation() {
+    // p/k_w + integral_x^a k p^b = delta: dp/dx = k_w k p^b, forward; mirrored backward.
+    let cells = Cells::graded(1.0, 129).unwrap();
+    let winkler = Winkler::new(2.0).unwrap().compliance(&cells).normal;
+    for exponent in [0.5, 1.0, 2.0] {
+        let rate =
+            CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: vec![0.3; 129], exponent }] };
+        for direction in [Direction::Forward, Direction::Backward] {
+            let gap = vec![0.0; 129];
+            let load = Normal::Load(1.0);
+            let state = groove(&cells, winkler.clone(), &gap, rate.clone(), direction, load, Tilt::Fixed(0.0)).unwrap();
+            let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
+            // From the pressure at the centre: p^(1-b) = p(0)^(1-b) + (1-b) k_w k x, or the exponential.
+            let centre = cells.point_value(&state.pressure, 0.0);
+            for x in [-0.9, -0.3, 0.4, 0.95] {
+                let exact = if exponent == 1.0 {
+                    centre * f64::exp(0.6 * sign * x)
+                } else {
+                    let power = 1.0 - exponent;
+                    (centre.powf(power) + power * 0.6 * sign * x).powf(1.0 / power)
+                };
+                let error = cells.point_value(&state.pressure, x) / exact - 1.0;
+                assert!(error.abs() < 1e-4, "b {exponent} {direction:?} x {x}: {error:e}");
+            }
+            assert!((cells.integral(&state.pressure) - 1.0).abs() < 1e-10);
+        }
+    }
+}
+
+#[test]
+fn states_that_do_not_exist_are_refused() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), half_plane(&cells));
+    let problem = |friction, pivot_height| ToAndFroProblem {
+        cells: &cells,
+        punch: &punch,
+        strip: &strip,
+        friction,
+        load: LOAD,
+        pivot_height,
+        wear_per_stroke: 0.0,
+    };
+    for height in [1.0, 1.5] {
+        let refused = problem(0.5, Some(height)).solve().unwrap_err();
+        assert_eq!(refused, SteadyError::RocksItselfRound { lever: 0.5 * height, limit: 0.5 });
+    }
+    let message = problem(0.5, Some(1.2)).solve().unwrap_err().to_string();
+    assert!(message.contains("mu H = 0.6 m is not below half the half-width, 0.5 m"), "{message}");
+    // Just below the limit it exists: nearly all of the contact is clipped.
+    let cycle = problem(0.5, Some(0.99)).solve().unwrap();
+    assert!(cycle.forward.iter().filter(|p| **p == 0.0).count() > 10);
+    assert_eq!(can_run_in_to_and_fro(true, true, true), Ok(()));
+    assert_eq!(can_run_in_to_and_fro(true, false, false), Ok(()));
+    assert_eq!(can_run_in_to_and_fro(true, true, false), Err(SteadyError::WearingStripToAndFro));
+    assert_eq!(can_run_in_to_and_fro(false, true, true), Err(SteadyError::NothingWears));
+    assert_eq!(can_run_in_to_and_fro(false, false, false), Err(SteadyError::NothingWears));
+    let lifted = punch_run_in(&cells, cells.widths(), &power_rate(33, 1.0), LOAD, Tilt::ResultantAt(1.0));
+    assert!(matches!(lifted, Err(SteadyError::Tipping { .. })));
+    let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(33, 0.0, 1.0), LOAD, Tilt::Fixed(0.0));
+    assert_eq!(nothing, Err(SteadyError::NothingWears));
+    for load in [0.0, -1.0, f64::NAN] {
+        assert!(matches!(
+            ToAndFroProblem { load, ..problem(0.2, None) }.solve(),
+            Err(SteadyError::Invalid { quantity: "load", .. })
+        ));
+    }
+}
+
+fn cycle_problem<'a>(
+    cells: &'a Cells,
+    bodies: [&'a Compliance; 2],
+    rate: &'a CellRate,
+    pivot_height: Option<f64>,
+    durations: [f64; 2],
+) -> CycleProblem<'a> {
+    let [punch, strip] = bodies;
+    CycleProblem { cells, punch, strip, friction: 0.3, load: LOAD, pivot_height, rate, durations }
+}
+
+#[test]
+fn general_cycle_is_the_programme_for_the_archard_law() {
+    let cells = Cells::graded(1.0, 65).unwrap();
+    let (punch, strip, rate) = (Rigid.compliance(&cells), layer(&cells), power_rate(65, 1.0));
+    for pivot_height in [None, Some(0.5), Some(1.4)] {
+        let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, [1.0; 2]).solve().unwrap();
+        let problem = ToAndFroProblem {
+            cells: &cells,
+            punch: &punch,
+            strip: &strip,
+            friction: 0.3,
+            load: LOAD,
+            pivot_height,
+            wear_per_stroke: 0.0,
+        };
+        let programme = problem.solve().unwrap();
+        for i in 0..65 {
+            assert!((cycle.forward[i] - programme.forward[i]).abs() < 1e-10, "{pivot_height:?} cell {i}");
+            assert!((cycle.shape[i] - programme.shape[i]).abs() < 1e-10, "{pivot_height:?} cell {i}");
+        }
+        assert!((cycle.approach_jump - programme.approach_jump).abs() < 1e-10);
+        assert!((cycle.tilt_jump - programme.tilt_jump).abs() < 1e-10);
+        println!("pivot {pivot_height:?}: {} iterations", cycle.iterations);
+    }
+}
+
+#[test]
+fn general_cycles_wear_evenly_and_give_their_pressures() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
+    for exponent in [0.3, 0.5, 0.8, 1.0, 1.5, 3.0] {
+        let rate = power_rate(33, exponent);
+        for (pivot_height, durations) in [
+            (None, [1.0, 1.0]),
+            (None, [1.0, 0.3]),
+            (Some(0.5), [1.0, 1.0]),
+            (Some(1.2), [1.0, 1.0]),
+            (Some(0.6), [1.0, 2.0]),
+        ] {
+            let case = format!("b {exponent} pivot {pivot_height:?} durations {durations:?}");
+            let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, durations)
+                .solve()
+                .unwrap_or_else(|error| panic!("{case}: {error}"));
+            for (i, x) in cells.centres().iter().enumerate() {
+                let depth =
+                    durations[0] * rate.rate(i, cycle.forward[i]) + durations[1] * rate.rate(i, cycle.backward[i]);
+                let rigid = cycle.sinking + cycle.tilting * x;
+                assert!((depth / rigid - 1.0).abs() < 1e-9, "{case} cell {i}: {depth} {rigid}");
+            }
+            // The shape alone, put into the contact, must give both pressures, clipped edges included.
+            let pair = |signed| pair_compliance(&punch, &strip, signed);
+            let mut contact = WearingContact::new(&cells, pair(0.3), pair(-0.3), vec![0.0; 33]).unwrap();
+            for (direction, sign, expected) in
+                [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
+            {
+                let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * 0.3 * h));
+                let conditions = Conditions { direction, normal: Normal::Load(LOAD), tilt, rate: rate.clone() };
+                let state = contact.pressure(&cycle.shape, &conditions).unwrap();
+                for (computed, expected) in state.pressure.iter().zip(expected) {
+                    assert!((computed - expected).abs() < 1e-8, "{case} {direction:?}: {computed} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn general_cycle_that_rocks_itself_round_is_refused() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
+    // mu H = .6 a: beyond a/2 for b = 1 and beyond .54 a for b = .5; .52 a exists for b = .5 alone.
+    for (exponent, height, exists) in [(1.0, 2.0, false), (0.5, 2.0, false), (0.5, 0.52 / 0.3, true)] {
+        let rate = power_rate(33, exponent);
+        let outcome = cycle_problem(&cells, [&punch, &strip], &rate, Some(height), [1.0; 2]).solve();
+        match outcome {
+            Ok(_) => assert!(exists, "b {exponent} height {height}"),
+            Err(error) => assert!(!exists && matches!(error, SteadyError::NoCycle { .. }), "b {exponent}: {error}"),
+        }
+    }
+}
