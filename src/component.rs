@@ -127,6 +127,8 @@ pub struct Component {
     starts: Arc<Values>,
     values: Box<Values>,
     slopes: [f64; INPUTS],
+    /// A derivative may differ from 0.
+    sloped: bool,
     phase: Phase,
     model: Option<Lumped>,
     /// Groups of outputs that are current.
@@ -151,6 +153,7 @@ impl Component {
             starts,
             values,
             slopes: [0.0; INPUTS],
+            sloped: false,
             phase: Phase::Instantiated,
             model: None,
             current: 0,
@@ -242,7 +245,9 @@ impl Component {
     #[inline]
     pub fn set_input(&mut self, reference: ValueReference, value: f64) {
         let index = reference as usize;
-        self.slopes[index] = 0.0;
+        if self.sloped {
+            self.slopes[index] = 0.0;
+        }
         if self.values[index].to_bits() != value.to_bits() {
             self.values[index] = value;
             self.current &= group::ACCOUNT;
@@ -254,6 +259,7 @@ impl Component {
     /// Stores the time derivative of an input for the next step.
     pub fn set_input_derivative(&mut self, reference: ValueReference, value: f64) {
         self.slopes[reference as usize] = value;
+        self.sloped = true;
     }
 
     /// From here on outputs answer the inputs set.
@@ -334,9 +340,9 @@ impl Component {
             return Ok(());
         }
         let inputs = inputs_of(&self.values);
-        let slopes = self.slopes;
-        // One sum finds any number that is not finite; the search for its name comes after.
-        if !(inputs.iter().sum::<f64>() + slopes.iter().sum::<f64>()).is_finite() {
+        // A number times 0 is 0 only if it is finite; the search for its name comes after.
+        let finite = |numbers: &[f64; INPUTS]| numbers.iter().map(|number| number * 0.0).sum::<f64>() == 0.0;
+        if !finite(&inputs) || self.sloped && !finite(&self.slopes) {
             self.check_inputs()?;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
@@ -347,13 +353,15 @@ impl Component {
             self.check_external(&operators.scene)?;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
-        model.step(&inputs, &slopes, step).map_err(|failure| failure.to_string())?;
-        self.at_end = slopes == [0.0; INPUTS] && model.operators().bristle().is_none();
-        if slopes != [0.0; INPUTS] {
-            for index in 0..INPUTS {
-                self.values[index] += slopes[index] * step;
+        let slopes = self.sloped.then_some(&self.slopes);
+        model.step(&inputs, slopes, step).map_err(|failure| failure.to_string())?;
+        self.at_end = !self.sloped && !model.has_bristle();
+        if self.sloped {
+            for (value, slope) in self.values.iter_mut().zip(&mut self.slopes) {
+                *value += *slope * step;
+                *slope = 0.0;
             }
-            self.slopes = [0.0; INPUTS];
+            self.sloped = false;
         }
         self.current = 0;
         let limits = model.limits();

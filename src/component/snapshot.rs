@@ -107,6 +107,7 @@ impl Component {
         self.values[..INPUTS].copy_from_slice(&values[..INPUTS]);
         self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
         self.slopes = from.slopes;
+        self.sloped = from.slopes != [0.0; INPUTS];
         self.phase = match from.phase {
             0 => Phase::Instantiated,
             1 => Phase::Initializing,

@@ -94,6 +94,11 @@ impl Lumped {
         &self.operators
     }
 
+    /// Whether a bristle carries the force at standstill.
+    pub fn has_bristle(&self) -> bool {
+        self.operators.scene.stick_stiffness > 0.0
+    }
+
     /// Everything that changes.
     pub fn state(&self) -> &State {
         &self.state
@@ -142,11 +147,16 @@ impl Lumped {
     }
 
     /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates
-    /// `slopes`. On failure the state is the one before the step.
+    /// `slopes`, or not at all. On failure the state is the one before the step.
     ///
     /// # Errors
     /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
-    pub fn step(&mut self, inputs: &[f64; INPUTS], slopes: &[f64; INPUTS], step: f64) -> Result<(), StepFailure> {
+    pub fn step(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Result<(), StepFailure> {
         let mut backup = None;
         let outcome = self.pieces(inputs, slopes, step, &mut backup).and_then(|()| self.watch(inputs, slopes, step));
         if outcome.is_err()
@@ -162,20 +172,21 @@ impl Lumped {
     fn pieces(
         &mut self,
         inputs: &[f64; INPUTS],
-        slopes: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
         step: f64,
         backup: &mut Option<State>,
     ) -> Result<(), StepFailure> {
         if self.near_end_of_body() {
             *backup = Some(self.state.clone());
         }
-        if inputs[1] < 0.0 || inputs[1] + slopes[1] * step < 0.0 {
+        let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
+        if inputs[1] < 0.0 || last_load < 0.0 {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
-        if *slopes == [0.0; INPUTS] {
+        let Some(slopes) = slopes else {
             let constant = self.conditions(inputs);
             return self.piece(&|_| constant, true, step, backup);
-        }
+        };
         let radius = self.operators.scene.mean_radius;
         let crossings = [(inputs[0] + radius * inputs[2], slopes[0] + radius * slopes[2]), (inputs[1], slopes[1])];
         let mut edges = [0.0, step, step, step];
@@ -300,7 +311,12 @@ impl Lumped {
     }
 
     /// Limits and validity after a step.
-    fn watch(&mut self, inputs: &[f64; INPUTS], slopes: &[f64; INPUTS], step: f64) -> Result<(), StepFailure> {
+    fn watch(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
         for (name, depth, body) in
             [("punch", self.state.punch.depth, &scene.punch), ("strip", self.state.strip.depth, &scene.strip)]
@@ -328,8 +344,8 @@ impl Lumped {
                 self.state.limits |= limit::WEAR;
             }
         }
-        let speed = (inputs[0] + slopes[0] * step).abs();
-        let load = inputs[1] + slopes[1] * step;
+        let last = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step);
+        let (speed, load) = (last(0).abs(), last(1));
         let beyond = |value: f64, nominal: f64| nominal > 0.0 && value > NOMINAL_MARGIN * nominal;
         if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
             self.state.limits |= limit::VALIDITY;

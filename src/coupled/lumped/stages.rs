@@ -122,7 +122,6 @@ impl Stages {
             self.split = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
         }
         self.split.levels(punch, strip);
-        let split = self.split;
         if self.bristle.is_some() {
             self.slide_bristle(stepper);
         } else if stepper.friction.fade.flat {
@@ -130,9 +129,9 @@ impl Stages {
                 self.heat[stage] = self.faded[stage] * self.driver[stage] * self.pressure[stage];
             }
         } else {
-            let none = split.temperatures(&split.fluxes([0.0; 2]));
+            let none = self.split.temperatures(&self.split.fluxes([0.0; 2]));
             // The temperature is affine in the heats: columns of its gain, then one agreement per stage in turn.
-            let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| split.temperatures(&split.fluxes(unit)));
+            let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.split.temperatures(&self.split.fluxes(unit)));
             for _ in 0..60 {
                 let old = self.heat;
                 for stage in 0..2 {
@@ -149,8 +148,8 @@ impl Stages {
                 }
             }
         }
-        let fluxes = split.fluxes(self.heat);
-        self.temperature = split.temperatures(&fluxes);
+        let fluxes = self.split.fluxes(self.heat);
+        self.temperature = self.split.temperatures(&fluxes);
         punch.flux[0] = fluxes.map(|flux| flux.0);
         strip.flux[0] = fluxes.map(|flux| flux.1);
         let fades = !stepper.friction.fade.flat;
