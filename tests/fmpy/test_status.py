@@ -155,7 +155,7 @@ def instantiate(component, kind=fmi2CoSimulation, name=b"raw", location=None):
 
 @pytest.mark.parametrize(
     "location",
-    [None, b"", b"file:///tmp/resources", b"file:/tmp/resources", b"file://localhost/tmp/a%20b/", b"/tmp/resources",
+    [None, b"", b"file:///opt/fmu/resources", b"file:/opt/fmu/resources", b"file://localhost/opt/a%20b/", b"/opt/fmu/resources",
      b"C:\\fmu\\resources", b"file:///C:/fmu", b"http://example.org/x", b"\xff\xfe", b"file:///" + b"x" * 5000],
 )
 def test_every_spelling_of_the_resource_location_is_accepted(component, location):
