@@ -41,11 +41,8 @@ pub type Values = [f64; COUNT];
 
 const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
 const FIRST_PARAMETER: usize = reference("punch.height") as usize;
-const MAIN: [usize; 3] = [
-    reference("wear_depth") as usize,
-    reference("contact_temperature") as usize,
-    reference("friction_force") as usize,
-];
+const MAIN: [usize; 3] =
+    [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
 /// Groups of outputs that are computed together, as bits.

@@ -2,6 +2,9 @@
 //!
 //! See ARCHITECTURE.md for the invariants and the flow of data.
 
+// Small fixed-size numerics read as the formulas they are when they are written with indices.
+#![allow(clippy::needless_range_loop)]
+
 pub mod component;
 pub mod contact;
 pub mod coupled;

@@ -27,15 +27,15 @@ enum { SLIDING_VELOCITY, NORMAL_LOAD, WEAR_DEPTH, CONTACT_TEMPERATURE, FRICTION_
 
 static const double FRICTION_COEFFICIENT = 0.4;
 static const double FACES = 2.0;
-static const double CONTACT_AREA = 0.055 * 0.080;                  /* m2 */
+static const double CONTACT_AREA = 0.095 * 0.055;                  /* m2 */
 static const double PAD_WEAR = 2e-14, DISC_WEAR = 1e-15;           /* m2/N */
 static const double PAD_SHARE = 0.07;                              /* of the friction heat */
-static const double PAD_CAPACITY = 2600.0 * 1000.0 * 0.012 * 0.055 * 0.080;               /* J/K, one face */
-static const double DISC_CAPACITY = 7200.0 * 460.0 * 0.011 * 0.080 * 6.2831853 * 0.1175;  /* J/K, one face */
-static const double PAD_COOLING = 10.0 * 0.055 * 0.080;            /* W/K */
-static const double DISC_COOLING = 10.0 * 0.080 * 6.2831853 * 0.1175;
+static const double PAD_CAPACITY = 2600.0 * 1000.0 * 0.012 * 0.095 * 0.055;               /* J/K, one face */
+static const double DISC_CAPACITY = 7200.0 * 460.0 * 0.011 * 0.055 * 6.2831853 * 0.1175;  /* J/K, one face */
+static const double PAD_COOLING = 10.0 * 0.095 * 0.055;            /* W/K */
+static const double DISC_COOLING = 10.0 * 0.055 * 6.2831853 * 0.1175;
 static const double AMBIENT = 293.15;                              /* K */
-static const double RING = 6.2831853 * 0.1175 / 0.055;             /* track over pad length */
+static const double RING = 6.2831853 * 0.1175 / 0.095;             /* track over pad length */
 
 typedef struct {
     double value[VARIABLES];

@@ -153,7 +153,7 @@ impl Snapshot {
     /// # Errors
     /// If the bytes are no snapshot. Restoring checks the rest.
     pub fn decode(bytes: &[u8]) -> Result<Snapshot, String> {
-        if bytes.len() % 8 != 0 {
+        if !bytes.len().is_multiple_of(8) {
             return Err(format!("{} bytes of saved state are not a whole number of values", bytes.len()));
         }
         let numbers: Vec<f64> =

@@ -160,10 +160,10 @@ impl Slab {
         let mut basis = Basis::new(self, &grid);
         basis.stationary();
         for &shift in &shifts {
-            basis.from_contact(shift);
+            basis.add_contact_response(shift);
         }
-        basis.from_base(own);
-        basis.from_base(30.0 * own);
+        basis.add_base_response(own);
+        basis.add_base_response(30.0 * own);
         if basis.count() > MAX_SLAB_STATES + 1 {
             return None;
         }
@@ -268,7 +268,8 @@ impl<'a> Basis<'a> {
     /// Integral of left times right over the height; the grid has a whole number of groups of two.
     fn product(&self, left: &[f64], right: &[f64]) -> f64 {
         let mut sum = [0.0; 2];
-        let groups = self.grid.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
+        let groups =
+            self.grid.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
         for ((weight, left), right) in groups {
             sum[0] += weight[0] * left[0] * right[0];
             sum[1] += weight[1] * left[1] * right[1];
@@ -313,9 +314,9 @@ impl<'a> Basis<'a> {
         }
         let fin = (slab.volume_transfer / slab.conductivity).sqrt();
         if fin * h > 1e-3 {
-            self.from_contact(0.0);
+            self.add_contact_response(0.0);
             if !held {
-                self.from_base(0.0);
+                self.add_base_response(0.0);
             }
         } else {
             self.add(self.function(|z| (1.0 - z / h, -1.0 / h)));
@@ -329,7 +330,7 @@ impl<'a> Basis<'a> {
     }
 
     /// Exact response to a contact flux at the real frequency `shift`.
-    fn from_contact(&mut self, shift: f64) {
+    fn add_contact_response(&mut self, shift: f64) {
         let slab = *self.slab;
         let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
         let h = slab.height;
@@ -349,7 +350,7 @@ impl<'a> Basis<'a> {
     }
 
     /// Exact response to what happens at the base at the real frequency `shift`.
-    fn from_base(&mut self, shift: f64) {
+    fn add_base_response(&mut self, shift: f64) {
         let slab = *self.slab;
         let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
         let h = slab.height;

@@ -61,7 +61,7 @@ const fn row(row: &Row) {
     let mut element = 0;
     while element < row.count() {
         if let Some(value) = row.start_of(element) {
-            assert!(value == value && value - value == 0.0, "start is not finite");
+            assert!(value.is_finite(), "start is not finite");
             if let Some(min) = min {
                 assert!(value >= min, "start is below min");
             }

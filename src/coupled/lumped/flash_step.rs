@@ -20,6 +20,8 @@ pub struct FlashStep {
     /// Rate that constant sliding adds, 1/s, and its decay up to the point 1/3.
     sliding: f64,
     common: f64,
+    /// Sliding rates at the start and at the three points where the speed changes, 1/s.
+    rates: [f64; 4],
     /// Whether the weights of the point 2/3 are made as well.
     has_middle: bool,
 }
@@ -34,6 +36,7 @@ impl FlashStep {
             gain: [[0.0; 2]; 3],
             at_rest: [0.0; MAX_FLASH_STATES],
             sliding: 0.0,
+            rates: [0.0; 4],
             common: 1.0,
             has_middle: false,
         }
@@ -81,6 +84,7 @@ impl FlashStep {
     fn steady(&mut self, flash: &Flash, speed: f64, step: f64, point: usize) {
         if point == 0 {
             self.sliding = flash.sliding_rate(speed);
+            self.rates = [self.sliding; 4];
             self.common = (-self.sliding * POINTS[0] * step).exp();
         }
         let length = POINTS[point] * step;
@@ -112,8 +116,24 @@ impl FlashStep {
         }
     }
 
+    /// Relative error of the moving source's temperature from a sliding rate that changes during the step:
+    /// its relative change, where memory and change meet (sigma h near 1); states that forget at once or
+    /// not at all do not mind.
+    pub fn unsteadiness(&self) -> f64 {
+        let (first, last, step) = (self.rates[0], self.rates[3], self.key.1);
+        let sum = first + last;
+        if sum == 0.0 {
+            return 0.0;
+        }
+        let memory = 0.5 * sum * step;
+        0.25 * (last - first).abs() / sum * memory.min(1.0 / memory)
+    }
+
     fn varying(&mut self, flash: &Flash, speeds: [f64; 4], step: f64, point: usize) {
-        let rates = speeds.map(|speed| flash.sliding_rate(speed));
+        if point == 0 {
+            self.rates = speeds.map(|speed| flash.sliding_rate(speed));
+        }
+        let rates = self.rates;
         let [r0, r1, r2, r3] = rates;
         // Integral of sigma from the start to every point, exact for a rate cubic in time.
         let passed = [

@@ -140,8 +140,7 @@ impl Lumped {
     fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {
         if self.known.0 != *inputs {
             let inputs_now = Inputs::from_array(*inputs);
-            self.known =
-                (*inputs, Conditions::new(&self.operators, &self.tunables, self.state.reference, &inputs_now));
+            self.known = (*inputs, Conditions::new(&self.operators, &self.tunables, self.state.reference, &inputs_now));
         }
         self.known.1
     }
@@ -253,7 +252,7 @@ impl Lumped {
                 self.judge_temperature(attempt.hottest);
                 part += 1;
                 // The error falls by about eight when the step is halved: room for doubling it.
-                if level > 0 && part % 2 == 0 && attempt.error < 0.1 {
+                if level > 0 && part.is_multiple_of(2) && attempt.error < 0.1 {
                     level -= 1;
                     part /= 2;
                 }
@@ -311,12 +310,7 @@ impl Lumped {
     }
 
     /// Limits and validity after a step.
-    fn watch(
-        &mut self,
-        inputs: &[f64; INPUTS],
-        slopes: Option<&[f64; INPUTS]>,
-        step: f64,
-    ) -> Result<(), StepFailure> {
+    fn watch(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
         for (name, depth, body) in
             [("punch", self.state.punch.depth, &scene.punch), ("strip", self.state.strip.depth, &scene.strip)]

@@ -70,6 +70,8 @@ pub struct Operators {
     pub wear_follows_temperature: bool,
     /// The strip keeps a worn track of its own.
     pub tracked: bool,
+    /// Friction heat flux below which errors do not count, W/m2: a millionth of the nominal one.
+    pub least_flux: f64,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
@@ -97,7 +99,7 @@ impl Operators {
             && scene.coverage() < 1.0 - 1e-9
         {
             let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path);
-            flash = Some(Flash::new(&source, scene.nominal_duration, scene.tolerance));
+            flash = Some(Flash::new(&source, scene.nominal_duration, reduction_tolerance(scene)));
         }
         if let (Some(heat), Some(flash)) = (&mut strip.heat, &flash) {
             append_track(heat, flash);
@@ -125,11 +127,18 @@ impl Operators {
             per_pressure: area * scene.faces * power_factor,
             effective_radius,
             tracked: scene.path == Path::Straight,
+            least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
             compliance,
             series_stiffness,
             scene: scene.clone(),
         }
     }
+}
+
+/// Tolerance that the bodies are reduced to: a few states cannot follow more, and the time step does
+/// not need it.
+fn reduction_tolerance(scene: &Scene) -> f64 {
+    scene.tolerance.max(2e-5)
 }
 
 /// Path of the heat source, and the length of the strip it heats.
@@ -216,7 +225,7 @@ fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
             base: base_of(body),
             cooling: CoolingPort::Sides,
         };
-        operators.heat = Some(slab.reduce(scene.nominal_duration, scene.tolerance));
+        operators.heat = Some(slab.reduce(scene.nominal_duration, reduction_tolerance(scene)));
     }
     operators
 }
@@ -246,7 +255,7 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
         base: base_of(body),
         cooling: CoolingPort::Surface,
     };
-    let mut heat = slab.reduce(scene.nominal_duration, scene.tolerance);
+    let mut heat = slab.reduce(scene.nominal_duration, reduction_tolerance(scene));
     let count = heat.count;
     for weight in &mut heat.input[0][..count] {
         *weight *= coverage;

@@ -2,9 +2,9 @@
 
 use super::bristle::Bristle;
 use super::conditions::Conditions;
+use super::flash_step::FlashStep;
 use super::interface::agree;
 use super::operators::BodyOperators;
-use super::flash_step::FlashStep;
 use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
 use super::state::{BodyState, State};
@@ -54,7 +54,8 @@ impl Stages {
             }
         }
         let (first, last) = (&conditions[1], &conditions[3]);
-        let closed = [first.load > 0.0, last.load > 0.0];
+        // A piece has no sign change of the load inside: its middle says whether the contact is closed.
+        let closed = conditions[2].load > 0.0;
         let split = Splitting::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
         let loads = [first.load, last.load];
         let power = operators.power_factor;
@@ -116,7 +117,11 @@ impl Stages {
     /// largest change of temperature, 0 where nothing needs another pass.
     pub fn solve(&mut self, stepper: &Stepper, punch: &mut StageBody, strip: &mut StageBody) -> f64 {
         let conductance = stepper.operators.scene.conductance;
-        let closed = self.pressure.map(|pressure| pressure > 0.0);
+        let closed = if stepper.operators.series_stiffness > 0.0 {
+            self.pressure[0] + self.pressure[1] > 0.0
+        } else {
+            self.split.closed
+        };
         let before = self.temperature;
         if closed != self.split.closed {
             self.split = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
@@ -161,7 +166,8 @@ impl Stages {
             self.wear(stepper);
         }
         // Cooling reports its own change; caliper and bristle feed back through what is solved here.
-        if !caliper && !(self.bristle.is_some() && fades) {
+        let feeds_back = caliper || self.bristle.is_some() && fades;
+        if !feeds_back {
             return 0.0;
         }
         (0..2).map(|stage| (self.temperature[stage] - before[stage]).abs()).fold(0.0, f64::max)
@@ -216,17 +222,21 @@ impl Stages {
     /// Infinite where that does not hold.
     pub fn bound(&self, stepper: &Stepper, state: &State, constant: bool, punch: &StageBody) -> f64 {
         let operators = stepper.operators;
-        if !constant
-            || operators.series_stiffness > 0.0
-            || operators.wear_follows_temperature
-        {
+        if !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature {
             return f64::INFINITY;
         }
         let split = (punch.flux[0][1] - punch.flux[0][0]).abs();
         let heat = (self.heat[1] - self.heat[0]).abs();
-        let scale = self.heat[0].abs().max(self.heat[1].abs()).max(0.02 * state.peak_flux);
+        let scale = self.flux_scale(stepper, state, punch);
         let defect = 0.5 * (split + heat);
         if defect > 0.0 { defect / (1.5 * operators.scene.tolerance * scale) } else { 0.0 }
+    }
+
+    /// Flux that errors are measured against, W/m2.
+    fn flux_scale(&self, stepper: &Stepper, state: &State, punch: &StageBody) -> f64 {
+        let heat = self.heat[0].abs().max(self.heat[1].abs());
+        let exchanged = 0.1 * punch.flux[0][0].abs().max(punch.flux[0][1].abs());
+        heat.max(exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
     }
 
     /// Error of the step in units of the tolerance, from the contact conditions at the point 2/3.
@@ -256,7 +266,7 @@ impl Stages {
         let mut defect = 0.0;
         let conductance = operators.scene.conductance;
         let both = punch.propagator.is_some() && strip.propagator.is_some();
-        if both && conductance > 0.0 && self.pressure[0] > 0.0 && self.pressure[1] > 0.0 {
+        if both && conductance > 0.0 && self.split.closed {
             let gain = punch.gain(1);
             let strip_gain = self.strip_gain[1];
             let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
@@ -268,9 +278,15 @@ impl Stages {
             let heat = faded * middle.stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
         }
-        let scale = self.heat[0].abs().max(self.heat[1].abs()).max(0.02 * state.peak_flux);
+        let scale = self.flux_scale(stepper, state, punch);
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
         let mut error = if defect > 0.0 { defect / (1.5 * tolerance * scale) } else { 0.0 };
+        if !constant && operators.flash.is_some() {
+            // The weights hold the sliding rate at its value at each stage.
+            let carried = (strip_temperature - punch_temperature).abs().max(strip_temperature.abs());
+            error =
+                error.max(stepper.flash.unsteadiness() * carried / (tolerance * (1e-3 + state.peak_rise.max(carried))));
+        }
         // At constant conditions only the temperature can make the wear rate change.
         let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
         if self.bristle.is_none() && changes {
@@ -339,17 +355,11 @@ struct Splitting {
     half_resistance: f64,
     conducts: (bool, bool),
     conductance: f64,
-    closed: [bool; 2],
+    closed: bool,
 }
 
 impl Splitting {
-    fn new(
-        punch: &StageBody,
-        strip: &StageBody,
-        strip_gain: &[[f64; 2]; 3],
-        conductance: f64,
-        closed: [bool; 2],
-    ) -> Self {
+    fn new(punch: &StageBody, strip: &StageBody, strip_gain: &[[f64; 2]; 3], conductance: f64, closed: bool) -> Self {
         let punch_gain = [punch.gain(0), punch.gain(2)];
         let strip_gain = [strip_gain[0], strip_gain[2]];
         let half_resistance = if conductance > 0.0 { 0.5 / conductance } else { 0.0 };
@@ -357,7 +367,7 @@ impl Splitting {
         for i in 0..2 {
             for j in 0..2 {
                 let own = if i == j { 2.0 * half_resistance } else { 0.0 };
-                matrix[i][j] = if closed[i] {
+                matrix[i][j] = if closed {
                     punch_gain[i][j] + strip_gain[i][j] + own
                 } else {
                     // No exchange where the contact is open: the flux into the punch is 0.
@@ -395,7 +405,7 @@ impl Splitting {
             (true, true) if self.conductance > 0.0 => {
                 let mut right = [0.0; 2];
                 for i in 0..2 {
-                    if self.closed[i] {
+                    if self.closed {
                         right[i] = self.strip_level[i] - self.punch_level[i]
                             + self.strip_gain[i][0] * heat[0]
                             + self.strip_gain[i][1] * heat[1]
@@ -421,7 +431,7 @@ impl Splitting {
                 self.punch_level[i] + self.punch_gain[i][0] * fluxes[0].0 + self.punch_gain[i][1] * fluxes[1].0;
             let mut strip =
                 self.strip_level[i] + self.strip_gain[i][0] * fluxes[0].1 + self.strip_gain[i][1] * fluxes[1].1;
-            if self.closed[i] && self.conductance > 0.0 {
+            if self.closed && self.conductance > 0.0 {
                 match self.conducts {
                     (true, false) => strip = punch + self.half_resistance * fluxes[i].0,
                     (false, true) => punch = strip + self.half_resistance * fluxes[i].1,

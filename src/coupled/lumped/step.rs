@@ -150,8 +150,7 @@ impl Stepper<'_> {
         state.bristle = stages.deflection;
         let last = &conditions[3];
         state.end_temperature = stages.temperature[1];
-        state.end_force =
-            stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
+        state.end_force = stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
         for rise in stages.temperature {
             state.peak_rise = state.peak_rise.max(rise.abs());
         }

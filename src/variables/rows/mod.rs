@@ -27,7 +27,7 @@ const LENGTH: usize = {
     length
 };
 
-const ROWS: [Row; LENGTH] = {
+static ROWS: [Row; LENGTH] = {
     let mut rows = [GROUPS[0][0]; LENGTH];
     let (mut group, mut next) = (0, 0);
     while group < GROUPS.len() {

@@ -317,7 +317,7 @@ pub const PUNCH: &[Row] = &with::<25>(
         real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
             .shown("mm")
             .within(1e-6, 10.0)
-            .start(0.055),
+            .start(0.095),
         choice("punch.top_thermal", &THERMAL_BOUNDARY, 2, "Thermal condition at the punch's top"),
         real("punch.top_temperature", &KELVIN, 300.0, "Temperature of the punch's top where it is held; 0: ambient")
             .within(0.0, 1e4),
@@ -349,7 +349,7 @@ pub const CONTACT: &[Row] = &[
     real("depth", &METRE, 1e-2, "Out-of-plane depth of both bodies (annular: arc length at the mean radius)")
         .shown("mm")
         .within(1e-6, 100.0)
-        .start(0.080),
+        .start(0.055),
     choice("contact.geometry", &GEOMETRY, 1, "Geometry of the contact"),
     real("contact.mean_radius", &METRE, 0.1, "Mean radius of the track").shown("mm").within(0.0, 1e3).start(0.1175),
     boolean("contact.shear_coupling", true, "Whether friction shear displaces the surfaces normally"),
