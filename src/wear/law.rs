@@ -29,6 +29,8 @@ pub struct WearLaw {
     pub fade: FadeTable,
     /// mu_ref.
     pub reference_friction: f64,
+    /// k times the fade factor where that is constant: the rate is this times p v for a = b = 1.
+    archard: f64,
 }
 
 impl WearLaw {
@@ -40,6 +42,7 @@ impl WearLaw {
             velocity_exponent: body.wear_velocity_exponent,
             fade: body.wear_fade,
             reference_friction,
+            archard: body.wear_coefficient * body.wear_fade.factor[0],
         }
     }
 
@@ -59,6 +62,10 @@ impl WearLaw {
     pub fn rate<S: Scalar>(&self, p: S, v: S, mu: S, t: S) -> S {
         if self.coefficient == 0.0 || p.value() <= 0.0 || v.value() == 0.0 {
             return S::from(0.0);
+        }
+        let plain = self.pressure_exponent == 1.0 && self.velocity_exponent == 1.0 && self.fade.flat;
+        if plain && mu.value() == self.reference_friction {
+            return p * v * self.archard;
         }
         let pressure = p * (1.0 / REFERENCE_PRESSURE);
         let speed = v * (1.0 / REFERENCE_VELOCITY);

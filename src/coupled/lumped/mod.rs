@@ -183,8 +183,8 @@ impl Lumped {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let Some(slopes) = slopes else {
-            let constant = self.conditions(inputs);
-            return self.piece(&|_| constant, true, step, backup);
+            let constant = [self.conditions(inputs); 4];
+            return self.piece(&|_| constant[0], Some(&constant), step, backup);
         };
         let radius = self.operators.scene.mean_radius;
         let crossings = [(inputs[0] + radius * inputs[2], slopes[0] + radius * slopes[2]), (inputs[1], slopes[1])];
@@ -213,7 +213,7 @@ impl Lumped {
                 Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
             };
             if piece[1] > piece[0] {
-                self.piece(&at, false, piece[1] - piece[0], backup)?;
+                self.piece(&at, None, piece[1] - piece[0], backup)?;
             }
         }
         Ok(())
@@ -223,17 +223,23 @@ impl Lumped {
     fn piece(
         &mut self,
         conditions: &dyn Fn(f64) -> Conditions,
-        constant: bool,
+        constant: Option<&[Conditions; 4]>,
         length: f64,
         backup: &mut Option<State>,
     ) -> Result<(), StepFailure> {
         let mut level = self.state.refinement;
         let mut part: u64 = 0;
-        let fixed = constant.then(|| [conditions(0.0); 4]);
         while part < 1_u64 << level {
             let step = length / (1_u64 << level) as f64;
             let start = part as f64 * step;
-            let at = fixed.unwrap_or_else(|| [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)));
+            let varying;
+            let at = match constant {
+                Some(constant) => constant,
+                None => {
+                    varying = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step));
+                    &varying
+                }
+            };
             if level > 0 && backup.is_none() {
                 *backup = Some(self.state.clone());
             }
@@ -246,7 +252,7 @@ impl Lumped {
                 tunables: &self.tunables,
                 propagators: &self.propagators[index],
             };
-            let attempt = stepper.attempt(&mut self.state, &at, constant);
+            let attempt = stepper.attempt(&mut self.state, at, constant.is_some());
             if attempt.error <= 1.0 {
                 self.state.steps += 1;
                 self.judge_temperature(attempt.hottest);

@@ -126,7 +126,7 @@ impl<'a> StageBody<'a> {
         if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
             propagator.advance(&mut state.heat, heat.count, &self.flux, self.active);
             for port in 0..PORTS {
-                if self.active[port] {
+                if port == 0 || self.active[port] {
                     state.received[port] +=
                         step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
                 }

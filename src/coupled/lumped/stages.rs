@@ -198,7 +198,18 @@ impl Stages {
     pub fn wear(&mut self, stepper: &Stepper) {
         let operators = stepper.operators;
         let sliding = self.slipped / stepper.propagators.step;
+        // Where nothing differs between the stages one rate serves both.
+        let same = self.pressure[0] == self.pressure[1]
+            && self.slip[0] == self.slip[1]
+            && self.faded[0] == self.faded[1]
+            && !operators.wear_follows_temperature;
         for stage in 0..2 {
+            if stage == 1 && same {
+                for rates in &mut self.rates {
+                    rates[1] = rates[0];
+                }
+                return;
+            }
             let speed = if self.bristle.is_some() { sliding } else { self.slip[stage] };
             for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&mut self.rates) {
                 rates[stage] = body.wear.rate(
@@ -229,7 +240,7 @@ impl Stages {
         let heat = (self.heat[1] - self.heat[0]).abs();
         let scale = self.flux_scale(stepper, state, punch);
         let defect = 0.5 * (split + heat);
-        if defect > 0.0 { defect / (1.5 * operators.scene.tolerance * scale) } else { 0.0 }
+        if defect > 0.0 { defect / (6.0 * operators.scene.tolerance * scale) } else { 0.0 }
     }
 
     /// Flux that errors are measured against, W/m2.
@@ -280,7 +291,7 @@ impl Stages {
         }
         let scale = self.flux_scale(stepper, state, punch);
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
-        let mut error = if defect > 0.0 { defect / (1.5 * tolerance * scale) } else { 0.0 };
+        let mut error = if defect > 0.0 { defect / (6.0 * tolerance * scale) } else { 0.0 };
         if !constant && operators.flash.is_some() {
             // The weights hold the sliding rate at its value at each stage.
             let carried = (strip_temperature - punch_temperature).abs().max(strip_temperature.abs());

@@ -60,23 +60,22 @@ impl Stepper<'_> {
         let operators = self.operators;
         let scene = &operators.scene;
         let step = self.propagators.step;
-        let at = |stage: usize| &conditions[if stage == 0 { 1 } else { 3 }];
-        let pair = |of: fn(&Conditions) -> f64| [of(at(0)), of(at(1))];
-        let ambient = pair(|c| c.ambient);
-        let forced = pair(|c| c.forced);
+        let (first, last) = (&conditions[1], &conditions[3]);
+        let ambient = [first.ambient, last.ambient];
+        let forced = [first.forced, last.forced];
         let mut punch = StageBody::new(
             &operators.punch,
             self.propagators.punch.as_ref(),
             &state.punch,
             ambient,
-            pair(|c| c.punch_far),
+            [first.punch_far, last.punch_far],
         );
         let mut strip = StageBody::new(
             &operators.strip,
             self.propagators.strip.as_ref(),
             &state.strip,
             ambient,
-            pair(|c| c.strip_far),
+            [first.strip_far, last.strip_far],
         );
         let entry = strip_entry(operators, state);
         for point in [0, 2] {
@@ -148,7 +147,6 @@ impl Stepper<'_> {
         }
         state.position += travel;
         state.bristle = stages.deflection;
-        let last = &conditions[3];
         state.end_temperature = stages.temperature[1];
         state.end_force = stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
         for rise in stages.temperature {
