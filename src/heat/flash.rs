@@ -118,7 +118,7 @@ impl Flash {
         // Slower than the whole duration, and than the contact's own diffusion time over the path, nothing changes.
         let slowest = (0.3 / duration).max(1e-6 * own);
         let fastest = (10.0 * own / tolerance).max(10.0 * slowest);
-        let count = (2.0 + (fastest / slowest).log10() * (0.25 - 0.2 * tolerance.log10())).round();
+        let count = (2.0 + (fastest / slowest).log10() * (0.25 - 0.25 * tolerance.log10())).round();
         let count = count.clamp(2.0, MAX_FLASH_STATES as f64) as usize;
         let shifts: Vec<f64> =
             (0..count).map(|i| slowest * (fastest / slowest).powf(i as f64 / (count - 1) as f64)).collect();
@@ -155,7 +155,7 @@ struct SpeedTable {
 }
 
 /// Knots of the speed table per unit of ln v.
-const KNOTS_PER_UNIT: f64 = 2.5;
+const KNOTS_PER_UNIT: f64 = 3.0;
 
 impl SpeedTable {
     fn new(source: &MovingSource, decays: &Decays) -> SpeedTable {

@@ -36,6 +36,8 @@ pub struct BodyOperators {
     pub wear: WearLaw,
     /// Mean of (r/r_m)^(1 + a) over the contact: 1 for line geometry.
     pub wear_factor: f64,
+    /// Wear rate below which errors do not count, m/s: a millionth of the nominal one.
+    pub least_wear: f64,
     /// Worn volume per worn depth under the contact, per face, m2.
     pub worn_area: f64,
     /// Depth lost at start, and at which life ends (0: never), m.
@@ -190,6 +192,13 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         far: body.far_thermal,
         far_temperature: body.far_temperature,
         initial_temperature: body.initial_temperature,
+        least_wear: 1e-6
+            * WearLaw::new(body, scene.friction_coefficient).rate(
+                scene.nominal_load / scene.contact_area(),
+                scene.nominal_velocity,
+                scene.friction_coefficient,
+                scene.ambient_temperature,
+            ),
         wear: WearLaw::new(body, scene.friction_coefficient),
         wear_factor: annular_mean(scene, 1.0 + body.wear_velocity_exponent),
         worn_area: 0.0,

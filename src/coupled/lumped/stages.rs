@@ -60,7 +60,7 @@ impl Stages {
         let loads = [first.load, last.load];
         let power = operators.power_factor;
         Stages {
-            pressure: loads.map(|load| load / operators.area),
+            pressure: if closed { loads.map(|load| load / operators.area) } else { [0.0; 2] },
             heat: [0.0; 2],
             temperature: [0.0; 2],
             faded: [stepper.friction.coefficient * stepper.friction.fade.factor[0]; 2],
@@ -75,7 +75,7 @@ impl Stages {
             slipped: 0.0,
             velocity: 0.5 * (conditions[0].velocity + conditions[3].velocity),
             stribeck: 0.5 * (first.stribeck + last.stribeck),
-            given_load: loads,
+            given_load: if closed { loads } else { [0.0; 2] },
             reference: state.reference,
         }
     }
@@ -240,7 +240,7 @@ impl Stages {
         let heat = (self.heat[1] - self.heat[0]).abs();
         let scale = self.flux_scale(stepper, state, punch);
         let defect = 0.5 * (split + heat);
-        if defect > 0.0 { defect / (6.0 * operators.scene.tolerance * scale) } else { 0.0 }
+        if defect > 0.0 { defect / (2.0 * operators.scene.tolerance * scale) } else { 0.0 }
     }
 
     /// Flux that errors are measured against, W/m2.
@@ -291,7 +291,7 @@ impl Stages {
         }
         let scale = self.flux_scale(stepper, state, punch);
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
-        let mut error = if defect > 0.0 { defect / (6.0 * tolerance * scale) } else { 0.0 };
+        let mut error = if defect > 0.0 { defect / (2.0 * tolerance * scale) } else { 0.0 };
         if !constant && operators.flash.is_some() {
             // The weights hold the sliding rate at its value at each stage.
             let carried = (strip_temperature - punch_temperature).abs().max(strip_temperature.abs());
@@ -334,7 +334,7 @@ impl Stages {
             if caliper {
                 (stages[0] * self.pressure[0] + stages[1] * self.pressure[1]).max(0.0)
             } else {
-                conditions[index].load / operators.area
+                if self.split.closed { conditions[index].load / operators.area } else { 0.0 }
             }
         };
         // Linear continuation of what the stages found to the start and to the point 2/3.
@@ -342,7 +342,7 @@ impl Stages {
         let first = rate(0, pressure(0, start), start);
         let second = rate(2, pressure(2, middle), middle);
         let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs();
-        let scale = rates[0].max(rates[1]).max(0.02 * peak);
+        let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear);
         if third > 0.0 { third / (10.0 * stepper.operators.scene.tolerance * scale) } else { 0.0 }
     }
 
