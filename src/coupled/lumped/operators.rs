@@ -74,6 +74,12 @@ pub struct Operators {
     pub tracked: bool,
     /// Friction heat flux below which errors do not count, W/m2: a millionth of the nominal one.
     pub least_flux: f64,
+    /// The step may take its plain form: see [`super::plain`].
+    pub plain: bool,
+    /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
+    pub half_resistance: f64,
+    /// Part of a closed path that the punches cover.
+    pub strip_coverage: f64,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
@@ -117,7 +123,10 @@ impl Operators {
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let fades = !scene.friction_fade.flat;
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
-        Operators {
+        let mut operators = Operators {
+            plain: false,
+            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
+            strip_coverage: scene.coverage(),
             wear_follows_temperature: follows(&punch) || follows(&strip),
             punch,
             strip,
@@ -133,7 +142,9 @@ impl Operators {
             compliance,
             series_stiffness,
             scene: scene.clone(),
-        }
+        };
+        operators.plain = super::plain::possible(&operators);
+        operators
     }
 }
 

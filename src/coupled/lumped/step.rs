@@ -143,7 +143,7 @@ impl Stepper<'_> {
         match &mut state.track {
             Some(track) if worn[1] > 0.0 => track.wear(state.position, state.position + travel, worn[1]),
             Some(_) => {}
-            None => state.strip.depth += worn[1] * scene.coverage(),
+            None => state.strip.depth += worn[1] * operators.strip_coverage,
         }
         state.position += travel;
         state.bristle = stages.deflection;
