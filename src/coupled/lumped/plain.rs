@@ -1,5 +1,5 @@
 //! The step in the regime that most drives are in, written out: both bodies conduct, dead load, constant
-//! conditions, no fade, no bristle, everything at ambient temperature but what friction has heated.
+//! conditions, a friction coefficient that does not change meanwhile, no bristle, everything at ambient temperature but what friction has heated.
 //!
 //! The same equations as [`super::stages`], whose general form costs twice as much here. Nothing is solved
 //! differently. A test runs both side by side.
@@ -22,8 +22,6 @@ pub fn possible(operators: &Operators) -> bool {
         && scene.conductance > 0.0
         && operators.series_stiffness == 0.0
         && operators.bristle().is_none()
-        && scene.friction_fade.flat
-        && !operators.wear_follows_temperature
         && !operators.punch.variable_cooling
         && (!operators.strip.variable_cooling || operators.strip.cooled_is_contact)
 }
@@ -59,7 +57,12 @@ impl Stepper<'_> {
         let punch_level = [first.0, last.0];
         let punch_gain = [punch.contact.gain[0][0], punch.contact.gain[0][2]];
         let pressure = now.load / operators.area;
-        let faded = self.friction.coefficient * self.friction.fade.factor[0];
+        let reference = state.reference;
+        let (factor, slope) = self.friction.fade.at(state.end_temperature + reference);
+        if slope != 0.0 {
+            return None;
+        }
+        let faded = self.friction.coefficient * factor;
         let heat = faded * now.stribeck * now.slip * operators.power_factor * pressure;
         let half_resistance = operators.half_resistance;
 
@@ -149,6 +152,28 @@ impl Stepper<'_> {
         if !hottest.is_finite() {
             return None;
         }
+        let rises = [0.5 * (punch_first + strip_first), 0.5 * (punch_last + strip_last)];
+        if !self.friction.fade.flat && rises.iter().any(|rise| self.friction.fade.at(rise + reference) != (factor, 0.0))
+        {
+            return None;
+        }
+        let mut rates = [[0.0; 2]; 2];
+        for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&mut rates) {
+            let rate = |rise: f64| {
+                body.wear.rate(pressure, now.slip, faded, rise + reference)
+                    * (body.wear_factor * self.tunables.wear_acceleration)
+            };
+            rates[0] = rate(rises[0]);
+            rates[1] = rates[0];
+            if operators.wear_follows_temperature {
+                rates[1] = rate(rises[1]);
+                // Twice the change bounds the third difference that the general form measures.
+                let scale = rates[0].max(rates[1]).max(0.02 * state.peak_wear).max(body.least_wear);
+                if 2.0 * (rates[1] - rates[0]).abs() > 10.0 * operators.scene.tolerance * scale {
+                    return None;
+                }
+            }
+        }
 
         let step = self.propagators.step;
         let mut fluxes = [[0.0; 2]; PORTS];
@@ -167,24 +192,21 @@ impl Stepper<'_> {
         let travel = step * now.velocity;
         state.dissipated += step * heat;
         state.distance += travel.abs();
-        let rate = [&operators.punch, &operators.strip].map(|body| {
-            body.wear.rate(pressure, now.slip, faded, 0.0) * (body.wear_factor * self.tunables.wear_acceleration)
-        });
-        state.punch.worn += step * rate[0];
-        state.punch.depth += step * rate[0];
-        state.strip.worn += step * rate[1];
+        let worn = rates.map(mean);
+        state.punch.worn += worn[0];
+        state.punch.depth += worn[0];
+        state.strip.worn += worn[1];
         match &mut state.track {
-            Some(track) if rate[1] > 0.0 => track.wear(state.position, state.position + travel, step * rate[1]),
+            Some(track) if worn[1] > 0.0 => track.wear(state.position, state.position + travel, worn[1]),
             Some(_) => {}
-            None => state.strip.depth += step * rate[1] * operators.strip_coverage,
+            None => state.strip.depth += worn[1] * operators.strip_coverage,
         }
         state.position += travel;
-        state.end_temperature = 0.5 * (punch_last + strip_last);
+        state.end_temperature = rises[1];
         state.end_force = faded * now.stribeck * now.sign * pressure * operators.per_pressure;
-        let risen = (0.5 * (punch_first + strip_first)).abs().max(state.end_temperature.abs());
-        state.peak_rise = state.peak_rise.max(risen);
+        state.peak_rise = state.peak_rise.max(rises[0].abs()).max(rises[1].abs());
         state.peak_flux = state.peak_flux.max(heat);
-        state.peak_wear = state.peak_wear.max(rate[0].max(rate[1]));
+        state.peak_wear = state.peak_wear.max(rates[0][1].max(rates[1][1]));
         Some(Attempt { error, hottest })
     }
 }
