@@ -267,6 +267,32 @@ fn cooling(all: &mut Vec<Problem>) {
         bound: 1e-5,
         reason: "the body's own Biot number, 1e-6, and the rounding of the eigenvalues",
     });
+    // The same by its sides in moving air: H = H1 (v_c/v0)^0.8, v_c = 3 m/s, v0 = 1 m/s.
+    let forced = transfer * 3.0_f64.powf(0.8);
+    all.push(Problem {
+        name: "component: body of uniform temperature in moving air".into(),
+        quantity: "mean temperature above ambient, K",
+        exact: known(100.0 * (-0.5 * forced / transfer).exp()),
+        scale: Some(100.0),
+        compute: Box::new(move || {
+            let changes = [
+                ("strip.conductivity", 0.0),
+                ("punch.conductivity", 1e5),
+                ("punch.height", 0.01),
+                ("punch.convection_forced", transfer),
+                ("punch.cooled_area", AREA),
+                ("punch.initial_temperature", 400.0),
+                ("nominal.duration", time),
+            ];
+            let mut driven = heated(&changes, 0.0)?;
+            driven.set("sliding_velocity", -1.0)?;
+            driven.set("cooling_velocity", 2.0)?;
+            driven.steps(0.01 * time, 100)?;
+            Ok(driven.get("punch.mean_temperature")? - 300.0)
+        }),
+        bound: 1e-4,
+        reason: OWN_TOLERANCE,
+    });
     // epsilon sigma (T^4 - Ta^4) = q at the surface that takes the heat; its base passes none.
     let flux = 2e4;
     let equilibrium = (flux / (0.8 * STEFAN_BOLTZMANN) + 300.0_f64.powi(4)).powf(0.25);
@@ -321,7 +347,12 @@ fn wear(all: &mut Vec<Problem>) {
         exact: known(depth),
         scale: None,
         compute: Box::new(|| {
-            let changes = [("punch.wear_pressure_exponent", 0.5), ("punch.wear_velocity_exponent", 0.3)];
+            let changes = [
+                ("punch.wear_pressure_exponent", 0.5),
+                ("punch.wear_velocity_exponent", 0.3),
+                ("punch.width", 0.055),
+                ("depth", 0.08),
+            ];
             let mut driven = Driven::new(&changes)?;
             driven.set("normal_load", 3e3)?;
             driven.set("sliding_velocity", 4.0)?;

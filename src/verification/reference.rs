@@ -144,7 +144,7 @@ mod tests {
     fn bessel_values_of_the_tables() {
         // Abramowitz, Stegun, table 9.8: exp(x) K0(x), and K0(0.1) = 2.4270690247.
         for (x, value) in
-            [(0.1, 2.427_069_024_702_016_6 * 0.1_f64.exp()), (1.0, 1.144_463_079_8), (10.0, 0.391_631_934_4)]
+            [(0.1, 2.427_069_024_702_017 * 0.1_f64.exp()), (1.0, 1.144_463_079_8), (10.0, 0.391_631_934_4)]
         {
             assert!((scaled_bessel_k0(x) / value - 1.0).abs() < 1e-9, "{x}: {}", scaled_bessel_k0(x));
         }
