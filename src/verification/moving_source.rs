@@ -36,10 +36,10 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// Means of the band on the half-plane: Jaeger (1942).
+/// Means of the band on the half-plane: Jaeger (1942), and the quadrature of his kernel.
 fn jaeger(all: &mut Vec<Problem>) {
     let quantity = "mean T k/(q l)";
-    for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986)] {
+    for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132)] {
         all.push(Problem {
             name: format!("moving band on a half-plane, Jaeger's value, Pe = {peclet}"),
             quantity,
@@ -48,6 +48,17 @@ fn jaeger(all: &mut Vec<Problem>) {
             compute: Box::new(move || Ok(unit_source(1e4, Base::Insulated).resistance(2.0 * peclet))),
             bound: 3e-5,
             reason: "five digits of the printed value",
+        });
+    }
+    for peclet in [0.03, 0.3, 3.0, 30.0, 1e3, 1e5] {
+        all.push(Problem {
+            name: format!("moving band on a half-plane, kernel quadrature, Pe = {peclet}"),
+            quantity,
+            exact: Box::new(move || Ok(band_mean(peclet, None))),
+            scale: None,
+            compute: Box::new(move || Ok(unit_source(1e4, Base::Insulated).resistance(2.0 * peclet))),
+            bound: 1e-6,
+            reason: "quadrature over the wave numbers",
         });
     }
     // Fast limit: 2/3 of (2/sqrt(pi)) Pe^(-1/2).
