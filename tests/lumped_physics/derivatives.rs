@@ -113,10 +113,6 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
             }
         }
         for (output, row) in entries.iter().enumerate() {
-            // With a slipping, damped bristle the speed that wears also follows the bristle's own rate: left out here.
-            if case % 6 == 2 && outputs[output].1 == "wear_dissipation_power" {
-                continue;
-            }
             let largest = row.iter().map(|entry| entry.1.abs()).fold(0.0, f64::max);
             // Rounding of a difference of values.
             let rounding = 1e-11 * drive.0.get(references[output]).abs();

@@ -86,6 +86,20 @@ fn a_body_worn_through_is_an_error_and_nothing_has_moved() {
 }
 
 #[test]
+fn a_body_worn_through_in_one_long_step_leaves_nothing_moved() {
+    for body in ["punch", "strip"] {
+        let mut long = Drive::stock(&[(&format!("{body}.wear_coefficient"), 1e-9)]);
+        long.set("normal_load", 5e3).set("sliding_velocity", 10.0);
+        let mut before = Snapshot::default();
+        long.0.snapshot(&mut before);
+        assert!(long.0.step(1e6).is_err());
+        let mut after = Snapshot::default();
+        long.0.snapshot(&mut after);
+        assert_eq!(before, after, "{body}");
+    }
+}
+
+#[test]
 fn friction_may_be_tuned_and_wear_follows_its_shear() {
     let mut drive = Drive::stock(&[("punch.wear_pressure_exponent", 0.7), ("strip.wear_coefficient", 0.0)]);
     drive.set("normal_load", 5e3).set("sliding_velocity", 10.0).step(1.0);
