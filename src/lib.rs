@@ -16,4 +16,5 @@ pub mod scene;
 pub mod slot;
 pub mod steady;
 pub mod variables;
+pub mod verification;
 pub mod wear;

@@ -8,6 +8,7 @@ mod run;
 mod scenes;
 mod tables;
 mod test;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -28,6 +29,7 @@ enum Command {
     Test(test::Arguments),
     Bench(bench::Arguments),
     Tables(tables::Arguments),
+    Verify(verify::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -37,6 +39,7 @@ fn main() -> ExitCode {
         Command::Test(arguments) => test::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
+        Command::Verify(arguments) => verify::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

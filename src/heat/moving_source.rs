@@ -114,6 +114,12 @@ impl MovingSource {
         let density = 2.0 * a / PI;
         // Slow modes in geometric panels: fast sliding concentrates what they carry at small q.
         let (mut from, first) = (1e-8 / a, 0.5 * PI / a);
+        // Below: Z grows like q^(-1/2) until the layer's height is felt, so the slowest part of the integral is
+        // worth the square root of its length. q = from y^2 makes it smooth.
+        for (node, weight) in GAUSS {
+            let y = 0.5 * (1.0 + node);
+            self.push(from * y * y, density * from * y * weight, 0.0);
+        }
         let ratio = 2.5;
         while from < first {
             let to = (from * ratio).min(first);

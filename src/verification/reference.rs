@@ -1,0 +1,178 @@
+//! Exact and independently converged values: quadratures and sums that share no code with the model.
+
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+/// exp(x) K0(x), x > 0, from K0(x) = integral_0^inf exp(-x cosh t) dt. The trapezoidal rule converges
+/// geometrically on this integrand; accurate to rounding.
+pub fn scaled_bessel_k0(x: f64) -> f64 {
+    let step = (0.5 / x.sqrt()).min(0.2);
+    let mut sum = 0.5;
+    let mut index = 1.0;
+    loop {
+        let exponent = x * ((index * step).cosh() - 1.0);
+        if exponent > 45.0 {
+            return step * sum;
+        }
+        sum += (-exponent).exp();
+        index += 1.0;
+    }
+}
+
+/// Integral of `f` over (0, length) by the double-exponential rule, which takes singularities at 0 and
+/// structure near it on any scale. `f` receives the distance from 0 without cancellation.
+pub fn integral_from_singularity(length: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let step = 1.0 / 48.0;
+    let sum: f64 = (-200..=200)
+        .map(|index| {
+            let t = f64::from(index) * step;
+            let below = (-PI * t.sinh()).exp();
+            let part = 1.0 / (1.0 + below);
+            // d part/dt = pi cosh(t) part (1 - part).
+            PI * t.cosh() * part * (below * part) * f(length * part)
+        })
+        .sum();
+    length * step * sum
+}
+
+/// Thermal condition under a layer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum LayerBase {
+    /// Temperature held: images of alternating sign.
+    Held,
+    /// No heat passes: images of equal sign.
+    Insulated,
+}
+
+/// Mean over the band of the quasi-steady temperature of a uniform band source of half-width l, T k/(q l).
+///
+/// The temperature is the convolution of the flux with the moving line source (Carslaw, Jaeger,
+/// "Conduction of Heat in Solids", 10.7), on a layer with its images at the depths 2 n h,
+///
+/// ```text
+/// T(x) = (q/(pi k)) sum_n sigma_n integral exp(-V (x - s)/(2 kd)) K0(V r_n/(2 kd)) ds,  r_n^2 = (x - s)^2 + (2 n h)^2
+/// ```
+///
+/// and its mean over the band, with lengths in l and Pe = V l/(2 kd),
+///
+/// ```text
+/// (1/pi) integral_0^2 (2 - d) cosh(Pe d) sum_n sigma_n K0(Pe sqrt(d^2 + 4 n^2 h^2)) dd.
+/// ```
+///
+/// `layer`: height over l and base; without it the half-plane.
+pub fn band_mean(peclet: f64, layer: Option<(f64, LayerBase)>) -> f64 {
+    let image = |d: f64, distance: f64| {
+        0.5 * (1.0 + (-2.0 * peclet * d).exp()) * (peclet * (d - distance)).exp() * scaled_bessel_k0(peclet * distance)
+    };
+    integral_from_singularity(2.0, |d| {
+        let mut sum = image(d, d);
+        if let Some((height, base)) = layer {
+            let mut index = 1.0;
+            loop {
+                let term = 2.0 * image(d, d.hypot(2.0 * index * height));
+                let odd = index % 2.0 == 1.0;
+                sum += if base == LayerBase::Held && odd { -term } else { term };
+                if term < 1e-15 * sum.abs() {
+                    break;
+                }
+                index += 1.0;
+            }
+        }
+        (2.0 - d) * sum
+    }) / PI
+}
+
+/// A closed path round a layer.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct ClosedPath {
+    /// Length of the path, m.
+    pub length: f64,
+    /// Half-length a of the source, m.
+    pub half_length: f64,
+    /// Height of the layer, m.
+    pub height: f64,
+    /// W/(m K).
+    pub conductivity: f64,
+    /// m2/s.
+    pub diffusivity: f64,
+    /// Condition under the layer.
+    pub base: LayerBase,
+}
+
+impl ClosedPath {
+    /// Quasi-steady mean temperature over the source per flux without the mean mode, K m2/W, at
+    /// `velocity` (m/s): the plain sum over `harmonics` wave numbers q = 2 pi n/L of
+    /// (4 a/L) (sin(q a)/(q a))^2 Re [tanh or coth(kappa h)/(K kappa)], kappa^2 = q^2 + i q v/kd. What is
+    /// left off falls with the square of the number of harmonics.
+    pub fn steady_mean(&self, velocity: f64, harmonics: u32) -> f64 {
+        let a = self.half_length;
+        (1..=harmonics)
+            .map(|n| {
+                let q = 2.0 * PI * f64::from(n) / self.length;
+                let kappa = Complex::new(q * q, q * velocity / self.diffusivity).sqrt();
+                let decay = (-2.0 * self.height * kappa).exp();
+                let ratio = match self.base {
+                    LayerBase::Held => (1.0 - decay) / (1.0 + decay),
+                    LayerBase::Insulated => (1.0 + decay) / (1.0 - decay),
+                };
+                let weight = 4.0 * a / self.length * ((q * a).sin() / (q * a)).powi(2);
+                weight * (ratio / (kappa * self.conductivity)).re
+            })
+            .sum()
+    }
+}
+
+/// Smallest root x in (low, high) of an increasing function, by bisection to rounding.
+pub fn root(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (low, high);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if f(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bessel_values_of_the_tables() {
+        // Abramowitz, Stegun, table 9.8: exp(x) K0(x), and K0(0.1) = 2.4270690247.
+        for (x, value) in
+            [(0.1, 2.427_069_024_702_017 * 0.1_f64.exp()), (1.0, 1.144_463_079_8), (10.0, 0.391_631_934_4)]
+        {
+            assert!((scaled_bessel_k0(x) / value - 1.0).abs() < 1e-9, "{x}: {}", scaled_bessel_k0(x));
+        }
+        // Limits: -ln(x/2) - gamma, and sqrt(pi/(2 x)).
+        let small = scaled_bessel_k0(1e-8) + (0.5e-8_f64).ln() + 0.577_215_664_901_532_9;
+        assert!(small.abs() < 1e-6, "{small}");
+        let large = scaled_bessel_k0(1e7) / (PI / 2e7).sqrt() - 1.0;
+        assert!(large.abs() < 1e-7, "{large}");
+    }
+
+    #[test]
+    fn singular_integrals_in_closed_form() {
+        assert!((integral_from_singularity(2.0, |x| -(0.5 * x).ln()) - 2.0).abs() < 1e-12);
+        assert!((integral_from_singularity(3.0, |x| x.sqrt().recip()) - 2.0 * 3.0_f64.sqrt()).abs() < 1e-11);
+        assert!((integral_from_singularity(1.0, |x| x / (x * x + 1e-8)) - 0.5 * (1.0 + 1e8_f64).ln()).abs() < 1e-9);
+    }
+
+    #[test]
+    fn band_means_of_jaeger() {
+        for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132)] {
+            assert!((band_mean(peclet, None) - mean).abs() < 5e-5, "{peclet}: {}", band_mean(peclet, None));
+        }
+    }
+
+    #[test]
+    fn a_thin_held_layer_conducts_straight_down() {
+        // T = q h/k on slow bands over thin layers, up to the ends, which lose O(h/l).
+        let mean = band_mean(1e-3, Some((1e-2, LayerBase::Held)));
+        assert!((mean / 1e-2 - 1.0).abs() < 1e-2, "{mean}");
+    }
+}

@@ -1,0 +1,134 @@
+//! Limits, life, parameters that may change during a run, and bodies worn through.
+
+use super::drive::{Drive, reference};
+use sliding_contact::component::Snapshot;
+
+#[test]
+fn life_and_the_wear_limit() {
+    let mut drive =
+        Drive::stock(&[("punch.wear_limit", 1e-5), ("punch.initial_wear", 2e-6), ("strip.wear_limit", 1.0)]);
+    assert!((drive.get("remaining_life") - 0.8).abs() < 1e-12);
+    drive.set("normal_load", 5e3).set("sliding_velocity", 10.0);
+    let rate = 2e-14 * 5e3 / drive.area() * 10.0;
+    let half = 4e-6 / rate;
+    drive.step(half);
+    assert!((drive.get("remaining_life") - 0.4).abs() < 1e-9, "{}", drive.get("remaining_life"));
+    assert_eq!(drive.get("limit_reached"), 0.0);
+    drive.step(1.01 * half);
+    assert_eq!((drive.get("remaining_life"), drive.get("limit_reached")), (0.0, 1.0));
+    let count = |drive: &mut Drive| drive.0.messages().filter(|m| m.text.contains("wear limit")).count();
+    assert_eq!(count(&mut drive), 1);
+    drive.step(1.0);
+    assert_eq!(count(&mut drive), 0);
+    // Worn depth counts from 0, not from the initial wear.
+    assert!((drive.get("wear_depth_punch") / (rate * (2.01 * half + 1.0)) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_temperature_limit_stays_reached() {
+    let mut drive = Drive::stock(&[("contact.temperature_limit", 350.0)]);
+    drive.set("normal_load", 5e3).set("sliding_velocity", 10.0);
+    let mut crossed = 0.0;
+    for _ in 0..100 {
+        let flag = drive.get("limit_reached");
+        assert_eq!(flag == 2.0, crossed > 350.0, "{flag} {crossed}");
+        drive.step(0.05);
+        crossed = drive.get("contact_temperature_max").max(crossed);
+    }
+    assert!(crossed > 350.0);
+    drive.set("sliding_velocity", 0.0);
+    for _ in 0..100 {
+        drive.step(100.0);
+    }
+    assert!(drive.get("contact_temperature_max") < 320.0);
+    assert_eq!(drive.get("limit_reached"), 2.0);
+}
+
+#[test]
+fn far_from_nominal_is_outside_the_validity() {
+    let mut drive = Drive::stock(&[("nominal.load", 5e3), ("nominal.velocity", 10.0)]);
+    drive.set("normal_load", 49e3).set("sliding_velocity", 0.1).step(0.1);
+    assert_eq!(drive.get("limit_reached"), 0.0);
+    drive.set("normal_load", 51e3).step(0.1);
+    assert_eq!(drive.get("limit_reached"), 4.0);
+}
+
+#[test]
+fn a_body_worn_through_is_an_error_and_nothing_has_moved() {
+    for body in ["punch", "strip"] {
+        let mut drive = Drive::stock(&[
+            (&format!("{body}.wear_coefficient"), 1e-9),
+            (&format!("{body}.initial_wear"), 0.005),
+            ("contact.friction_coefficient", 0.01),
+        ]);
+        drive.set("normal_load", 5e3).set("sliding_velocity", 10.0);
+        let mut failure = None;
+        for _ in 0..10_000 {
+            let mut before = Snapshot::default();
+            drive.0.snapshot(&mut before);
+            if let Err(text) = drive.0.step(0.1) {
+                let mut after = Snapshot::default();
+                drive.0.snapshot(&mut after);
+                assert_eq!(before, after);
+                failure = Some(text);
+                break;
+            }
+        }
+        let text = failure.expect("worn through after some seconds");
+        assert!(
+            text.contains(&format!("{body} is worn through")) && text.contains(&format!("{body}.height")),
+            "{text}"
+        );
+        // A step that is short enough still succeeds, and leaves the validity behind.
+        drive.step(1e-6);
+        assert_eq!(drive.get("limit_reached") as i32 & 4, 4);
+    }
+}
+
+#[test]
+fn a_body_worn_through_in_one_long_step_leaves_nothing_moved() {
+    for body in ["punch", "strip"] {
+        let mut long = Drive::stock(&[(&format!("{body}.wear_coefficient"), 1e-9)]);
+        long.set("normal_load", 5e3).set("sliding_velocity", 10.0);
+        let mut before = Snapshot::default();
+        long.0.snapshot(&mut before);
+        assert!(long.0.step(1e6).is_err());
+        let mut after = Snapshot::default();
+        long.0.snapshot(&mut after);
+        assert_eq!(before, after, "{body}");
+    }
+}
+
+#[test]
+fn friction_may_be_tuned_and_wear_follows_its_shear() {
+    let mut drive = Drive::stock(&[("punch.wear_pressure_exponent", 0.7), ("strip.wear_coefficient", 0.0)]);
+    drive.set("normal_load", 5e3).set("sliding_velocity", 10.0).step(1.0);
+    let first = drive.get("wear_volume_punch");
+    assert!((drive.get("friction_force") - 2.0 * 0.4 * 5e3).abs() < 1e-9);
+    drive.0.set_parameter(reference("contact.friction_coefficient"), 0.3);
+    assert!((drive.get("friction_force") - 2.0 * 0.3 * 5e3).abs() < 1e-9);
+    drive.step(1.0);
+    let second = drive.get("wear_volume_punch") - first;
+    // mu_ref stays what it was when initialisation ended.
+    assert!((second / first - 0.75_f64.powf(0.7)).abs() < 1e-9, "{}", second / first);
+    assert!((drive.get("dissipated_energy") / (2.0 * 5e3 * 10.0 * 0.7) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn wear_acceleration_multiplies_wear_only() {
+    let run = |acceleration: f64| {
+        let mut drive = Drive::stock(&[]);
+        drive.0.set_parameter(reference("wear_acceleration"), acceleration);
+        drive.set("normal_load", 5e3).set("sliding_velocity", 10.0);
+        for _ in 0..10 {
+            drive.step(1.0);
+        }
+        ["wear_depth", "wear_volume_strip", "sliding_distance", "dissipated_energy", "contact_temperature"]
+            .map(|name| drive.get(name))
+    };
+    let (plain, fast) = (run(1.0), run(50.0));
+    for index in 0..2 {
+        assert!((fast[index] / plain[index] - 50.0).abs() < 1e-9);
+    }
+    assert_eq!(plain[2..], fast[2..]);
+}

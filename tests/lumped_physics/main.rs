@@ -1,0 +1,14 @@
+//! The physics of the lumped level through the component alone: steps, balances, geometry, standstill,
+//! derivatives and limits, against closed forms, fine steps and brute force.
+
+// The example scenes are files.
+#![cfg(feature = "scene-file")]
+
+mod balance;
+mod derivatives;
+mod drive;
+mod geometry;
+mod limits;
+mod standstill;
+mod steps;
+mod stroke;
