@@ -205,6 +205,10 @@ impl Component {
                             self.values[index] = value;
                         }
                     }
+                    // The step and the held states agree to the tolerance of the step's own iteration.
+                    let mean = value!(self.values, "contact_temperature");
+                    let highest = &mut value!(self.values, "contact_temperature_max");
+                    *highest = highest.max(mean);
                     self.current |= group::MAIN | group::CONTACT;
                 }
                 group::ACCOUNT => model.write_account(&mut self.values),

@@ -31,11 +31,14 @@ pub struct WearLaw {
     pub reference_friction: f64,
     /// k times the fade factor where that is constant: the rate is this times p v for a = b = 1.
     archard: f64,
+    /// k at the hottest: with the largest factors of both tables.
+    highest_coefficient: f64,
 }
 
 impl WearLaw {
     /// The law of `body`, with the friction coefficient its k was given at.
-    pub fn new(body: &Body, reference_friction: f64) -> WearLaw {
+    pub fn new(body: &Body, reference_friction: f64, friction_fade: &FadeTable) -> WearLaw {
+        let largest = |table: &FadeTable| table.factor.iter().copied().fold(0.0, f64::max);
         WearLaw {
             coefficient: body.wear_coefficient,
             pressure_exponent: body.wear_pressure_exponent,
@@ -43,6 +46,9 @@ impl WearLaw {
             fade: body.wear_fade,
             reference_friction,
             archard: body.wear_coefficient * body.wear_fade.factor[0],
+            highest_coefficient: body.wear_coefficient
+                * largest(&body.wear_fade)
+                * largest(friction_fade).max(1.0).powf(body.wear_pressure_exponent),
         }
     }
 
@@ -54,6 +60,15 @@ impl WearLaw {
     /// Whether the rate depends on the temperature, through its own table or through mu.
     pub fn follows_temperature(&self, friction_fades: bool) -> bool {
         !self.fade.flat || friction_fades
+    }
+
+    /// Depth rate (m/s) that no temperature exceeds, at pressure `p` (Pa) and speed `v` (m/s).
+    pub fn highest_rate(&self, p: f64, v: f64) -> f64 {
+        self.highest_coefficient
+            * REFERENCE_PRESSURE
+            * REFERENCE_VELOCITY
+            * (p / REFERENCE_PRESSURE).powf(self.pressure_exponent)
+            * (v / REFERENCE_VELOCITY).powf(self.velocity_exponent)
     }
 
     /// Depth rate dw/dt (m/s) at pressure `p` (Pa, >= 0), speed `v` = |v| (m/s), friction coefficient

@@ -176,7 +176,7 @@ impl Lumped {
         step: f64,
         backup: &mut Option<State>,
     ) -> Result<(), StepFailure> {
-        if self.near_end_of_body() {
+        if self.near_end_of_body(inputs, slopes, step) {
             *backup = Some(self.state.clone());
         }
         let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
@@ -230,6 +230,10 @@ impl Lumped {
     ) -> Result<(), StepFailure> {
         let mut level = self.state.refinement;
         let mut part: u64 = 0;
+        let ends = match constant {
+            Some(_) => None,
+            None => Some([conditions(0.0), conditions(length)]),
+        };
         while part < 1_u64 << level {
             let step = length / (1_u64 << level) as f64;
             let start = part as f64 * step;
@@ -248,6 +252,8 @@ impl Lumped {
             self.flash.prepare(&self.operators, at.map(|conditions| conditions.velocity.abs()), step);
             let mut stepper = Stepper {
                 flash: &mut self.flash,
+                cut: (1_u64 << level) as f64,
+                ends,
                 operators: &self.operators,
                 friction: &self.friction,
                 tunables: &self.tunables,
@@ -299,11 +305,25 @@ impl Lumped {
         index
     }
 
-    fn near_end_of_body(&self) -> bool {
-        let scene = &self.operators.scene;
-        let worn = |depth: f64, initial: f64, height: f64| depth + initial > 0.9 * height;
-        worn(self.state.punch.depth, scene.punch.initial_wear, scene.punch.height)
-            || worn(self.state.strip.depth, scene.strip.initial_wear, scene.strip.height)
+    /// Whether the step could wear a body through: only then is the state before it kept.
+    fn near_end_of_body(&self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> bool {
+        let operators = &self.operators;
+        let scene = &operators.scene;
+        let largest = |index: usize| {
+            let change = slopes.map_or(0.0, |slopes| slopes[index] * step);
+            inputs[index].abs().max((inputs[index] + change).abs())
+        };
+        let speed = largest(0) + scene.mean_radius * largest(2);
+        // Behind a caliper the load may rise above what the actuator gives.
+        let caliper = operators.series_stiffness > 0.0;
+        let worn = |depth: f64, initial: f64, height: f64, body: &operators::BodyOperators| {
+            let rate = body.wear.highest_rate(largest(1) / operators.area, speed)
+                * (body.wear_factor * self.tunables.wear_acceleration);
+            depth + initial + step * rate > 0.9 * height
+        };
+        caliper
+            || worn(self.state.punch.depth, scene.punch.initial_wear, scene.punch.height, &operators.punch)
+            || worn(self.state.strip.depth, scene.strip.initial_wear, scene.strip.height, &operators.strip)
     }
 
     fn judge_temperature(&mut self, hottest: f64) {

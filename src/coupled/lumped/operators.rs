@@ -204,13 +204,13 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         far_temperature: body.far_temperature,
         initial_temperature: body.initial_temperature,
         least_wear: 1e-6
-            * WearLaw::new(body, scene.friction_coefficient).rate(
+            * WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade).rate(
                 scene.nominal_load / scene.contact_area(),
                 scene.nominal_velocity,
                 scene.friction_coefficient,
                 scene.ambient_temperature,
             ),
-        wear: WearLaw::new(body, scene.friction_coefficient),
+        wear: WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade),
         wear_factor: annular_mean(scene, 1.0 + body.wear_velocity_exponent),
         worn_area: 0.0,
         initial_wear: body.initial_wear,

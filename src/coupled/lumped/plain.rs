@@ -112,7 +112,7 @@ impl Stepper<'_> {
                 .max(operators.least_flux);
             let defect = 0.5 * (into_punch[1] - into_punch[0]).abs();
             error = defect / (2.0 * operators.scene.tolerance * scale);
-            if !(error <= 1.0) {
+            if error.is_nan() || error > 1.0 {
                 // The bound is not enough: the residual of the contact conditions at the point 2/3 decides.
                 self.flash.prepare_middle(operators);
                 let middle = observed(1);
@@ -133,13 +133,13 @@ impl Stepper<'_> {
                 let jump = punch_middle - strip_middle - half_resistance * between;
                 let resistance = 2.0 * half_resistance + own[0] + own[1] + gain[0] + gain[1];
                 error = jump.abs() / (resistance * 2.0 * operators.scene.tolerance * scale);
-                if !(error <= 1.0) {
+                if error.is_nan() || error > 1.0 {
                     return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
                 }
             }
         }
         let enough = 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise);
-        if cools && !(breathe(&mut air, into_strip) <= enough) {
+        if cools && breathe(&mut air, into_strip) > enough {
             return None;
         }
         let temperature = |i: usize| {

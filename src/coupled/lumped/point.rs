@@ -127,11 +127,14 @@ fn held_cooling<S: Scalar>(
     reference: f64,
     conditions: &Conditions<S>,
     far: S,
+    into: S,
 ) -> S {
     if !body.variable_cooling {
         return S::from(0.0);
     }
-    let level = prescribed(&heat.cooled_temperature, conditions.ambient, far) + S::from(frozen.cooled);
+    let level = prescribed(&heat.cooled_temperature, conditions.ambient, far)
+        + into * heat.cooled_temperature.direct[Port::Contact as usize]
+        + S::from(frozen.cooled);
     let own = heat.cooled_temperature.direct[Port::Cooling as usize];
     let mut t = level;
     // The remainder is tiny against the resistance of the air: the iteration contracts by their ratio.
@@ -161,7 +164,7 @@ pub fn evaluate<S: Scalar>(
     let closed = pressure.value() > 0.0;
     let body = |operators: &BodyOperators, frozen: &FrozenBody, extra: f64, far: S| match &operators.heat {
         Some(heat) => {
-            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far);
+            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far, S::from(0.0));
             let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
                 + cooling * heat.contact_temperature.direct[Port::Cooling as usize]
                 + S::from(frozen.contact + extra);
@@ -211,29 +214,30 @@ pub fn evaluate<S: Scalar>(
     let mut wearing_speed = conditions.slip;
     if let Some(bristle) = bristle {
         let (held, slips) = bristle.force(state.bristle, conditions.velocity.value(), kinetic.value());
-        let rate = bristle.rate(state.bristle, conditions.velocity.value(), kinetic.value());
         let v = conditions.velocity;
-        if slips {
-            force = kinetic * held.signum();
-            wearing_speed = (v - S::from(rate)).abs();
+        force = if slips {
+            kinetic * held.signum()
         } else {
-            force = S::from(bristle.stiffness * state.bristle) + v * bristle.damping;
-            wearing_speed = S::from(0.0);
-        }
-        // Heat: the slider's work and the damper's.
-        let deflecting = if slips {
-            if bristle.damping > 0.0 {
-                (force - S::from(bristle.stiffness * state.bristle)) * (1.0 / bristle.damping)
-            } else {
-                S::from(0.0)
-            }
-        } else {
-            v
+            S::from(bristle.stiffness * state.bristle) + v * bristle.damping
         };
+        let deflecting = match (slips, bristle.damping > 0.0) {
+            (true, true) => (force - S::from(bristle.stiffness * state.bristle)) * (1.0 / bristle.damping),
+            (true, false) => S::from(0.0),
+            (false, _) => v,
+        };
+        wearing_speed = if slips { (v - deflecting).abs() } else { S::from(0.0) };
+        // Heat: the slider's work and the damper's.
         let power = force * v - deflecting * (bristle.stiffness * state.bristle);
         flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
     }
     let split = solve(flux);
+    // The cooled surface feels the contact's heat; what that changes at the contact is far below rounding of the rest.
+    let recool = |operators: &BodyOperators, frozen: &FrozenBody, before: S, far: S, into: S| match &operators.heat {
+        Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
+        None => before,
+    };
+    let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, split.punch);
+    let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, split.strip);
     let contact_temperature = mean(&split);
     let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: S, far: S| match &body.heat {
         Some(heat) => {

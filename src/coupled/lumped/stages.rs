@@ -291,7 +291,8 @@ impl Stages {
         }
         let scale = self.flux_scale(stepper, state, punch);
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
-        let mut error = if defect > 0.0 { defect / (2.0 * tolerance * scale) } else { 0.0 };
+        let mut error =
+            if defect > 0.0 { defect / (if constant { 2.0 } else { 1.0 } * tolerance * scale) } else { 0.0 };
         if !constant && operators.flash.is_some() {
             // The weights hold the sliding rate at its value at each stage.
             let carried = (strip_temperature - punch_temperature).abs().max(strip_temperature.abs());
@@ -342,8 +343,17 @@ impl Stages {
         let first = rate(0, pressure(0, start), start);
         let second = rate(2, pressure(2, middle), middle);
         let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs();
-        let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear);
-        if third > 0.0 { third / (10.0 * stepper.operators.scene.tolerance * scale) } else { 0.0 }
+        // Near standstill a rate like |v|^a, a < 1, is no polynomial at any step; what it adds there is little
+        // beside the wear of the whole piece.
+        let whole = stepper.ends.as_ref().map_or(0.0, |ends| {
+            let load = ends[0].load.max(ends[1].load);
+            let slip = ends[0].slip.max(ends[1].slip);
+            0.1 * stepper.cut
+                * body.wear.rate(load / operators.area, slip, self.faded[1], self.temperature[1] + self.reference)
+                * (body.wear_factor * stepper.tunables.wear_acceleration)
+        });
+        let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear).max(whole);
+        if third > 0.0 { third / (5.0 * stepper.operators.scene.tolerance * scale) } else { 0.0 }
     }
 
     /// Highest surface temperature at the end of the step, K above the reference.

@@ -48,6 +48,11 @@ pub struct Stepper<'a> {
     pub friction: &'a FrictionLaw,
     pub tunables: &'a Tunables,
     pub propagators: &'a Propagators,
+    /// Number of parts that the piece without events is cut into, and the conditions at its ends where they
+    /// change: what a part's error of wear is measured against.
+    pub cut: f64,
+    /// See `cut`.
+    pub ends: Option<[Conditions; 2]>,
     /// The moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
 }
