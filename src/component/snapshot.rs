@@ -205,6 +205,8 @@ impl State {
         out.extend([self.position, self.distance, self.dissipated, self.bristle]);
         out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
         out.extend([self.end_temperature, self.end_force]);
+        out.extend(self.far_start);
+        out.extend(self.far);
         out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
         if let Some(track) = &self.track {
             out.push(1.0);
@@ -236,6 +238,9 @@ impl State {
         state.error = next()?;
         state.end_temperature = next()?;
         state.end_force = next()?;
+        for slot in state.far_start.iter_mut().chain(&mut state.far) {
+            *slot = next()?;
+        }
         state.limits = next()? as u8;
         state.refinement = next()? as u8;
         state.steps = next()? as u64;

@@ -516,6 +516,9 @@ impl<'a> Basis<'a> {
             }
         }
         body.close_balance();
+        // Heat of the stationary field that the states do not hold: it enters and leaves with the base temperature
+        // itself, through the base, so it is no part of the flow that the balance closes.
+        body.stored.direct[base] = areal * body.mean_temperature.direct[base];
         body
     }
 }

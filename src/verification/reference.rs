@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn a_thin_held_layer_conducts_straight_down() {
         // T = q h/k on slow bands over thin layers, up to the ends, which lose O(h/l).
-        let mean = band_mean(1e-3, Some((1e-2, LayerBase::Held)));
-        assert!((mean / 1e-2 - 1.0).abs() < 1e-2, "{mean}");
+        let mean = band_mean(1e-1, Some((1e-1, LayerBase::Held)));
+        assert!((mean / 1e-1 - 1.0).abs() < 5e-2, "{mean}");
     }
 }

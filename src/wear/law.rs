@@ -64,6 +64,9 @@ impl WearLaw {
 
     /// Depth rate (m/s) that no temperature exceeds, at pressure `p` (Pa) and speed `v` (m/s).
     pub fn highest_rate(&self, p: f64, v: f64) -> f64 {
+        if self.pressure_exponent == 1.0 && self.velocity_exponent == 1.0 {
+            return self.highest_coefficient * p * v;
+        }
         self.highest_coefficient
             * REFERENCE_PRESSURE
             * REFERENCE_VELOCITY

@@ -45,6 +45,9 @@ const HIGHEST_VALID_WEAR: f64 = 0.5;
 /// Finest subdivision of a communication step: 2^-40 of it.
 const FINEST: u8 = 40;
 
+/// Most attempts for one piece of a communication step: a step always ends.
+const MOST_ATTEMPTS: u32 = 200_000;
+
 /// Step sizes whose weights are kept.
 const KEPT_STEPS: usize = 12;
 
@@ -72,10 +75,12 @@ impl Lumped {
     /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
     pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
         let ambient = tunables.ambient_temperature + Inputs::from_array(*inputs).ambient_temperature_offset;
-        let state = State::new(&operators, ambient);
+        let mut state = State::new(&operators, ambient);
         let mut friction = operators.friction.clone();
         friction.coefficient = tunables.friction_coefficient;
         let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &Inputs::from_array(*inputs)));
+        state.far_start = [known.1.punch_far, known.1.strip_far];
+        state.far = state.far_start;
         Lumped {
             frozen: Frozen::default(),
             frozen_is_current: false,
@@ -230,11 +235,21 @@ impl Lumped {
     ) -> Result<(), StepFailure> {
         let mut level = self.state.refinement;
         let mut part: u64 = 0;
+        let mut attempts = 0;
         let ends = match constant {
             Some(_) => None,
             None => Some([conditions(0.0), conditions(length)]),
         };
         while part < 1_u64 << level {
+            attempts += 1;
+            if attempts > MOST_ATTEMPTS {
+                let [start, end] = [conditions(0.0), conditions(length)];
+                return Err(StepFailure(format!(
+                    "a communication step of {length} s needs more than {MOST_ATTEMPTS} internal steps at solver.tolerance = {}; \
+                     sliding velocity {} to {} m/s, normal load {} to {} N",
+                    self.operators.scene.tolerance, start.velocity, end.velocity, start.load, end.load
+                )));
+            }
             let step = length / (1_u64 << level) as f64;
             let start = part as f64 * step;
             let varying;

@@ -266,6 +266,11 @@ impl Lumped {
             ambient += heat.ambient_flow.direct[port] * state.received[port];
             far += heat.base_flow.direct[port] * state.received[port];
         }
+        // What the stationary field of the far face holds beyond the states came and went through that face.
+        let side = usize::from(!std::ptr::eq(body, &self.operators.punch));
+        let beyond = heat.stored.direct[3] * (self.state.far[side] - self.state.far_start[side]);
+        stored += beyond;
+        far -= beyond;
         // The flux into the cooled surface is heat from the air.
         account.ambient = (ambient - state.received[1]) * all;
         account.far = far * all;

@@ -31,7 +31,8 @@ impl Stepper<'_> {
     #[inline]
     pub fn plain(&mut self, state: &mut State, now: &Conditions) -> Option<Attempt> {
         let operators = self.operators;
-        if !operators.plain || now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0 {
+        // Steps cut small ask for cooling solved finer than two passes give.
+        if !operators.plain || self.cut > 8.0 || now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0 {
             return None;
         }
         let (punch, strip) = (self.propagators.punch.as_ref()?, self.propagators.strip.as_ref()?);
@@ -66,7 +67,7 @@ impl Stepper<'_> {
         let heat = faded * now.stribeck * now.slip * operators.power_factor * pressure;
         let half_resistance = operators.half_resistance;
 
-        // Cooling of the strip's surface, first without the contact's heat, then with it.
+        // Cooling of the strip's surface, first with a guess of the contact's heat, then with what it is.
         let mut air = [0.0; 2];
         let cools = operators.strip.variable_cooling;
         let breathe = |air: &mut [f64; 2], into: [f64; 2]| {
@@ -84,7 +85,8 @@ impl Stepper<'_> {
             change
         };
         if cools {
-            breathe(&mut air, [0.0; 2]);
+            // Nearly all of the heat enters the better conductor.
+            breathe(&mut air, [heat; 2]);
         }
         let mut strip_level = [0.0; 2];
         for i in 0..2 {
@@ -202,6 +204,7 @@ impl Stepper<'_> {
             None => state.strip.depth += worn[1] * operators.strip_coverage,
         }
         state.position += travel;
+        state.far = [0.0; 2];
         state.end_temperature = rises[1];
         state.end_force = faded * now.stribeck * now.sign * pressure * operators.per_pressure;
         state.peak_rise = state.peak_rise.max(rises[0].abs()).max(rises[1].abs());

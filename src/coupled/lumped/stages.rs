@@ -292,7 +292,7 @@ impl Stages {
         let scale = self.flux_scale(stepper, state, punch);
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
         let mut error =
-            if defect > 0.0 { defect / (if constant { 2.0 } else { 1.0 } * tolerance * scale) } else { 0.0 };
+            if defect > 0.0 { defect / (if constant { 2.0 } else { 0.5 } * tolerance * scale) } else { 0.0 };
         if !constant && operators.flash.is_some() {
             // The weights hold the sliding rate at its value at each stage.
             let carried = (strip_temperature - punch_temperature).abs().max(strip_temperature.abs());

@@ -35,6 +35,9 @@ pub struct State {
     pub dissipated: f64,
     /// Bristle deflection, m.
     pub bristle: f64,
+    /// Prescribed temperatures of the far faces (punch, strip) at initialisation and now, K above the reference.
+    pub far_start: [f64; 2],
+    pub far: [f64; 2],
     /// Largest temperature rise at the contact so far, K.
     pub peak_rise: f64,
     /// Largest friction heat flux so far, W/m2.
@@ -94,6 +97,8 @@ impl State {
             distance: 0.0,
             dissipated: 0.0,
             bristle: 0.0,
+            far_start: [0.0; 2],
+            far: [0.0; 2],
             peak_rise: 0.0,
             peak_flux: 0.0,
             peak_wear: 0.0,

@@ -90,7 +90,8 @@ impl Stepper<'_> {
             }
         }
         let mut stages = Stages::new(self, state, conditions, &punch, &strip);
-        let enough = 1e-3 * scene.tolerance * (1e-3 + state.peak_rise);
+        // Far below what the error estimate must see across the thin resistance of the interface.
+        let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
         for body in [&mut punch, &mut strip] {
             if body.active[Port::Cooling as usize] {
@@ -152,6 +153,7 @@ impl Stepper<'_> {
         }
         state.position += travel;
         state.bristle = stages.deflection;
+        state.far = [last.punch_far, last.strip_far];
         state.end_temperature = stages.temperature[1];
         state.end_force = stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
         for rise in stages.temperature {
