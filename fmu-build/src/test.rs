@@ -69,7 +69,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     });
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.step("cost of a step", |step| {
-            for cost in bench::measure(&package::build(Some(BRAKE), &package::Options::default())?)? {
+            for cost in bench::measure(&package::build(None, &package::Options::default())?)? {
                 step.judge(&cost.to_string(), cost.is_tolerable());
             }
             Ok(())
