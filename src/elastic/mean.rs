@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 ///
 /// Winkler: 1/k_w, by default h/(lambda + 2G). Elastic block (sides free): h (1 - nu^2)/E. Elastic layer
 /// (`wide`: much longer than the contact): between h/(lambda + 2G) for thin layers and the half-plane for
-/// thick ones, joined as springs in series would not be: the stiffer of both. Half-plane: the approach is
+/// thick ones: the smaller compliance of both limits. Half-plane: the approach is
 /// defined up to a constant; with the logarithm scaled with the contact width the mean over a uniform
 /// pressure p on the width W is 3 p W/(pi E*).
 /// Expansion: alpha (1 + nu) h for a block free at its sides, alpha (1 + nu)/(1 - nu) h for a layer.

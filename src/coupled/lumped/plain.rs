@@ -195,15 +195,7 @@ impl Stepper<'_> {
         state.dissipated += step * heat;
         state.distance += travel.abs();
         let worn = rates.map(mean);
-        state.punch.worn += worn[0];
-        state.punch.depth += worn[0];
-        state.strip.worn += worn[1];
-        match &mut state.track {
-            Some(track) if worn[1] > 0.0 => track.wear(state.position, state.position + travel, worn[1]),
-            Some(_) => {}
-            None => state.strip.depth += worn[1] * operators.strip_coverage,
-        }
-        state.position += travel;
+        state.wear(operators, worn, travel);
         state.far = [0.0; 2];
         state.end_temperature = rises[1];
         state.end_force = faded * now.stribeck * now.sign * pressure * operators.per_pressure;

@@ -231,7 +231,8 @@ pub fn evaluate<S: Scalar>(
         flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
     }
     let split = solve(flux);
-    // The cooled surface feels the contact's heat; what that changes at the contact is far below rounding of the rest.
+    // The cooled surface feels the contact's heat; what its flux then changes at the contact, through a static
+    // remainder once more, is left out.
     let recool = |operators: &BodyOperators, frozen: &FrozenBody, before: S, far: S, into: S| match &operators.heat {
         Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
         None => before,

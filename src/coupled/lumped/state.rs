@@ -113,6 +113,20 @@ impl State {
         }
     }
 
+    /// Takes the depths `worn` (m; punch, strip) off under a contact that moves on by `travel` (m).
+    #[inline]
+    pub fn wear(&mut self, operators: &Operators, worn: [f64; 2], travel: f64) {
+        self.punch.worn += worn[0];
+        self.punch.depth += worn[0];
+        self.strip.worn += worn[1];
+        match &mut self.track {
+            Some(track) if worn[1] > 0.0 => track.wear(self.position, self.position + travel, worn[1]),
+            Some(_) => {}
+            None => self.strip.depth += worn[1] * operators.strip_coverage,
+        }
+        self.position += travel;
+    }
+
     /// Whether the state can belong to `operators`.
     pub fn fits(&self, operators: &Operators) -> bool {
         let within = |heat: &[f64], body: &super::operators::BodyOperators| {

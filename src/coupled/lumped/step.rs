@@ -143,15 +143,7 @@ impl Stepper<'_> {
         state.dissipated += step * mean(stages.heat);
         state.distance += if stages.bristle.is_some() { stages.slipped } else { travel.abs() };
         let worn = [step * mean(stages.rates[0]), step * mean(stages.rates[1])];
-        state.punch.worn += worn[0];
-        state.punch.depth += worn[0];
-        state.strip.worn += worn[1];
-        match &mut state.track {
-            Some(track) if worn[1] > 0.0 => track.wear(state.position, state.position + travel, worn[1]),
-            Some(_) => {}
-            None => state.strip.depth += worn[1] * operators.strip_coverage,
-        }
-        state.position += travel;
+        state.wear(operators, worn, travel);
         state.bristle = stages.deflection;
         state.far = [last.punch_far, last.strip_far];
         state.end_temperature = stages.temperature[1];
