@@ -4,7 +4,6 @@
 //! the displacement of every cell under a unit traction on every cell. Plane strain; displacement *into* the body
 //! counts positive; tractions are forces per area, `x` runs along the sliding direction from the -x to the +x edge.
 
-#[cfg(feature = "contact-line")]
 pub mod block;
 mod cells;
 mod half_plane;

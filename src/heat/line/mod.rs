@@ -1,0 +1,127 @@
+//! Conduction in one body as the N cells of the contact line see it.
+//!
+//! The coupled step is implicit with two stages, at `gamma h` and `h`, `gamma = 1 - 1/sqrt 2`. A body does not know
+//! the other body, the pressure or the wear; it answers with temperatures and distortions that are linear in the
+//! fluxes of the stage being solved.
+//!
+//! # Fluxes over a step
+//!
+//! In the first stage the flux into a cell is constant, `q_1` on `[0, gamma h]`. In the second it is linear through
+//! `q_1` at `gamma h` and `q_2` at `h`, back to the start of the step. What enters over the step is therefore
+//! `h [(1 - gamma) q_1 + gamma q_2]`, the weights of the wear in the same step. States follow these fluxes without
+//! error (exponentially), so no decay, however fast, rings or blows up.
+//!
+//! # Units and signs
+//!
+//! Temperatures are K above the reference at which nothing is distorted and heat is counted from. Fluxes are W/m2 of
+//! contact zone, positive into the body. Distortion is the displacement of the surface *into* the body in m, so heating
+//! gives negative values. Energies are per depth, J/m, flows W/m. Cells run from the -x to the +x edge.
+
+use nalgebra::DMatrix;
+use std::fmt::Debug;
+
+/// `gamma`: the first stage lies at this part of the step.
+pub const GAMMA: f64 = 1.0 - 0.5 * std::f64::consts::SQRT_2;
+
+/// The two stages of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// At `gamma h`.
+    First,
+    /// At `h`.
+    End,
+}
+
+/// What acts on a body besides the contact; constant over a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surroundings {
+    /// Flux into the cooled surface beyond its constant convection (forced part, radiation), W/m2 of cooled area.
+    pub cooling: f64,
+    /// Temperature of the air.
+    pub ambient: f64,
+    /// Prescribed temperature of the far face (punch top, strip base), where it is held or external.
+    pub far: f64,
+}
+
+/// Response of the cells to the fluxes of one stage, N x N each, row: answering cell, column: heated cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gains {
+    /// K per W/m2.
+    pub temperature: DMatrix<f64>,
+    /// m per W/m2, positive into the body; zero where nothing expands.
+    pub distortion: DMatrix<f64>,
+}
+
+/// Where the heat that entered a body has gone since its states were 0. J per m of depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Account {
+    /// Entered through the contact.
+    pub received: f64,
+    /// In the body now.
+    pub stored: f64,
+    /// Left to the air, through the cooled surface.
+    pub ambient: f64,
+    /// Left through the far face.
+    pub far: f64,
+}
+
+/// One body. Implementations share what a scene makes of them (`Arc`) and own only what depends on the step, so a clone
+/// is cheap. After the first `prepare` no call allocates.
+pub trait LineHeat: Debug + Send {
+    /// N.
+    fn cells(&self) -> usize;
+
+    /// Length of the state vector. All zero: the body at the reference temperature.
+    fn states(&self) -> usize;
+
+    /// State of a body that is `rise` (K) above the reference everywhere.
+    fn uniform(&self, rise: f64, state: &mut [f64]);
+
+    /// Weights and gains for a step of `step` s in which the sliding velocity changes linearly between the two values
+    /// (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments cost a comparison.
+    /// Gains are functions of the arguments alone, never of what was prepared before.
+    fn prepare(&mut self, step: f64, velocity: [f64; 2]);
+
+    /// Response at `stage` to the fluxes of that stage.
+    fn gains(&self, stage: Stage) -> &Gains;
+
+    /// Temperature and distortion of the N cells at `stage` if the flux of that stage were 0: from the state at the
+    /// start of the step, the surroundings and, at the end, the fluxes `first` of the first stage.
+    fn base(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        first: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    );
+
+    /// Carries the state over the prepared step with the fluxes of both stages.
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]);
+
+    /// Temperature (K above the reference) of the N cells with the state held and the flux `flux` into the cells, which
+    /// acts through the static remainder only: what outputs between steps are made of.
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]);
+
+    /// Distortion of the N cells with the state held, m into the body.
+    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]);
+
+    /// Mean temperature of the cooled surface, with the state held.
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64;
+
+    /// Heat flows with the state held, W/m: to the air (without the flux `cooling`) and out of the far face.
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2];
+
+    /// Mean temperature of the whole body.
+    fn mean_temperature(&self, state: &[f64]) -> f64;
+
+    /// Where the heat went; exact for the exact propagation of the states.
+    fn account(&self, state: &[f64]) -> Account;
+
+    /// Relative error of the reduction at the contact line, computed when the body was made.
+    fn error(&self) -> f64;
+
+    /// A copy with weights of its own.
+    fn boxed(&self) -> Box<dyn LineHeat>;
+}
