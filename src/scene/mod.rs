@@ -109,6 +109,22 @@ pub enum Constraint {
     TranslateAndRotate,
 }
 
+/// Gap between the undeformed bodies at initialisation.
+#[derive(Clone, PartialEq, Debug)]
+pub enum InitialShape {
+    /// None.
+    Flat,
+    /// x^2/(2 R), R in m.
+    Parabolic(f64),
+    /// The steady state's, at nominal conditions.
+    RunIn,
+    /// Values (m) at the 33 stations of `profile.x`, linear between.
+    Tabulated(Box<[f64; STATIONS]>),
+}
+
+/// Stations of the profiles.
+pub const STATIONS: usize = 33;
+
 /// A body. Symbols and units as in the variable table.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Body {
@@ -168,7 +184,8 @@ pub struct Scene {
     pub stick_stiffness: f64,
     pub stick_damping: f64,
     pub conductance: f64,
-    pub run_in: bool,
+    pub initial_shape: InitialShape,
+    pub shear_coupling: bool,
     pub temperature_limit: f64,
     pub constraint: Constraint,
     pub pivot_height: f64,
@@ -179,6 +196,8 @@ pub struct Scene {
     pub nominal_duration: f64,
     pub nominal_stroke: f64,
     pub fidelity: Fidelity,
+    /// Cells of the contact line; 0: chosen.
+    pub cells: usize,
     pub scheme: Scheme,
     pub tolerance: f64,
     pub wear_acceleration: f64,
@@ -268,7 +287,16 @@ impl Scene {
             stick_stiffness: value!(v, "contact.stick_stiffness"),
             stick_damping: value!(v, "contact.stick_damping"),
             conductance: value!(v, "contact.conductance"),
-            run_in: value!(v, "contact.initial_shape") == 3.0,
+            initial_shape: match value!(v, "contact.initial_shape") as i32 {
+                1 => InitialShape::Flat,
+                2 => InitialShape::Parabolic(value!(v, "contact.initial_radius")),
+                3 => InitialShape::RunIn,
+                _ => {
+                    let first = const { reference("contact.initial_gap") } as usize;
+                    InitialShape::Tabulated(Box::new(std::array::from_fn(|station| v[first + station])))
+                }
+            },
+            shear_coupling: value!(v, "contact.shear_coupling") != 0.0,
             temperature_limit: value!(v, "contact.temperature_limit"),
             constraint: if value!(v, "holder.constraint") == 1.0 {
                 Constraint::Translate
@@ -288,6 +316,7 @@ impl Scene {
                 3 => Fidelity::Line,
                 _ => Fidelity::Field,
             },
+            cells: value!(v, "solver.cells") as usize,
             scheme: match value!(v, "solver.scheme") as i32 {
                 1 => Scheme::Monolithic,
                 2 => Scheme::Staggered,

@@ -1,7 +1,7 @@
 //! Rules that join parameters. They are checked when initialisation ends, because importers set
 //! parameters in any order.
 
-use super::{Constraint, Fidelity, Geometry, MechanicalBody, Path, Scene, Scheme};
+use super::{Constraint, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
 
 /// A rule that the parameters break: names the variables, their values and the limit.
 #[derive(Clone, PartialEq, Debug)]
@@ -23,6 +23,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Broken> {
     holder(scene)?;
     heat(scene)?;
     wear(scene)?;
+    shape(scene)?;
     tables(scene)?;
     level(scene)
 }
@@ -137,11 +138,21 @@ fn wear(scene: &Scene) -> Result<(), Broken> {
             ));
         }
     }
-    if scene.run_in && scene.punch.wear_coefficient == 0.0 && scene.strip.wear_coefficient == 0.0 {
+    if scene.initial_shape == InitialShape::RunIn
+        && scene.punch.wear_coefficient == 0.0
+        && scene.strip.wear_coefficient == 0.0
+    {
         return broken(
             "contact.initial_shape = run_in needs a body that wears; punch.wear_coefficient and strip.wear_coefficient are 0"
                 .into(),
         );
+    }
+    Ok(())
+}
+
+fn shape(scene: &Scene) -> Result<(), Broken> {
+    if scene.initial_shape == InitialShape::Parabolic(0.0) {
+        return broken("contact.initial_shape = parabolic needs contact.initial_radius > 0 m; it is 0".into());
     }
     Ok(())
 }

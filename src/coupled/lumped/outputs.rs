@@ -8,12 +8,9 @@ use super::point::{self, Point};
 use super::state::BodyState;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
-use crate::scene::value;
+use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, ValueReference, reference};
 use std::f64::consts::PI;
-
-/// Stations of the profiles.
-const STATIONS: usize = 33;
 
 macro_rules! emit {
     ($emit:ident, $($name:literal = $value:expr),* $(,)?) => {
