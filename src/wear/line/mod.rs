@@ -8,8 +8,10 @@ mod contact;
 mod integrator;
 mod rate;
 mod stability;
+mod track;
 
 pub use contact::{Conditions, Direction, StageError, WearingContact};
 pub use integrator::{Integrator, Report, Scheme, StepError};
 pub use rate::{CellRate, WearTerm};
 pub use stability::explicit_limit;
+pub use track::{AVERAGED_STROKE, LineTrack, averaging_error};
