@@ -2,6 +2,8 @@
 
 mod bench;
 mod package;
+#[allow(dead_code, reason = "charts come with the commands that draw")]
+mod plot;
 mod project;
 mod python;
 mod run;

@@ -1,0 +1,477 @@
+//! Line charts as SVG: panels side by side under a text header, axes with units, linear or logarithmic.
+
+use anyhow::{Result, anyhow};
+use plotters::chart::{ChartBuilder, SeriesLabelPosition};
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
+use std::path::Path;
+
+const FONT: &str = "Helvetica, Arial, 'DejaVu Sans', sans-serif";
+const INK: RGBColor = RGBColor(40, 44, 52);
+const GRID: RGBColor = RGBColor(222, 225, 230);
+/// Colours that people with any colour vision tell apart (Okabe, Ito), the yellow left out.
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(90, 90, 90),
+];
+
+/// How a series is drawn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mark {
+    /// A line through the points.
+    Line,
+    /// A dashed line through them.
+    Dashes,
+    /// The points alone.
+    Points,
+    /// A line through the points, and the points.
+    LineAndPoints,
+}
+
+/// One curve of a panel.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Series {
+    /// Legend; empty: none.
+    pub name: String,
+    /// (x, y); points that are not finite, or not positive on a logarithmic axis, interrupt the line.
+    pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Index of the colour; `None`: its place in the panel.
+    pub colour: Option<usize>,
+}
+
+impl Series {
+    /// A line through `points`.
+    pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.into(), points, mark: Mark::Line, colour: None }
+    }
+
+    /// The same, drawn otherwise.
+    pub fn with(mut self, mark: Mark) -> Self {
+        self.mark = mark;
+        self
+    }
+
+    /// The same in the colour of this index.
+    pub fn coloured(mut self, index: usize) -> Self {
+        self.colour = Some(index);
+        self
+    }
+}
+
+/// An axis of a panel.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Axis {
+    /// Quantity with its unit: `pressure, MPa`.
+    pub label: String,
+    /// Logarithmic to base 10.
+    pub logarithmic: bool,
+    /// Range shown; `None`: that of the data with a margin.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Axis {
+    /// A linear axis over the range of the data.
+    pub fn new(label: impl Into<String>) -> Self {
+        Self { label: label.into(), logarithmic: false, range: None }
+    }
+
+    /// A logarithmic axis over the range of the data.
+    pub fn logarithmic(label: impl Into<String>) -> Self {
+        Self { logarithmic: true, ..Self::new(label) }
+    }
+
+    /// The same over this range.
+    pub fn over(mut self, first: f64, last: f64) -> Self {
+        self.range = Some((first, last));
+        self
+    }
+
+    fn shows(&self, value: f64) -> bool {
+        value.is_finite() && (!self.logarithmic || value > 0.0)
+    }
+
+    fn scale(&self, values: impl Iterator<Item = f64>, margin: f64) -> Scale {
+        let place = |value: f64| if self.logarithmic { value.log10() } else { value };
+        let (first, last) = match self.range {
+            Some((first, last)) => (place(first), place(last)),
+            None => {
+                let shown = values.filter(|&value| self.shows(value)).map(place);
+                let (low, high) =
+                    shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+                let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+                // A constant gets room around it.
+                let least = if self.logarithmic { 0.5 } else { 0.05 * low.abs().max(high.abs()) };
+                let room = if high - low > 1e-9 * high.abs() { margin * (high - low) } else { least.max(1e-300) };
+                (low - room, high + room)
+            }
+        };
+        Scale { first, last, logarithmic: self.logarithmic }
+    }
+}
+
+/// Where the legend stands in its panel.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Legend {
+    /// Left above.
+    UpperLeft,
+    /// In the middle above.
+    Top,
+    /// Right above.
+    UpperRight,
+    /// Left below.
+    LowerLeft,
+    /// In the middle below.
+    Bottom,
+    /// Right below.
+    LowerRight,
+}
+
+/// One pair of axes with its curves.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Panel {
+    /// Title above the axes.
+    pub title: String,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+    /// Curves, drawn in this order.
+    pub series: Vec<Series>,
+    /// Place of the legend.
+    pub legend: Legend,
+}
+
+impl Panel {
+    /// A panel with its legend right above.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Self { title: title.into(), x, y, series, legend: Legend::UpperRight }
+    }
+
+    /// The same with its legend there.
+    pub fn with_legend(mut self, legend: Legend) -> Self {
+        self.legend = legend;
+        self
+    }
+}
+
+/// A page of panels.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Figure {
+    /// Headline.
+    pub title: String,
+    /// Lines of text below it.
+    pub header: Vec<String>,
+    /// Panels, row by row.
+    pub panels: Vec<Panel>,
+    /// Panels in a row.
+    pub columns: usize,
+    /// Width and height of a panel, in pixels.
+    pub panel_size: (u32, u32),
+}
+
+impl Figure {
+    /// Panels of 520 x 360 pixels, at most two in a row.
+    pub fn new(title: impl Into<String>, panels: Vec<Panel>) -> Self {
+        let columns = panels.len().clamp(1, 2);
+        Self { title: title.into(), header: Vec::new(), panels, columns, panel_size: (520, 360) }
+    }
+
+    /// The same with these lines below the headline.
+    pub fn with_header(mut self, header: Vec<String>) -> Self {
+        self.header = header;
+        self
+    }
+
+    /// The drawing as the text of an SVG file.
+    ///
+    /// # Errors
+    /// What the drawing library refuses.
+    pub fn svg(&self) -> Result<String> {
+        let columns = self.columns.max(1);
+        let rows = self.panels.len().div_ceil(columns) as u32;
+        let header = 52 + 19 * self.header.len() as u32;
+        let (width, height) = self.panel_size;
+        let mut text = String::new();
+        {
+            let area = SVGBackend::with_string(&mut text, (columns as u32 * width + 24, header + rows * height + 12))
+                .into_drawing_area();
+            area.fill(&WHITE).map_err(failed)?;
+            write(&area, &self.title, (24, 16), 21, FontStyle::Bold, (HPos::Left, VPos::Top))?;
+            for (index, line) in self.header.iter().enumerate() {
+                let place = (24, 46 + 19 * index as i32);
+                write(&area, line, place, 14, FontStyle::Normal, (HPos::Left, VPos::Top))?;
+            }
+            for (index, panel) in self.panels.iter().enumerate() {
+                let left = 12 + (index % columns) as u32 * width;
+                let top = header + (index / columns) as u32 * height;
+                let part = area.clone().shrink((left as i32, top as i32), (width, height));
+                panel.draw(&part)?;
+            }
+            area.present().map_err(failed)?;
+        }
+        Ok(text)
+    }
+
+    /// Writes [`Figure::svg`] to a file.
+    ///
+    /// # Errors
+    /// What the drawing library or the file system refuses.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let text = self.svg()?;
+        std::fs::write(path, text).map_err(|error| anyhow!("writing {}: {error}", path.display()))
+    }
+}
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+fn failed(error: impl std::fmt::Display) -> anyhow::Error {
+    anyhow!("drawing: {error}")
+}
+
+fn write(
+    area: &Area<'_>,
+    text: &str,
+    place: (i32, i32),
+    size: i32,
+    style: FontStyle,
+    (horizontal, vertical): (HPos, VPos),
+) -> Result<()> {
+    let font = (FONT, size, style).into_text_style(area).color(&INK).pos(Pos::new(horizontal, vertical));
+    area.draw_text(text, &font, place).map_err(failed)
+}
+
+impl Panel {
+    fn draw(&self, area: &Area<'_>) -> Result<()> {
+        let points = || self.series.iter().flat_map(|series| series.points.iter());
+        let x = self.x.scale(points().map(|point| point.0), 0.0);
+        let y = self.y.scale(points().map(|point| point.1), 0.06);
+        let (width, _) = area.dim_in_pixel();
+        write(area, &self.title, (width as i32 / 2 + 24, 8), 16, FontStyle::Bold, (HPos::Center, VPos::Top))?;
+        let mut chart = ChartBuilder::on(area)
+            .margin_top(34)
+            .margin_right(18)
+            .margin_bottom(4)
+            .x_label_area_size(48)
+            .y_label_area_size(72)
+            .build_cartesian_2d(x, y)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .x_desc(self.x.label.as_str())
+            .y_desc(self.y.label.as_str())
+            .x_labels(8)
+            .y_labels(8)
+            .max_light_lines(0)
+            .bold_line_style(GRID)
+            .axis_style(INK)
+            .label_style((FONT, 13).into_font().color(&INK))
+            .axis_desc_style((FONT, 14).into_font().color(&INK))
+            .draw()
+            .map_err(failed)?;
+        for (index, series) in self.series.iter().enumerate() {
+            let colour = COLOURS[series.colour.unwrap_or(index) % COLOURS.len()];
+            let stroke = colour.stroke_width(2);
+            let shown = |&(x, y): &(f64, f64)| self.x.shows(x) && self.y.shows(y);
+            let lines = series.mark != Mark::Points;
+            for part in series.points.split(|point| !shown(point)).filter(|part| lines && part.len() > 1) {
+                let points = part.iter().copied();
+                if series.mark == Mark::Dashes {
+                    chart.draw_series(DashedLineSeries::new(points, 8, 5, stroke)).map_err(failed)?;
+                } else {
+                    chart.draw_series(LineSeries::new(points, stroke)).map_err(failed)?;
+                }
+            }
+            if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
+                let points = series.points.iter().filter(|point| shown(point));
+                chart.draw_series(points.map(|&point| Circle::new(point, 3, colour.filled()))).map_err(failed)?;
+            }
+            if !series.name.is_empty() {
+                let nothing: [(f64, f64); 0] = [];
+                let entry = chart.draw_series(LineSeries::new(nothing, stroke)).map_err(failed)?.label(&series.name);
+                let line = move |from, to| PathElement::new(vec![(from, 0), (to, 0)], stroke);
+                let point = move || Circle::new((12, 0), 3, colour.filled());
+                match series.mark {
+                    Mark::Line => entry.legend(move |place| EmptyElement::at(place) + line(0, 24)),
+                    Mark::Dashes => entry.legend(move |place| EmptyElement::at(place) + line(0, 9) + line(15, 24)),
+                    Mark::Points => entry.legend(move |place| EmptyElement::at(place) + point()),
+                    Mark::LineAndPoints => entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + point()),
+                };
+            }
+        }
+        if self.series.iter().any(|series| !series.name.is_empty()) {
+            let place = match self.legend {
+                Legend::UpperLeft => SeriesLabelPosition::UpperLeft,
+                Legend::Top => SeriesLabelPosition::UpperMiddle,
+                Legend::UpperRight => SeriesLabelPosition::UpperRight,
+                Legend::LowerLeft => SeriesLabelPosition::LowerLeft,
+                Legend::Bottom => SeriesLabelPosition::LowerMiddle,
+                Legend::LowerRight => SeriesLabelPosition::LowerRight,
+            };
+            chart
+                .configure_series_labels()
+                .position(place)
+                .margin(10)
+                .legend_area_size(30)
+                .background_style(WHITE.mix(0.85))
+                .border_style(GRID)
+                .label_font((FONT, 13).into_font().color(&INK))
+                .draw()
+                .map_err(failed)?;
+        }
+        Ok(())
+    }
+}
+
+/// Coordinate of an axis: linear, or logarithmic with its range given by exponents of 10.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Scale {
+    first: f64,
+    last: f64,
+    logarithmic: bool,
+}
+
+impl Scale {
+    fn ticks(&self, most: usize) -> Vec<f64> {
+        if self.logarithmic { self.decades(most) } else { round_numbers(self.first, self.last, most) }
+    }
+
+    fn decades(&self, most: usize) -> Vec<f64> {
+        let (first, last) = (self.first.ceil() as i32, self.last.floor() as i32);
+        let count = (last - first + 1).max(0) as usize;
+        if count >= 3 {
+            let every = count.div_ceil(most.max(1));
+            return (first..=last).step_by(every).map(|exponent| 10f64.powi(exponent)).collect();
+        }
+        // Less than three powers of ten: 1, 2 and 5 times each.
+        let within = |value: &f64| (self.first..=self.last).contains(&value.log10());
+        (first - 1..=last + 1)
+            .flat_map(|exponent| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(exponent)))
+            .filter(within)
+            .collect()
+    }
+}
+
+/// Multiples of 1, 2 or 5 times a power of 10 between two values, `most` at most.
+fn round_numbers(first: f64, last: f64, most: usize) -> Vec<f64> {
+    let (low, high) = (first.min(last), first.max(last));
+    let coarse = (high - low) / most.max(1) as f64;
+    if !(coarse > 0.0 && coarse.is_finite()) {
+        return vec![low];
+    }
+    let power = 10f64.powf(coarse.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|&step| step >= coarse);
+    let step = step.unwrap_or(10.0 * power);
+    let (from, to) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    (from..=to).map(|index| index as f64 * step).collect()
+}
+
+impl Ranged for Scale {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (begin, end): (i32, i32)) -> i32 {
+        let place = if self.logarithmic { value.log10() } else { *value };
+        let share = (place - self.first) / (self.last - self.first);
+        // Far outside is still a number of pixels.
+        (f64::from(begin) + share.clamp(-50.0, 50.0) * f64::from(end - begin)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        self.ticks(hint.max_num_points())
+    }
+
+    fn range(&self) -> Range<f64> {
+        let value = |place: f64| if self.logarithmic { 10f64.powf(place) } else { place };
+        value(self.first)..value(self.last)
+    }
+}
+
+impl ValueFormatter<f64> for Scale {
+    fn format_ext(&self, value: &f64) -> String {
+        if self.logarithmic { power_of_ten(*value) } else { plain(*value, self.last - self.first) }
+    }
+}
+
+/// `1000` as 10³, `2000` as 2·10³; between .01 and 100 as plain decimals.
+fn power_of_ten(value: f64) -> String {
+    let exponent = (value.log10() + 1e-9).floor() as i32;
+    if (-2..=2).contains(&exponent) {
+        return format!("{}", (value * 1e6).round() / 1e6);
+    }
+    let digit = (value / 10f64.powi(exponent)).round();
+    let raised: String = exponent.to_string().chars().map(superscript).collect();
+    if digit == 1.0 { format!("10{raised}") } else { format!("{digit}·10{raised}") }
+}
+
+fn superscript(character: char) -> char {
+    match character {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        digit => char::from_u32('⁰' as u32 + digit.to_digit(10).unwrap_or(0)).unwrap_or(digit),
+    }
+}
+
+/// A tick's value with as many decimals as the axis needs; very large or small ones by their exponent.
+fn plain(value: f64, span: f64) -> String {
+    let span = span.abs();
+    let value = if value.abs() < 1e-9 * span { 0.0 } else { value };
+    if value != 0.0 && !(1e-4..1e5).contains(&span) {
+        return format!("{value:.2e}");
+    }
+    let decimals = (2.0 - span.log10()).ceil().clamp(0.0, 8.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_within_the_range() {
+        assert_eq!(round_numbers(-30.0, 30.0, 8), [-30.0, -20.0, -10.0, 0.0, 10.0, 20.0, 30.0]);
+        assert_eq!(round_numbers(0.13, 0.97, 5), [0.2, 0.4, 0.6000000000000001, 0.8]);
+        let scale = |first, last| Scale { first, last, logarithmic: true };
+        assert_eq!(scale(-3.2, 0.5).ticks(8), [1e-3, 1e-2, 0.1, 1.0]);
+        assert_eq!(scale(0.0, 0.8).ticks(8), [1.0, 2.0, 5.0]);
+        assert_eq!(scale(-8.0, 8.0).ticks(8).len(), 6);
+    }
+
+    #[test]
+    fn numbers_are_written_as_one_would() {
+        let cases = [(0.6000000000000001, 1.0, "0.6"), (1e-17, 1.0, "0"), (20.0, 60.0, "20"), (2e-6, 1e-5, "2.00e-6")];
+        for (value, span, text) in cases {
+            assert_eq!(plain(value, span), text);
+        }
+        for (value, text) in [(1e-3, "10⁻³"), (2e4, "2·10⁴"), (0.05, "0.05"), (100.0, "100")] {
+            assert_eq!(power_of_ten(value), text);
+        }
+    }
+
+    #[test]
+    fn every_text_and_curve_is_drawn_and_gaps_interrupt_the_line() {
+        let points = vec![(1.0, 1.0), (2.0, f64::NAN), (3.0, 0.0), (4.0, 4.0), (5.0, 5.0), (6.0, 1e3)];
+        let series = vec![Series::line("computed", points.clone()), Series::line("exact", points).with(Mark::Points)];
+        let panel = Panel::new("Error", Axis::new("cells"), Axis::logarithmic("error, 1"), series);
+        let svg = Figure::new("Kernels", vec![panel]).with_header(vec!["nu = 0.3".into()]).svg().unwrap();
+        for text in ["computed", "exact", "Error", "cells", "error, 1", "Kernels", "nu = 0.3"] {
+            assert!(svg.contains(text), "{text} is missing");
+        }
+        // Positive and finite are the points 1, 4, 5, 6; a single point makes no line.
+        // The legend's sample of a line has two points as well, in the same colour.
+        let blue = svg.split('<').filter(|tag| tag.starts_with("polyline") && tag.contains("#0072B2")).count();
+        assert_eq!(blue, 2);
+        assert_eq!(svg.matches("<circle").count(), 4 + 1);
+    }
+}
