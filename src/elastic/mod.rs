@@ -10,6 +10,7 @@ mod half_plane;
 mod logarithm;
 mod material;
 pub mod mean;
+pub mod scene;
 mod strip;
 mod strip_kernel;
 mod winkler;
