@@ -14,4 +14,4 @@ pub use contact::{Conditions, Direction, StageError, WearingContact};
 pub use integrator::{Integrator, Report, Scheme, StepError};
 pub use rate::{CellRate, WearTerm};
 pub use stability::explicit_limit;
-pub use track::{AVERAGED_STROKE, LineTrack, averaging_error};
+pub use track::{AVERAGED_STROKE, LineTrack};

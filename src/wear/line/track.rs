@@ -43,7 +43,13 @@
 //! smears. Reading takes W linear within a track cell (slopes limited so that no new extremum arises): second order in
 //! the track's cell, which is half the smallest contact cell as long as 8192 cells reach.
 //!
-//! Strokes that are short against the contact take the mean over a cycle instead; see [`averaging_error`].
+//! # Short strokes
+//!
+//! Strokes up to [`AVERAGED_STROKE`] half-widths take the mean over a cycle instead: one constant operator, and steps of
+//! any length. What is lost is the correlation of pressure and position within a stroke. The mean pressure over a cycle
+//! is then wrong by at most 0.4 % of the mean pressure on a half-plane at |x| < .8 a (0.06 % on a Winkler foundation);
+//! within a stroke of the edges, where the contact rides up the ends of its own groove, by tens of percent of the local
+//! peak. [`LineTrack::resolved`] never averages.
 
 mod averaged;
 mod operator;
@@ -60,9 +66,8 @@ const LARGEST: usize = 8192;
 const SMALLEST: usize = 256;
 /// Longest travel of one step in half-widths.
 const TRAVEL: f64 = 0.25;
-/// Strokes below this part of the half-width are averaged over the cycle: an error of the mean pressure below
-/// [`averaging_error`] of it.
-pub const AVERAGED_STROKE: f64 = 0.05;
+/// Strokes up to this part of the half-width are averaged over the cycle.
+pub const AVERAGED_STROKE: f64 = 0.02;
 
 /// Track of a straight strip; see the module. After [`LineTrack::new`] nothing allocates, save for [`LineTrack::save`].
 #[derive(Clone, Debug, PartialEq)]
@@ -88,31 +93,26 @@ pub struct LineTrack {
     taken_twice: Vec<f64>,
 }
 
-/// Error of averaging over strokes of length `stroke` on a contact of half-width `half_width`, relative to the mean
-/// pressure: root mean square over the contact of the difference between the mean over a cycle of the pressures on the
-/// travel-resolved track and the pressure on the averaged one.
-///
-/// The worn profile moves to and fro under the contact by half a stroke, so that the mean of the product of pressure and
-/// position is lost: `0.35 (stroke/a)^2`-like where the profile is smooth, more where it ends at the edges of the contact.
-pub fn averaging_error(stroke: f64, half_width: f64) -> f64 {
-    let ratio = stroke / half_width;
-    ratio * ratio
-}
-
 impl LineTrack {
     /// Fresh track for strokes of the length `stroke` (m; 0: one-way) of a contact with these cells.
     ///
     /// The window holds a stroke and a quarter, the contact, and half a half-width more on both sides. Behind a contact
-    /// that goes on, it moves on and forgets. Strokes below [`AVERAGED_STROKE`] half-widths are averaged until the contact
+    /// that goes on, it moves on and forgets. Strokes up to [`AVERAGED_STROKE`] half-widths are averaged until the contact
     /// leaves the span of one and a half strokes.
     pub fn new(cells: &Cells, stroke: f64) -> Self {
+        let averaging = stroke > 0.0 && stroke <= AVERAGED_STROKE * cells.half_width();
+        let averaged = averaging.then(|| Averaged::new(cells, stroke));
+        Self { averaging, averaged, ..Self::resolved(cells, stroke) }
+    }
+
+    /// The same without averaging, however short the strokes are.
+    pub fn resolved(cells: &Cells, stroke: f64) -> Self {
         let half_width = cells.half_width();
         let length = 1.25 * stroke + 3.0 * half_width;
         let finest = cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let wanted = (2.0 * length / finest).ceil().clamp(SMALLEST as f64, LARGEST as f64) as usize;
         let room = wanted.next_power_of_two().min(LARGEST);
         let count = cells.count();
-        let averaged = (stroke > 0.0 && stroke <= AVERAGED_STROKE * half_width).then(|| Averaged::new(cells, stroke));
         Self {
             edges: cells.edges().to_vec(),
             cell: length / (room - 4) as f64,
@@ -121,8 +121,8 @@ impl LineTrack {
             count: 0,
             forgotten: None,
             revisited: false,
-            averaging: averaged.is_some(),
-            averaged,
+            averaged: None,
+            averaging: false,
             taken: vec![0.0; count + 1],
             taken_twice: vec![0.0; count + 1],
         }
