@@ -7,11 +7,15 @@
 mod contact;
 mod integrator;
 mod rate;
+mod response;
 mod stability;
+mod status;
 mod track;
 
 pub use contact::{Conditions, Direction, StageError, WearingContact};
-pub use integrator::{Integrator, Report, Scheme, StepError};
-pub use rate::{CellRate, WearTerm};
+pub use integrator::{ConditionsAt, Integrator, Report, Scheme, StepError};
+pub use rate::{CellRate, Coefficient, WearTerm};
+pub use response::{ContactRate, Disturbance};
+pub use status::{Status, StrokeStatus};
 pub use stability::explicit_limit;
 pub use track::{AVERAGED_STROKE, LineTrack};
