@@ -3,15 +3,15 @@
 //! This is what the C interface, the native host and the tests drive. It knows the variable table
 //! but not FMI: phases, status codes and times are the importer's side.
 
+mod rates;
 mod snapshot;
 
 pub use snapshot::Snapshot;
 
 use crate::coupled::INPUTS;
-use crate::coupled::lumped::Lumped;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::limit;
-use crate::coupled::lumped::operators::Operators;
+use crate::coupled::model::{Model, Operators};
 use crate::scene::{Scene, ThermalBoundary, value};
 use crate::variables::{COUNT, ValueReference, lookup, reference};
 use std::sync::Arc;
@@ -127,16 +127,18 @@ pub struct Component {
     /// A derivative may differ from 0.
     sloped: bool,
     phase: Phase,
-    model: Option<Lumped>,
+    model: Option<Model>,
     /// Groups of outputs that are current.
     current: u8,
     /// The model must be built anew before outputs are read (while initialising).
     stale: bool,
     tolerance: Option<f64>,
     /// Operators last built: used again where the scene is the same.
-    operators: Option<Arc<Operators>>,
+    operators: Option<Operators>,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
+    /// Length of the last step, s; 0: none yet.
+    last_step: f64,
     /// Limits already logged.
     reported: u8,
     messages: Vec<Message>,
@@ -158,6 +160,7 @@ impl Component {
             tolerance: None,
             operators: None,
             at_end: false,
+            last_step: 0.0,
             reported: 0,
             messages: Vec::new(),
         }
@@ -187,7 +190,7 @@ impl Component {
             self.stale = false;
             // Rules that join parameters are the end of initialisation's business.
             if let Ok(scene) = Scene::new(&self.values, self.tolerance) {
-                self.build(&scene);
+                let _ = self.build(&scene);
             }
         }
         if let Some(model) = &mut self.model {
@@ -218,14 +221,18 @@ impl Component {
         self.current |= wanted;
     }
 
-    fn build(&mut self, scene: &Scene) {
-        let known = self.operators.take().filter(|operators| operators.scene == *scene);
-        let operators = known.unwrap_or_else(|| Arc::new(Operators::new(scene)));
-        self.operators = Some(operators.clone());
+    fn build(&mut self, scene: &Scene) -> Result<(), String> {
+        let known = self.operators.take().filter(|operators| operators.scene() == scene);
+        let operators = match known {
+            Some(operators) => operators,
+            None => Operators::new(scene)?,
+        };
         let inputs = inputs_of(&self.values);
-        self.model = Some(Lumped::new(operators, tunables_of(&self.values), &inputs));
+        self.model = Some(Model::new(&operators, tunables_of(&self.values), &inputs));
+        self.operators = Some(operators);
         self.current = 0;
         self.at_end = false;
+        Ok(())
     }
 
     /// Stores a parameter that [`crate::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
@@ -279,7 +286,7 @@ impl Component {
         self.check_inputs()?;
         let scene = Scene::new(&self.values, tolerance).map_err(|broken| broken.to_string())?;
         self.check_external(&scene)?;
-        self.build(&scene);
+        self.build(&scene)?;
         self.phase = Phase::Running;
         self.announce(&scene);
         Ok(())
@@ -293,16 +300,11 @@ impl Component {
             (false, None) => "the default",
         };
         let operators = self.operators.as_ref().expect("built just before");
-        let states =
-            |body: &crate::coupled::lumped::operators::BodyOperators| body.heat.as_ref().map_or(0, |heat| heat.count);
-        let text = format!(
-            "level lumped; tolerance {:e} from {source}; thermal states: punch {}, strip {}, moving source {}",
-            scene.tolerance,
-            states(&operators.punch),
-            states(&operators.strip),
-            operators.flash.as_ref().map_or(0, |flash| flash.decays.rate.len()),
-        );
+        let text = format!("tolerance {:e} from {source}; {}", scene.tolerance, operators.plan());
         self.messages.push(Message { subject: Subject::Plan, text });
+        for text in operators.warnings() {
+            self.messages.push(Message { subject: Subject::Warning, text });
+        }
     }
 
     fn check_inputs(&self) -> Result<(), String> {
@@ -347,16 +349,17 @@ impl Component {
             self.check_inputs()?;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
-        let scene = &model.operators().scene;
+        let scene = model.scene();
         if scene.strip.far_thermal == ThermalBoundary::External || scene.punch.far_thermal == ThermalBoundary::External
         {
-            let operators = model.operators().clone();
-            self.check_external(&operators.scene)?;
+            let operators = model.operators();
+            self.check_external(operators.scene())?;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         let slopes = self.sloped.then_some(&self.slopes);
         model.step(&inputs, slopes, step).map_err(|failure| failure.to_string())?;
         self.at_end = !self.sloped && !model.has_bristle();
+        self.last_step = step;
         if self.sloped {
             for (value, slope) in self.values.iter_mut().zip(&mut self.slopes) {
                 *value += *slope * step;
@@ -455,6 +458,6 @@ fn tunables_of(values: &Values) -> Tunables {
 impl Component {
     /// Accepted and rejected internal steps since initialisation: the work counters of the charts.
     pub fn work(&self) -> (u64, u64) {
-        self.model.as_ref().map_or((0, 0), |model| (model.state().steps, model.state().rejected))
+        self.model.as_ref().map_or((0, 0), Model::work)
     }
 }

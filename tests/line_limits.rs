@@ -36,8 +36,7 @@ fn advance(
     conditions: &dyn Fn(f64) -> Conditions,
 ) -> (ContactState, Report) {
     let mut state = ContactState::new(worn.len());
-    let report =
-        integrator.advance(contact, worn, time, duration, &mut |t, c| *c = conditions(t), &mut state).unwrap();
+    let report = integrator.advance(contact, worn, time, duration, &mut |t, c| *c = conditions(t), &mut state).unwrap();
     (state, report)
 }
 

@@ -156,8 +156,12 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
         {
             // A punch that cannot rotate keeps the tilt of the shape's gauge, here none.
             let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
-            let conditions =
-                Conditions { signed_friction: sign * friction, normal: Normal::Load(LOAD), tilt, rate: CellRate::archard(0.0, 0.0) };
+            let conditions = Conditions {
+                signed_friction: sign * friction,
+                normal: Normal::Load(LOAD),
+                tilt,
+                rate: CellRate::archard(0.0, 0.0),
+            };
             let state = contact.pressure(&cycle.shape, &conditions).unwrap();
             for (computed, expected) in state.pressure.iter().zip(expected) {
                 assert!((computed - expected).abs() < 1e-9, "{direction:?}: {computed} {expected}");
@@ -226,7 +230,10 @@ fn one_way_closed_forms() {
     let weights: Vec<f64> = cells.widths().iter().zip(&relative).map(|(c, r)| c * r).collect();
     for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5), (0.0, 1.0)] {
         let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
-        let rate = CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: coefficient.into(), exponent: b }] };
+        let rate = CellRate {
+            reference_pressure: 1.0,
+            terms: vec![WearTerm { coefficient: coefficient.into(), exponent: b }],
+        };
         let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).unwrap();
         for (x, p) in cells.centres().iter().zip(&state.pressure) {
             let error = p / annular_pressure(1.5 + x, LOAD, (1.0, 2.0), (a, b)) - 1.0;

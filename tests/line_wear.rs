@@ -42,8 +42,7 @@ fn advance(
     conditions: &dyn Fn(f64) -> Conditions,
 ) -> (ContactState, Report) {
     let mut state = ContactState::new(worn.len());
-    let report =
-        integrator.advance(contact, worn, time, duration, &mut |t, c| *c = conditions(t), &mut state).unwrap();
+    let report = integrator.advance(contact, worn, time, duration, &mut |t, c| *c = conditions(t), &mut state).unwrap();
     (state, report)
 }
 
@@ -340,10 +339,12 @@ fn annular_punch_runs_in() {
     let compliance = unit_half_plane().compliance(&cells).normal;
     for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5)] {
         let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
-        let rate = CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: Coefficient::PerCell(coefficient), exponent: b }] };
+        let rate = CellRate {
+            reference_pressure: 1.0,
+            terms: vec![WearTerm { coefficient: Coefficient::PerCell(coefficient), exponent: b }],
+        };
         let mut contact =
-            WearingContact::new(&cells, &weights, compliance.clone(), &compliance * 0.0, vec![0.0; 33])
-                .unwrap();
+            WearingContact::new(&cells, &weights, compliance.clone(), &compliance * 0.0, vec![0.0; 33]).unwrap();
         let conditions = one_way(2.0, Tilt::Fixed(0.0), rate);
         let mut worn = vec![0.0; 33];
         let integrator = Integrator::new(Scheme::Sdirk2, 1.0);

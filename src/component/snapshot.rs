@@ -2,13 +2,11 @@
 
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use crate::coupled::INPUTS;
-use crate::coupled::lumped::Lumped;
-use crate::coupled::lumped::operators::Operators;
-use crate::coupled::lumped::state::{BodyState, State};
+use crate::coupled::lumped::state::{BodyState, State as MeanState};
+use crate::coupled::model::{Model, Operators, State};
 use crate::scene::{Scene, value};
 use crate::variables::COUNT;
 use crate::wear::track::Track;
-use std::sync::Arc;
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -20,6 +18,7 @@ pub struct Snapshot {
     tolerance: Option<f64>,
     reported: u8,
     at_end: bool,
+    last_step: f64,
     /// Friction coefficient and so on with which the model was built: the wear law refers to them.
     built: [f64; 3],
     state: Option<State>,
@@ -44,13 +43,14 @@ impl Component {
         into.tolerance = self.tolerance;
         into.reported = self.reported;
         into.at_end = self.at_end;
+        into.last_step = self.last_step;
         into.state = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
         {
-            let scene = &model.operators().scene;
+            let scene = model.scene();
             into.built = [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration];
-            into.state = Some(model.state().clone());
+            into.state = Some(model.save());
         }
     }
 
@@ -74,7 +74,7 @@ impl Component {
             let same = self.phase == Phase::Running
                 && self.tolerance == from.tolerance
                 && self.model.as_ref().is_some_and(|model| {
-                    let scene = &model.operators().scene;
+                    let scene = model.scene();
                     [scene.friction_coefficient, scene.ambient_temperature, scene.wear_acceleration] == from.built
                 })
                 && self.values[FIRST_PARAMETER..]
@@ -82,11 +82,13 @@ impl Component {
                     .zip(&values[FIRST_PARAMETER..])
                     .all(|(mine, saved)| mine.to_bits() == saved.to_bits());
             let operators = match &self.model {
-                Some(model) if same => model.operators().clone(),
+                Some(model) if same => model.operators(),
                 _ => {
                     let scene = Scene::new(&at_start, from.tolerance).map_err(|broken| broken.to_string())?;
-                    let known = self.operators.clone().filter(|operators| operators.scene == scene);
-                    known.unwrap_or_else(|| Arc::new(Operators::new(&scene)))
+                    match self.operators.clone().filter(|operators| *operators.scene() == scene) {
+                        Some(known) => known,
+                        None => Operators::new(&scene)?,
+                    }
                 }
             };
             if !state.fits(&operators) {
@@ -94,7 +96,7 @@ impl Component {
             }
             // Nothing has been changed up to here, and nothing can fail from here on.
             if !same {
-                self.model = Some(Lumped::new(operators.clone(), super::tunables_of(&values), &from.inputs));
+                self.model = Some(Model::new(&operators, super::tunables_of(&values), &from.inputs));
                 self.operators = Some(operators);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
@@ -116,6 +118,7 @@ impl Component {
         self.tolerance = from.tolerance;
         self.reported = from.reported;
         self.at_end = from.at_end;
+        self.last_step = from.last_step;
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -129,6 +132,7 @@ impl Snapshot {
         put(f64::from(self.phase));
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
+        put(self.last_step);
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -136,16 +140,28 @@ impl Snapshot {
             put(value);
         }
         self.inputs.iter().chain(&self.slopes).chain(&self.built).for_each(|&number| put(number));
-        put(f64::from(u8::from(self.state.is_some())));
-        if let Some(state) = &self.state {
-            state.numbers().into_iter().for_each(put);
+        match &self.state {
+            None => put(0.0),
+            Some(State::Lumped(mean)) => {
+                put(1.0);
+                mean.numbers().into_iter().for_each(put);
+            }
+            Some(State::Line(mean, line)) => {
+                put(2.0);
+                mean.numbers().into_iter().for_each(&mut put);
+                line.iter().copied().for_each(put);
+            }
         }
     }
 
     /// Number of bytes that [`Snapshot::encode`] appends.
     pub fn encoded_size(&self) -> usize {
-        let state = self.state.as_ref().map_or(0, |state| state.numbers().len());
-        8 * (5 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        let state = match &self.state {
+            None => 0,
+            Some(State::Lumped(mean)) => mean.numbers().len(),
+            Some(State::Line(mean, line)) => mean.numbers().len() + line.len(),
+        };
+        8 * (6 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -163,7 +179,8 @@ impl Snapshot {
 
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
-        let (phase, reported, at_end, tolerance, count) = (next()?, next()?, next()?, next()?, next()?);
+        let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
+        let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
         {
             return None;
@@ -172,6 +189,7 @@ impl Snapshot {
             phase: phase as u8,
             reported: reported as u8,
             at_end: at_end != 0.0,
+            last_step,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
             ..Snapshot::default()
         };
@@ -185,14 +203,20 @@ impl Snapshot {
         for slot in snapshot.inputs.iter_mut().chain(&mut snapshot.slopes).chain(&mut snapshot.built) {
             *slot = next()?;
         }
-        if next()? != 0.0 {
-            snapshot.state = Some(State::from_numbers(numbers)?);
+        match next()? {
+            0.0 => {}
+            1.0 => snapshot.state = Some(State::Lumped(MeanState::from_numbers(numbers)?)),
+            2.0 => {
+                let mean = MeanState::from_numbers(numbers)?;
+                snapshot.state = Some(State::Line(mean, numbers.by_ref().copied().collect()));
+            }
+            _ => return None,
         }
         numbers.next().is_none().then_some(snapshot)
     }
 }
 
-impl State {
+impl MeanState {
     /// All numbers of the state, in an order that [`State::from_numbers`] reads.
     fn numbers(&self) -> Vec<f64> {
         let mut out = Vec::with_capacity(96);
@@ -217,8 +241,8 @@ impl State {
         out
     }
 
-    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<State> {
-        let mut state = State::empty();
+    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<MeanState> {
+        let mut state = MeanState::empty();
         for body in [&mut state.punch, &mut state.strip] {
             read_row(numbers, &mut body.heat)?;
             for slot in body.received.iter_mut().chain([&mut body.depth, &mut body.worn]) {

@@ -1,6 +1,8 @@
 //! The coupled problem of contact, wear and heat, level by level.
 
+pub mod line;
 pub mod lumped;
+pub mod model;
 pub mod scalar;
 
 /// Inputs of the component in the order of the variable table, with their time derivatives.

@@ -313,14 +313,14 @@ export! {
         instance.set_real_input_derivatives(references, orders, values)
     }
 
-    /// None are offered (`maxOutputDerivativeOrder` is 0).
+    /// Order 1 (`maxOutputDerivativeOrder`): from the end of the last step on, with the inputs as they are.
     fn fmi2GetRealOutputDerivatives [GetRealOutputDerivatives] (
         vr: *const ValueReference, nvr: usize, order: *const Integer, value: *mut Real
     ) |instance| {
         // SAFETY: the importer vouches for the arrays.
-        let (references, orders, _) =
+        let (references, orders, values) =
             unsafe { (given("vr", vr, nvr)?, given("order", order, nvr)?, wanted("value", value, nvr)?) };
-        instance.get_real_output_derivatives(references, orders)
+        instance.get_real_output_derivatives(references, orders, values)
     }
 
     /// Never answers `fmi2Warning` or `fmi2Discard`. A step of 0 moves nothing.

@@ -378,7 +378,7 @@ impl Fault {
 pub const INPUT_DERIVATIVE_ORDER: i32 = 1;
 
 /// Highest order of the output derivatives that are offered; as `maxOutputDerivativeOrder` in the XML.
-pub const OUTPUT_DERIVATIVE_ORDER: i32 = 0;
+pub const OUTPUT_DERIVATIVE_ORDER: i32 = 1;
 
 /// How far two times may lie apart and still be the same, in seconds: `1e-9 max(1, |t|)`.
 ///

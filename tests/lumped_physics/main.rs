@@ -9,6 +9,7 @@ mod derivatives;
 mod drive;
 mod geometry;
 mod limits;
+mod rates;
 mod standstill;
 mod steps;
 mod stroke;

@@ -1,5 +1,6 @@
 //! modelDescription.xml of a scene, made from the variable table.
 
+use sliding_contact::fmi2::policy::OUTPUT_DERIVATIVE_ORDER;
 use sliding_contact::slot::Packaged;
 use sliding_contact::variables::units::{UNITS, Unit};
 use sliding_contact::variables::{
@@ -53,6 +54,8 @@ pub fn write(scene: &Packaged, description: &str) -> String {
     );
     let mut attributes = vec![text("modelIdentifier", MODEL_IDENTIFIER)];
     attributes.extend(CAPABILITIES.map(|name| text(name, "true")));
+    let order = OUTPUT_DERIVATIVE_ORDER.to_string();
+    attributes.push(text("maxOutputDerivativeOrder", &order));
     xml.empty("CoSimulation", &attributes);
     units(&mut xml);
     types(&mut xml);

@@ -15,6 +15,7 @@ pub mod state;
 pub mod step;
 
 use crate::contact::friction::FrictionLaw;
+use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
 use flash_step::FlashStep;
@@ -141,6 +142,19 @@ impl Lumped {
         self.refresh();
         let conditions = self.conditions(inputs);
         point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+    }
+
+    /// The contact now in dual numbers, with the states held.
+    pub fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
+        self.refresh();
+        let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
+        point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+    }
+
+    /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.
+    pub fn expansion_of_bodies(&self) -> f64 {
+        self.expansion(&self.operators.punch, &self.state.punch)
+            + self.expansion(&self.operators.strip, &self.state.strip)
     }
 
     fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {

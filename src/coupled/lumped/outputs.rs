@@ -211,7 +211,7 @@ impl Lumped {
         }
     }
 
-    fn expansion(&self, body: &BodyOperators, state: &BodyState) -> f64 {
+    pub(super) fn expansion(&self, body: &BodyOperators, state: &BodyState) -> f64 {
         body.heat.as_ref().map_or(0.0, |heat| body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count))
     }
 

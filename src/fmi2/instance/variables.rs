@@ -127,19 +127,36 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetRealOutputDerivatives`: none are offered.
+    /// `fmi2GetRealOutputDerivatives`: order 1, at the end of the last step, with the inputs as they are.
     pub fn get_real_output_derivatives(
         &mut self,
         references: Source<'_, ValueReference>,
         orders: Source<'_, Integer>,
+        result: Sink<'_, Real>,
     ) -> Outcome {
-        if references.count() == 0 {
-            return Ok(());
+        for index in 0..references.count() {
+            let (reference, order) = (references.at(index), orders.at(index));
+            if !policy::access(reference).is(policy::Type::Real) {
+                return Err(reference_problem(reference, Some(policy::Type::Real), None));
+            }
+            if variables::lookup(reference).is_none_or(|(row, _)| row.causality != Causality::Output) {
+                return Err(problem::not_an(Causality::Output, reference));
+            }
+            if order != OUTPUT_DERIVATIVE_ORDER {
+                return argument(format!("output derivatives are of order {OUTPUT_DERIVATIVE_ORDER}, not {order}"));
+            }
         }
-        argument(format!(
-            "order {} was asked for; output derivatives are offered up to order {OUTPUT_DERIVATIVE_ORDER}",
-            orders.at(0)
-        ))
+        let scratch = &mut self.scratch;
+        references.copy_into(&mut scratch.unknowns);
+        scratch.result.clear();
+        scratch.result.resize(scratch.unknowns.len(), 0.0);
+        self.component
+            .output_derivatives(&scratch.unknowns, &mut scratch.result)
+            .map_err(|text| Problem { fault: Fault::Derivative, text })?;
+        for (index, &value) in scratch.result.iter().enumerate() {
+            result.put(index, value);
+        }
+        Ok(())
     }
 
     /// `fmi2GetDirectionalDerivative`: of outputs by inputs.

@@ -1,0 +1,62 @@
+//! Time derivatives of the outputs at a communication point.
+
+use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, GROUPS, group, inputs_of};
+use crate::coupled::model::Model;
+use crate::variables::{COUNT, ValueReference};
+
+/// Length of the look ahead over the length of the last step: its error is the square of this.
+const AHEAD: f64 = 1e-3;
+
+impl Component {
+    /// Derivatives by time of `unknowns` (outputs) as time goes on from the last communication point with the inputs as
+    /// they are, per second. The states are carried on by a thousandth of the last step and by half of that, and put
+    /// back; the derivative at the beginning of the parabola through the three values is the result, second order in that
+    /// length.
+    ///
+    /// # Errors
+    /// If an unknown is no output, no step has been made yet, or none can be made from here.
+    pub fn output_derivatives(&mut self, unknowns: &[ValueReference], result: &mut [f64]) -> Result<(), String> {
+        if let Some(unknown) =
+            unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
+        {
+            return Err(format!("value reference {unknown} is not an output"));
+        }
+        let inputs = inputs_of(&self.values);
+        let ahead = AHEAD * self.last_step;
+        let Some(model) = self.model.as_mut().filter(|_| ahead > 0.0) else {
+            return Err("output derivatives belong to the end of a step, and none has been made".into());
+        };
+        let groups = unknowns.iter().fold(0, |groups, &unknown| groups | GROUPS[unknown as usize]);
+        let mut values = vec![0.0; 3 * COUNT];
+        let (now, later) = values.split_at_mut(COUNT);
+        let (half, whole) = later.split_at_mut(COUNT);
+        let saved = model.save();
+        let mut outcome = Ok(());
+        for (length, values) in [(0.0, now), (0.5 * ahead, half), (ahead, whole)] {
+            if length > 0.0 {
+                outcome = outcome.and_then(|()| model.step(&inputs, None, length));
+            }
+            write(model, groups, &inputs, values.try_into().expect("COUNT values"));
+            model.set_state(&saved);
+        }
+        outcome.map_err(|failure| failure.to_string())?;
+        for (slot, &unknown) in result.iter_mut().zip(unknowns) {
+            let [now, half, whole] = [0, 1, 2].map(|time| values[time * COUNT + unknown as usize]);
+            *slot = (4.0 * (half - now) - (whole - now)) / ahead;
+        }
+        Ok(())
+    }
+}
+
+/// Outputs of the groups as the held states give them: all three times by the same formulas.
+fn write(model: &mut Model, groups: u8, inputs: &[f64; super::INPUTS], values: &mut [f64; COUNT]) {
+    if groups & (group::MAIN | group::CONTACT) != 0 {
+        model.write_contact(inputs, values);
+    }
+    if groups & group::ACCOUNT != 0 {
+        model.write_account(values);
+    }
+    if groups & group::REST != 0 {
+        model.write_rest(inputs, values);
+    }
+}

@@ -1,0 +1,313 @@
+//! The line level: pressure, wear and shape on the cells of the contact line.
+//!
+//! Heat, friction coefficient, distance and bristle depend on the mean of the pressure and are carried by the lumped
+//! level's equations ([`Lumped`], with the wear and the holder taken out); the contact line adds what varies along the
+//! contact. The two meet once per piece of a communication step: the contact line needs the temperature where tables or
+//! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
+
+pub mod operators;
+mod outputs;
+mod path;
+pub mod profile;
+mod saved;
+pub mod state;
+mod step;
+
+use crate::contact::friction::FrictionLaw;
+use crate::contact::{ContactState, Normal, Tilt};
+use crate::coupled::lumped::conditions::Tunables;
+use crate::coupled::lumped::{self, Lumped, limit};
+use crate::coupled::{INPUTS, StepFailure};
+use crate::scene::Geometry;
+use crate::wear::line::{Conditions, WearingContact};
+use operators::Operators;
+use path::{Heat, Moment, Path, edges};
+use state::State;
+use std::sync::Arc;
+use step::Work;
+
+/// Part of a body's height that may be worn off before compliance and conduction must be rebuilt.
+const HIGHEST_VALID_WEAR: f64 = 0.5;
+
+/// A scene at the line level.
+#[derive(Clone, Debug)]
+pub struct Line {
+    operators: Arc<Operators>,
+    mean: Lumped,
+    friction: FrictionLaw,
+    tunables: Tunables,
+    state: State,
+    /// State before the step under way.
+    backup: (lumped::state::State, State),
+    contact: WearingContact,
+    conditions: Conditions,
+    work: Work,
+    /// Equilibrium last shown, and the inputs it belongs to.
+    shown: ([f64; INPUTS], ContactState),
+}
+
+impl Line {
+    /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
+    pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
+        let mean = Lumped::new(operators.mean.clone(), tunables, inputs);
+        let mut friction = operators.mean.friction.clone();
+        friction.coefficient = tunables.friction_coefficient;
+        let state = State::new(&operators);
+        Line {
+            backup: (mean.state().clone(), state.clone()),
+            contact: operators.contact.clone(),
+            conditions: operators.conditions(),
+            work: Work::new(&operators),
+            shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
+            mean,
+            friction,
+            tunables,
+            state,
+            operators,
+        }
+    }
+
+    /// What the scene was made into.
+    pub fn operators(&self) -> &Arc<Operators> {
+        &self.operators
+    }
+
+    /// Whether a bristle carries the force at standstill.
+    pub fn has_bristle(&self) -> bool {
+        self.mean.has_bristle()
+    }
+
+    /// The contact's state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The mean's state.
+    pub fn mean_state(&self) -> &lumped::state::State {
+        self.mean.state()
+    }
+
+    /// Appends the contact's state as numbers.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        let mut state = self.state.clone();
+        state.status.copy_from(self.contact.status());
+        state.save(out);
+    }
+
+    /// Replaces everything that changes.
+    pub fn set_state(&mut self, mean: &lumped::state::State, line: &State) {
+        self.mean.set_state(mean);
+        self.state.copy_from(line);
+        self.contact.set_status(&self.state.status);
+        self.forget_shown();
+    }
+
+    /// Parameters that may change between steps.
+    pub fn set_tunables(&mut self, tunables: Tunables) {
+        self.friction.coefficient = tunables.friction_coefficient;
+        self.tunables = tunables;
+        self.mean.set_tunables(tunables);
+        self.state.end_inputs = [f64::NAN; INPUTS];
+        self.forget_shown();
+    }
+
+    fn forget_shown(&mut self) {
+        self.shown.0 = [f64::NAN; INPUTS];
+    }
+
+    /// Limits reached so far; see [`limit`].
+    pub fn limits(&self) -> u8 {
+        self.state.limits | self.mean.limits()
+    }
+
+    /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates `slopes`, or
+    /// not at all. On failure the state is the one before the step.
+    ///
+    /// # Errors
+    /// [`StepFailure`] where the contact has no equilibrium, no step size gives a solution, or a body is worn through.
+    pub fn step(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Result<(), StepFailure> {
+        self.backup.0.clone_from(self.mean.state());
+        self.state.status.copy_from(self.contact.status());
+        self.backup.1.copy_from(&self.state);
+        let outcome = self.pieces(inputs, slopes, step).and_then(|()| self.watch());
+        if outcome.is_err() {
+            self.mean.set_state(&self.backup.0);
+            self.state.copy_from(&self.backup.1);
+            self.contact.set_status(&self.state.status);
+        }
+        self.forget_shown();
+        outcome
+    }
+
+    /// The step in pieces between sign changes of the velocity and of the load.
+    fn pieces(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
+        let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
+        if inputs[1] < 0.0 || last_load < 0.0 {
+            self.state.limits |= limit::NEGATIVE_LOAD;
+        }
+        let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
+        for piece in edges[..=count].windows(2) {
+            let length = piece[1] - piece[0];
+            if length > 0.0 {
+                let mut start = *inputs;
+                if let Some(slopes) = slopes {
+                    for (value, slope) in start.iter_mut().zip(slopes) {
+                        *value += slope * piece[0];
+                    }
+                }
+                self.piece(&start, slopes, length)?;
+            }
+        }
+        self.state.end_inputs = *inputs;
+        if let Some(slopes) = slopes {
+            for (value, slope) in self.state.end_inputs.iter_mut().zip(slopes) {
+                *value += slope * step;
+            }
+        }
+        Ok(())
+    }
+
+    /// A piece without events: mean and contact line, in the order in which they need each other.
+    fn piece(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+    ) -> Result<(), StepFailure> {
+        let operators = self.operators.clone();
+        let decides_load = operators.decides_load();
+        let follows_heat = operators.follows_heat();
+        if !decides_load {
+            let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
+            return self.step_line(&Path::new(self, inputs, slopes, length, heat), length);
+        }
+        // The load that the contact carries at the start; with an expanding caliper or fading friction a first pass of
+        // the mean at this load tells how hot it gets.
+        let first = self.carried(inputs);
+        let mut loaded = *inputs;
+        loaded[1] = first;
+        let mut heat = Heat::constant(self.temperature(&loaded), self.expansion());
+        if follows_heat {
+            self.work.mean.clone_from(self.mean.state());
+            heat = self.step_mean(&loaded, None, length, true)?;
+            let before = std::mem::replace(&mut self.work.mean, lumped::state::State::empty());
+            self.mean.set_state(&before);
+            self.work.mean = before;
+        }
+        self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+        let last = self.state.carried;
+        let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
+        rates[1] = (last - first) / length;
+        let sloped = slopes.is_some() || first != last;
+        self.mean.step(&loaded, sloped.then_some(&rates), length)
+    }
+
+    /// Carries the mean over the piece; how temperature and expansion went where `observed`.
+    fn step_mean(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+        observed: bool,
+    ) -> Result<Heat, StepFailure> {
+        if !observed {
+            self.mean.step(inputs, slopes, length)?;
+            return Ok(Heat::constant(self.mean.state().reference, 0.0));
+        }
+        let (temperature, expansion) = (self.temperature(inputs), self.expansion());
+        let distance = self.mean.state().distance;
+        self.mean.step(inputs, slopes, length)?;
+        let state = self.mean.state();
+        let slipped = self.mean.has_bristle().then(|| {
+            let carried = inputs[1].max(0.0) + slopes.map_or(0.0, |slopes| slopes[1] * length);
+            let full = carried * self.operators.mean.scene.faces * self.operators.mean.power_factor;
+            let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
+            (state.distance - distance, ratio)
+        });
+        Ok(Heat {
+            temperature: [temperature, state.end_temperature + state.reference],
+            expansion: [expansion, self.expansion()],
+            slipped,
+        })
+    }
+
+    /// Contact temperature (K) for these inputs with the states held.
+    fn temperature(&mut self, inputs: &[f64; INPUTS]) -> f64 {
+        self.mean.point(inputs).contact_temperature + self.mean.state().reference
+    }
+
+    /// Displacement of both surfaces by the mean temperature of the bodies, m into them.
+    fn expansion(&self) -> f64 {
+        if self.operators.scene.holder_stiffness > 0.0 { -self.mean.expansion_of_bodies() } else { 0.0 }
+    }
+
+    /// Balance of holder and contact at `moment`.
+    fn balance(&mut self, moment: &Moment) -> (f64, Normal, Tilt) {
+        let operators = self.operators.clone();
+        let scene = &operators.scene;
+        let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
+        let signed = if coupled { moment.signed_friction } else { 0.0 };
+        let tilt = match (operators.rotates, operators.pivot) {
+            (false, _) => Tilt::Fixed(0.0),
+            (true, None) => Tilt::ResultantAt(0.0),
+            (true, Some(height)) => Tilt::ResultantAt(moment.signed_friction * height),
+        };
+        let load = moment.load / operators.shared_depth;
+        let stiffness = scene.holder_stiffness / operators.shared_depth;
+        let normal = if stiffness > 0.0 && moment.load > 0.0 {
+            // The caliper holds the actuator's load on the unworn, cold bodies.
+            let reference = self.reference_approach(load);
+            Normal::Spring { load: load + stiffness * reference, stiffness }
+        } else {
+            Normal::Load(load)
+        };
+        (signed, normal, tilt)
+    }
+
+    /// Approach of the unworn bodies at rest under `load` (N/m), m.
+    fn reference_approach(&mut self, load: f64) -> f64 {
+        if self.work.reference.0 != load {
+            let operators = &self.operators;
+            self.conditions.signed_friction = 0.0;
+            (self.conditions.normal, self.conditions.tilt) = (Normal::Load(load), Tilt::Fixed(0.0));
+            let saved = &mut self.work.status;
+            saved.copy_from(self.contact.status());
+            let known = self.contact.stage_into(&operators.initial_gap, 0.0, &self.conditions, &mut self.work.shown);
+            self.contact.set_status(saved);
+            self.work.reference = (load, if known.is_ok() { self.work.shown.approach } else { 0.0 });
+        }
+        self.work.reference.1
+    }
+
+    /// Limits and validity after a step.
+    fn watch(&mut self) -> Result<(), StepFailure> {
+        let scene = &self.operators.scene;
+        let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, f64::max);
+        for (name, depth, body) in
+            [("punch", deepest(&self.state.punch), &scene.punch), ("strip", deepest(&self.state.strip), &scene.strip)]
+        {
+            let worn = depth + body.initial_wear;
+            if worn >= body.height {
+                return Err(StepFailure(format!(
+                    "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
+                    body.height
+                )));
+            }
+            if worn > HIGHEST_VALID_WEAR * body.height {
+                self.state.limits |= limit::VALIDITY;
+            }
+            if body.wear_limit > 0.0 && worn >= body.wear_limit {
+                self.state.limits |= limit::WEAR;
+            }
+        }
+        if self.state.track.as_ref().is_some_and(|track| track.revisited()) {
+            self.state.limits |= limit::VALIDITY;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,199 @@
+//! What the contact line is made of, built once from the scene and shared by every state.
+
+use super::profile::{Profile, cell_means};
+use crate::contact::{Normal, Tilt};
+use crate::coupled::lumped;
+use crate::elastic::Cells;
+use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
+use crate::scene::{Constraint, Geometry, InitialShape, Path, Scene};
+use crate::steady;
+use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
+use crate::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
+use std::sync::Arc;
+
+/// Cells where the scene leaves the choice: pressure to about 1e-3 away from the edges.
+const CHOSEN_CELLS: usize = 33;
+
+/// How the strip's worn depth moves under the punch.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StripWear {
+    /// It does not wear.
+    None,
+    /// Every point of a closed path comes by: evenly along the path, one depth for all cells.
+    Even,
+    /// Annular contact: every radius keeps its own depth.
+    ByRadius,
+    /// A straight path keeps a track in its own coordinate.
+    Track,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub struct Operators {
+    /// The scene it was built from.
+    pub scene: Scene,
+    /// Heat, friction and everything else that the mean pressure decides.
+    pub mean: Arc<lumped::operators::Operators>,
+    /// The cells.
+    pub cells: Cells,
+    /// Weights of the load integral, m.
+    pub weights: Vec<f64>,
+    /// r/r_m of the cells; all 1 but in annular geometry.
+    pub radius_ratio: Vec<f64>,
+    /// Wear rate of punch and strip on the cells over that at the mean radius.
+    pub radial: [Vec<f64>; 2],
+    /// Gap of the unworn bodies, N cell means, m.
+    pub initial_gap: Vec<f64>,
+    /// The contact as it is before the first step.
+    pub contact: WearingContact,
+    /// Displacement scale per mean pressure (m/Pa): what the error of a worn shape is measured against.
+    pub displacement_scale: f64,
+    /// Wear laws of punch and strip, with the factor of the mean over the path.
+    pub wear: [(WearLaw, f64); 2],
+    /// What the strip's wear does.
+    pub strip_wear: StripWear,
+    /// Stations of the profiles.
+    pub profile: Profile,
+    /// Length by which a load per face is shared: depth times number of punches, m.
+    pub shared_depth: f64,
+    /// Pivot height where the punch can rotate and friction turns it, m.
+    pub pivot: Option<f64>,
+    /// A free tilt.
+    pub rotates: bool,
+}
+
+impl Operators {
+    /// Builds the contact line of `scene`.
+    ///
+    /// # Errors
+    /// A text with the numbers where the bodies or the run-in shape do not exist.
+    pub fn new(scene: &Scene) -> Result<Operators, String> {
+        let count = if scene.cells == 0 { CHOSEN_CELLS } else { scene.cells };
+        let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
+        let weights = load_weights(scene, &cells);
+        let radius_ratio = relative_radii(scene, &cells);
+        let [punch, strip] = compliances(scene, &cells).map_err(|error| error.to_string())?;
+        let mut initial_gap = match &scene.initial_shape {
+            InitialShape::Flat | InitialShape::RunIn => vec![0.0; count],
+            InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x * x * x / (6.0 * radius)),
+            InitialShape::Tabulated(values) => cell_means(&cells, values),
+        };
+        if scene.initial_shape == InitialShape::RunIn {
+            return Err("contact.initial_shape = run_in".into());
+        }
+        let normal = &punch.normal + &strip.normal;
+        let shear = &strip.shear - &punch.shear;
+        let profile_pressure = nalgebra::DVector::from_fn(count, |i, _| match count {
+            1 => 1.0,
+            _ => cells.centres()[i] / cells.half_width(),
+        });
+        let displacement: Vec<f64> = (&normal * profile_pressure).iter().map(|u| u * u).collect();
+        let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
+        let contact = WearingContact::new(&cells, &weights, normal, shear, initial_gap.clone())
+            .map_err(|error| error.to_string())?;
+        let law = |body: &crate::scene::Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
+        let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
+            (false, ..) => StripWear::None,
+            (true, Geometry::Annular, _) => StripWear::ByRadius,
+            (true, _, Path::Closed) => StripWear::Even,
+            (true, _, Path::Straight) => StripWear::Track,
+        };
+        let radial = [&scene.punch, &scene.strip]
+            .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
+        let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
+        let rotates = scene.constraint == Constraint::TranslateAndRotate;
+        let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene)));
+        Ok(Operators {
+            profile: Profile::new(&cells),
+            wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
+            shared_depth: scene.depth * scene.count,
+            pivot: (rotates && scene.geometry == Geometry::Line).then_some(scene.pivot_height),
+            scene: scene.clone(),
+            mean,
+            cells,
+            weights,
+            radius_ratio,
+            radial,
+            initial_gap,
+            contact,
+            displacement_scale,
+            strip_wear,
+            rotates,
+        })
+    }
+
+    /// N.
+    pub fn count(&self) -> usize {
+        self.cells.count()
+    }
+
+    /// Conditions of a contact under no load, with a term for every body that reshapes the contact.
+    pub fn conditions(&self) -> Conditions {
+        let term = |body: usize| WearTerm {
+            coefficient: match self.scene.geometry {
+                Geometry::Annular => Coefficient::PerCell(vec![0.0; self.count()]),
+                _ => Coefficient::Uniform(0.0),
+            },
+            exponent: self.wear[body].0.pressure_exponent,
+        };
+        let terms = (0..2).filter(|&body| self.reshapes(body)).map(term).collect();
+        Conditions {
+            signed_friction: 0.0,
+            normal: Normal::Load(0.0),
+            tilt: Tilt::Fixed(0.0),
+            rate: CellRate { reference_pressure: REFERENCE_PRESSURE, terms },
+        }
+    }
+
+    /// What was chosen, for the log.
+    pub fn plan(&self) -> String {
+        let strip = match self.strip_wear {
+            StripWear::None => "does not wear",
+            StripWear::Even => "wears evenly along its path",
+            StripWear::ByRadius => "wears by radius",
+            StripWear::Track => "keeps its worn track",
+        };
+        let chosen = if self.scene.cells == 0 { " (chosen)" } else { "" };
+        format!("{} cells{chosen}; the strip {strip}; heat by its mean, without distortion of the shape", self.count())
+    }
+
+    /// What a user should know before the scene runs.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let scene = &self.scene;
+        if scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0 {
+            warnings.push(
+                "thermal distortion of the shape is not part of this level yet: the bodies' mean expansion acts on \
+                 holder.stiffness only"
+                    .into(),
+            );
+        }
+        let half_width = 0.5 * scene.width;
+        if let Some(height) = self.pivot
+            && scene.nominal_stroke > 0.0
+            && scene.punch.wear_coefficient > 0.0
+            && scene.friction_coefficient * height >= 0.5 * half_width
+            && scene.punch.wear_pressure_exponent == 1.0
+        {
+            warnings.push(format!(
+                "sliding to and fro, the punch rocks itself round: contact.friction_coefficient x holder.pivot_height = {} m \
+                 is not below a quarter of punch.width = {} m, so no steady cycle exists",
+                scene.friction_coefficient * height,
+                0.5 * half_width
+            ));
+        }
+        warnings
+    }
+}
+
+/// The scene whose mean quantities the lumped level carries: the contact line does the wear and stands between holder and
+/// load.
+fn mean_scene(scene: &Scene) -> Scene {
+    let mut mean = scene.clone();
+    for body in [&mut mean.punch, &mut mean.strip] {
+        body.wear_coefficient = 0.0;
+        body.wear_limit = 0.0;
+    }
+    mean.holder_stiffness = 0.0;
+    mean
+}

@@ -1,0 +1,109 @@
+//! What acts on the contact line during a piece of a communication step.
+
+use super::Line;
+use crate::contact::friction::FrictionLaw;
+use crate::coupled::INPUTS;
+
+/// How temperature and expansion go over a piece: linearly between its ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Heat {
+    /// Contact temperature at the ends, K.
+    pub temperature: [f64; 2],
+    /// Displacement of both surfaces by heat, m into the bodies.
+    pub expansion: [f64; 2],
+    /// With a bristle: distance slipped in the piece (m), and friction force over normal load, signed.
+    pub slipped: Option<(f64, f64)>,
+}
+
+impl Heat {
+    /// Nothing changes, nothing is carried by a bristle.
+    pub fn constant(temperature: f64, expansion: f64) -> Heat {
+        Heat { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
+    }
+}
+
+/// The contact's conditions at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment {
+    /// s mu.
+    pub signed_friction: f64,
+    /// Load per face that the actuator gives, N, >= 0.
+    pub load: f64,
+    /// Speed that wears, m/s.
+    pub speed: f64,
+    /// Friction coefficient without Stribeck factor.
+    pub faded: f64,
+    /// Contact temperature, K.
+    pub temperature: f64,
+    /// Displacement of both surfaces by heat, m into the bodies.
+    pub expansion: f64,
+}
+
+/// Conditions over a piece.
+#[derive(Clone, Debug)]
+pub struct Path {
+    inputs: [f64; INPUTS],
+    slopes: Option<[f64; INPUTS]>,
+    length: f64,
+    heat: Heat,
+    friction: FrictionLaw,
+    mean_radius: f64,
+}
+
+impl Path {
+    /// From the inputs at the start of a piece of `length` (s) and their rates.
+    pub fn new(line: &Line, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, length: f64, heat: Heat) -> Path {
+        let (friction, mean_radius) = (line.friction.clone(), line.operators.scene.mean_radius);
+        Path { inputs: *inputs, slopes: slopes.copied(), length, heat, friction, mean_radius }
+    }
+
+    /// Sliding velocity at `time` (s from the start of the piece), m/s.
+    pub fn velocity(&self, time: f64) -> f64 {
+        let at = |index: usize| self.inputs[index] + self.slopes.map_or(0.0, |slopes| slopes[index] * time);
+        at(0) + self.mean_radius * at(2)
+    }
+
+    /// Conditions at `time` (s from the start of the piece).
+    pub fn at(&self, time: f64) -> Moment {
+        let part = time / self.length;
+        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * part;
+        let velocity = self.velocity(time);
+        let temperature = between(self.heat.temperature);
+        let faded = self.friction.faded(temperature);
+        let (signed_friction, speed) = match self.heat.slipped {
+            Some((distance, ratio)) => (ratio, distance / self.length),
+            None => {
+                let sign = self.friction.sign(velocity);
+                (sign * (faded * self.friction.stribeck(velocity)), sign * velocity)
+            }
+        };
+        let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
+        Moment { signed_friction, load, speed, faded, temperature, expansion: between(self.heat.expansion) }
+    }
+
+    /// Whether the contact is open or at rest throughout.
+    pub fn idle(&self) -> bool {
+        let [start, end] = [self.at(0.0), self.at(self.length)];
+        start.speed == 0.0 && end.speed == 0.0 || start.load == 0.0 && end.load == 0.0
+    }
+}
+
+/// Ends of the pieces of a communication step between sign changes of velocity and load, and their number.
+pub fn edges(inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
+    let mut edges = [0.0, step, step, step];
+    let Some(slopes) = slopes else { return (edges, 1) };
+    let mut count = 1;
+    let crossings =
+        [(inputs[0] + mean_radius * inputs[2], slopes[0] + mean_radius * slopes[2]), (inputs[1], slopes[1])];
+    for (value, slope) in crossings {
+        let time = -value / slope;
+        // A crossing at the very edge is no event: its piece would have no length.
+        if slope != 0.0 && time > 1e-12 * step && time < (1.0 - 1e-12) * step {
+            edges[count] = time;
+            count += 1;
+        }
+    }
+    edges[1..count].sort_by(f64::total_cmp);
+    edges[count] = step;
+    (edges, count)
+}

@@ -1,0 +1,80 @@
+//! The line level's state as numbers, and back.
+
+use super::operators::Operators;
+use super::state::State;
+use crate::coupled::INPUTS;
+
+impl State {
+    /// Takes over `other` without allocating.
+    pub fn copy_from(&mut self, other: &State) {
+        self.punch.copy_from_slice(&other.punch);
+        self.strip.copy_from_slice(&other.strip);
+        match (&mut self.track, &other.track) {
+            (Some(mine), Some(track)) => mine.copy_from(track),
+            (mine, track) => mine.clone_from(track),
+        }
+        self.volume = other.volume;
+        self.pressure.copy_from_slice(&other.pressure);
+        (self.approach, self.tilt) = (other.approach, other.tilt);
+        self.current = other.current;
+        self.end_inputs = other.end_inputs;
+        (self.carried, self.position) = (other.carried, other.position);
+        self.status.copy_from(&other.status);
+        (self.refinement, self.limits) = (other.refinement, other.limits);
+        (self.error, self.steps, self.rejected) = (other.error, other.steps, other.rejected);
+    }
+
+    /// Appends all numbers of the state, in an order that [`State::load`] reads.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        out.push(self.punch.len() as f64);
+        out.extend(&self.punch);
+        out.extend(&self.strip);
+        out.extend(&self.pressure);
+        out.extend(self.volume);
+        out.extend([self.approach, self.tilt, f64::from(u8::from(self.current)), self.carried, self.position]);
+        out.extend(self.end_inputs);
+        out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
+        out.extend([self.steps as f64, self.rejected as f64]);
+        self.status.save(out);
+        out.push(f64::from(u8::from(self.track.is_some())));
+        if let Some(track) = &self.track {
+            track.save(out);
+        }
+    }
+
+    /// Reads what [`State::save`] wrote for a state of `operators`; `None` if the numbers cannot be one.
+    pub fn load(operators: &Operators, numbers: &[f64]) -> Option<State> {
+        let numbers = &mut numbers.iter();
+        let mut state = State::new(operators);
+        let mut next = || numbers.next().copied();
+        if next()? != operators.count() as f64 {
+            return None;
+        }
+        for slot in state.punch.iter_mut().chain(&mut state.strip).chain(&mut state.pressure) {
+            *slot = next()?;
+        }
+        for slot in &mut state.volume {
+            *slot = next()?;
+        }
+        (state.approach, state.tilt) = (next()?, next()?);
+        state.current = next()? != 0.0;
+        (state.carried, state.position) = (next()?, next()?);
+        for slot in state.end_inputs.iter_mut().take(INPUTS) {
+            *slot = next()?;
+        }
+        let (refinement, limits) = (next()?, next()?);
+        if !(0.0..=60.0).contains(&refinement) || !(0.0..256.0).contains(&limits) {
+            return None;
+        }
+        (state.refinement, state.limits) = (refinement as u8, limits as u8);
+        state.error = next()?;
+        (state.steps, state.rejected) = (next()? as u64, next()? as u64);
+        state.status.load(numbers)?;
+        match (*numbers.next()? != 0.0, &mut state.track) {
+            (true, Some(track)) => track.load(numbers)?,
+            (false, None) => {}
+            _ => return None,
+        }
+        numbers.next().is_none().then_some(state)
+    }
+}

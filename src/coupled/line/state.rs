@@ -1,0 +1,71 @@
+//! What changes along the contact line; everything a saved state needs.
+
+use super::operators::{Operators, StripWear};
+use crate::coupled::INPUTS;
+use crate::wear::line::{LineTrack, Status};
+
+/// See the module. Vectors have N values, one per cell.
+#[derive(Clone, PartialEq, Debug)]
+pub struct State {
+    /// Worn depth of the punch, m.
+    pub punch: Vec<f64>,
+    /// Worn depth of the strip under the cells, m.
+    pub strip: Vec<f64>,
+    /// The strip's track on a straight path.
+    pub track: Option<LineTrack>,
+    /// Position of the punch on the strip, m.
+    pub position: f64,
+    /// Worn volumes per depth and punch (punch, strip), m2.
+    pub volume: [f64; 2],
+    /// Pressure at the end of the last step, Pa.
+    pub pressure: Vec<f64>,
+    /// Approach (m) and tilt (rad) at the end of the last step.
+    pub approach: f64,
+    /// See `approach`.
+    pub tilt: f64,
+    /// Whether pressure, approach and tilt are those of the end of the last step.
+    pub current: bool,
+    /// Inputs at the end of the last step; NaN: none, or a parameter has changed since.
+    pub end_inputs: [f64; INPUTS],
+    /// Load per face that the mean feels at the end of the last step, N.
+    pub carried: f64,
+    /// Where the contact solver starts.
+    pub status: Status,
+    /// log2 of the number of parts the last communication step was cut into.
+    pub refinement: u8,
+    /// Bits of limit_reached seen so far.
+    pub limits: u8,
+    /// Running estimate of the relative error of the worn shape.
+    pub error: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+}
+
+impl State {
+    /// Nothing worn.
+    pub fn new(operators: &Operators) -> State {
+        let zeros = vec![0.0; operators.count()];
+        State {
+            punch: zeros.clone(),
+            strip: zeros.clone(),
+            track: (operators.strip_wear == StripWear::Track)
+                .then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
+            position: 0.0,
+            volume: [0.0; 2],
+            pressure: zeros,
+            approach: 0.0,
+            tilt: 0.0,
+            current: false,
+            end_inputs: [f64::NAN; INPUTS],
+            carried: 0.0,
+            status: operators.contact.status().clone(),
+            refinement: 0,
+            limits: 0,
+            error: 0.0,
+            steps: 0,
+            rejected: 0,
+        }
+    }
+}

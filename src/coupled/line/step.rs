@@ -1,0 +1,506 @@
+//! Time stepping of the worn shape within a piece of a communication step.
+//!
+//! SDIRK2, `gamma = 1 - 1/sqrt 2`: second order, L-stable, stiffly accurate, so the pressure of the last stage is the
+//! pressure on the shape at the end. With the depth rates `f` of the law on the cells,
+//!
+//! ```text
+//! gap_1 = g0 + w + gamma h f(p_1) + A p_1 - ...            at gamma h
+//! gap_2 = g0 + w + (1 - gamma) h f(p_1) + gamma h f(p_2) + A p_2 - ...     at h
+//! w    <- w + h [(1 - gamma) f(p_1) + gamma f(p_2)]
+//! ```
+//!
+//! The embedded first-order solution bounds the error; the piece is cut into 2^n equal parts as it asks.
+
+use super::Line;
+use super::operators::{Operators, StripWear};
+use super::path::{Moment, Path};
+use crate::contact::{ContactState, Normal};
+use crate::coupled::StepFailure;
+use crate::coupled::lumped;
+use crate::coupled::scalar::Scalar;
+use crate::heat::line::GAMMA;
+use crate::scene::Scheme;
+use crate::wear::law::REFERENCE_PRESSURE;
+use crate::wear::line::{Coefficient, ContactRate, StageError, Status, explicit_limit};
+use nalgebra::DMatrix;
+
+/// Finest subdivision: 2^-40 of the piece.
+const FINEST: u8 = 40;
+
+/// Most attempts for one piece: a step always ends.
+const MOST_ATTEMPTS: u32 = 200_000;
+
+/// A stage without a solution at a shorter step is cut this often before the reason is reported.
+const CUTS_WITHOUT_SOLUTION: u8 = 20;
+
+/// Memory that a step works in.
+#[derive(Clone, Debug)]
+pub struct Work {
+    pub gap: Vec<f64>,
+    pub first: ContactState,
+    pub end: ContactState,
+    /// Depth rates of punch and strip at both stages, N values each.
+    pub rates: [[Vec<f64>; 2]; 2],
+    pub strip: Vec<f64>,
+    pub deposit: Vec<f64>,
+    /// What the strip carries along, for the travel `carried_over` (m).
+    pub carry: DMatrix<f64>,
+    pub carried_over: Option<f64>,
+    pub operator: DMatrix<f64>,
+    pub shown: ContactState,
+    pub rate: ContactRate,
+    pub still: Vec<f64>,
+    pub status: Status,
+    /// Load per depth, and the approach of the unworn bodies under it.
+    pub reference: (f64, f64),
+    pub mean: lumped::state::State,
+}
+
+impl Work {
+    /// Memory for a contact line.
+    pub fn new(operators: &Operators) -> Work {
+        let count = operators.count();
+        let zeros = || vec![0.0; count];
+        let tracked = if operators.strip_wear == StripWear::Track { count } else { 0 };
+        Work {
+            gap: zeros(),
+            first: ContactState::new(count),
+            end: ContactState::new(count),
+            rates: [[zeros(), zeros()], [zeros(), zeros()]],
+            strip: zeros(),
+            deposit: zeros(),
+            carry: DMatrix::zeros(tracked, tracked),
+            carried_over: None,
+            operator: DMatrix::zeros(tracked, tracked),
+            shown: ContactState::new(count),
+            rate: ContactRate::new(count),
+            still: zeros(),
+            status: operators.contact.status().clone(),
+            reference: (f64::NAN, 0.0),
+            mean: lumped::state::State::empty(),
+        }
+    }
+}
+
+/// What a part of a piece found.
+enum Outcome {
+    /// Error in units of the tolerance.
+    Tried(f64),
+    /// No solution.
+    Failed(StageError),
+}
+
+impl Line {
+    /// Carries the worn shape over a piece.
+    pub(super) fn step_line(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+        let operators = self.operators.clone();
+        if !operators.wears() || path.idle() {
+            return self.stand(path, length);
+        }
+        if operators.scene.scheme == Scheme::Explicit {
+            return self.explicit(path, length);
+        }
+        let mut level = self.state.refinement;
+        let (mut part, mut attempts, mut failures) = (0_u64, 0, 0);
+        while part < 1_u64 << level {
+            let step = length / (1_u64 << level) as f64;
+            let start = part as f64 * step;
+            if self.too_far(path, start, step) && level < FINEST {
+                level += 1;
+                part *= 2;
+                continue;
+            }
+            attempts += 1;
+            if attempts > MOST_ATTEMPTS {
+                return Err(StepFailure(format!(
+                    "the worn shape needs more than {MOST_ATTEMPTS} internal steps in {length} s at solver.tolerance = {}; \
+                     sliding velocity {} to {} m/s",
+                    operators.scene.tolerance,
+                    path.velocity(0.0),
+                    path.velocity(length)
+                )));
+            }
+            let halvings = match self.attempt(path, start, step) {
+                Outcome::Tried(error) if error <= 1.0 => {
+                    self.accept(path, start, step);
+                    self.state.steps += 1;
+                    self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
+                    part += 1;
+                    failures = 0;
+                    // Error ~ h^2: room for doubling the step.
+                    if level > 0 && part.is_multiple_of(2) && error < 0.175 {
+                        level -= 1;
+                        part /= 2;
+                    }
+                    continue;
+                }
+                Outcome::Tried(error) if error.is_finite() => (0.5 * error.log2()).ceil().clamp(1.0, 10.0) as u8,
+                Outcome::Tried(_) => 2,
+                Outcome::Failed(error) => {
+                    failures += 1;
+                    if failures > CUTS_WITHOUT_SOLUTION || !matches!(error, StageError::NotConverged { .. }) {
+                        return Err(self.failure(path, start, &error));
+                    }
+                    2
+                }
+            };
+            self.state.rejected += 1;
+            if level >= FINEST {
+                return Err(StepFailure(format!(
+                    "no solution of pressure and wear in a step of {step} s (piece of {length} s cut by 2^{FINEST}); \
+                     sliding velocity {} m/s",
+                    path.velocity(start)
+                )));
+            }
+            let before = level;
+            level = (level + halvings).min(FINEST);
+            part <<= level - before;
+        }
+        self.state.refinement = level;
+        Ok(())
+    }
+
+    fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
+        let moment = path.at(time);
+        StepFailure(format!(
+            "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
+            path.velocity(time),
+            moment.load,
+            moment.signed_friction.abs()
+        ))
+    }
+
+    /// A strip that keeps its track may move at most a quarter of the half-width under the punch in one step.
+    fn too_far(&self, path: &Path, start: f64, step: f64) -> bool {
+        let travel = step * path.velocity(start + 0.5 * step).abs();
+        self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
+    }
+
+    /// Nothing wears: only the position on a track and the load move on.
+    fn stand(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+        let travel = length * path.velocity(0.5 * length);
+        self.state.position += travel;
+        if travel != 0.0
+            && let Some(track) = &self.state.track
+        {
+            track.depth_under(self.state.position, &mut self.state.strip);
+        }
+        if !self.operators.decides_load() {
+            self.state.current = false;
+            return Ok(());
+        }
+        let moment = path.at(length);
+        self.set_gap(moment.expansion);
+        let (signed, normal, tilt) = self.balance(&moment);
+        (self.conditions.signed_friction, self.conditions.normal, self.conditions.tilt) = (signed, normal, tilt);
+        self.contact
+            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
+            .map_err(|error| self.failure(path, length, &error))?;
+        self.keep_end();
+        Ok(())
+    }
+
+    /// Gap of the worn bodies before they deform: `g0 + w + u_T`.
+    pub(super) fn set_gap(&mut self, expansion: f64) {
+        let (operators, state) = (&self.operators, &self.state);
+        for i in 0..operators.count() {
+            self.work.gap[i] = operators.initial_gap[i] + state.punch[i] + state.strip[i] + expansion;
+        }
+    }
+
+    /// Coefficients of the depth rates at `moment`, and the balance.
+    fn set_conditions(&mut self, moment: &Moment, tau: f64) {
+        let (signed, normal, tilt) = self.balance(moment);
+        let operators = &self.operators;
+        self.conditions.signed_friction = signed;
+        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
+        let coefficients =
+            operators.coefficients(moment.speed, moment.faded, moment.temperature, self.tunables.wear_acceleration);
+        let mut term = 0;
+        for body in 0..2 {
+            if operators.reshapes(body) {
+                match &mut self.conditions.rate.terms[term].coefficient {
+                    Coefficient::Uniform(value) => *value = coefficients[body],
+                    Coefficient::PerCell(values) => {
+                        for (value, radial) in values.iter_mut().zip(&operators.radial[body]) {
+                            *value = coefficients[body] * radial;
+                        }
+                    }
+                }
+                term += 1;
+            }
+        }
+        // Even wear of the strip takes load off a caliper within the stage.
+        if operators.strip_wear == StripWear::Even
+            && let Normal::Spring { load, stiffness } = &mut self.conditions.normal
+        {
+            let pressure = &self.state.pressure;
+            let rate = operators.even_rate(coefficients[1], pressure);
+            let carried: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
+            let exponent = operators.wear[1].0.pressure_exponent;
+            let slope = if carried > 0.0 { tau * exponent * rate / carried } else { 0.0 };
+            let softened = 1.0 + *stiffness * slope;
+            *load = (*load - *stiffness * tau * (1.0 - exponent) * rate) / softened;
+            *stiffness /= softened;
+        }
+    }
+
+    /// Tries a part; both stages are left in `work`.
+    fn attempt(&mut self, path: &Path, start: f64, step: f64) -> Outcome {
+        let operators = self.operators.clone();
+        let count = operators.count();
+        let acceleration = self.tunables.wear_acceleration;
+        let [early, late] = [path.at(start + GAMMA * step), path.at(start + step)];
+        let base = 1.0 - GAMMA;
+        let travel = step * path.velocity(start + 0.5 * step);
+        self.set_gap(early.expansion);
+        self.meet_track(GAMMA * step * path.velocity(start + 0.5 * GAMMA * step), 0.0);
+        self.set_operator(travel, &early);
+        self.set_conditions(&early, GAMMA * step);
+        if let Err(error) =
+            self.contact.stage_into(&self.work.gap, GAMMA * step, &self.conditions, &mut self.work.first)
+        {
+            return Outcome::Failed(error);
+        }
+        operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
+        let shift = late.expansion - early.expansion;
+        if operators.strip_wear == StripWear::Track {
+            self.set_gap(late.expansion);
+            self.meet_track(travel, base * step);
+            for i in 0..count {
+                self.work.gap[i] += base * step * self.work.rates[0][0][i];
+            }
+        } else {
+            for i in 0..count {
+                self.work.gap[i] += base * step * self.reshaping(0, i) + shift;
+            }
+        }
+        self.set_conditions(&late, GAMMA * step);
+        let outcome = self.contact.stage_into(&self.work.gap, GAMMA * step, &self.conditions, &mut self.work.end);
+        if let Err(error) = outcome {
+            return Outcome::Failed(error);
+        }
+        operators.rates(&late, acceleration, &self.work.end.pressure, &mut self.work.rates[1]);
+        let widths = operators.cells.widths();
+        let (mut square, mut load) = (0.0, 0.0);
+        for i in 0..count {
+            let difference = self.reshaping(0, i) - self.reshaping(1, i);
+            square += widths[i] * difference * difference;
+            load += operators.weights[i] * self.work.first.pressure[i].max(self.work.end.pressure[i]);
+        }
+        let width = 2.0 * operators.cells.half_width();
+        let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
+        let scene = &operators.scene;
+        let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
+        let bound = scene.tolerance * operators.displacement_scale * mean;
+        if estimate == 0.0 { Outcome::Tried(0.0) } else { Outcome::Tried(estimate / bound) }
+    }
+
+    /// Puts what the strip brings along after `travel` (m) into the gap: its depth under the cells there, and what the
+    /// first stage's wear leaves of itself over `duration` (s).
+    fn meet_track(&mut self, travel: f64, duration: f64) {
+        let Some(track) = &self.state.track else { return };
+        let work = &mut self.work;
+        track.depth_under(self.state.position + travel, &mut work.strip);
+        for i in 0..work.gap.len() {
+            work.gap[i] += work.strip[i] - self.state.strip[i];
+        }
+        if duration > 0.0 {
+            let worn = &work.rates[0][1];
+            for (j, column) in work.carry.column_iter().enumerate() {
+                for (gap, part) in work.gap.iter_mut().zip(column.iter()) {
+                    *gap += part * (duration * worn[j]);
+                }
+            }
+        }
+    }
+
+    /// Tells the contact what a stage's wear does to the gap: the punch's stays under its cell, the strip's is carried
+    /// along by `travel` (m). Where both wear, every cell's depth is shared as the pressure of the last step has it.
+    fn set_operator(&mut self, travel: f64, moment: &Moment) {
+        let Some(track) = &self.state.track else { return };
+        let operators = &self.operators;
+        let known = self.work.carried_over == Some(travel);
+        if !known {
+            track.operator(travel, &mut self.work.carry);
+            self.work.carried_over = Some(travel);
+        }
+        if !operators.reshapes(0) {
+            if !known {
+                self.contact.set_operator(Some(&self.work.carry));
+            }
+            return;
+        }
+        let laws =
+            operators.coefficients(moment.speed, moment.faded, moment.temperature, self.tunables.wear_acceleration);
+        for j in 0..operators.count() {
+            let pressure = self.state.pressure[j].max(1e-3 * REFERENCE_PRESSURE);
+            let [punch, strip] = std::array::from_fn(|body| laws[body] * operators.relative_rate(body, j, pressure));
+            let share = if strip > 0.0 { strip / (punch + strip) } else { 0.0 };
+            for i in 0..operators.count() {
+                let own = if i == j { 1.0 - share } else { 0.0 };
+                self.work.operator[(i, j)] = own + share * self.work.carry[(i, j)];
+            }
+        }
+        self.contact.set_operator(Some(&self.work.operator));
+    }
+
+    /// Rate (m/s) at which cell `i` changes its gap at a stage.
+    fn reshaping(&self, stage: usize, i: usize) -> f64 {
+        let [punch, strip] = &self.work.rates[stage];
+        if self.operators.reshapes(1) { punch[i] + strip[i] } else { punch[i] }
+    }
+
+    /// Takes the part that was tried.
+    fn accept(&mut self, path: &Path, start: f64, step: f64) {
+        let operators = self.operators.clone();
+        let count = operators.count();
+        let travel = step * path.velocity(start + 0.5 * step);
+        let weights = [(1.0 - GAMMA) * step, GAMMA * step];
+        let worn = |body: usize, i: usize, work: &Work| {
+            weights[0] * work.rates[0][body][i] + weights[1] * work.rates[1][body][i]
+        };
+        let mut even = 0.0;
+        for i in 0..count {
+            let depth = worn(0, i, &self.work);
+            self.state.punch[i] += depth;
+            self.state.volume[0] += operators.weights[i] * depth;
+            let depth = worn(1, i, &self.work);
+            self.work.deposit[i] = depth;
+            self.state.volume[1] += operators.weights[i] * depth / operators.wear[1].1;
+            even += operators.cells.widths()[i] * depth;
+        }
+        match operators.strip_wear {
+            StripWear::None => {}
+            StripWear::Even => {
+                let depth = even / (2.0 * operators.cells.half_width());
+                self.state.strip.iter_mut().for_each(|worn| *worn += depth);
+            }
+            StripWear::ByRadius => {
+                for (worn, depth) in self.state.strip.iter_mut().zip(&self.work.deposit) {
+                    *worn += depth;
+                }
+            }
+            StripWear::Track => {
+                let state = &mut self.state;
+                if let Some(track) = &mut state.track {
+                    track.deposit(state.position, state.position + travel, &self.work.deposit);
+                    track.depth_under(state.position + travel, &mut state.strip);
+                }
+            }
+        }
+        self.state.position += travel;
+        self.keep_end();
+    }
+
+    /// Makes the last stage the state's equilibrium.
+    fn keep_end(&mut self) {
+        let (state, end) = (&mut self.state, &self.work.end);
+        state.pressure.copy_from_slice(&end.pressure);
+        (state.approach, state.tilt) = (end.approach, end.tilt);
+        state.current = true;
+        state.carried = self.operators.carried(&state.pressure);
+    }
+
+    /// One explicit Euler step over the piece, refused beyond its stability bound.
+    fn explicit(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+        let operators = self.operators.clone();
+        let moment = path.at(0.0);
+        self.set_gap(moment.expansion);
+        self.set_conditions(&moment, 0.0);
+        self.contact
+            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
+            .map_err(|error| self.failure(path, 0.0, &error))?;
+        let limit = explicit_limit(&mut self.contact, &self.conditions, &self.work.end.pressure);
+        if length >= limit {
+            return Err(StepFailure(format!(
+                "solver.scheme = explicit is stable only for steps below {limit:e} s here (sliding velocity {} m/s, normal \
+                 load {} N); the step is {length:e} s",
+                path.velocity(0.0),
+                moment.load
+            )));
+        }
+        operators.rates(&moment, self.tunables.wear_acceleration, &self.work.end.pressure, &mut self.work.rates[0]);
+        for body in 0..2 {
+            let [first, end] = &mut self.work.rates;
+            end[body].copy_from_slice(&first[body]);
+        }
+        self.accept(path, 0.0, length);
+        self.state.steps += 1;
+        // The pressure on the new shape.
+        let last = path.at(length);
+        self.set_gap(last.expansion);
+        self.set_conditions(&last, 0.0);
+        self.contact
+            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
+            .map_err(|error| self.failure(path, length, &error))?;
+        self.keep_end();
+        Ok(())
+    }
+}
+
+impl Operators {
+    /// Whether anything wears.
+    pub fn wears(&self) -> bool {
+        self.wear[0].0.active() || self.wear[1].0.active()
+    }
+
+    /// Whether the wear of the body (0: punch, 1: strip) changes the gap by cell.
+    pub fn reshapes(&self, body: usize) -> bool {
+        match body {
+            0 => self.wear[0].0.active(),
+            _ => matches!(self.strip_wear, StripWear::ByRadius | StripWear::Track),
+        }
+    }
+
+    /// Depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
+    pub(super) fn coefficients<S: Scalar>(&self, speed: S, faded: S, temperature: S, acceleration: f64) -> [S; 2] {
+        std::array::from_fn(|body| {
+            let (law, factor) = &self.wear[body];
+            law.rate(S::from(REFERENCE_PRESSURE), speed, faded, temperature) * (factor * acceleration)
+        })
+    }
+
+    /// Depth rate of the body (0: punch, 1: strip) on cell `i` relative to that at the reference pressure and the mean
+    /// radius.
+    pub(super) fn relative_rate(&self, body: usize, i: usize, pressure: f64) -> f64 {
+        self.radial[body][i] * power(pressure / REFERENCE_PRESSURE, self.wear[body].0.pressure_exponent)
+    }
+
+    /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
+    fn rates(&self, moment: &Moment, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
+        let laws = self.coefficients(moment.speed, moment.faded, moment.temperature, acceleration);
+        for body in 0..2 {
+            if laws[body] == 0.0 {
+                rates[body].fill(0.0);
+                continue;
+            }
+            for i in 0..pressure.len() {
+                rates[body][i] = laws[body] * self.relative_rate(body, i, pressure[i]);
+            }
+        }
+    }
+
+    /// Mean depth rate (m/s) of a strip that wears evenly, `coefficient` at the reference pressure.
+    fn even_rate(&self, coefficient: f64, pressure: &[f64]) -> f64 {
+        let exponent = self.wear[1].0.pressure_exponent;
+        let sum: f64 =
+            self.cells.widths().iter().zip(pressure).map(|(c, p)| c * power(p / REFERENCE_PRESSURE, exponent)).sum();
+        coefficient * sum / (2.0 * self.cells.half_width())
+    }
+
+    /// Load per face (N) that gives the mean its heat and friction: the contact's, on an annulus by its torque.
+    pub fn carried(&self, pressure: &[f64]) -> f64 {
+        let (mut torque, mut load) = (0.0, 0.0);
+        for i in 0..pressure.len() {
+            load += self.weights[i] * pressure[i];
+            torque += self.weights[i] * pressure[i] * self.radius_ratio[i];
+        }
+        let carried = if self.mean.power_factor == 1.0 { load } else { torque / self.mean.power_factor };
+        carried * self.shared_depth
+    }
+}
+
+fn power(base: f64, exponent: f64) -> f64 {
+    if exponent == 1.0 { base } else { base.powf(exponent) }
+}

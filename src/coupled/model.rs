@@ -1,0 +1,223 @@
+//! The levels behind one face: what the component talks to.
+
+use super::line::{self, Line};
+use super::lumped::conditions::Tunables;
+use super::lumped::{self, Lumped};
+use super::{INPUTS, StepFailure};
+use crate::scene::{Fidelity, Scene};
+use crate::variables::COUNT;
+use std::sync::Arc;
+
+/// What a level is made of, shared by every state of a scene.
+#[derive(Clone, Debug)]
+pub enum Operators {
+    /// Uniform pressure.
+    Lumped(Arc<lumped::operators::Operators>),
+    /// Cells.
+    Line(Arc<line::operators::Operators>),
+}
+
+/// Everything that changes.
+#[derive(Clone, PartialEq, Debug)]
+pub enum State {
+    /// Of the lumped level.
+    Lumped(lumped::state::State),
+    /// Of the line level: mean, and the contact as numbers whose count the scene decides.
+    Line(lumped::state::State, Vec<f64>),
+}
+
+/// A scene at its level.
+#[derive(Clone, Debug)]
+pub enum Model {
+    /// Uniform pressure.
+    Lumped(Lumped),
+    /// Cells.
+    Line(Box<Line>),
+}
+
+impl Operators {
+    /// Builds the level that the scene asks for.
+    ///
+    /// # Errors
+    /// A text with the numbers where a body, or the run-in state, does not exist.
+    pub fn new(scene: &Scene) -> Result<Operators, String> {
+        Ok(match scene.fidelity {
+            Fidelity::Line => Operators::Line(Arc::new(line::operators::Operators::new(scene)?)),
+            _ => Operators::Lumped(Arc::new(lumped::operators::Operators::new(scene))),
+        })
+    }
+
+    /// The scene they were built from.
+    pub fn scene(&self) -> &Scene {
+        match self {
+            Operators::Lumped(operators) => &operators.scene,
+            Operators::Line(operators) => &operators.scene,
+        }
+    }
+
+    /// What was chosen, for the log.
+    pub fn plan(&self) -> String {
+        let mean = match self {
+            Operators::Lumped(operators) => operators,
+            Operators::Line(operators) => &operators.mean,
+        };
+        let states = |body: &lumped::operators::BodyOperators| body.heat.as_ref().map_or(0, |heat| heat.count);
+        let heat = format!(
+            "thermal states: punch {}, strip {}, moving source {}",
+            states(&mean.punch),
+            states(&mean.strip),
+            mean.flash.as_ref().map_or(0, |flash| flash.decays.rate.len())
+        );
+        match self {
+            Operators::Lumped(_) => format!("level lumped; {heat}"),
+            Operators::Line(operators) => format!("level line; {}; {heat}", operators.plan()),
+        }
+    }
+
+    /// What a user should know about the scene before it runs.
+    pub fn warnings(&self) -> Vec<String> {
+        match self {
+            Operators::Lumped(_) => Vec::new(),
+            Operators::Line(operators) => operators.warnings(),
+        }
+    }
+}
+
+impl State {
+    /// Whether the state can belong to `operators`.
+    pub fn fits(&self, operators: &Operators) -> bool {
+        match (self, operators) {
+            (State::Lumped(state), Operators::Lumped(operators)) => state.fits(operators),
+            (State::Line(mean, numbers), Operators::Line(operators)) => {
+                mean.fits(&operators.mean) && line::state::State::load(operators, numbers).is_some()
+            }
+            _ => false,
+        }
+    }
+}
+
+macro_rules! each {
+    ($self:expr, $model:ident => $value:expr) => {
+        match $self {
+            Model::Lumped($model) => $value,
+            Model::Line($model) => $value,
+        }
+    };
+}
+
+impl Model {
+    /// Starts from rest at the given inputs.
+    pub fn new(operators: &Operators, tunables: Tunables, inputs: &[f64; INPUTS]) -> Model {
+        match operators {
+            Operators::Lumped(operators) => Model::Lumped(Lumped::new(operators.clone(), tunables, inputs)),
+            Operators::Line(operators) => Model::Line(Box::new(Line::new(operators.clone(), tunables, inputs))),
+        }
+    }
+
+    /// What the scene was made into.
+    pub fn operators(&self) -> Operators {
+        match self {
+            Model::Lumped(model) => Operators::Lumped(model.operators().clone()),
+            Model::Line(model) => Operators::Line(model.operators().clone()),
+        }
+    }
+
+    /// The scene.
+    #[inline]
+    pub fn scene(&self) -> &Scene {
+        each!(self, model => &model.operators().scene)
+    }
+
+    /// Everything that changes, copied.
+    pub fn save(&self) -> State {
+        match self {
+            Model::Lumped(model) => State::Lumped(model.state().clone()),
+            Model::Line(model) => {
+                let mut numbers = Vec::with_capacity(8 * model.operators().count() + 64);
+                model.save(&mut numbers);
+                State::Line(model.mean_state().clone(), numbers)
+            }
+        }
+    }
+
+    /// Replaces everything that changes with a state that fits.
+    pub fn set_state(&mut self, state: &State) {
+        match (self, state) {
+            (Model::Lumped(model), State::Lumped(state)) => model.set_state(state),
+            (Model::Line(model), State::Line(mean, numbers)) => {
+                if let Some(line) = line::state::State::load(model.operators(), numbers) {
+                    model.set_state(mean, &line);
+                }
+            }
+            _ => unreachable!("State::fits was asked before"),
+        }
+    }
+
+    /// Parameters that may change between steps.
+    pub fn set_tunables(&mut self, tunables: Tunables) {
+        each!(self, model => model.set_tunables(tunables));
+    }
+
+    /// Whether a bristle carries the force at standstill.
+    #[inline]
+    pub fn has_bristle(&self) -> bool {
+        each!(self, model => model.has_bristle())
+    }
+
+    /// Limits reached so far; see [`lumped::limit`].
+    #[inline]
+    pub fn limits(&self) -> u8 {
+        each!(self, model => model.limits())
+    }
+
+    /// Accepted and rejected internal steps.
+    pub fn work(&self) -> (u64, u64) {
+        match self {
+            Model::Lumped(model) => (model.state().steps, model.state().rejected),
+            Model::Line(model) => {
+                let (mean, line) = (model.mean_state(), model.state());
+                (mean.steps + line.steps, mean.rejected + line.rejected)
+            }
+        }
+    }
+
+    /// Carries the scene over `step` (s, > 0); on failure it is as before.
+    ///
+    /// # Errors
+    /// [`StepFailure`] names what has no solution.
+    #[inline]
+    pub fn step(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Result<(), StepFailure> {
+        each!(self, model => model.step(inputs, slopes, step))
+    }
+
+    /// Writes the outputs that answer the inputs (but `friction_slope`), and the worn depths.
+    pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        each!(self, model => model.write_contact(inputs, values));
+    }
+
+    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    #[inline]
+    pub fn write_end(&self, values: &mut [f64; COUNT]) {
+        each!(self, model => model.write_end(values));
+    }
+
+    /// Writes the outputs that only the states give.
+    pub fn write_account(&self, values: &mut [f64; COUNT]) {
+        each!(self, model => model.write_account(values));
+    }
+
+    /// Writes `friction_slope` and the profiles.
+    pub fn write_rest(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        each!(self, model => model.write_rest(inputs, values));
+    }
+
+    /// Derivatives of every output in the direction `seed` of the inputs, with the states held.
+    pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
+        each!(self, model => model.write_derivatives(inputs, seed, derivatives));
+    }
+}

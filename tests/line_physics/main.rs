@@ -1,0 +1,13 @@
+//! The line level through the component alone: pressure, wear, holder, saved states and derivatives, against closed
+//! forms, the direct steady states and finer steps.
+
+// The example scenes are files.
+#![cfg(feature = "scene-file")]
+
+#[path = "../lumped_physics/drive.rs"]
+mod drive;
+
+mod contact;
+mod derivatives;
+mod states;
+mod wear;

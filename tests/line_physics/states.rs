@@ -1,0 +1,99 @@
+//! Saved states: size, replay to the bit, damage.
+
+use super::contact::line;
+use super::drive::Drive;
+use sliding_contact::component::Snapshot;
+
+fn drive_on(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
+    let mut bits = Vec::new();
+    for step in steps {
+        let phase = f64::from(step) * 0.61;
+        drive.set("sliding_velocity", 0.3 * phase.sin()).set("normal_load", 9e3 * (1.1 + (0.37 * phase).cos()));
+        if step % 4 == 1 {
+            drive.slope("sliding_velocity", -0.5 * phase.sin());
+        }
+        drive.step(0.05 + 0.02 * f64::from(step % 3));
+        for output in 7..250 {
+            bits.push(drive.0.get(output).to_bits());
+        }
+    }
+    bits
+}
+
+#[test]
+fn a_replay_gives_the_same_bits() {
+    let scenes: [&[(&str, f64)]; 5] = [
+        &[],
+        &[("punch.wear_pressure_exponent", 0.6), ("contact.initial_shape", 2.0), ("contact.initial_radius", 60.0)],
+        &[("strip.path", 1.0), ("strip.length", 0.0), ("strip.wear_coefficient", 1e-13), ("nominal.stroke", 0.02)],
+        &[("holder.stiffness", 1e8), ("holder.constraint", 2.0), ("holder.pivot_height", 0.02)],
+        &[("contact.friction_fade.factor[3]", 0.6), ("contact.stick_stiffness", 1e6), ("contact.stick_damping", 1e3)],
+    ];
+    for changes in scenes {
+        let changes = [changes, &[("solver.cells", 17.0), ("punch.wear_coefficient", 4e-13)]].concat();
+        let mut drive = line(&changes);
+        drive_on(&mut drive, 0..7);
+        let mut saved = Snapshot::default();
+        drive.0.snapshot(&mut saved);
+        let straight_on = drive_on(&mut drive, 7..30);
+        drive.0.restore(&saved).unwrap();
+        assert_eq!(straight_on, drive_on(&mut drive, 7..30), "{changes:?}: same instance");
+        // Through bytes, into a fresh instance.
+        let mut bytes = Vec::new();
+        saved.encode(&mut bytes);
+        assert_eq!(bytes.len(), saved.encoded_size());
+        let mut fresh = line(&changes);
+        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert_eq!(straight_on, drive_on(&mut fresh, 7..30), "{changes:?}: fresh instance");
+        // Looking at outputs for other inputs changes nothing.
+        drive.0.restore(&saved).unwrap();
+        for load in [0.0, 2e4, 100.0] {
+            drive.set("normal_load", load).get("pressure_max");
+            drive.set("sliding_velocity", -load).get("profile.pressure[5]");
+        }
+        assert_eq!(straight_on, drive_on(&mut drive, 7..30), "{changes:?}: after looking");
+    }
+}
+
+#[test]
+fn a_failed_step_leaves_everything() {
+    let mut drive = line(&[("solver.cells", 9.0)]);
+    drive.set("normal_load", 1e4).set("sliding_velocity", 0.1).step(1.0);
+    let (mut before, mut after) = (Snapshot::default(), Snapshot::default());
+    drive.set("sliding_velocity", 1e6);
+    drive.0.snapshot(&mut before);
+    let text = drive.0.step(1e6).unwrap_err();
+    assert!(text.contains("worn through") && text.contains("punch.height"), "{text}");
+    drive.0.snapshot(&mut after);
+    assert_eq!(before, after);
+}
+
+#[test]
+fn states_are_small_and_damage_is_found() {
+    let mut drive = line(&[
+        ("solver.cells", 129.0),
+        ("strip.path", 1.0),
+        ("strip.length", 0.0),
+        ("strip.wear_coefficient", 1e-14),
+        ("nominal.stroke", 0.02),
+    ]);
+    drive.set("normal_load", 1e4).set("sliding_velocity", 0.01).step(0.1);
+    let mut saved = Snapshot::default();
+    drive.0.snapshot(&mut saved);
+    let mut bytes = Vec::new();
+    saved.encode(&mut bytes);
+    assert!(bytes.len() < 256 * 1024, "{} bytes", bytes.len());
+    for cut in [8, 80, bytes.len() / 2 / 8 * 8] {
+        let short = Snapshot::decode(&bytes[..bytes.len() - cut]);
+        let refused = match short {
+            Err(_) => true,
+            Ok(snapshot) => drive.0.restore(&snapshot).is_err(),
+        };
+        assert!(refused, "{cut}");
+    }
+    // A state of another number of cells.
+    let mut other = line(&[("solver.cells", 65.0)]);
+    let text = other.0.restore(&saved);
+    assert!(text.is_ok(), "the snapshot carries its parameters: {text:?}");
+    assert_eq!(other.get("solver.cells"), 129.0);
+}

@@ -1,0 +1,82 @@
+//! Output derivatives against what the other outputs say about them.
+
+use super::drive::{Drive, reference, scene, scenes};
+
+fn rate(drive: &mut Drive, name: &str) -> f64 {
+    let mut result = [f64::NAN];
+    drive.0.output_derivatives(&[reference(name)], &mut result).unwrap();
+    result[0]
+}
+
+#[test]
+fn rates_are_the_powers_and_flows() {
+    for (name, load, velocity) in scenes() {
+        let mut drive = Drive::from_starts(&scene(name), &[]);
+        drive.set("normal_load", load).set("sliding_velocity", -velocity);
+        for _ in 0..40 {
+            drive.step(0.05);
+        }
+        let expected = |drive: &mut Drive, names: &[&str]| names.iter().map(|name| drive.get(name)).sum::<f64>();
+        let power = drive.get("friction_power");
+        let flows = expected(&mut drive, &["heat_flow_ambient", "heat_flow_punch_top", "heat_flow_strip_base"]);
+        for (name, exact) in [
+            ("sliding_distance", velocity),
+            ("dissipated_energy", power),
+            ("stored_heat", power - flows),
+            ("heat_lost_ambient", drive.get("heat_flow_ambient")),
+            ("normal_load", f64::NAN),
+        ] {
+            if name == "normal_load" {
+                let refused = drive.0.output_derivatives(&[reference(name)], &mut [0.0]).unwrap_err();
+                assert!(refused.contains("not an output"), "{refused}");
+                continue;
+            }
+            let found = rate(&mut drive, name);
+            assert!((found - exact).abs() < 1e-5 * (exact.abs() + 1e-6 * power), "{name}: {found} {exact}");
+        }
+        // Nothing has moved, and another step goes on from here to the bit.
+        let mut twin = Drive::from_starts(&scene(name_of(load)), &[]);
+        twin.set("normal_load", load).set("sliding_velocity", -velocity);
+        for _ in 0..40 {
+            twin.step(0.05);
+        }
+        for drive in [&mut drive, &mut twin] {
+            drive.step(0.05);
+        }
+        for name in ["contact_temperature", "wear_depth", "stored_heat"] {
+            assert_eq!(drive.get(name).to_bits(), twin.get(name).to_bits(), "{name}");
+        }
+    }
+}
+
+fn name_of(load: f64) -> &'static str {
+    scenes().into_iter().find(|scene| scene.1 == load).unwrap().0
+}
+
+#[test]
+fn temperatures_rise_at_their_rate() {
+    let mut drive = Drive::stock(&[]);
+    let refused = drive.0.output_derivatives(&[reference("wear_depth")], &mut [0.0]).unwrap_err();
+    assert!(refused.contains("none has been made"), "{refused}");
+    drive.set("normal_load", 4e3).set("sliding_velocity", 5.0);
+    for _ in 0..20 {
+        drive.step(0.1);
+    }
+    let (rate, start) = (rate(&mut drive, "contact_temperature"), drive.get("contact_temperature"));
+    let wear = rate_of_wear(&mut drive);
+    for _ in 0..100 {
+        drive.step(1e-4);
+    }
+    let change = (drive.get("contact_temperature") - start) / 1e-2;
+    assert!(rate > 0.0 && (rate / change - 1.0).abs() < 2e-2, "{rate} {change}");
+    assert!((rate_of_wear(&mut drive) / wear - 1.0).abs() < 1e-2);
+}
+
+fn rate_of_wear(drive: &mut Drive) -> f64 {
+    let found = rate(drive, "wear_depth");
+    let (power, pressure) = (drive.get("wear_dissipation_power"), drive.get("pressure_mean"));
+    let area = drive.area() * drive.get("contact.faces") * drive.get("punch.count");
+    // p (dw/dt) A over p A; the strip of a closed path loses only its covered share.
+    assert!(found <= power / (pressure * area) * (1.0 + 1e-6) && found > 0.0);
+    found
+}
