@@ -83,7 +83,7 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
     let references: Vec<ValueReference> = outputs.iter().map(|output| output.0).collect();
     let mut random = Random(20_240_229);
     let mut nonzero = vec![false; outputs.len()];
-    let mut failed = Vec::new();
+    let (mut failed, mut kinks, mut compared) = (Vec::new(), 0, 0);
     for case in 0..40 {
         let (mut drive, inputs) = scene(&mut random, case % 8);
         // Entries scaled by a typical size of the input, so that they compare.
@@ -99,6 +99,9 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
             let difference = |high: Vec<f64>, low: Vec<f64>, width: f64| -> Vec<f64> {
                 high.iter().zip(&low).map(|(a, b)| (a - b) / width).collect()
             };
+            let middle = at(0.0);
+            let forward = difference(at(0.05 * step), middle.clone(), 0.05 * step);
+            let backward = difference(middle, at(-0.05 * step), 0.05 * step);
             let wide = difference(at(step), at(-step), 2.0 * step);
             let narrow = difference(at(0.5 * step), at(-0.5 * step), step);
             let finest = difference(at(0.25 * step), at(-0.25 * step), 0.5 * step);
@@ -107,7 +110,18 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
                 // Richardson: the error falls with the sixth power of the step.
                 let first = (4.0 * narrow[output] - wide[output]) / 3.0;
                 let second = (4.0 * finest[output] - narrow[output]) / 3.0;
-                entries[output][index] = (exact[output] * size, (16.0 * second - first) / 15.0);
+                let numeric = (16.0 * second - first) / 15.0;
+                compared += 1;
+                // Where a cell lifts off, or another one carries the largest pressure, there is a derivative on each side.
+                let size_of = numeric.abs().max(exact[output].abs() * size);
+                if (forward[output] - backward[output]).abs() > 0.02 * size_of
+                    || (second - first).abs() > 1e-4 * size_of
+                {
+                    kinks += 1;
+                    entries[output][index] = (numeric, numeric);
+                    continue;
+                }
+                entries[output][index] = (exact[output] * size, numeric);
                 nonzero[output] |= exact[output] != 0.0;
             }
         }
@@ -123,7 +137,8 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
             }
         }
     }
-    assert!(failed.is_empty(), "{} differ:\n{}", failed.len(), failed[..failed.len().min(30)].join("\n"));
+    assert!(failed.is_empty(), "{} differ:\n{}", failed.len(), failed[..failed.len().min(300)].join("\n"));
+    assert!(kinks < compared / 20, "{kinks} of {compared} entries lie at a kink");
     // Whatever answers the inputs has been seen to.
     for name in [
         "friction_force",

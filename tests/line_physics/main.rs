@@ -5,6 +5,7 @@
 #![cfg(feature = "scene-file")]
 
 #[path = "../lumped_physics/drive.rs"]
+#[allow(dead_code, reason = "shared with the tests of the lumped level, which use all of it")]
 mod drive;
 
 mod contact;

@@ -60,9 +60,9 @@ fn a_failed_step_leaves_everything() {
     let mut drive = line(&[("solver.cells", 9.0)]);
     drive.set("normal_load", 1e4).set("sliding_velocity", 0.1).step(1.0);
     let (mut before, mut after) = (Snapshot::default(), Snapshot::default());
-    drive.set("sliding_velocity", 1e6);
+    drive.set("sliding_velocity", 100.0);
     drive.0.snapshot(&mut before);
-    let text = drive.0.step(1e6).unwrap_err();
+    let text = drive.0.step(1e4).unwrap_err();
     assert!(text.contains("worn through") && text.contains("punch.height"), "{text}");
     drive.0.snapshot(&mut after);
     assert_eq!(before, after);
@@ -92,8 +92,6 @@ fn states_are_small_and_damage_is_found() {
         assert!(refused, "{cut}");
     }
     // A state of another number of cells.
-    let mut other = line(&[("solver.cells", 65.0)]);
-    let text = other.0.restore(&saved);
-    assert!(text.is_ok(), "the snapshot carries its parameters: {text:?}");
-    assert_eq!(other.get("solver.cells"), 129.0);
+    let text = line(&[("solver.cells", 65.0)]).0.restore(&saved).unwrap_err();
+    assert!(text.contains("do not fit"), "{text}");
 }

@@ -111,7 +111,6 @@ fn strokes_end_in_the_two_pressures_of_the_paper() {
         ("strip.path", 1.0),
         ("strip.length", 0.0),
         ("nominal.stroke", 3e-3),
-        ("punch.wear_coefficient", 3.9e-13),
         ("solver.cells", 65.0),
         ("solver.tolerance", 1e-4),
     ]);
@@ -126,11 +125,11 @@ fn strokes_end_in_the_two_pressures_of_the_paper() {
     assert_eq!(worn, stations(&mut drive, "profile.wear_punch"), "the worn shape does not jump");
     let exact = CyclicHalfPlane::new(0.25, HolderKind::Translate { poissons_ratio: 0.3 }).unwrap();
     let spacing = 0.06 / 32.0;
-    for station in 1..32 {
+    for station in 4..29 {
         let x = spacing * station as f64 - 0.03;
         let primitive = |x: f64| exact.forward_primitive((x / 0.03).clamp(-1.0, 1.0)) * 0.03;
         let mean_exact = mean * (primitive(x + 0.5 * spacing) - primitive(x - 0.5 * spacing)) / spacing;
-        assert!((forward[station] - mean_exact).abs() < 3e-3 * mean, "{x}: {} {mean_exact}", forward[station]);
+        assert!((forward[station] - mean_exact).abs() < 2e-3 * mean, "{x}: {} {mean_exact}", forward[station]);
         assert!((forward[station] + backward[station] - 2.0 * mean).abs() < 2e-3 * mean, "{x}");
     }
     // Trailing edge loaded.

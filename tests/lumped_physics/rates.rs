@@ -32,7 +32,9 @@ fn rates_are_the_powers_and_flows() {
                 continue;
             }
             let found = rate(&mut drive, name);
-            assert!((found - exact).abs() < 1e-5 * (exact.abs() + 1e-6 * power), "{name}: {found} {exact}");
+            // A bristle gives way while its limit follows the temperature.
+            let bound = if drive.get("contact.stick_stiffness") > 0.0 { 1e-3 } else { 1e-5 };
+            assert!((found - exact).abs() < bound * (exact.abs() + 1e-6 * power), "{name}: {found} {exact}");
         }
         // Nothing has moved, and another step goes on from here to the bit.
         let mut twin = Drive::from_starts(&scene(name_of(load)), &[]);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::elastic::{Base, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
+use nalgebra::DVector;
 
 fn steel() -> Material {
     Material::new(200e9, 0.3).unwrap()

@@ -17,7 +17,8 @@ impl Line {
         if self.shown.0 == *inputs {
             return;
         }
-        if self.state.current && self.state.end_inputs == *inputs {
+        // Where friction follows the temperature, the step's end knows it to the step's tolerance only.
+        if self.state.current && self.state.end_inputs == *inputs && !self.operators.follows_heat() {
             let (state, shown) = (&self.state, &mut self.shown);
             shown.1.pressure.copy_from_slice(&state.pressure);
             (shown.1.approach, shown.1.tilt) = (state.approach, state.tilt);
@@ -87,7 +88,7 @@ impl Line {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_contact(&loaded, values);
-        let moment = self.moment(inputs);
+        let moment = self.moment(&loaded);
         let operators = &self.operators;
         let (scene, shown) = (&operators.scene, &self.shown.1);
         let pressure = &shown.pressure;
@@ -156,9 +157,8 @@ impl Line {
             (const { reference("profile.wear_strip") }, &state.strip),
         ];
         for (first, means) in columns {
-            for station in 0..STATIONS {
-                values[first as usize + station] = profile.mean(station, means);
-            }
+            let first = first as usize;
+            profile.fill(means, &mut values[first..first + STATIONS]);
         }
         let first = const { reference("profile.x") } as usize;
         values[first..first + STATIONS].copy_from_slice(profile.positions());
@@ -185,14 +185,14 @@ impl Line {
             0.0
         };
         let (signed, normal, tilt) = self.balance(&moment);
-        self.conditions.signed_friction = signed;
-        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
         let per_depth = load_rate / operators.shared_depth;
         let normal_rate = match normal {
             // The holder's reference moves with the load by the elastic approach of the unworn bodies.
             Normal::Spring { stiffness, .. } => per_depth + stiffness * self.reference_rate(load, per_depth),
             _ => per_depth,
         };
+        self.conditions.signed_friction = signed;
+        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
         let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
         let friction_rate = if coupled { signed_rate } else { 0.0 };
         let lever_rate = operators.pivot.map_or(0.0, |height| signed_rate * height);
@@ -246,9 +246,7 @@ impl Line {
             value!(derivatives, "effective_radius") = scene.mean_radius * change / load;
         }
         let first = const { reference("profile.pressure") } as usize;
-        for station in 0..STATIONS {
-            derivatives[first + station] = operators.profile.mean(station, &rate.pressure);
-        }
+        operators.profile.fill_rates(pressure, &rate.pressure, &mut derivatives[first..first + STATIONS]);
     }
 
     /// d(reference approach) by the load, times `rate`.

@@ -21,7 +21,7 @@ use crate::coupled::scalar::Scalar;
 use crate::heat::line::GAMMA;
 use crate::scene::Scheme;
 use crate::wear::law::REFERENCE_PRESSURE;
-use crate::wear::line::{Coefficient, ContactRate, StageError, Status, explicit_limit};
+use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, explicit_limit};
 use nalgebra::DMatrix;
 
 /// Finest subdivision: 2^-40 of the piece.
@@ -47,6 +47,8 @@ pub struct Work {
     pub carry: DMatrix<f64>,
     pub carried_over: Option<f64>,
     pub operator: DMatrix<f64>,
+    /// The strip's track as the step under way leaves it.
+    pub track: Option<LineTrack>,
     pub shown: ContactState,
     pub rate: ContactRate,
     pub still: Vec<f64>,
@@ -72,6 +74,7 @@ impl Work {
             carry: DMatrix::zeros(tracked, tracked),
             carried_over: None,
             operator: DMatrix::zeros(tracked, tracked),
+            track: (tracked > 0).then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
             shown: ContactState::new(count),
             rate: ContactRate::new(count),
             still: zeros(),
@@ -253,9 +256,12 @@ impl Line {
         let [early, late] = [path.at(start + GAMMA * step), path.at(start + step)];
         let base = 1.0 - GAMMA;
         let travel = step * path.velocity(start + 0.5 * step);
+        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
+            own.copy_from(track);
+        }
         self.set_gap(early.expansion);
-        self.meet_track(GAMMA * step * path.velocity(start + 0.5 * GAMMA * step), 0.0);
-        self.set_operator(travel, &early);
+        self.meet_track(GAMMA * travel);
+        self.set_operator(GAMMA * travel, &early);
         self.set_conditions(&early, GAMMA * step);
         if let Err(error) =
             self.contact.stage_into(&self.work.gap, GAMMA * step, &self.conditions, &mut self.work.first)
@@ -265,14 +271,20 @@ impl Line {
         operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
         let shift = late.expansion - early.expansion;
         if operators.strip_wear == StripWear::Track {
+            self.leave_first_stage(base * travel, base * step);
             self.set_gap(late.expansion);
-            self.meet_track(travel, base * step);
+            self.meet_track(travel);
             for i in 0..count {
                 self.work.gap[i] += base * step * self.work.rates[0][0][i];
             }
         } else {
+            let even = if operators.strip_wear == StripWear::Even {
+                operators.cells.integral(&self.work.rates[0][1]) / (2.0 * operators.cells.half_width())
+            } else {
+                0.0
+            };
             for i in 0..count {
-                self.work.gap[i] += base * step * self.reshaping(0, i) + shift;
+                self.work.gap[i] += base * step * (self.reshaping(0, i) + even) + shift;
             }
         }
         self.set_conditions(&late, GAMMA * step);
@@ -296,29 +308,30 @@ impl Line {
         if estimate == 0.0 { Outcome::Tried(0.0) } else { Outcome::Tried(estimate / bound) }
     }
 
-    /// Puts what the strip brings along after `travel` (m) into the gap: its depth under the cells there, and what the
-    /// first stage's wear leaves of itself over `duration` (s).
-    fn meet_track(&mut self, travel: f64, duration: f64) {
-        let Some(track) = &self.state.track else { return };
-        let work = &mut self.work;
-        track.depth_under(self.state.position + travel, &mut work.strip);
+    /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.
+    fn meet_track(&mut self, travel: f64) {
+        let (state, work) = (&self.state, &mut self.work);
+        let Some(track) = &work.track else { return };
+        track.depth_under(state.position + travel, &mut work.strip);
         for i in 0..work.gap.len() {
-            work.gap[i] += work.strip[i] - self.state.strip[i];
+            work.gap[i] += work.strip[i] - state.strip[i];
         }
-        if duration > 0.0 {
-            let worn = &work.rates[0][1];
-            for (j, column) in work.carry.column_iter().enumerate() {
-                for (gap, part) in work.gap.iter_mut().zip(column.iter()) {
-                    *gap += part * (duration * worn[j]);
-                }
-            }
+    }
+
+    /// Deposits the first stage's wear of `duration` (s) over the first `travel` (m) on the step's track.
+    fn leave_first_stage(&mut self, travel: f64, duration: f64) {
+        let (state, work) = (&self.state, &mut self.work);
+        let Some(track) = &mut work.track else { return };
+        for (deposit, rate) in work.deposit.iter_mut().zip(&work.rates[0][1]) {
+            *deposit = duration * rate;
         }
+        track.deposit(state.position, state.position + travel, &work.deposit);
     }
 
     /// Tells the contact what a stage's wear does to the gap: the punch's stays under its cell, the strip's is carried
     /// along by `travel` (m). Where both wear, every cell's depth is shared as the pressure of the last step has it.
     fn set_operator(&mut self, travel: f64, moment: &Moment) {
-        let Some(track) = &self.state.track else { return };
+        let Some(track) = &self.work.track else { return };
         let operators = &self.operators;
         let known = self.work.carried_over == Some(travel);
         if !known {
@@ -382,10 +395,15 @@ impl Line {
                 }
             }
             StripWear::Track => {
-                let state = &mut self.state;
-                if let Some(track) = &mut state.track {
-                    track.deposit(state.position, state.position + travel, &self.work.deposit);
-                    track.depth_under(state.position + travel, &mut state.strip);
+                let (state, work) = (&mut self.state, &mut self.work);
+                if let (Some(track), Some(own)) = (&mut state.track, &mut work.track) {
+                    for (deposit, rate) in work.deposit.iter_mut().zip(&work.rates[1][1]) {
+                        *deposit = weights[1] * rate;
+                    }
+                    let end = state.position + travel;
+                    own.deposit(end - GAMMA * travel, end, &work.deposit);
+                    own.depth_under(end, &mut state.strip);
+                    track.copy_from(own);
                 }
             }
         }
@@ -425,6 +443,10 @@ impl Line {
             let [first, end] = &mut self.work.rates;
             end[body].copy_from_slice(&first[body]);
         }
+        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
+            own.copy_from(track);
+        }
+        self.leave_first_stage((1.0 - GAMMA) * length * path.velocity(0.5 * length), (1.0 - GAMMA) * length);
         self.accept(path, 0.0, length);
         self.state.steps += 1;
         // The pressure on the new shape.
