@@ -72,14 +72,16 @@ impl Operators {
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
         let weights = load_weights(scene, &cells);
         let radius_ratio = relative_radii(scene, &cells);
-        let [punch, strip] = compliances(scene, &cells).map_err(|error| error.to_string())?;
+        let bodies = compliances(scene, &cells).map_err(|error| error.to_string())?;
+        let [punch, strip] = &bodies;
         let mut initial_gap = match &scene.initial_shape {
             InitialShape::Flat | InitialShape::RunIn => vec![0.0; count],
             InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x * x * x / (6.0 * radius)),
             InitialShape::Tabulated(values) => cell_means(&cells, values),
         };
         if scene.initial_shape == InitialShape::RunIn {
-            return Err("contact.initial_shape = run_in".into());
+            initial_gap = steady::scene::run_in_shape(scene, &cells, &bodies)
+                .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
         let normal = &punch.normal + &strip.normal;
         let shear = &strip.shear - &punch.shear;
