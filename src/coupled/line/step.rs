@@ -388,6 +388,9 @@ impl Line {
             StripWear::Even => {
                 let depth = even / (2.0 * operators.cells.half_width());
                 self.state.strip.iter_mut().for_each(|worn| *worn += depth);
+                // The last stage stood on the strip as it was before its own wear.
+                let last = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
+                self.work.end.approach += weights[1] * last;
             }
             StripWear::ByRadius => {
                 for (worn, depth) in self.state.strip.iter_mut().zip(&self.work.deposit) {
