@@ -8,6 +8,7 @@ use super::conditions::Conditions;
 use super::operators::Operators;
 use super::point::{cooling_flux, cooling_slope, strip_entry};
 use super::stage::QUADRATURE;
+use super::stages::layer_allowance;
 use super::state::State;
 use super::step::{Attempt, Stepper};
 use crate::heat::reduced::{PORTS, Port};
@@ -113,7 +114,10 @@ impl Stepper<'_> {
                 .max(0.02 * state.peak_flux)
                 .max(operators.least_flux);
             let defect = 0.5 * (into_punch[1] - into_punch[0]).abs();
-            error = defect / (2.0 * operators.scene.tolerance * scale);
+            // The resistance grows during the step: at its end it bounds that at the point 2/3.
+            let resistance = m[1][0] + m[1][1];
+            let allowed = 2.0 * operators.scene.tolerance * scale;
+            error = defect / (allowed * layer_allowance(resistance, scale, state));
             if error.is_nan() || error > 1.0 {
                 // The bound is not enough: the residual of the contact conditions at the point 2/3 decides.
                 self.flash.prepare_middle(operators);
@@ -134,7 +138,7 @@ impl Stepper<'_> {
                 let between = 0.5 * (into_strip[0] + into_strip[1] - into_punch[0] - into_punch[1]);
                 let jump = punch_middle - strip_middle - half_resistance * between;
                 let resistance = 2.0 * half_resistance + own[0] + own[1] + gain[0] + gain[1];
-                error = jump.abs() / (resistance * 2.0 * operators.scene.tolerance * scale);
+                error = jump.abs() / (resistance * allowed * layer_allowance(resistance, scale, state));
                 if error.is_nan() || error > 1.0 {
                     return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
                 }
