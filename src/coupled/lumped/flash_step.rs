@@ -1,7 +1,7 @@
 //! The moving source over one step, at a velocity that may change during it.
 
 use super::operators::Operators;
-use super::stage::{POINTS, fast_weights, weights};
+use super::stage::{POINTS, weights};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 
 /// Weights of the moving source for one step size and one course of the speed.
@@ -22,8 +22,25 @@ pub struct FlashStep {
     common: f64,
     /// Sliding rates at the start and at the three points where the speed changes, 1/s.
     rates: [f64; 4],
+    /// Reciprocal of the rate under constant sliding times the step size, by state.
+    memory: [f64; MAX_FLASH_STATES],
     /// Whether the weights of the point 2/3 are made as well.
     has_middle: bool,
+}
+
+/// Rate times time below which the difference quotients of the weights lose digits.
+const CANCELLING: f64 = 0.06;
+
+/// Decays of a moving source at rest up to the point 1/3 of the step `step` (s).
+pub fn decays_at_rest(flash: &Flash, step: f64) -> [f64; MAX_FLASH_STATES] {
+    flash.rates.map(|rate| (-rate * POINTS[0] * step).exp())
+}
+
+/// Sum over the states, in an order that is the same everywhere.
+#[inline]
+fn total(values: &[f64; MAX_FLASH_STATES]) -> f64 {
+    let pair = |k: usize| values[k] + values[k + 4];
+    (pair(0) + pair(1)) + (pair(2) + pair(3))
 }
 
 impl FlashStep {
@@ -37,22 +54,21 @@ impl FlashStep {
             at_rest: [0.0; MAX_FLASH_STATES],
             sliding: 0.0,
             rates: [0.0; 4],
+            memory: [0.0; MAX_FLASH_STATES],
             common: 1.0,
             has_middle: false,
         }
     }
 
     /// Makes the weights those for `speeds` (m/s) at the start and at the three points of the step
-    /// `step` (s). A function of these alone, so that a replay gives the same bits.
-    pub fn prepare(&mut self, operators: &Operators, speeds: [f64; 4], step: f64) {
+    /// `step` (s), with the decays `at_rest` of [`decays_at_rest`]. A function of these alone, so that a replay gives the same bits.
+    pub fn prepare(&mut self, operators: &Operators, at_rest: &[f64; MAX_FLASH_STATES], speeds: [f64; 4], step: f64) {
         let Some(flash) = &operators.flash else { return };
         if self.key == (speeds, step) {
             return;
         }
         if self.key.1 != step {
-            for (decay, rate) in self.at_rest.iter_mut().zip(&flash.rates) {
-                *decay = (-rate * POINTS[0] * step).exp();
-            }
+            self.at_rest = *at_rest;
         }
         self.key = (speeds, step);
         self.gain = [[0.0; 2]; 3];
@@ -86,6 +102,9 @@ impl FlashStep {
             self.sliding = flash.sliding_rate(speed);
             self.rates = [self.sliding; 4];
             self.common = (-self.sliding * POINTS[0] * step).exp();
+            for k in 0..MAX_FLASH_STATES {
+                self.memory[k] = 1.0 / ((flash.rates[k] + self.sliding) * step);
+            }
         }
         let length = POINTS[point] * step;
         for k in 0..MAX_FLASH_STATES {
@@ -96,21 +115,27 @@ impl FlashStep {
                 _ => third * third * third,
             };
         }
-        let slow = self.sliding * length < 0.06;
         let mut first = [0.0; MAX_FLASH_STATES];
         let mut second = [0.0; MAX_FLASH_STATES];
-        for k in 0..MAX_FLASH_STATES {
-            let (rate, decay) = (flash.rates[k] + self.sliding, self.decay[point][k]);
-            // Without a branch inside, two states at a time.
-            let weight = if slow {
-                weights(rate, decay, POINTS[point], length)
-            } else {
-                fast_weights(rate, decay, POINTS[point], length)
-            };
-            first[k] = flash.residues[k] * weight[0];
-            second[k] = flash.residues[k] * weight[1];
+        if self.sliding * length < CANCELLING {
+            for k in 0..MAX_FLASH_STATES {
+                let weight = weights(flash.rates[k] + self.sliding, self.decay[point][k], POINTS[point], length);
+                first[k] = flash.residues[k] * weight[0];
+                second[k] = flash.residues[k] * weight[1];
+            }
+        } else {
+            // Without a branch inside, several states at a time.
+            let (c, inverse) = (POINTS[point], 1.0 / POINTS[point]);
+            for k in 0..MAX_FLASH_STATES {
+                let memory = self.memory[k] * inverse;
+                let flat = (1.0 - self.decay[point][k]) * memory;
+                let ramp = c * (1.0 - flat) * memory;
+                let residue = flash.residues[k] * length;
+                first[k] = residue * (1.5 * (flat - ramp));
+                second[k] = residue * (1.5 * ramp - 0.5 * flat);
+            }
         }
-        self.gain[point] = [first.iter().sum(), second.iter().sum()];
+        self.gain[point] = [total(&first), total(&second)];
         if point == 2 {
             self.update = [first, second];
         }
@@ -164,7 +189,7 @@ impl FlashStep {
     /// What the initial states leave at `point`, K.
     #[inline]
     pub fn homogeneous(&self, point: usize, states: &[f64; MAX_FLASH_STATES]) -> f64 {
-        self.decay[point].iter().zip(states).map(|(decay, state)| decay * state).sum()
+        total(&std::array::from_fn(|k| self.decay[point][k] * states[k]))
     }
 
     /// Carries the states over the step under the stage fluxes `flux` into the strip.

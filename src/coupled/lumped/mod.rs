@@ -278,7 +278,8 @@ impl Lumped {
                 *backup = Some(self.state.clone());
             }
             let index = self.propagators_of(step);
-            self.flash.prepare(&self.operators, at.map(|conditions| conditions.velocity.abs()), step);
+            let speeds = at.map(|conditions| conditions.velocity.abs());
+            self.flash.prepare(&self.operators, &self.propagators[index].flash, speeds, step);
             let mut stepper = Stepper {
                 flash: &mut self.flash,
                 cut: (1_u64 << level) as f64,

@@ -46,16 +46,6 @@ pub fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
     [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
 }
 
-/// [`weights`] for rate times length above 0.06, where nothing cancels.
-#[inline]
-pub fn fast_weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
-    let inverse = 1.0 / (rate * length);
-    let first = (1.0 - decay) * inverse;
-    let second = (1.0 - first) * inverse;
-    let (flat, ramp) = (length * first, c * length * second);
-    [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
-}
-
 /// Sum of products of the first `count` entries. Entries beyond are zero, so whole groups of four are
 /// added: the compiler makes vector instructions of them, in an order that is the same everywhere.
 #[inline]
