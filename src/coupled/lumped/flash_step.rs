@@ -102,39 +102,37 @@ impl FlashStep {
             self.sliding = flash.sliding_rate(speed);
             self.rates = [self.sliding; 4];
             self.common = (-self.sliding * POINTS[0] * step).exp();
-            for k in 0..MAX_FLASH_STATES {
-                self.memory[k] = 1.0 / ((flash.rates[k] + self.sliding) * step);
-            }
+            self.memory = flash.rates.map(|rate| 1.0 / ((rate + self.sliding) * step));
         }
         let length = POINTS[point] * step;
-        for k in 0..MAX_FLASH_STATES {
-            let third = self.at_rest[k] * self.common;
-            self.decay[point][k] = match point {
-                0 => third,
-                1 => third * third,
-                _ => third * third * third,
-            };
-        }
+        let third = self.at_rest.map(|decay| decay * self.common);
+        let decay = match point {
+            0 => third,
+            1 => third.map(|third| third * third),
+            _ => third.map(|third| third * third * third),
+        };
         let mut first = [0.0; MAX_FLASH_STATES];
         let mut second = [0.0; MAX_FLASH_STATES];
         if self.sliding * length < CANCELLING {
             for k in 0..MAX_FLASH_STATES {
-                let weight = weights(flash.rates[k] + self.sliding, self.decay[point][k], POINTS[point], length);
+                let weight = weights(flash.rates[k] + self.sliding, decay[k], POINTS[point], length);
                 first[k] = flash.residues[k] * weight[0];
                 second[k] = flash.residues[k] * weight[1];
             }
         } else {
-            // Without a branch inside, several states at a time.
+            // Without a branch inside and in numbers of its own: several states at a time.
             let (c, inverse) = (POINTS[point], 1.0 / POINTS[point]);
+            let (memory, residues) = (self.memory, flash.residues);
             for k in 0..MAX_FLASH_STATES {
-                let memory = self.memory[k] * inverse;
-                let flat = (1.0 - self.decay[point][k]) * memory;
+                let memory = memory[k] * inverse;
+                let flat = (1.0 - decay[k]) * memory;
                 let ramp = c * (1.0 - flat) * memory;
-                let residue = flash.residues[k] * length;
+                let residue = residues[k] * length;
                 first[k] = residue * (1.5 * (flat - ramp));
                 second[k] = residue * (1.5 * ramp - 0.5 * flat);
             }
         }
+        self.decay[point] = decay;
         self.gain[point] = [total(&first), total(&second)];
         if point == 2 {
             self.update = [first, second];

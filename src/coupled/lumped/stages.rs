@@ -358,7 +358,7 @@ impl Stages {
         let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs();
         // Near standstill a rate like |v|^a, a < 1, is no polynomial at any step; what it adds there is little
         // beside the wear of the whole piece.
-        let whole = stepper.ends.as_ref().map_or(0.0, |ends| {
+        let whole = stepper.ends.map_or(0.0, |ends| {
             let load = ends[0].load.max(ends[1].load);
             let slip = ends[0].slip.max(ends[1].slip);
             0.1 * stepper.cut

@@ -56,7 +56,7 @@ pub struct Stepper<'a> {
     /// change: what a part's error of wear is measured against.
     pub cut: f64,
     /// See `cut`.
-    pub ends: Option<[Conditions; 2]>,
+    pub ends: Option<&'a [Conditions; 2]>,
     /// The moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
 }
