@@ -155,13 +155,14 @@ struct SpeedTable {
     /// Leading bits of the lowest speed of `cubics`.
     first: u64,
     /// The same curve without logarithm and exponential: coefficients of a cubic of the part of the piece passed, on
-    /// every piece between speeds that agree in their leading bits, that is between (8 + i)/8 2^e and (9 + i)/8 2^e.
-    /// Differs from the spline by less than 1e-5 of sigma.
+    /// every piece between speeds that agree in their leading bits, that is between (16 + i)/16 2^e and (17 + i)/16 2^e.
+    /// Differs from the spline by less than 1e-6 of sigma where sliding is felt within the duration, elsewhere by less than
+    /// 1e-3 of sigma and the slowest decay together.
     cubics: Vec<[f64; 4]>,
 }
 
-/// Bits of a number's fraction that a piece of [`SpeedTable::cubics`] leaves free: three of 52 are fixed.
-const FREE_BITS: u32 = 49;
+/// Bits of a number's fraction that a piece of [`SpeedTable::cubics`] leaves free: four of 52 are fixed.
+const FREE_BITS: u32 = 48;
 
 /// Knots of the speed table per unit of ln v.
 const KNOTS_PER_UNIT: f64 = 3.0;
@@ -316,16 +317,21 @@ mod tests {
     fn the_cubics_are_the_spline() {
         for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
             let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
-            let table = Flash::new(&source, 1000.0, 1e-3).speed;
-            let mut worst: f64 = 0.0;
+            let flash = Flash::new(&source, 1000.0, 1e-3);
+            let (table, slowest) = (&flash.speed, flash.decays.rate[0]);
+            let (mut felt, mut worst): (f64, f64) = (0.0, 0.0);
             // From below the table to above it, in steps that meet its pieces everywhere.
             for step in 0..40_000 {
                 let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
                 let (by_spline, by_cubic) = (table.by_spline(speed).0, table.rate(speed));
-                worst = worst.max((by_cubic / by_spline - 1.0).abs());
+                let error = (by_cubic - by_spline).abs();
+                worst = worst.max(error / (by_spline + slowest));
+                if by_spline > 1e-3 {
+                    felt = felt.max(error / by_spline);
+                }
             }
-            println!("{path:?}: {worst:e}");
-            assert!(worst < 1e-5, "{path:?}: {worst:e}");
+            println!("{path:?}: {felt:e} {worst:e}");
+            assert!(felt < 1e-6 && worst < 1e-3, "{path:?}: {felt:e} {worst:e}");
         }
     }
 

@@ -73,8 +73,8 @@ impl FlashStep {
         self.key = (speeds, step);
         self.gain = [[0.0; 2]; 3];
         self.has_middle = false;
-        self.make(flash, 0);
-        self.make(flash, 2);
+        self.make::<0>(flash);
+        self.make::<2>(flash);
     }
 
     /// Makes the weights of the point 2/3, which only the error estimate needs.
@@ -82,31 +82,34 @@ impl FlashStep {
         if let Some(flash) = &operators.flash
             && !self.has_middle
         {
-            self.make(flash, 1);
+            self.make::<1>(flash);
             self.has_middle = true;
         }
     }
 
-    fn make(&mut self, flash: &Flash, point: usize) {
+    /// Weights of a point, an index of [`POINTS`].
+    #[inline]
+    fn make<const POINT: usize>(&mut self, flash: &Flash) {
         let (speeds, step) = self.key;
         if speeds[1] == speeds[0] && speeds[2] == speeds[0] && speeds[3] == speeds[0] {
-            self.steady(flash, speeds[0], step, point);
+            self.steady::<POINT>(flash, speeds[0], step);
         } else {
-            self.varying(flash, speeds, step, point);
+            self.varying(flash, speeds, step, POINT);
         }
     }
 
     /// Constant speed: the decay to the points 2/3 and 1 is that to 1/3 squared and cubed.
-    fn steady(&mut self, flash: &Flash, speed: f64, step: f64, point: usize) {
-        if point == 0 {
+    #[inline]
+    fn steady<const POINT: usize>(&mut self, flash: &Flash, speed: f64, step: f64) {
+        if POINT == 0 {
             self.sliding = flash.sliding_rate(speed);
             self.rates = [self.sliding; 4];
             self.common = (-self.sliding * POINTS[0] * step).exp();
             self.memory = flash.rates.map(|rate| 1.0 / ((rate + self.sliding) * step));
         }
-        let length = POINTS[point] * step;
+        let length = POINTS[POINT] * step;
         let third = self.at_rest.map(|decay| decay * self.common);
-        let decay = match point {
+        let decay = match POINT {
             0 => third,
             1 => third.map(|third| third * third),
             _ => third.map(|third| third * third * third),
@@ -115,13 +118,13 @@ impl FlashStep {
         let mut second = [0.0; MAX_FLASH_STATES];
         if self.sliding * length < CANCELLING {
             for k in 0..MAX_FLASH_STATES {
-                let weight = weights(flash.rates[k] + self.sliding, decay[k], POINTS[point], length);
+                let weight = weights(flash.rates[k] + self.sliding, decay[k], POINTS[POINT], length);
                 first[k] = flash.residues[k] * weight[0];
                 second[k] = flash.residues[k] * weight[1];
             }
         } else {
             // Without a branch inside and in numbers of its own: several states at a time.
-            let (c, inverse) = (POINTS[point], 1.0 / POINTS[point]);
+            let (c, inverse) = (POINTS[POINT], 1.0 / POINTS[POINT]);
             let (memory, residues) = (self.memory, flash.residues);
             for k in 0..MAX_FLASH_STATES {
                 let memory = memory[k] * inverse;
@@ -132,9 +135,9 @@ impl FlashStep {
                 second[k] = residue * (1.5 * ramp - 0.5 * flat);
             }
         }
-        self.decay[point] = decay;
-        self.gain[point] = [total(&first), total(&second)];
-        if point == 2 {
+        self.decay[POINT] = decay;
+        self.gain[POINT] = [total(&first), total(&second)];
+        if POINT == 2 {
             self.update = [first, second];
         }
     }
@@ -195,6 +198,47 @@ impl FlashStep {
     pub fn advance(&self, states: &mut [f64; MAX_FLASH_STATES], flux: [f64; 2]) {
         for k in 0..MAX_FLASH_STATES {
             states[k] = self.decay[2][k] * states[k] + self.update[0][k] * flux[0] + self.update[1][k] * flux[1];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::operators::Operators;
+    use super::*;
+    use crate::scene::Scene;
+    use crate::variables::STARTS;
+
+    #[test]
+    fn a_steady_speed_gives_the_weights_of_its_rates() {
+        let operators = Operators::new(&Scene::new(&STARTS, None).unwrap());
+        let flash = operators.flash.as_ref().unwrap();
+        for step in [1e-5, 1e-3, 0.1, 20.0] {
+            let at_rest = decays_at_rest(flash, step);
+            for speed in [0.0, 1e-6, 1e-3, 0.1, 4.0, 90.0] {
+                let mut made = FlashStep::empty();
+                made.prepare(&operators, &at_rest, [speed; 4], step);
+                made.prepare_middle(&operators);
+                let sliding = flash.sliding_rate(speed);
+                for (point, c) in POINTS.into_iter().enumerate() {
+                    let mut gain = [0.0; 2];
+                    for (k, (rate, residue)) in flash.rates.iter().zip(&flash.residues).enumerate() {
+                        let decay = (-(rate + sliding) * c * step).exp();
+                        assert!((made.decay[point][k] - decay).abs() < 1e-13, "{step} {speed} {point} {k}");
+                        let weight = weights(rate + sliding, decay, c, c * step).map(|weight| residue * weight);
+                        for stage in 0..2 {
+                            gain[stage] += weight[stage];
+                            let size = weight[0].abs() + weight[1].abs();
+                            let close = |value: f64| (value - weight[stage]).abs() <= 1e-11 * size;
+                            assert!(point != 2 || close(made.update[stage][k]), "{step} {speed} {k} {stage}");
+                        }
+                    }
+                    for stage in 0..2 {
+                        let error = (made.gain[point][stage] - gain[stage]).abs();
+                        assert!(error <= 1e-11 * (gain[0].abs() + gain[1].abs()), "{step} {speed} {point} {stage}");
+                    }
+                }
+            }
         }
     }
 }

@@ -365,9 +365,9 @@ impl Lumped {
         let speed = largest(0) + scene.mean_radius * largest(2);
         // Behind a caliper the load may rise above what the actuator gives.
         let caliper = operators.series_stiffness > 0.0;
+        let pressure = largest(1) / operators.area;
         let worn = |depth: f64, initial: f64, height: f64, body: &operators::BodyOperators| {
-            let rate = body.wear.highest_rate(largest(1) / operators.area, speed)
-                * (body.wear_factor * self.tunables.wear_acceleration);
+            let rate = body.wear.highest_rate(pressure, speed) * (body.wear_factor * self.tunables.wear_acceleration);
             depth + initial + step * rate > 0.9 * height
         };
         caliper

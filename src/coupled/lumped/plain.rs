@@ -2,7 +2,7 @@
 //! conditions, friction and temperature on one segment of the fade table, no bristle, everything at ambient temperature but
 //! what friction has heated.
 //!
-//! The same equations as [`super::stages`], whose general form costs twice as much here. Nothing is solved
+//! The same equations as [`super::stages`], whose general form costs three times as much here. Nothing is solved
 //! differently. A test runs both side by side.
 
 use super::conditions::Conditions;
