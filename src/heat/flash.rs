@@ -152,7 +152,17 @@ struct SpeedTable {
     low: f64,
     /// Value and slope per knot spacing at every knot.
     knots: Vec<(f64, f64)>,
+    /// Leading bits of the lowest speed of `cubics`.
+    first: u64,
+    /// The same curve without logarithm and exponential: coefficients of a cubic of the part of the piece passed, on
+    /// every piece between speeds that agree in their leading bits, that is between (16 + i)/16 2^e and (17 + i)/16 2^e.
+    /// Differs from the spline by less than 1e-6 of sigma where sliding is felt within the duration, elsewhere by less than
+    /// 1e-3 of sigma and the slowest decay together.
+    cubics: Vec<[f64; 4]>,
 }
+
+/// Bits of a number's fraction that a piece of [`SpeedTable::cubics`] leaves free: four of 52 are fixed.
+const FREE_BITS: u32 = 48;
 
 /// Knots of the speed table per unit of ln v.
 const KNOTS_PER_UNIT: f64 = 3.0;
@@ -171,29 +181,56 @@ impl SpeedTable {
             values.push(guess.max(1e-4 * decays.rate[0]).max(1e-30).ln());
         }
         let slopes = spline_slopes(&values);
-        SpeedTable { low, knots: values.into_iter().zip(slopes).collect() }
+        let mut table =
+            SpeedTable { low, knots: values.into_iter().zip(slopes).collect(), first: 0, cubics: Vec::new() };
+        table.first = (low.exp().to_bits() >> FREE_BITS) + 1;
+        let last = high.exp().to_bits() >> FREE_BITS;
+        table.cubics = (table.first..last)
+            .map(|leading| {
+                let [left, right] = [leading, leading + 1].map(|leading| f64::from_bits(leading << FREE_BITS));
+                let [(value, slope), (next, next_slope)] = [left, right].map(|speed| table.by_spline(speed));
+                let (slope, next_slope, rise) = (slope * (right - left), next_slope * (right - left), next - value);
+                [value, slope, 3.0 * rise - 2.0 * slope - next_slope, slope + next_slope - 2.0 * rise]
+            })
+            .collect();
+        table
     }
 
+    /// sigma (1/s) at `speed` >= 0 (m/s).
     #[inline]
     fn rate(&self, speed: f64) -> f64 {
         if speed <= 0.0 {
             return 0.0;
         }
+        let bits = speed.to_bits();
+        match self.cubics.get((bits >> FREE_BITS).wrapping_sub(self.first) as usize) {
+            Some([c0, c1, c2, c3]) => {
+                // The part of the piece passed is what the free bits say.
+                let x = (bits & ((1 << FREE_BITS) - 1)) as f64 * (1.0 / (1_u64 << FREE_BITS) as f64);
+                c0 + x * (c1 + x * (c2 + x * c3))
+            }
+            None => self.by_spline(speed).0,
+        }
+    }
+
+    /// sigma and its derivative by the speed (> 0) from the spline.
+    fn by_spline(&self, speed: f64) -> (f64, f64) {
         let position = (speed.ln() - self.low) * KNOTS_PER_UNIT;
         let last = self.knots.len() - 1;
-        let logarithm = if position <= 0.0 {
-            self.knots[0].0 + position * self.knots[0].1
+        let (logarithm, slope) = if position <= 0.0 {
+            (self.knots[0].0 + position * self.knots[0].1, self.knots[0].1)
         } else if position >= last as f64 {
-            self.knots[last].0 + (position - last as f64) * self.knots[last].1
+            (self.knots[last].0 + (position - last as f64) * self.knots[last].1, self.knots[last].1)
         } else {
             let index = position as usize;
             let x = position - index as f64;
             let ((left, left_slope), (right, right_slope)) = (self.knots[index], self.knots[index + 1]);
             let rise = right - left;
             let (c2, c3) = (3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise);
-            left + x * (left_slope + x * (c2 + x * c3))
+            (left + x * (left_slope + x * (c2 + x * c3)), left_slope + x * (2.0 * c2 + x * 3.0 * c3))
         };
-        logarithm.exp()
+        let rate = logarithm.exp();
+        (rate, rate * slope * KNOTS_PER_UNIT / speed)
     }
 }
 
@@ -273,6 +310,28 @@ mod tests {
                     assert!(error.abs() < 5e-4, "{path:?} {base:?} v {speed}: {error:e}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_cubics_are_the_spline() {
+        for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
+            let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
+            let flash = Flash::new(&source, 1000.0, 1e-3);
+            let (table, slowest) = (&flash.speed, flash.decays.rate[0]);
+            let (mut felt, mut worst): (f64, f64) = (0.0, 0.0);
+            // From below the table to above it, in steps that meet its pieces everywhere.
+            for step in 0..40_000 {
+                let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
+                let (by_spline, by_cubic) = (table.by_spline(speed).0, table.rate(speed));
+                let error = (by_cubic - by_spline).abs();
+                worst = worst.max(error / (by_spline + slowest));
+                if by_spline > 1e-3 {
+                    felt = felt.max(error / by_spline);
+                }
+            }
+            println!("{path:?}: {felt:e} {worst:e}");
+            assert!(felt < 1e-6 && worst < 1e-3, "{path:?}: {felt:e} {worst:e}");
         }
     }
 

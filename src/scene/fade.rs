@@ -11,6 +11,35 @@ pub struct FadeTable {
     pub flat: bool,
 }
 
+/// The straight piece of a [`FadeTable`] between two of its temperatures.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct FadeLine {
+    /// Temperatures from and up to which the table follows the line, K.
+    pub low: f64,
+    /// See `low`.
+    pub high: f64,
+    /// Temperature of `value`, K.
+    pub start: f64,
+    /// Factor there.
+    pub value: f64,
+    /// Derivative of the factor, 1/K.
+    pub slope: f64,
+}
+
+impl FadeLine {
+    /// Factor of the line at `temperature` (K).
+    #[inline]
+    pub fn factor(&self, temperature: f64) -> f64 {
+        self.value + self.slope * (temperature - self.start)
+    }
+
+    /// Whether the table follows the line at `temperature` (K).
+    #[inline]
+    pub fn holds(&self, temperature: f64) -> bool {
+        temperature >= self.low && temperature < self.high
+    }
+}
+
 impl FadeTable {
     /// A table of eight increasing temperatures (K) and their factors.
     pub fn new(temperature: [f64; 8], factor: [f64; 8]) -> FadeTable {
@@ -26,19 +55,27 @@ impl FadeTable {
     /// Factor at `temperature` (K), and its derivative (1/K).
     #[inline]
     pub fn at(&self, temperature: f64) -> (f64, f64) {
+        let line = self.line(temperature);
+        (line.factor(temperature), line.slope)
+    }
+
+    /// The piece of the table that `temperature` (K) is on.
+    #[inline]
+    pub fn line(&self, temperature: f64) -> FadeLine {
+        let level = |low, high, value| FadeLine { low, high, start: 0.0, value, slope: 0.0 };
         if self.flat {
-            return (self.factor[0], 0.0);
+            return level(f64::NEG_INFINITY, f64::INFINITY, self.factor[0]);
         }
         let after = self.temperature.iter().position(|knot| temperature < *knot).unwrap_or(8);
-        if after == 0 {
-            return (self.factor[0], 0.0);
+        match after {
+            0 => level(f64::NEG_INFINITY, self.temperature[0], self.factor[0]),
+            8 => level(self.temperature[7], f64::INFINITY, self.factor[7]),
+            _ => {
+                let (low, high) = (self.temperature[after - 1], self.temperature[after]);
+                let value = self.factor[after - 1];
+                FadeLine { low, high, start: low, value, slope: (self.factor[after] - value) / (high - low) }
+            }
         }
-        if after == 8 {
-            return (self.factor[7], 0.0);
-        }
-        let (left, right) = (self.temperature[after - 1], self.temperature[after]);
-        let slope = (self.factor[after] - self.factor[after - 1]) / (right - left);
-        (self.factor[after - 1] + slope * (temperature - left), slope)
     }
 }
 

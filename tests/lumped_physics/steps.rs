@@ -242,3 +242,40 @@ fn an_open_contact_neither_rubs_nor_wears_and_says_so_once() {
     let warnings = drive.0.messages().filter(|message| message.text.contains("normal_load")).count();
     assert_eq!(warnings, 1);
 }
+
+/// A brake in town for `seconds` s, a step of 0.1 s cut into `parts`: temperatures after every step, and accepted and
+/// rejected internal steps.
+fn city(name: &str, tolerance: f64, seconds: usize, parts: u32) -> (Vec<f64>, (u64, u64)) {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/udds.csv");
+    let text = std::fs::read_to_string(path).unwrap();
+    let speeds: Vec<f64> = text.lines().skip(1).map(|line| line.split_once(',').unwrap().1.parse().unwrap()).collect();
+    let mut drive = Drive::from_starts(&scene(name), &[("solver.tolerance", tolerance)]);
+    let mut temperatures = Vec::new();
+    for pair in speeds.windows(2).take(seconds) {
+        let acceleration = pair[1] - pair[0];
+        for tenth in 0..10 {
+            let speed = pair[0] + 0.1 * f64::from(tenth) * acceleration;
+            drive.set("sliding_velocity", 0.379 * speed).set("normal_load", 2000.0 * (-acceleration).max(0.0));
+            for _ in 0..parts {
+                drive.step(0.1 / f64::from(parts));
+            }
+            temperatures.push(drive.get("contact_temperature"));
+        }
+    }
+    (temperatures, drive.0.work())
+}
+
+#[test]
+fn inputs_that_jump_at_every_step_cost_little_more_than_held_ones() {
+    for (tolerance, most) in [(1e-3, 1.25), (1e-4, 2.2)] {
+        let (seconds, exchanges) = (340, 3400.0);
+        let (coarse, (accepted, rejected)) = city("disc_brake", tolerance, seconds, 1);
+        let (fine, _) = city("disc_brake", tolerance, seconds, 32);
+        let rise = fine.iter().fold(0.0, |highest: f64, value| highest.max(*value)) - fine[0];
+        let worst = coarse.iter().zip(&fine).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+        let attempts = (accepted + rejected) as f64 / exchanges;
+        println!("tolerance {tolerance:e}: {:.3} of it, {attempts:.3} attempts per exchange", worst / rise / tolerance);
+        assert!(worst <= 0.3 * tolerance * rise, "{tolerance:e}: {worst} K of {rise} K");
+        assert!(attempts <= most, "{tolerance:e}: {attempts}");
+    }
+}

@@ -1,7 +1,7 @@
 //! The moving source over one step, at a velocity that may change during it.
 
 use super::operators::Operators;
-use super::stage::{POINTS, fast_weights, weights};
+use super::stage::{POINTS, weights};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 
 /// Weights of the moving source for one step size and one course of the speed.
@@ -22,8 +22,25 @@ pub struct FlashStep {
     common: f64,
     /// Sliding rates at the start and at the three points where the speed changes, 1/s.
     rates: [f64; 4],
+    /// Reciprocal of the rate under constant sliding times the step size, by state.
+    memory: [f64; MAX_FLASH_STATES],
     /// Whether the weights of the point 2/3 are made as well.
     has_middle: bool,
+}
+
+/// Rate times time below which the difference quotients of the weights lose digits.
+const CANCELLING: f64 = 0.06;
+
+/// Decays of a moving source at rest up to the point 1/3 of the step `step` (s).
+pub fn decays_at_rest(flash: &Flash, step: f64) -> [f64; MAX_FLASH_STATES] {
+    flash.rates.map(|rate| (-rate * POINTS[0] * step).exp())
+}
+
+/// Sum over the states, in an order that is the same everywhere.
+#[inline]
+fn total(values: &[f64; MAX_FLASH_STATES]) -> f64 {
+    let pair = |k: usize| values[k] + values[k + 4];
+    (pair(0) + pair(1)) + (pair(2) + pair(3))
 }
 
 impl FlashStep {
@@ -37,28 +54,27 @@ impl FlashStep {
             at_rest: [0.0; MAX_FLASH_STATES],
             sliding: 0.0,
             rates: [0.0; 4],
+            memory: [0.0; MAX_FLASH_STATES],
             common: 1.0,
             has_middle: false,
         }
     }
 
     /// Makes the weights those for `speeds` (m/s) at the start and at the three points of the step
-    /// `step` (s). A function of these alone, so that a replay gives the same bits.
-    pub fn prepare(&mut self, operators: &Operators, speeds: [f64; 4], step: f64) {
+    /// `step` (s), with the decays `at_rest` of [`decays_at_rest`]. A function of these alone, so that a replay gives the same bits.
+    pub fn prepare(&mut self, operators: &Operators, at_rest: &[f64; MAX_FLASH_STATES], speeds: [f64; 4], step: f64) {
         let Some(flash) = &operators.flash else { return };
         if self.key == (speeds, step) {
             return;
         }
         if self.key.1 != step {
-            for (decay, rate) in self.at_rest.iter_mut().zip(&flash.rates) {
-                *decay = (-rate * POINTS[0] * step).exp();
-            }
+            self.at_rest = *at_rest;
         }
         self.key = (speeds, step);
         self.gain = [[0.0; 2]; 3];
         self.has_middle = false;
-        self.make(flash, 0);
-        self.make(flash, 2);
+        self.make::<0>(flash);
+        self.make::<2>(flash);
     }
 
     /// Makes the weights of the point 2/3, which only the error estimate needs.
@@ -66,52 +82,62 @@ impl FlashStep {
         if let Some(flash) = &operators.flash
             && !self.has_middle
         {
-            self.make(flash, 1);
+            self.make::<1>(flash);
             self.has_middle = true;
         }
     }
 
-    fn make(&mut self, flash: &Flash, point: usize) {
+    /// Weights of a point, an index of [`POINTS`].
+    #[inline]
+    fn make<const POINT: usize>(&mut self, flash: &Flash) {
         let (speeds, step) = self.key;
         if speeds[1] == speeds[0] && speeds[2] == speeds[0] && speeds[3] == speeds[0] {
-            self.steady(flash, speeds[0], step, point);
+            self.steady::<POINT>(flash, speeds[0], step);
         } else {
-            self.varying(flash, speeds, step, point);
+            self.varying(flash, speeds, step, POINT);
         }
     }
 
     /// Constant speed: the decay to the points 2/3 and 1 is that to 1/3 squared and cubed.
-    fn steady(&mut self, flash: &Flash, speed: f64, step: f64, point: usize) {
-        if point == 0 {
+    #[inline]
+    fn steady<const POINT: usize>(&mut self, flash: &Flash, speed: f64, step: f64) {
+        if POINT == 0 {
             self.sliding = flash.sliding_rate(speed);
             self.rates = [self.sliding; 4];
             self.common = (-self.sliding * POINTS[0] * step).exp();
+            self.memory = flash.rates.map(|rate| 1.0 / ((rate + self.sliding) * step));
         }
-        let length = POINTS[point] * step;
-        for k in 0..MAX_FLASH_STATES {
-            let third = self.at_rest[k] * self.common;
-            self.decay[point][k] = match point {
-                0 => third,
-                1 => third * third,
-                _ => third * third * third,
-            };
-        }
-        let slow = self.sliding * length < 0.06;
+        let length = POINTS[POINT] * step;
+        let third = self.at_rest.map(|decay| decay * self.common);
+        let decay = match POINT {
+            0 => third,
+            1 => third.map(|third| third * third),
+            _ => third.map(|third| third * third * third),
+        };
         let mut first = [0.0; MAX_FLASH_STATES];
         let mut second = [0.0; MAX_FLASH_STATES];
-        for k in 0..MAX_FLASH_STATES {
-            let (rate, decay) = (flash.rates[k] + self.sliding, self.decay[point][k]);
-            // Without a branch inside, two states at a time.
-            let weight = if slow {
-                weights(rate, decay, POINTS[point], length)
-            } else {
-                fast_weights(rate, decay, POINTS[point], length)
-            };
-            first[k] = flash.residues[k] * weight[0];
-            second[k] = flash.residues[k] * weight[1];
+        if self.sliding * length < CANCELLING {
+            for k in 0..MAX_FLASH_STATES {
+                let weight = weights(flash.rates[k] + self.sliding, decay[k], POINTS[POINT], length);
+                first[k] = flash.residues[k] * weight[0];
+                second[k] = flash.residues[k] * weight[1];
+            }
+        } else {
+            // Without a branch inside and in numbers of its own: several states at a time.
+            let (c, inverse) = (POINTS[POINT], 1.0 / POINTS[POINT]);
+            let (memory, residues) = (self.memory, flash.residues);
+            for k in 0..MAX_FLASH_STATES {
+                let memory = memory[k] * inverse;
+                let flat = (1.0 - decay[k]) * memory;
+                let ramp = c * (1.0 - flat) * memory;
+                let residue = residues[k] * length;
+                first[k] = residue * (1.5 * (flat - ramp));
+                second[k] = residue * (1.5 * ramp - 0.5 * flat);
+            }
         }
-        self.gain[point] = [first.iter().sum(), second.iter().sum()];
-        if point == 2 {
+        self.decay[POINT] = decay;
+        self.gain[POINT] = [total(&first), total(&second)];
+        if POINT == 2 {
             self.update = [first, second];
         }
     }
@@ -164,7 +190,7 @@ impl FlashStep {
     /// What the initial states leave at `point`, K.
     #[inline]
     pub fn homogeneous(&self, point: usize, states: &[f64; MAX_FLASH_STATES]) -> f64 {
-        self.decay[point].iter().zip(states).map(|(decay, state)| decay * state).sum()
+        total(&std::array::from_fn(|k| self.decay[point][k] * states[k]))
     }
 
     /// Carries the states over the step under the stage fluxes `flux` into the strip.
@@ -172,6 +198,47 @@ impl FlashStep {
     pub fn advance(&self, states: &mut [f64; MAX_FLASH_STATES], flux: [f64; 2]) {
         for k in 0..MAX_FLASH_STATES {
             states[k] = self.decay[2][k] * states[k] + self.update[0][k] * flux[0] + self.update[1][k] * flux[1];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::operators::Operators;
+    use super::*;
+    use crate::scene::Scene;
+    use crate::variables::STARTS;
+
+    #[test]
+    fn a_steady_speed_gives_the_weights_of_its_rates() {
+        let operators = Operators::new(&Scene::new(&STARTS, None).unwrap());
+        let flash = operators.flash.as_ref().unwrap();
+        for step in [1e-5, 1e-3, 0.1, 20.0] {
+            let at_rest = decays_at_rest(flash, step);
+            for speed in [0.0, 1e-6, 1e-3, 0.1, 4.0, 90.0] {
+                let mut made = FlashStep::empty();
+                made.prepare(&operators, &at_rest, [speed; 4], step);
+                made.prepare_middle(&operators);
+                let sliding = flash.sliding_rate(speed);
+                for (point, c) in POINTS.into_iter().enumerate() {
+                    let mut gain = [0.0; 2];
+                    for (k, (rate, residue)) in flash.rates.iter().zip(&flash.residues).enumerate() {
+                        let decay = (-(rate + sliding) * c * step).exp();
+                        assert!((made.decay[point][k] - decay).abs() < 1e-13, "{step} {speed} {point} {k}");
+                        let weight = weights(rate + sliding, decay, c, c * step).map(|weight| residue * weight);
+                        for stage in 0..2 {
+                            gain[stage] += weight[stage];
+                            let size = weight[0].abs() + weight[1].abs();
+                            let close = |value: f64| (value - weight[stage]).abs() <= 1e-11 * size;
+                            assert!(point != 2 || close(made.update[stage][k]), "{step} {speed} {k} {stage}");
+                        }
+                    }
+                    for stage in 0..2 {
+                        let error = (made.gain[point][stage] - gain[stage]).abs();
+                        assert!(error <= 1e-11 * (gain[0].abs() + gain[1].abs()), "{step} {speed} {point} {stage}");
+                    }
+                }
+            }
         }
     }
 }

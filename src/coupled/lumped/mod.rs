@@ -55,6 +55,23 @@ const KEPT_STEPS: usize = 12;
 /// Load and speed that a run may exceed the nominal by before the plan no longer holds.
 const NOMINAL_MARGIN: f64 = 10.0;
 
+/// Conditions during a piece of a communication step.
+enum Course<'a> {
+    /// The same all along.
+    Constant(Conditions),
+    /// By the time since the start of the piece, s.
+    Varying(&'a dyn Fn(f64) -> Conditions),
+}
+
+impl Course<'_> {
+    fn at(&self, time: f64) -> Conditions {
+        match self {
+            Course::Constant(conditions) => *conditions,
+            Course::Varying(conditions) => conditions(time),
+        }
+    }
+}
+
 /// A scene at the lumped level.
 #[derive(Clone, Debug)]
 pub struct Lumped {
@@ -203,8 +220,8 @@ impl Lumped {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let Some(slopes) = slopes else {
-            let constant = [self.conditions(inputs); 4];
-            return self.piece(&|_| constant[0], Some(&constant), step, backup);
+            let constant = self.conditions(inputs);
+            return self.piece(&Course::Constant(constant), step, backup);
         };
         let radius = self.operators.scene.mean_radius;
         let crossings = [(inputs[0] + radius * inputs[2], slopes[0] + radius * slopes[2]), (inputs[1], slopes[1])];
@@ -233,31 +250,25 @@ impl Lumped {
                 Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
             };
             if piece[1] > piece[0] {
-                self.piece(&at, None, piece[1] - piece[0], backup)?;
+                self.piece(&Course::Varying(&at), piece[1] - piece[0], backup)?;
             }
         }
         Ok(())
     }
 
     /// A piece without events, cut into 2^n equal parts where its error asks for it.
-    fn piece(
-        &mut self,
-        conditions: &dyn Fn(f64) -> Conditions,
-        constant: Option<&[Conditions; 4]>,
-        length: f64,
-        backup: &mut Option<State>,
-    ) -> Result<(), StepFailure> {
+    fn piece(&mut self, course: &Course, length: f64, backup: &mut Option<State>) -> Result<(), StepFailure> {
         let mut level = self.state.refinement;
         let mut part: u64 = 0;
         let mut attempts = 0;
-        let ends = match constant {
-            Some(_) => None,
-            None => Some([conditions(0.0), conditions(length)]),
+        let ends = match course {
+            Course::Constant(_) => None,
+            Course::Varying(conditions) => Some([conditions(0.0), conditions(length)]),
         };
         while part < 1_u64 << level {
             attempts += 1;
             if attempts > MOST_ATTEMPTS {
-                let [start, end] = [conditions(0.0), conditions(length)];
+                let [start, end] = [course.at(0.0), course.at(length)];
                 return Err(StepFailure(format!(
                     "a communication step of {length} s needs more than {MOST_ATTEMPTS} internal steps at solver.tolerance = {}; \
                      sliding velocity {} to {} m/s, normal load {} to {} N",
@@ -266,30 +277,38 @@ impl Lumped {
             }
             let step = length / (1_u64 << level) as f64;
             let start = part as f64 * step;
-            let varying;
-            let at = match constant {
-                Some(constant) => constant,
-                None => {
-                    varying = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step));
-                    &varying
-                }
-            };
             if level > 0 && backup.is_none() {
                 *backup = Some(self.state.clone());
             }
             let index = self.propagators_of(step);
-            self.flash.prepare(&self.operators, at.map(|conditions| conditions.velocity.abs()), step);
+            let varying = match course {
+                Course::Constant(_) => None,
+                Course::Varying(conditions) => {
+                    Some([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)))
+                }
+            };
+            let now = course.at(start);
+            let speeds = match &varying {
+                Some(at) => at.each_ref().map(|conditions| conditions.velocity.abs()),
+                None => [now.velocity.abs(); 4],
+            };
+            self.flash.prepare(&self.operators, &self.propagators[index].flash, speeds, step);
             let mut stepper = Stepper {
                 flash: &mut self.flash,
                 cut: (1_u64 << level) as f64,
-                ends,
+                ends: ends.as_ref(),
                 operators: &self.operators,
                 friction: &self.friction,
                 tunables: &self.tunables,
                 propagators: &self.propagators[index],
             };
-            let plain = if constant.is_some() { stepper.plain(&mut self.state, &at[0]) } else { None };
-            let attempt = plain.unwrap_or_else(|| stepper.attempt(&mut self.state, at, constant.is_some()));
+            let attempt = match &varying {
+                Some(at) => stepper.attempt(&mut self.state, at, false),
+                None => match stepper.plain(&mut self.state, &now) {
+                    Some(attempt) => attempt,
+                    None => stepper.attempt(&mut self.state, &[now; 4], true),
+                },
+            };
             if attempt.error <= 1.0 {
                 self.state.steps += 1;
                 self.judge_temperature(attempt.hottest);
@@ -303,12 +322,13 @@ impl Lumped {
             }
             self.state.rejected += 1;
             if level >= FINEST {
+                let last = course.at(start + step);
                 return Err(StepFailure(format!(
                     "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
                      contact temperature {} K, sliding velocity {} m/s, normal load {} N",
                     attempt.hottest + self.state.reference,
-                    at[3].velocity,
-                    at[3].load
+                    last.velocity,
+                    last.load
                 )));
             }
             level += 1;
@@ -345,9 +365,9 @@ impl Lumped {
         let speed = largest(0) + scene.mean_radius * largest(2);
         // Behind a caliper the load may rise above what the actuator gives.
         let caliper = operators.series_stiffness > 0.0;
+        let pressure = largest(1) / operators.area;
         let worn = |depth: f64, initial: f64, height: f64, body: &operators::BodyOperators| {
-            let rate = body.wear.highest_rate(largest(1) / operators.area, speed)
-                * (body.wear_factor * self.tunables.wear_acceleration);
+            let rate = body.wear.highest_rate(pressure, speed) * (body.wear_factor * self.tunables.wear_acceleration);
             depth + initial + step * rate > 0.9 * height
         };
         caliper

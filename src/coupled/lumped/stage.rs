@@ -46,16 +46,6 @@ pub fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
     [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
 }
 
-/// [`weights`] for rate times length above 0.06, where nothing cancels.
-#[inline]
-pub fn fast_weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
-    let inverse = 1.0 / (rate * length);
-    let first = (1.0 - decay) * inverse;
-    let second = (1.0 - first) * inverse;
-    let (flat, ramp) = (length * first, c * length * second);
-    [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
-}
-
 /// Sum of products of the first `count` entries. Entries beyond are zero, so whole groups of four are
 /// added: the compiler makes vector instructions of them, in an order that is the same everywhere.
 #[inline]
@@ -166,14 +156,18 @@ impl Propagator {
         fluxes: &[[f64; 2]; PORTS],
         active: [bool; PORTS],
     ) {
-        for k in 0..count {
-            states[k] =
-                self.decay[k] * states[k] + self.update[0][0][k] * fluxes[0][0] + self.update[0][1][k] * fluxes[0][1];
+        // Whole groups of four, as in `dot`: what is beyond the last state stays 0.
+        let count = 4 * count.div_ceil(4);
+        let states = &mut states[..count];
+        let row = |port: usize, stage: usize| &self.update[port][stage][..count];
+        let contact = row(0, 0).iter().zip(row(0, 1));
+        for ((state, decay), (first, second)) in states.iter_mut().zip(&self.decay[..count]).zip(contact) {
+            *state = decay * *state + first * fluxes[0][0] + second * fluxes[0][1];
         }
         for port in 1..PORTS {
             if active[port] {
-                for k in 0..count {
-                    states[k] += self.update[port][0][k] * fluxes[port][0] + self.update[port][1][k] * fluxes[port][1];
+                for (state, (first, second)) in states.iter_mut().zip(row(port, 0).iter().zip(row(port, 1))) {
+                    *state += first * fluxes[port][0] + second * fluxes[port][1];
                 }
             }
         }

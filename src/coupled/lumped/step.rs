@@ -7,7 +7,7 @@
 //! is the error estimate.
 
 use super::conditions::{Conditions, Tunables};
-use super::flash_step::FlashStep;
+use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, Operators};
 use super::point::strip_entry;
 use super::stage::{Propagator, QUADRATURE};
@@ -15,6 +15,7 @@ use super::stage_body::StageBody;
 use super::stages::Stages;
 use super::state::State;
 use crate::contact::friction::FrictionLaw;
+use crate::heat::flash::MAX_FLASH_STATES;
 use crate::heat::reduced::Port;
 
 /// Both bodies over one step size.
@@ -24,13 +25,16 @@ pub struct Propagators {
     pub step: f64,
     pub(super) punch: Option<Propagator>,
     pub(super) strip: Option<Propagator>,
+    /// Decays of the moving source at rest up to the point 1/3.
+    pub(super) flash: [f64; MAX_FLASH_STATES],
 }
 
 impl Propagators {
     /// Weights for the step `step` (s).
     pub fn new(operators: &Operators, step: f64) -> Propagators {
         let of = |body: &BodyOperators| body.heat.as_ref().map(|heat| Propagator::new(heat, step));
-        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip) }
+        let flash = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
+        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), flash }
     }
 }
 
@@ -52,7 +56,7 @@ pub struct Stepper<'a> {
     /// change: what a part's error of wear is measured against.
     pub cut: f64,
     /// See `cut`.
-    pub ends: Option<[Conditions; 2]>,
+    pub ends: Option<&'a [Conditions; 2]>,
     /// The moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
 }
