@@ -23,7 +23,8 @@ STEP = 0.010  # s, of the explicit masters
 DESCENT_SPEED = 80.0 * KILOMETRES_PER_HOUR
 DESCENT_GRADE = 0.08
 DESCENT_LENGTH = 7000.0  # m
-RUN_IN = 100.0  # m of level road before and after the descent
+RUN_IN = 100.0  # m of level road before the descent
+RUN_OUT = 300.0  # m of level road behind it: the driver has let go of the brake and is at the speed of the stop
 STOP_TIME = 12.0  # s, enough for a full stop
 
 
@@ -39,7 +40,7 @@ def cycle(path, duration=None):
 
 def stop(name, length):
     """At 80 km/h down `length` metres of an 8 % descent with the brakes alone, then a full stop on the level."""
-    begin = (length + 2.0 * RUN_IN if length > 0.0 else RUN_IN) / DESCENT_SPEED
+    begin = (RUN_IN + length + RUN_OUT if length > 0.0 else RUN_IN) / DESCENT_SPEED
     road = LEVEL
     if length > 0.0:
         # The grade sets in over 20 m.

@@ -167,8 +167,9 @@ def run(files, connections, parameters, recorded, duration, step, name=""):
                 now, then = index * ticks / NANOSECONDS, (index + 1) * ticks / NANOSECONDS
                 for fmu in stepping:
                     fmu.doStep(currentCommunicationPoint=now, communicationStepSize=then - now)
-                wiring.hand_on()
+                # Recorded is what the components gave for the inputs of the step that ends here.
                 record(index + 1)
+                wiring.hand_on()
                 progress(index)
             seconds = time.perf_counter() - begin
             progress.close()

@@ -47,6 +47,7 @@ VEHICLE_OUTPUTS = (
     "brake_demand",
     "front_brake_force",
     "rear_brake_force",
+    "brake_work",
     "side_difference",
     "front_axle_load",
     "rear_axle_load",
@@ -76,6 +77,13 @@ def recorded():
     ]
 
 
-def parameters(manoeuvre):
-    """Parameters by component."""
-    return {VEHICLE: dict(manoeuvre.parameters), **{brake: dict(values) for brake, values in BRAKES.items()}}
+def parameters(manoeuvre, brake):
+    """Parameters by component; `brake`: start values of the contacts' FMU, which the vehicle is matched to."""
+    vehicle = {
+        "front_mean_radius": float(brake["contact.mean_radius"]),
+        "rear_mean_radius": REAR["contact.mean_radius"],
+        "brake_faces": float(brake["contact.faces"]),
+        "brake_friction": float(brake["contact.friction_coefficient"]),
+        **manoeuvre.parameters,
+    }
+    return {VEHICLE: vehicle, **{name: dict(values) for name, values in BRAKES.items()}}

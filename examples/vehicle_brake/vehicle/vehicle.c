@@ -200,7 +200,7 @@ void vehicle_initialise(VehicleState *state, const Table *speed, const Table *gr
     state->integral = state->specific_force = 0.0;
     OF(position) = 0.0;
     OF(speed) = OF(initial_speed);
-    OF(acceleration) = OF(drive_force) = 0.0;
+    OF(acceleration) = OF(drive_force) = OF(brake_work) = 0.0;
     /* What is asked for at the start is there at the start. */
     demands(state, speed, slope_at(state, grade), 0.0, &drive, &front, &rear);
     OF(drive_force) = drive;
@@ -229,9 +229,11 @@ static void move(VehicleState *state, double slope, double step)
 {
     const double mass = inertia(state);
     const double other = free_force(state, slope);
-    const double sliding = total(sliding_forces(state)) + rolling(state, slope);
+    const double brakes = total(sliding_forces(state));
+    const double sliding = brakes + rolling(state, slope);
     const double holding = total(holding_forces(state)) + rolling(state, slope);
-    double left = step, before = OF(speed);
+    double left = step;
+    const double before = OF(speed), from = OF(position);
 
     if (OF(speed) != 0.0) {
         const double rate = (other - copysign(sliding, OF(speed))) / mass;
@@ -255,6 +257,7 @@ static void move(VehicleState *state, double slope, double step)
         OF(position) += 0.5 * rate * left * left;
         OF(speed) = rate * left;
     }
+    OF(brake_work) += brakes * fabs(OF(position) - from);
     OF(acceleration) = (OF(speed) - before) / step;
 }
 
