@@ -177,7 +177,7 @@ def hill(unpacked, seconds=60.0):
     travel = np.zeros(count + 1)
     slip = 0.0
     with Contact(unpacked, HILL_BRISTLE, slip, FULL_LOAD) as contact:
-        note(table[0], contact, {"load": FULL_LOAD})
+        note(table[0], contact, {"load": FULL_LOAD, "torque": contact.torque()})
         begin = time.perf_counter()
         for index in range(1, count + 1):
             slip, held = explicit_step(plant, contact, slip, FULL_LOAD, HILL_STEP)
@@ -225,7 +225,12 @@ def judder(unpacked, static_friction_ratio, seconds=2.0, step=5e-4, driveline=Dr
         vehicle = engine - JUDDER_SLIP
         shaft = vehicle + 1e-3
         twist = JUDDER_TORQUE / driveline.stiffness
-        note(table[0], contact, {"slip": engine - shaft, "load": load, "engine_speed": engine, "vehicle_speed": shaft})
+        note(
+            table[0],
+            contact,
+            {"slip": engine - shaft, "load": load, "torque": contact.torque(), "engine_speed": engine,
+             "vehicle_speed": shaft},
+        )
         begin = time.perf_counter()
         for index in range(1, count + 1):
             torque = contact.torque()

@@ -80,11 +80,12 @@ def masters(runs, path):
                 rows = np.abs(run["time"] - end) < 0.05
                 axis.plot(run["time"][rows] - end, factor * run[name][rows], color=colour, label=text, linewidth=0.9)
             axis.set_ylabel(label)
+            if name == "slip":
+                axis.set_ylim(-3.0, 6.0)
             if last:
                 axis.set_xlabel("time since the slip has ended [s]")
             else:
                 axis.legend(loc="upper right")
-                axis.margins(y=0.2)
         return paint
 
     panels = (("Slip", quantity("slip", "slip [rad/s]", 1.0)), ("Clutch torque", quantity("torque", "torque [N m]", 1.0, True)))
@@ -130,8 +131,8 @@ def critical_speed(engaging, carbon, mean_radius, path):
             axis.semilogy(run["time"], np.maximum(np.abs(run["slip"]) * mean_radius, 1e-6), color=BLUE, label="sliding speed")
             axis.semilogy(run["time"], run["critical_speed"], color=RED, linestyle="--", label="critical speed")
             axis.set_ylabel("speed [m/s]")
-            axis.set_ylim(1e-4, 1e2)
-            axis.legend(loc="lower right")
+            axis.set_ylim(1e-4, 1e3)
+            axis.legend(loc="upper right", ncols=2)
             axis.set_xlabel("time [s]")
         return title, paint
 

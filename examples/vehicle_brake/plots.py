@@ -52,6 +52,8 @@ def along(recording, title, path):
         axis.plot(time, 3.6 * recording[VEHICLE, "reference_speed"], color=ORANGE, label="reference", linewidth=2.2)
         axis.plot(time, 3.6 * recording[VEHICLE, "speed"], color=BLUE, label="car", linewidth=0.9)
         axis.set_ylabel("speed [km/h]")
+        axis.margins(y=0.2)
+        axis.set_ylim(bottom=0.0)
         axis.legend(loc="upper right", ncols=2)
 
     def force(axis):
@@ -61,6 +63,8 @@ def along(recording, title, path):
             values = np.where(drives, recording[VEHICLE, f"{axle}_brake_force"], np.nan)
             axis.plot(time, values / 1e3, color=colour, label=f"{axle} axle", linewidth=0.9)
         axis.set_ylabel("brake force [kN]")
+        axis.margins(y=0.25)
+        axis.set_ylim(bottom=0.0)
         axis.legend(loc="upper right", ncols=2)
 
     def temperature(axis):
@@ -72,7 +76,8 @@ def along(recording, title, path):
                       label=f"{place} disc, mean")
         axis.set_ylabel("temperature [degC]")
         axis.legend(loc="upper left", ncols=4)
-        axis.margins(y=0.2)
+        axis.margins(y=0.25)
+        axis.set_ylim(bottom=0.0)
 
     def friction(axis):
         for brake, colour in (("front_left", BLUE), ("front_right", GREEN), ("rear_left", ORANGE)):
