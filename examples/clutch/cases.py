@@ -84,14 +84,28 @@ def note(row, contact, values):
         row[name] = value
 
 
+def capacity(unpacked):
+    """Torque that the clutch carries when closed, roughly [N m]."""
+    force = unpacked.start("contact.friction_coefficient") * FULL_LOAD * unpacked.start("contact.faces")
+    return force * unpacked.start("contact.mean_radius")
+
+
+def check_capacity(unpacked, plant=Plant()):
+    """Raises ValueError where the clutch would slip for ever."""
+    if not capacity(unpacked) > 1.5 * plant.stuck_torque:
+        raise ValueError(
+            f"this scene is no clutch of a passenger car: it carries {capacity(unpacked):.3g} N.m, and the engine needs "
+            f"{plant.stuck_torque:.3g} N.m of it and half as much in reserve"
+        )
+
+
 def engage(unpacked, step, parameters=None, plant=Plant(), duration=2.0, implicit=False):
     """From 3,000 rev/min with the vehicle at rest until both turn together, and on."""
     count = round(duration / step)
     table = empty(count)
     slip, vehicle = START_SPEED, 0.0
     with Contact(unpacked, parameters or {}, slip, 0.0) as contact:
-        scale = unpacked.start("contact.friction_coefficient") * FULL_LOAD * unpacked.start("contact.faces")
-        master = ImplicitMaster(plant, contact, scale * unpacked.start("contact.mean_radius"))
+        master = ImplicitMaster(plant, contact, capacity(unpacked))
         note(table[0], contact, {"slip": slip, "engine_speed": slip})
         begin = time.perf_counter()
         for index in range(1, count + 1):

@@ -33,6 +33,7 @@ def main():
     summary = {}
     with Unpacked(options.fmu) as clutch:
         mean_radius = clutch.start("contact.mean_radius")
+        cases.check_capacity(clutch)
         bristle = cases.engage(clutch, 1e-3)
         summary["engagement, bristle, explicit"] = report.engagement(bristle, mean_radius)
 

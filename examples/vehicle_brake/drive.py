@@ -36,7 +36,7 @@ def start_values(fmu):
     return {variable.name: variable.start for variable in read_model_description(str(fmu)).modelVariables}
 
 
-def drive(manoeuvre, brake, folder):
+def drive(manoeuvre, brake, folder, extrapolate=False):
     """Runs a manoeuvre with the master on fmpy; the vehicle's FMU stays in `folder`."""
     vehicle = vehicle_fmu.pack(folder / f"Vehicle.{manoeuvre.name}.fmu", manoeuvre)
     return master.run(
@@ -47,6 +47,7 @@ def drive(manoeuvre, brake, folder):
         manoeuvre.duration,
         manoeuvres.STEP,
         manoeuvre.name,
+        extrapolate,
     )
 
 
@@ -75,6 +76,8 @@ def main():
     summary["hill"] |= report.hill_figures(recordings["hill"])
     cycle = options.cycle.stem
     summary[cycle] |= report.cycle_figures(recordings[cycle])
+    extrapolated = drive(drives["cold_stop"], options.fmu, options.output, extrapolate=True)
+    summary["cold_stop"]["coupling_error_extrapolated"] = report.coupling_error(extrapolated)
     longer = summary["descent"]["distance_m"] / summary["cold_stop"]["distance_m"]
     summary["brake fade"] = {"hot_over_cold_stopping_distance": longer}
     try:

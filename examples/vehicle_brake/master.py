@@ -1,4 +1,8 @@
-"""A co-simulation master on fmpy's FMU2Slave: all components step at once, then outputs are handed on (Jacobi)."""
+"""A co-simulation master on fmpy's FMU2Slave: all components step at once, then outputs are handed on (Jacobi).
+
+Inputs are held over a step, which is an error of first order in the step. `extrapolate` also hands on how they changed
+over the last step (fmi2SetRealInputDerivatives) to components that can use it, which makes it one of second order.
+"""
 
 import shutil
 import sys
@@ -56,6 +60,7 @@ class Slave:
     def __init__(self, name, unpacked):
         folder, description = unpacked
         self.name = name
+        self.extrapolates = bool(description.coSimulation.canInterpolateInputs)
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.fmu = FMU2Slave(
             guid=description.guid,
@@ -94,19 +99,26 @@ class Wiring:
                 count += 1
         self.write = [
             (
-                slaves[name].fmu,
+                slaves[name],
                 slaves[name].references([entry[0] for entry in entries]),
                 [place[entry[1], entry[2]] for entry in entries],
             )
             for name, entries in targets.items()
         ]
+        self.values = None
 
-    def hand_on(self):
+    def hand_on(self, step=None):
+        """Sets every input to what it is connected to. `step` [s], the last one: sets their derivatives too."""
         values = []
         for fmu, references in self.read:
             values += fmu.getReal(references)
-        for fmu, references, places in self.write:
-            fmu.setReal(references, [values[place] for place in places])
+        for slave, references, places in self.write:
+            slave.fmu.setReal(references, [values[place] for place in places])
+            if step is not None and slave.extrapolates:
+                # What has come to zero stays there: wheels that have stopped do not turn backwards.
+                rates = [(values[at] - self.values[at]) / step if values[at] != 0.0 else 0.0 for at in places]
+                slave.fmu.setRealInputDerivatives(references, [1] * len(places), rates)
+        self.values = values
 
 
 class Progress:
@@ -126,7 +138,7 @@ class Progress:
             print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
-def run(files, connections, parameters, recorded, duration, step, name=""):
+def run(files, connections, parameters, recorded, duration, step, name="", extrapolate=False):
     """Runs the components (`files`: name to path of an FMU) from 0 to `duration` [s] in steps of `step` [s]."""
     ticks = round(step * NANOSECONDS)
     count = round(duration * NANOSECONDS / ticks)
@@ -169,7 +181,7 @@ def run(files, connections, parameters, recorded, duration, step, name=""):
                     fmu.doStep(currentCommunicationPoint=now, communicationStepSize=then - now)
                 # Recorded is what the components gave for the inputs of the step that ends here.
                 record(index + 1)
-                wiring.hand_on()
+                wiring.hand_on(then - now if extrapolate else None)
                 progress(index)
             seconds = time.perf_counter() - begin
             progress.close()

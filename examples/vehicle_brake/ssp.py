@@ -1,6 +1,7 @@
 """Writes the coupled system as an SSP 1.0 package (System Structure and Parameterization).
 
-Any tool that reads SSP can run it. Tools of the Open Simulation Platform find step size and algorithm in an annotation.
+Any tool that reads SSP can run it. Tools of the Open Simulation Platform find step size and algorithm in an annotation;
+no worker threads: the steps are so short that handing them to threads would take longer than they do.
 """
 
 import io
@@ -71,7 +72,7 @@ def structure(connections, parameters, manoeuvre, step):
   <ssd:DefaultExperiment startTime="0.0" stopTime="{manoeuvre.duration!r}">
     <ssd:Annotations>
       <ssc:Annotation type="com.opensimulationplatform">
-        <osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="{step!r}"/></osp:Algorithm>
+        <osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="{step!r}" numWorkerThreads="0"/></osp:Algorithm>
       </ssc:Annotation>
     </ssd:Annotations>
   </ssd:DefaultExperiment>

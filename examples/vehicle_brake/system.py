@@ -15,6 +15,10 @@ BRAKES = {
 }
 
 
+FULL_STOP_TORQUE = 1400.0  # N m, of a front brake: 37 % of 1,500 kg at 8 m/s2 on wheels of 0.31 m
+HIGHEST_PRESSURE = 10e6  # Pa: a full stop takes about 4 MPa
+
+
 @dataclass(frozen=True)
 class Connection:
     source: str  # component
@@ -79,6 +83,14 @@ def recorded():
 
 def parameters(manoeuvre, brake):
     """Parameters by component; `brake`: start values of the contacts' FMU, which the vehicle is matched to."""
+    area = float(brake["punch.width"]) * float(brake["depth"])
+    lever = float(brake["contact.faces"]) * float(brake["contact.friction_coefficient"]) * float(brake["contact.mean_radius"])
+    if not lever > 0.0 or not FULL_STOP_TORQUE / lever / area <= HIGHEST_PRESSURE:
+        raise ValueError(
+            f"this scene is no front brake of a mid-size car: {FULL_STOP_TORQUE:g} N.m take more than the "
+            f"{HIGHEST_PRESSURE / 1e6:g} MPa that pads are pressed with, on {area * 1e4:.3g} cm2 at a mean radius of "
+            f"{float(brake['contact.mean_radius']):.3g} m"
+        )
     vehicle = {
         "front_mean_radius": float(brake["contact.mean_radius"]),
         "rear_mean_radius": REAR["contact.mean_radius"],

@@ -66,7 +66,7 @@ def model_description():
         f'<fmiModelDescription fmiVersion="2.0" modelName="{IDENTIFIER}" guid="{guid()}"',
         '  description="Longitudinal dynamics of a car with its driver" variableNamingConvention="flat">',
         f'  <CoSimulation modelIdentifier="{IDENTIFIER}" canHandleVariableCommunicationStepSize="true"'
-        ' canGetAndSetFMUstate="true"/>',
+        ' canGetAndSetFMUstate="true" canInterpolateInputs="true"/>',
         "  <UnitDefinitions>",
     ]
     for unit, exponents in UNITS.items():

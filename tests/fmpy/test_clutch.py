@@ -84,6 +84,11 @@ def test_roll_back_leaves_no_trace(clutch):
     assert results[0] == results[2] != results[1]
 
 
+def test_a_scene_that_is_no_clutch_is_refused():
+    with example.contact.Unpacked(file_of("pin_on_disk")) as unpacked, pytest.raises(ValueError, match="no clutch"):
+        cases.check_capacity(unpacked)
+
+
 def test_it_holds_a_parked_car_on_a_ten_percent_grade_for_a_minute(clutch):
     run, travel = cases.hill(clutch)
     assert run["time"][-1] == pytest.approx(60.0)

@@ -149,6 +149,22 @@ fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference referen
         if (reference[i] >= VEHICLE_COUNT) return fail(instance, "there is no Real variable %u", reference[i]);
         if (!isfinite(value[i])) return fail(instance, "variable %u is set to %g", reference[i], value[i]);
         instance->state.value[reference[i]] = value[i];
+        instance->state.rate[reference[i]] = 0.0;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference reference[], size_t count,
+                                       const fmi2Integer order[], const fmi2Real value[])
+{
+    Instance *instance = component;
+    size_t i;
+    for (i = 0; i < count; ++i) {
+        if (reference[i] < VEHICLE_FIRST_INPUT || reference[i] > VEHICLE_LAST_INPUT)
+            return fail(instance, "variable %u is no input", reference[i]);
+        if (order[i] != 1) return fail(instance, "input derivatives are taken of order 1, not %d", order[i]);
+        if (!isfinite(value[i])) return fail(instance, "the derivative of input %u is %g", reference[i], value[i]);
+        instance->state.rate[reference[i]] = value[i];
     }
     return fmi2OK;
 }
@@ -204,7 +220,6 @@ ABSENT(fmi2SerializedFMUstateSize, fmi2FMUstate s, size_t *n)
 ABSENT(fmi2SerializeFMUstate, fmi2FMUstate s, fmi2Byte b[], size_t n)
 ABSENT(fmi2DeSerializeFMUstate, const fmi2Byte b[], size_t n, fmi2FMUstate *s)
 ABSENT(fmi2GetDirectionalDerivative, REFERENCES, const fmi2ValueReference k[], size_t m, const fmi2Real d[], fmi2Real v[])
-ABSENT(fmi2SetRealInputDerivatives, REFERENCES, const fmi2Integer o[], const fmi2Real v[])
 ABSENT(fmi2GetRealOutputDerivatives, REFERENCES, const fmi2Integer o[], fmi2Real v[])
 ABSENT(fmi2GetStatus, const fmi2StatusKind s, fmi2Status *v)
 ABSENT(fmi2GetRealStatus, const fmi2StatusKind s, fmi2Real *v)

@@ -93,7 +93,10 @@ void vehicle_start_values(VehicleState *state)
 #undef VARIABLE
     };
     int i;
-    for (i = 0; i < VEHICLE_COUNT; ++i) state->value[i] = start[i];
+    for (i = 0; i < VEHICLE_COUNT; ++i) {
+        state->value[i] = start[i];
+        state->rate[i] = 0.0;
+    }
     state->time = state->integral = state->locked = state->specific_force = 0.0;
 }
 
@@ -103,6 +106,9 @@ void vehicle_start_values(VehicleState *state)
 typedef struct {
     double front_left, front_right, rear_left, rear_right;
 } Forces;
+
+/* Value of an input `since` the beginning of the step (s); friction forces are magnitudes. */
+#define INPUT(name) fmax(OF(name) + since * state->rate[VEHICLE_##name], 0.0)
 
 static Forces at_tyres(double fl, double fr, double rl, double rr, const VehicleState *state)
 {
@@ -116,16 +122,16 @@ static double total(Forces forces)
     return forces.front_left + forces.front_right + forces.rear_left + forces.rear_right;
 }
 
-static Forces sliding_forces(const VehicleState *state)
+static Forces sliding_forces(const VehicleState *state, double since)
 {
-    return at_tyres(OF(front_left_kinetic_force), OF(front_right_kinetic_force), OF(rear_left_kinetic_force),
-                    OF(rear_right_kinetic_force), state);
+    return at_tyres(INPUT(front_left_kinetic_force), INPUT(front_right_kinetic_force), INPUT(rear_left_kinetic_force),
+                    INPUT(rear_right_kinetic_force), state);
 }
 
-static Forces holding_forces(const VehicleState *state)
+static Forces holding_forces(const VehicleState *state, double since)
 {
-    return at_tyres(OF(front_left_limit_force), OF(front_right_limit_force), OF(rear_left_limit_force),
-                    OF(rear_right_limit_force), state);
+    return at_tyres(INPUT(front_left_limit_force), INPUT(front_right_limit_force), INPUT(rear_left_limit_force),
+                    INPUT(rear_right_limit_force), state);
 }
 
 static double slope_at(const VehicleState *state, const Table *grade)
@@ -212,7 +218,7 @@ void vehicle_initialise(VehicleState *state, const Table *speed, const Table *gr
 
 void vehicle_outputs(VehicleState *state, const Table *speed, const Table *grade)
 {
-    const Forces forces = sliding_forces(state);
+    const Forces forces = sliding_forces(state, 0.0);
     axle_loads(state, slope_at(state, grade));
     OF(front_sliding_velocity) = OF(speed) * OF(front_mean_radius) / OF(wheel_radius);
     OF(rear_sliding_velocity) = OF(speed) * OF(rear_mean_radius) / OF(wheel_radius);
@@ -224,14 +230,15 @@ void vehicle_outputs(VehicleState *state, const Table *speed, const Table *grade
     OF(is_locked) = state->locked;
 }
 
-/* One step of speed and position; the moment of stopping is located. */
-static void move(VehicleState *state, double slope, double step)
+/* One step of speed and position, with the forces of its middle, `since` the inputs were set (s); the moment of stopping
+ * is located. */
+static void move(VehicleState *state, double slope, double since, double step)
 {
     const double mass = inertia(state);
     const double other = free_force(state, slope);
-    const double brakes = total(sliding_forces(state));
+    const double brakes = total(sliding_forces(state, since));
     const double sliding = brakes + rolling(state, slope);
-    const double holding = total(holding_forces(state)) + rolling(state, slope);
+    const double holding = total(holding_forces(state, since)) + rolling(state, slope);
     double left = step;
     const double before = OF(speed), from = OF(position);
 
@@ -274,7 +281,7 @@ void vehicle_step(VehicleState *state, const Table *speed, const Table *grade, d
         OF(drive_force) = drive + (OF(drive_force) - drive) * exp(-h / OF(drive_time));
         OF(front_normal_load) = front + (OF(front_normal_load) - front) * exp(-h / OF(brake_time));
         OF(rear_normal_load) = rear + (OF(rear_normal_load) - rear) * exp(-h / OF(brake_time));
-        move(state, slope, h);
+        move(state, slope, (i + 0.5) * h, h);
         {
             const double felt = OF(acceleration) + GRAVITY * sin(slope);
             state->specific_force = felt + (state->specific_force - felt) * exp(-h / OF(pitch_time));
@@ -282,5 +289,6 @@ void vehicle_step(VehicleState *state, const Table *speed, const Table *grade, d
         state->time = start + (i + 1) * h;
     }
     state->time = start + step;
+    for (i = 0; i < VEHICLE_COUNT; ++i) state->rate[i] = 0.0;
     vehicle_outputs(state, speed, grade);
 }
