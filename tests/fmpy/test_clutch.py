@@ -121,9 +121,11 @@ def test_constant_friction_does_not_judder(clutch):
     assert np.ptp(run["slip"]) < 0.01
 
 
-def test_the_critical_speed_is_that_of_the_layer_of_least_resistance(clutch):
-    """2 K m (1 - nu)/(mu E alpha), m = 2 pi over the circumference, for carbon on carbon."""
+def test_slip_crosses_the_thermoelastic_limit_that_the_contact_tells(clutch):
     run = cases.across_critical_speed(clutch)
-    wave = 1.0 / clutch.start("contact.mean_radius")
-    expected = 2.0 * 80.0 * wave * 0.8 / (0.25 * 2e10 * 1e-6)
-    assert run["critical_speed"][-1] == pytest.approx(expected, rel=1e-3)
+    speed = run["slip"] * clutch.start("contact.mean_radius")
+    assert np.all(run["critical_speed"] > 0.0)
+    assert run["time"][np.argmax(speed > run["critical_speed"])] == pytest.approx(1.0, abs=0.05)
+    # A lining of resin conducts worse, is less stiff and expands more: its limit is lower.
+    with example.contact.Contact(clutch, {}, 10.0, cases.FULL_LOAD) as contact:
+        assert contact.get("critical_speed") < run["critical_speed"][-1]
