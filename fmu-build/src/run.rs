@@ -1,29 +1,33 @@
-//! `cargo fmu run`: the FMU of a disc brake through a real drive cycle, driven from fmpy.
+//! `cargo fmu run`: the FMU of a disc brake through a real drive cycle, driven from fmpy; also the coupled examples, in
+//! which the FMU's force decides the speed that is its input.
 
 use crate::{package, project, python};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Drive the disc brake's FMU through a drive cycle; CSV, plots and a table of results.
+/// Run an example: CSV, plots and a table of results.
 ///
 /// Builds the FMU and the Python environment where they are not there yet. The car's road load and the brake's share
-/// of it are in examples/disc_brake/road_load.py.
+/// of it are in examples/disc_brake/road_load.py; the coupled examples are in folders of their own names.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Scene of a disc brake: a name in examples/ or the path of a scene file.
-    #[arg(long, default_value = "disc_brake")]
-    scene: String,
+    /// What to run.
+    #[arg(value_enum, default_value_t = Example::DiscBrake)]
+    example: Example,
+    /// Scene: a name in examples/ or the path of a scene file; the default is the example's own.
+    #[arg(long)]
+    scene: Option<String>,
     /// Drive an .fmu that is there already instead of packaging the scene.
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     fmu: Option<PathBuf>,
-    /// Drive cycle: udds, hwfet or the path of a CSV file with the columns time_s, speed_m_per_s.
+    /// Drive cycle of the brakes: udds, hwfet or the path of a CSV file with the columns time_s, speed_m_per_s.
     #[arg(long, default_value = "udds")]
     cycle: String,
-    /// Communication step in seconds.
+    /// Communication step of disc_brake in seconds; the coupled examples choose their own.
     #[arg(long, default_value_t = 0.1)]
     step: f64,
-    /// Folder for CSV and plots; the default is run in cargo's target folder.
+    /// Folder for CSV and plots; the default is run in cargo's target folder, for the coupled examples a folder in it.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Print the results as JSON.
@@ -31,21 +35,67 @@ pub struct Arguments {
     json: bool,
 }
 
+/// What can be run.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+#[value(rename_all = "snake_case")]
+enum Example {
+    /// One front brake, its speed and load computed beforehand from a drive cycle.
+    DiscBrake,
+    /// A car on four contacts that decide its speed: a cycle, a descent, stops, a hill; with libcosim too.
+    VehicleBrake,
+    /// Engine, clutch and vehicle: engagement with stick under explicit and implicit masters, a hill, judder.
+    Clutch,
+}
+
+impl Example {
+    /// Its folder in examples/.
+    fn folder(self) -> &'static str {
+        match self {
+            Example::DiscBrake => "disc_brake",
+            Example::VehicleBrake => "vehicle_brake",
+            Example::Clutch => "clutch",
+        }
+    }
+
+    /// The scene that it runs.
+    fn scene(self) -> &'static str {
+        match self {
+            Example::DiscBrake | Example::VehicleBrake => "disc_brake",
+            Example::Clutch => "clutch",
+        }
+    }
+
+    /// Where its results go in cargo's target folder.
+    fn output(self) -> PathBuf {
+        let run = project::target().join("run");
+        if self == Example::DiscBrake { run } else { run.join(self.folder()) }
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
 /// Where packaging, the Python environment or the drive fails.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    let example = arguments.example;
     let cycle = cycle_file(&arguments.cycle)?;
     let python = python::environment()?;
     let fmu = match &arguments.fmu {
         Some(file) if file.is_file() => file.clone(),
         Some(file) => bail!("there is no file {}", file.display()),
-        None => package::build(Some(&arguments.scene), &package::Options::default())?,
+        None => {
+            let scene = arguments.scene.as_deref().unwrap_or(example.scene());
+            package::build(Some(scene), &package::Options::default())?
+        }
     };
-    let output = arguments.output.clone().unwrap_or_else(|| project::target().join("run"));
-    let mut command = drive(&python, &fmu, &cycle, &output);
-    command.arg("--step").arg(arguments.step.to_string());
+    let output = arguments.output.clone().unwrap_or_else(|| example.output());
+    let mut command = script(example, &python, &fmu, &output);
+    if example != Example::Clutch {
+        command.arg("--cycle").arg(&cycle);
+    }
+    if example == Example::DiscBrake {
+        command.arg("--step").arg(arguments.step.to_string());
+    }
     if arguments.json {
         command.arg("--json");
     }
@@ -61,22 +111,20 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 /// # Errors
 /// As [`execute`].
 pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
-    let output = drive(python, fmu, &cycle_file("udds")?, folder).output()?;
+    let output = script(Example::DiscBrake, python, fmu, folder).arg("--cycle").arg(cycle_file("udds")?).output()?;
     if !output.status.success() {
         bail!("the drive did not finish: {}", String::from_utf8_lossy(&output.stderr).trim());
     }
     Ok(folder.join("udds.csv"))
 }
 
-/// The script that drives, in the project's environment.
-fn drive(python: &Path, fmu: &Path, cycle: &Path, output: &Path) -> Command {
+/// The script of an example, in the project's environment.
+fn script(example: Example, python: &Path, fmu: &Path, output: &Path) -> Command {
     let mut command = Command::new(python);
     command
-        .arg(project::root().join("examples/disc_brake/drive.py"))
+        .arg(project::root().join("examples").join(example.folder()).join("drive.py"))
         .arg("--fmu")
         .arg(fmu)
-        .arg("--cycle")
-        .arg(cycle)
         .arg("--output")
         .arg(output)
         // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
@@ -96,4 +144,20 @@ fn cycle_file(name: &str) -> Result<PathBuf> {
         return Ok(PathBuf::from(name));
     }
     bail!("--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet", folder.display())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::ValueEnum;
+
+    #[test]
+    fn every_example_has_its_script_and_its_scene() {
+        for example in Example::value_variants() {
+            let folder = project::root().join("examples");
+            assert!(folder.join(example.folder()).join("drive.py").is_file(), "{example:?}");
+            assert!(folder.join(example.scene()).join("scene.toml").is_file(), "{example:?}");
+            assert_eq!(example.to_possible_value().unwrap().get_name(), example.folder());
+        }
+    }
 }
