@@ -50,6 +50,7 @@ def sensitivities(path, names, results, title):
         variance.set_xlim(left=0.0)
         rank.set_xlabel("Spearman's rank correlation [1]\n(sign: direction)")
         rank.set_xlim(-1.0, 1.0)
+        rank.set_xticks(np.linspace(-1.0, 1.0, 5))
         rank.axvline(0.0, color="black", linewidth=0.6)
         variance.legend(loc="lower right")
         figure.suptitle(title, fontsize=10)
@@ -85,6 +86,7 @@ def wear_life(path, life, unit, title):
                 va="top",
                 rotation=90,
                 fontsize=8,
+                bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
             )
         ticks = matplotlib.ticker.FuncFormatter(lambda value, _place: f"{value:,.4g}" if value < 1e4 else f"{value:,.0f}")
         count.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
