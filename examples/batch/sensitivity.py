@@ -20,7 +20,8 @@ def first_order(x, y, classes=None):
 
     The scenes are sorted by `x` into classes of equal size; the variance of the classes' means, less what chance gives
     (K - 1 classes of N scenes catch (K - 1)/(N - K) of the variance within them: Kelley's epsilon squared), is
-    compared with the whole. Unbiased for classes narrow against the changes of E[y | x]; 0 where y does not vary.
+    compared with the whole; 0 where y does not vary. Unbiased for scenes drawn by chance and classes narrow against the
+    changes of E[y | x]. Sobol's sequence is spread more evenly, so that its indices come out low by up to (K - 1)/(N - K).
     """
     y = np.asarray(y, dtype=np.float64)
     count = y.size

@@ -22,7 +22,7 @@ EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear
 INPUTS = ("sliding_velocity", "normal_load")
 VOLUME = "wear_volume_punch"
 COLUMNS = ("load_N", "speed_m_per_s", "distance_m", "volume_mm3")
-STEPS = 200  # of each run: load and speed are constant, so the FMU's own step control does the rest
+STEPS = 50  # of each run: load and speed are constant, so the FMU's own step control does the rest
 
 
 @dataclass(frozen=True)

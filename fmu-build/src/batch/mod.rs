@@ -6,6 +6,8 @@ mod results;
 mod tables;
 pub mod worker;
 
+pub use example::library as host_library;
+
 use crate::project;
 use anyhow::{Context, Result, bail};
 use fmu_host::{Causality, Interpolation, Schedule, Span, Worker};
@@ -153,9 +155,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("--jobs must be at least 1");
     }
     let table = Table::read(design)?;
-    let unpacked = Unpacked::new(fmu)?;
     let job = Job {
-        folder: unpacked.folder.clone(),
+        folder: unpack(fmu)?,
         inputs: inputs.clone(),
         columns: table.columns.clone(),
         step: arguments.step.into(),
@@ -239,26 +240,24 @@ fn check(job: &Job) -> Result<()> {
     Ok(())
 }
 
-/// An unpacked .fmu; removed when dropped.
-struct Unpacked {
-    folder: PathBuf,
-}
-
-impl Unpacked {
-    fn new(fmu: &Path) -> Result<Self> {
-        let context = || format!("unpacking {}", fmu.display());
-        let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
-        let folder = project::target().join("batch").join(format!("fmu-{}", std::process::id()));
-        fs::create_dir_all(&folder).with_context(context)?;
-        let unpacked = Self { folder };
-        archive.extract(&unpacked.folder).with_context(context)?;
-        Ok(unpacked)
+/// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.
+fn unpack(fmu: &Path) -> Result<PathBuf> {
+    let context = || format!("unpacking {}", fmu.display());
+    let name = format!("fmu-{}", results::fingerprint(&[&fs::read(fmu).with_context(context)?]));
+    let folder = project::target().join("batch").join(&name);
+    if folder.is_dir() {
+        return Ok(folder);
     }
-}
-
-impl Drop for Unpacked {
-    fn drop(&mut self) {
-        // What cannot be removed lies in cargo's own folder.
-        let _ = fs::remove_dir_all(&self.folder);
+    // Another process may be doing the same: whoever is first has done it.
+    let partial = folder.with_file_name(format!(".{name}.{}", std::process::id()));
+    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
+    fs::create_dir_all(&partial).with_context(context)?;
+    archive.extract(&partial).with_context(context)?;
+    if fs::rename(&partial, &folder).is_err() {
+        fs::remove_dir_all(&partial).with_context(context)?;
+        if !folder.is_dir() {
+            bail!("{} cannot be made", folder.display());
+        }
     }
+    Ok(folder)
 }

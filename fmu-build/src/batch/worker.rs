@@ -5,7 +5,7 @@ use super::tables::Inputs;
 use super::{FACTOR, Job};
 use anyhow::{Context, Result};
 use fmu_host::{Causality, Failure, Scene, Schedule, Span, Stage, Worker};
-use std::io::{BufRead, Write, stdin, stdout};
+use std::io::{self, BufRead, ErrorKind, Write, stdin, stdout};
 
 /// Status of a scene that did not fail.
 pub const OK: &str = "ok";
@@ -33,8 +33,18 @@ impl Answer {
 /// Runs scenes until the standard input ends. The first line is the job, its answer whether the FMU is open.
 ///
 /// # Errors
-/// Where the other end does not keep to this, or the library is lost: its process has to be replaced.
+/// Where the other end does not keep to this.
 pub fn execute() -> Result<()> {
+    match serve() {
+        // Nobody listens any more: the run was stopped, and what it lost it will run again.
+        Err(error) if error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == ErrorKind::BrokenPipe) => {
+            Ok(())
+        }
+        result => result,
+    }
+}
+
+fn serve() -> Result<()> {
     let mut lines = stdin().lock().lines();
     let Some(line) = lines.next() else { return Ok(()) };
     let job: Job = serde_json::from_str(&line?).context("reading the job")?;
@@ -59,9 +69,10 @@ pub fn execute() -> Result<()> {
 }
 
 fn say(answer: &Answer) -> Result<()> {
+    let mut line = serde_json::to_string(answer)?;
+    line.push('\n');
     let mut out = stdout().lock();
-    serde_json::to_writer(&mut out, answer)?;
-    out.write_all(b"\n")?;
+    out.write_all(line.as_bytes())?;
     Ok(out.flush()?)
 }
 
