@@ -1,5 +1,6 @@
 //! `cargo fmu`: everything that is done with the sliding contact FMU from the command line.
 
+mod batch;
 mod bench;
 mod package;
 #[allow(dead_code, reason = "charts come with the commands that draw")]
@@ -32,6 +33,10 @@ enum Command {
     Bench(bench::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
+    Batch(batch::Arguments),
+    /// A process of `batch`, which starts it.
+    #[command(hide = true)]
+    BatchWorker,
 }
 
 fn main() -> ExitCode {
@@ -42,6 +47,8 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
+        Command::Batch(arguments) => batch::execute(&arguments),
+        Command::BatchWorker => batch::worker::execute(),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

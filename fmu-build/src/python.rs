@@ -28,12 +28,17 @@ pub enum Tier {
     Importers,
 }
 
+/// Packages under the name of their stamp.
+type Requirements = (&'static str, &'static str);
+
 /// Pinned packages of every tier: tier, name of its stamp, requirements.
 const REQUIREMENTS: [(Tier, &str, &str); 3] = [
     (Tier::Run, "run", include_str!("../python/run.txt")),
     (Tier::Test, "test", include_str!("../python/test.txt")),
     (Tier::Importers, "importers", include_str!("../python/importers.txt")),
 ];
+/// Packages of the batch examples: an environment of its own, because a cluster's workers need the same and no more.
+const BATCH: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
 
 /// Makes the environment for [`Tier::Run`] unless it is there and returns its Python.
 ///
@@ -48,21 +53,38 @@ pub fn environment() -> Result<PathBuf> {
 /// # Errors
 /// As [`environment`].
 pub fn environment_for(tier: Tier) -> Result<PathBuf> {
-    let folder = project::target().join("python");
+    ensure("python", &requirements(tier))
+}
+
+/// Makes the environment of the batch examples, `target/python-batch`, unless it is there and returns its Python.
+///
+/// # Errors
+/// As [`environment`].
+pub fn batch_environment() -> Result<PathBuf> {
+    ensure("python-batch", &[BATCH])
+}
+
+/// What a tier takes, with everything before it.
+fn requirements(tier: Tier) -> Vec<Requirements> {
+    REQUIREMENTS.iter().filter(|(own, ..)| *own <= tier).map(|&(_, name, text)| (name, text)).collect()
+}
+
+fn ensure(name: &str, wanted: &[Requirements]) -> Result<PathBuf> {
+    let folder = project::target().join(name);
     let python = executable(&folder);
-    if is_current(&folder, tier) {
+    if is_current(&folder, wanted) {
         return Ok(python);
     }
     fs::create_dir_all(project::target())?;
-    let path = project::target().join("python.lock");
+    let path = project::target().join(format!("{name}.lock"));
     let lock = File::create(&path).with_context(|| format!("creating {}", path.display()))?;
     if lock.try_lock().is_err() {
         eprintln!("Waiting for another process that is making {}", folder.display());
         lock.lock().with_context(|| format!("locking {}", path.display()))?;
     }
     // The lock is released when the file is closed, also where the process is killed.
-    if !is_current(&folder, tier) {
-        make(&folder, tier)?;
+    if !is_current(&folder, wanted) {
+        make(&folder, wanted)?;
     }
     Ok(python)
 }
@@ -76,20 +98,17 @@ fn stamp(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{name}.installed.txt"))
 }
 
-/// A tier is there when its stamp holds the very text of its requirements and the interpreter still exists (its link
-/// dangles once the system's Python was replaced).
-fn is_current(folder: &Path, tier: Tier) -> bool {
+/// Packages are there when their stamp holds the very text of the requirements and the interpreter still exists (its
+/// link dangles once the system's Python was replaced).
+fn is_current(folder: &Path, wanted: &[Requirements]) -> bool {
     executable(folder).exists()
-        && REQUIREMENTS
-            .iter()
-            .filter(|(own, ..)| *own <= tier)
-            .all(|(_, name, text)| fs::read_to_string(stamp(folder, name)).is_ok_and(|found| found == *text))
+        && wanted.iter().all(|(name, text)| fs::read_to_string(stamp(folder, name)).is_ok_and(|found| found == *text))
 }
 
-fn make(folder: &Path, tier: Tier) -> Result<()> {
+fn make(folder: &Path, wanted: &[Requirements]) -> Result<()> {
     let python = executable(folder);
     // A tier is added to an environment that holds the ones below; anything else starts afresh.
-    if !is_current(folder, Tier::Run) {
+    if !is_current(folder, &wanted[..1]) {
         if folder.exists() {
             fs::remove_dir_all(folder).with_context(|| format!("removing the outdated {}", folder.display()))?;
         }
@@ -101,8 +120,8 @@ fn make(folder: &Path, tier: Tier) -> Result<()> {
             return Err(error);
         }
     }
-    for (own, name, text) in REQUIREMENTS {
-        if own > tier || fs::read_to_string(stamp(folder, name)).is_ok_and(|found| found == text) {
+    for &(name, text) in wanted {
+        if fs::read_to_string(stamp(folder, name)).is_ok_and(|found| found == text) {
             continue;
         }
         install(&python, folder, name, text)?;
@@ -298,8 +317,11 @@ mod tests {
 
     #[test]
     fn every_requirement_is_pinned_and_listed_once_per_python() {
+        // The batch environment is one of its own.
         let mut seen = std::collections::BTreeSet::new();
-        for (_, name, text) in REQUIREMENTS {
+        let mut seen_by_batch = std::collections::BTreeSet::new();
+        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH]) {
+            let seen = if name == BATCH.0 { &mut seen_by_batch } else { &mut seen };
             for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
                 let (package, rest) =
                     line.split_once("==").unwrap_or_else(|| panic!("{name}.txt: {line} has no version"));
@@ -318,12 +340,13 @@ mod tests {
         for (_, name, text) in REQUIREMENTS {
             fs::write(stamp(&folder, name), text).unwrap();
         }
-        assert!(is_current(&folder, Tier::Importers));
+        assert!(is_current(&folder, &requirements(Tier::Importers)));
         fs::write(stamp(&folder, "test"), "pytest==1.0\n").unwrap();
-        assert!(is_current(&folder, Tier::Run));
-        assert!(!is_current(&folder, Tier::Test));
+        assert!(is_current(&folder, &requirements(Tier::Run)));
+        assert!(!is_current(&folder, &requirements(Tier::Test)));
+        assert!(!is_current(&folder, &[BATCH]));
         fs::remove_file(executable(&folder)).unwrap();
-        assert!(!is_current(&folder, Tier::Run));
+        assert!(!is_current(&folder, &requirements(Tier::Run)));
         fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -3,7 +3,7 @@
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{bench, package, project, run, scenes, tables};
+use crate::{batch, bench, package, project, run, scenes, tables};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -59,6 +59,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             std::fs::write(file, tables::tables(None, tolerance)?.to_string())?;
         }
         let mut command = Command::new(python);
+        // What the tests of batches drive: the native host, the example's own environment, and this program.
+        command
+            .env("SLIDING_CONTACT_HOST", batch::host_library()?)
+            .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)
+            .env("SLIDING_CONTACT_COMMAND", std::env::current_exe()?);
         command
             .current_dir(project::root())
             .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/fmpy"])

@@ -1,0 +1,78 @@
+"""Picture of a fit: the tests beside the law, and how well the records determine its parameters."""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+import numpy as np  # noqa: E402
+from scipy import stats  # noqa: E402
+
+from charts import BLUE, GREEN, ORANGE, RED, STYLE  # noqa: E402
+from wear_law import EXPONENTS, Model, Records  # noqa: E402
+
+
+def save(path, model, found):
+    with plt.rc_context(STYLE):
+        panels = 2 if len(found.names) > 1 else 1
+        figure, axes = plt.subplots(1, panels, figsize=(4.8 * panels, 4.0), layout="constrained", squeeze=False)
+        law(axes[0, 0], model, found)
+        if panels > 1:
+            region(axes[0, 1], found)
+        figure.savefig(path, dpi=150)
+        plt.close(figure)
+
+
+def law(axis, model, found):
+    """Worn volume over load, one line for every speed and distance of the records."""
+    records = model.records
+    groups = np.unique(np.column_stack([records.speed, records.distance]), axis=0)
+    colours = (BLUE, RED, GREEN, ORANGE)
+    for at, (speed, distance) in enumerate(groups):
+        own = (records.speed == speed) & (records.distance == distance)
+        colour = colours[at % len(colours)]
+        axis.plot(records.load[own], 1e9 * records.volume[own], "o", ms=4, mfc="none", color=colour)
+        load = np.geomspace(records.load.min() / 1.2, 1.2 * records.load.max(), 12)
+        along = Records(load, np.full_like(load, speed), np.full_like(load, distance), np.ones_like(load))
+        volume = 1e9 * Model(model.fmu, along).volumes(found.parameters())
+        axis.plot(load, volume, color=colour, linewidth=1.1, label=f"{distance:,.0f} m at {speed:g} m/s")
+    axis.set_xscale("log")
+    axis.set_yscale("log")
+    loads = np.unique(records.load)
+    axis.set_xticks(loads, [f"{load:g}" for load in loads])
+    axis.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
+    axis.set_xlabel("load [N]")
+    axis.set_ylabel("volume worn off the pin [mm$^3$]")
+    axis.set_title("tests (circles) and fitted law (lines)", fontsize=9)
+    axis.legend(loc="upper left")
+
+
+def region(axis, found):
+    """Joint confidence region of the coefficient and the first exponent, and their separate intervals."""
+    centre = np.array([np.log(found.values[0]), found.values[1]])
+    size = 2.0 * stats.f.ppf(found.confidence, 2, found.degrees_of_freedom)
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    outline = np.linalg.cholesky(found.covariance[:2, :2]) @ np.array([np.cos(angle), np.sin(angle)]) * np.sqrt(size)
+    percent = f"{100 * found.confidence:g} %"
+    # 1 mm3/(N.m) = 1e-9 m2/N.
+    coefficient = 1e9 * np.exp(centre[0] + outline[0])
+    axis.fill(coefficient, centre[1] + outline[1], color=BLUE, alpha=0.25, label=f"joint {percent} region")
+    low, high = found.intervals
+    axis.errorbar(
+        [1e9 * found.values[0]],
+        [found.values[1]],
+        xerr=[[1e9 * (found.values[0] - low[0])], [1e9 * (high[0] - found.values[0])]],
+        yerr=[[found.values[1] - low[1]], [high[1] - found.values[1]]],
+        fmt="o",
+        ms=4,
+        color=RED,
+        capsize=3,
+        label=f"fit, separate {percent} intervals",
+    )
+    kind = next(kind for kind, name in EXPONENTS.items() if name == found.names[1])
+    axis.set_xlabel("wear coefficient $k$ [mm$^3$/(N m)]")
+    axis.set_ylabel(f"{kind} exponent [1]")
+    axis.set_title("what the records determine", fontsize=9)
+    axis.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
+    axis.margins(y=0.25)
+    axis.legend(loc="upper right")

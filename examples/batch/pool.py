@@ -1,0 +1,102 @@
+"""The same blocks on Dask, or on plain processes: what Dask is measured against."""
+
+import multiprocessing
+import time
+from contextlib import contextmanager
+
+import dask
+from distributed import Client, KilledWorker, LocalCluster, as_completed, wait
+
+import parts
+
+
+@contextmanager
+def client(address, workers, folder):
+    """A client of the scheduler at `address`, or of a local cluster of `workers` processes of one thread each."""
+    # A worker may be lost through no fault of its block, on a cluster that takes machines back all the time.
+    settings = {"distributed.scheduler.allowed-failures": 10}
+    with dask.config.set(settings):
+        if address is None:
+            with LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
+                local_directory=str(folder),
+                silence_logs="ERROR",
+            ) as cluster, Client(cluster) as own:
+                yield own
+        else:
+            with Client(address) as own:
+                many = [name for name, worker in own.scheduler_info(n_workers=-1)["workers"].items() if worker["nthreads"] != 1]
+                if many:
+                    raise ValueError(
+                        f"{len(many)} workers of {address} have several threads, {many[0]} for one; an instance takes a "
+                        "process of its own: start them with `dask worker --nworkers N --nthreads 1`"
+                    )
+                for module in ("host.py", "parts.py"):
+                    own.upload_file(str(parts.Path(__file__).with_name(module)))
+                yield own
+
+
+def on_dask(own, job, blocks, fingerprint, finished):
+    """Runs blocks `(number, first scene, rows)`; calls `finished(scenes, failed, seconds)` after each.
+
+    Returns the reasons of blocks that were given up, by number.
+    """
+    futures = {
+        own.submit(parts.run_part, job, number, first, rows, fingerprint, pure=False, key=f"part-{number:06d}-{fingerprint[:8]}"): number
+        for number, first, rows in blocks
+    }
+    given_up = {}
+    for future in as_completed(futures):
+        try:
+            finished(*future.result())
+        except (KilledWorker, parts.host.Failure) as error:
+            given_up[futures[future]] = f"{type(error).__name__}: {error}"
+        future.release()
+    return given_up
+
+
+def warm_up(own, job):
+    """Opens the FMU in every worker."""
+    names = list(own.scheduler_info(n_workers=-1)["workers"])
+    wait([own.submit(_open, job, workers=[name], pure=False) for name in names])
+
+
+def _open(job):
+    parts._instance(job, parts._scratch())
+
+
+def _process(job, fingerprint, blocks, results, ready, go):
+    _open(job)
+    ready.release()
+    go.wait()
+    while (block := blocks.get()) is not None:
+        results.put(parts.run_part(job, *block, fingerprint))
+
+
+def on_processes(job, blocks, fingerprint, processes):
+    """Runs blocks on plain processes that take them from one queue; returns wall seconds without the start-up."""
+    context = multiprocessing.get_context("spawn")
+    queue, results, ready, go = context.Queue(), context.Queue(), context.Semaphore(0), context.Event()
+    own = [context.Process(target=_process, args=(job, fingerprint, queue, results, ready, go)) for _ in range(processes)]
+    for process in own:
+        process.start()
+    try:
+        for _ in own:
+            if not ready.acquire(timeout=120.0):
+                raise RuntimeError("a process did not start within 120 s")
+        begin = time.perf_counter()
+        for block in blocks:
+            queue.put(block)
+        for _ in own:
+            queue.put(None)
+        go.set()
+        for _ in blocks:
+            results.get(timeout=600.0)
+        return time.perf_counter() - begin
+    finally:
+        for process in own:
+            process.join(timeout=10.0)
+            process.kill()

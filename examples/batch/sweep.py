@@ -1,0 +1,315 @@
+"""A design of experiments with the FMU of a brake: thousands of scenes on Dask, one row each.
+
+    python sweep.py --fmu SlidingContact.disc_brake.fmu --host libfmu_host.so --output results
+
+Run it again after whatever stopped it: finished parts stay, the rest is run. README.md says how to use a cluster.
+"""
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+import host
+import parts
+import schedules
+from design import Design
+
+HERE = Path(__file__).resolve().parent
+OUTPUTS = (
+    "wear_depth_punch",
+    "wear_depth_strip",
+    "dissipated_energy",
+    "sliding_distance",
+    "limit_reached",
+    "punch.wear_limit",
+    "strip.wear_limit",
+)
+PEAKS = ("contact_temperature_max",)
+# A batch of 200 scenes per second and core, and at most 15 % of it lost to Dask.
+WANTED_PACE = 200.0
+WANTED_LOSS = 0.15
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--fmu", type=Path, required=True, help="the FMU of a brake")
+    parser.add_argument("--host", type=Path, required=True, help="the host library, libfmu_host.so")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the batch; an unfinished one is continued")
+    parser.add_argument("--design", type=Path, default=HERE / "brake_design.csv", help="CSV: name, low, high, scale")
+    parser.add_argument("--schedule", default="udds", help="udds (default), hwfet, stops, or a CSV file of inputs over time")
+    parser.add_argument("--interpolation", choices=host.INTERPOLATIONS, default="hold", help="between the schedule's rows")
+    parser.add_argument("--scenes", type=int, default=None, help="default 10,000; with --benchmark 2,000")
+    parser.add_argument("--seed", type=int, default=1, help="of the design")
+    parser.add_argument("--block", type=int, default=200, help="scenes per task")
+    parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds")
+    parser.add_argument("--every", type=float, default=1.0, help="seconds between the points that peaks are taken from")
+    parser.add_argument("--scheduler", help="address of a Dask scheduler; default: a local cluster")
+    parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes of the local cluster")
+    parser.add_argument("--no-plots", action="store_true", help="only the parts and the summary")
+    parser.add_argument("--benchmark", action="store_true", help="only measure: a scene's cost, and what Dask costs")
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
+    options = parser.parse_args()
+    options.scenes = options.scenes or (2_000 if options.benchmark else 10_000)
+    for name in ("scenes", "block", "workers"):
+        if getattr(options, name) < 1:
+            parser.error(f"--{name} must be at least 1")
+    for name in ("step", "every"):
+        if not 0.0 < getattr(options, name) < float("inf"):
+            parser.error(f"--{name} must be positive")
+    return options
+
+
+def start_values(fmu):
+    """Start values by name, as texts, from the model description."""
+    with zipfile.ZipFile(fmu) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    return {variable.get("name"): variable[0].get("start") for variable in root.iter("ScalarVariable")}
+
+
+class Progress:
+    """A bar on the error stream: redrawn where that is a terminal, else a line now and then."""
+
+    def __init__(self, total, done):
+        self.total, self.done, self.failed, self.before = total, done, 0, done
+        self.begin = self.shown = time.monotonic()
+        self.is_terminal = sys.stderr.isatty()
+
+    def __call__(self, scenes, failed, _seconds):
+        self.done += scenes
+        self.failed += failed
+        now = time.monotonic()
+        if now - self.shown < (0.1 if self.is_terminal else 10.0) and self.done < self.total:
+            return
+        self.shown = now
+        part = self.done / self.total
+        pace = (self.done - self.before) / max(1e-9, now - self.begin)
+        left = (self.total - self.done) / pace if pace else 0.0
+        line = f"  Scenes [{'#' * int(30 * part):30}] {self.done}/{self.total}, {self.failed} failed, {pace:.0f}/s, {left:.0f} s left"
+        print(f"\r\033[K{line}" if self.is_terminal else line, end="" if self.is_terminal else "\n", file=sys.stderr, flush=True)
+
+    def close(self):
+        if self.is_terminal:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def prepare(options):
+    """Job, design, and the distance that one run of the schedule stands for [m] (`None`: not known)."""
+    import road_load
+
+    design = Design.read(options.design, options.scenes, options.seed)
+    starts = start_values(options.fmu)
+    brake = road_load.Brake.of(starts)
+    schedule, distance = schedules.of_name(options.schedule, brake, options.interpolation)
+    unknown = [name for name in design.names if name.removesuffix(".factor") not in starts]
+    if unknown:
+        raise ValueError(f"{options.fmu} has no variable {', '.join(unknown)}, which {options.design} varies")
+    job = parts.Job(
+        fmu=str(options.fmu.resolve()),
+        library=str(options.host.resolve()),
+        folder=str(options.output.resolve() / "parts"),
+        schedule=schedule,
+        variables=tuple(design.names),
+        outputs=OUTPUTS,
+        peaks=PEAKS,
+        step=options.step,
+        every=options.every,
+    )
+    return job, design, distance
+
+
+def cut(rows, size):
+    """Blocks: number, first scene, rows."""
+    return [(number, first, rows[first : first + size]) for number, first in enumerate(range(0, len(rows), size))]
+
+
+def run(options):
+    import pool
+
+    job, design, distance = prepare(options)
+    rows = design.rows()
+    blocks = cut(rows, options.block)
+    fingerprint = job.fingerprint(f"{design.fingerprint()} in blocks of {options.block}")
+    Path(job.folder).mkdir(parents=True, exist_ok=True)
+    manifest = options.output / "batch.json"
+    if manifest.is_file() and json.loads(manifest.read_text(encoding="utf-8"))["fingerprint"] != fingerprint:
+        raise ValueError(
+            f"{options.output} holds a batch of another FMU, design, schedule or block size; name another --output"
+        )
+    settings = {name: str(value) for name, value in sorted(vars(options).items()) if name not in ("json", "benchmark")}
+    parts.write_json(manifest, {"fingerprint": fingerprint, "settings": settings})
+    missing = [block for block in blocks if not parts.is_complete(job, block[0], len(block[2]), fingerprint)]
+    there = len(rows) - sum(len(block[2]) for block in missing)
+    if there:
+        print(f"{there} of {len(rows)} scenes are there already.", file=sys.stderr)
+    given_up = {}
+    if missing:
+        progress = Progress(len(rows), there)
+        with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
+            with pool.client(options.scheduler, min(options.workers, len(missing)), scratch) as client:
+                given_up = pool.on_dask(client, job, missing, fingerprint, progress)
+        progress.close()
+    if given_up:
+        first = next(iter(given_up.items()))
+        raise RuntimeError(f"{len(given_up)} blocks were given up, block {first[0]} for one: {first[1]}")
+    summarise(options, job, distance, len(rows) - there)
+
+
+def life_of(table, distance):
+    """Wear life of every scene: repetitions of the schedule until a body's wear limit, in km where the distance is known."""
+    lives = []
+    for body in ("punch", "strip"):
+        limit, wear = table[f"{body}.wear_limit"].to_numpy(), table[f"wear_depth_{body}"].to_numpy()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lives.append(np.where((limit > 0.0) & (wear > 0.0), limit / wear, np.inf))
+    life = np.minimum(*lives)
+    return (life, "runs of the schedule") if distance is None else (life * distance / 1e3, "km")
+
+
+def summarise(options, job, distance, ran):
+    """Table, pictures and summary of a finished batch."""
+    import charts
+    import sensitivity
+
+    table, unit = parts.read_all(job.folder)
+    good = table[table["status"] == parts.OK]
+    reasons = table.loc[table["status"] != parts.OK, "reason"].str.slice(0, 300).value_counts()
+    summary = {
+        "scenes": len(table),
+        "ran_now": ran,
+        "failed": len(table) - len(good),
+        "reasons": {reason: int(count) for reason, count in reasons.head(10).items()},
+        "cpu_seconds_per_scene": float(table["cpu_seconds"].median()),
+        "results": {},
+        "files": [],
+    }
+    life, life_unit = life_of(good, distance)
+    results = {
+        "pad wear": (good["wear_depth_punch"].to_numpy(), unit["wear_depth_punch"]),
+        "peak temperature": (good["contact_temperature_max.peak"].to_numpy(), unit["contact_temperature_max.peak"]),
+        "friction energy": (good["dissipated_energy"].to_numpy(), unit["dissipated_energy"]),
+    }
+    lasting = life[np.isfinite(life)]
+    for label, (values, own_unit) in {**results, "wear life": (lasting, life_unit)}.items():
+        if values.size:
+            low, median, high = np.percentile(values, [10, 50, 90])
+            summary["results"][label] = {"unit": own_unit, "p10": low, "median": median, "p90": high}
+    # Below, the classes of the sensitivities hold a handful of scenes each.
+    if not options.no_plots and len(good) >= 50:
+        title = f"{Path(job.fmu).stem}, {options.schedule}: {len(good):,} scenes, {summary['failed']} failed"
+        x = good[list(job.variables)].to_numpy()
+        found = {label: sensitivity.analyse(x, values) for label, (values, _) in results.items()}
+        summary["sensitivities"] = {
+            label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
+        }
+        charts.sensitivities(options.output / "sensitivities.png", job.variables, found, title)
+        summary["files"].append(str(options.output / "sensitivities.png"))
+        if lasting.size:
+            charts.wear_life(options.output / "wear_life.png", lasting, life_unit, title)
+            summary["files"].append(str(options.output / "wear_life.png"))
+    parts.write_json(options.output / "summary.json", summary)
+    report(options, summary)
+
+
+def report(options, summary):
+    if options.json:
+        print(json.dumps(summary, indent=2))
+        return
+    print(f"{summary['scenes']} scenes, {summary['failed']} failed, {summary['ran_now']} run now")
+    for reason, count in summary["reasons"].items():
+        print(f"  {count} x {reason}")
+    print(f"  {'':18} {'10 %':>12} {'median':>12} {'90 %':>12}")
+    for label, row in summary["results"].items():
+        print(f"  {label:18} {row['p10']:12.5g} {row['median']:12.5g} {row['p90']:12.5g} {row['unit']}")
+    for label, indices in summary.get("sensitivities", {}).items():
+        strongest = sorted(indices.items(), key=lambda pair: -pair[1])[:3]
+        print(f"  {label}: " + ", ".join(f"{name} {100 * index:.0f} %" for name, index in strongest))
+    print(f"  One row per scene in {options.output / 'parts'}; {', '.join(Path(name).name for name in summary['files'])}")
+
+
+def benchmark(options):
+    """Cost of a scene in one process, and the same work on plain processes and on Dask, in turns."""
+    import pool
+
+    job, design, _ = prepare(options)
+    blocks = cut(design.rows(), options.block)
+    steps = round(float(job.schedule.times[-1]) / options.step)
+    with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
+        folder = Path(scratch)
+        with host.Fmu(host.unpack(options.fmu, folder / "fmu"), options.host) as fmu:
+            cpu, wall = fastest_scene(fmu, job)
+        walls = {"processes": [], "dask": []}
+        with pool.client(options.scheduler, options.workers, folder) as client:
+            pool.warm_up(client, job)
+            for turn in range(3):
+                for way in walls:
+                    own = parts.Job(**{**vars(job), "folder": str(folder / f"{way}-{turn}")})
+                    Path(own.folder).mkdir()
+                    fingerprint = own.fingerprint(design.fingerprint())
+                    if way == "processes":
+                        seconds = pool.on_processes(own, blocks, fingerprint, options.workers)
+                    else:
+                        begin = time.perf_counter()
+                        given_up = pool.on_dask(client, own, blocks, fingerprint, lambda *_: None)
+                        seconds = time.perf_counter() - begin
+                        if given_up:
+                            raise RuntimeError(f"blocks were given up: {given_up}")
+                    walls[way].append(seconds)
+    processes, dask = min(walls["processes"]), min(walls["dask"])
+    result = {
+        "schedule": options.schedule,
+        "steps_per_scene": steps,
+        "scenes_per_second_and_core": 1.0 / cpu,
+        "wanted_scenes_per_second_and_core": WANTED_PACE,
+        "nanoseconds_per_step": 1e9 * cpu / steps,
+        "wall_over_cpu_of_a_scene": wall / cpu,
+        "workers": options.workers,
+        "scenes": len(design.rows()),
+        "processes_seconds": walls["processes"],
+        "dask_seconds": walls["dask"],
+        "lost_to_dask": 1.0 - processes / dask,
+        "wanted_lost_to_dask": WANTED_LOSS,
+        "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
+    }
+    if options.json:
+        print(json.dumps(result, indent=2))
+        return
+    print(f"One scene ({options.schedule}, {steps} steps, instance reused): {1e3 * cpu:.2f} ms of CPU, {1e9 * cpu / steps:.0f} ns a step")
+    print(f"  {1.0 / cpu:.0f} scenes per second and core, wanted {WANTED_PACE:.0f}")
+    print(f"{len(design.rows())} scenes of the design, {options.workers} workers, best of 3 turns:")
+    print(f"  plain processes {processes:7.2f} s   ({', '.join(f'{s:.2f}' for s in walls['processes'])})")
+    print(f"  Dask            {dask:7.2f} s   ({', '.join(f'{s:.2f}' for s in walls['dask'])})")
+    print(f"  lost to Dask {100 * result['lost_to_dask']:.1f} %, wanted at most {100 * WANTED_LOSS:.0f} %")
+    if wall > 1.2 * cpu:
+        print(f"  The machine is busy: even the fastest scene took {wall / cpu:.1f} times its CPU time.")
+
+
+def fastest_scene(fmu, job):
+    """CPU and wall seconds of the scene as packaged; the best of many, since other work only ever adds."""
+    cpu = wall = float("inf")
+    for _ in range(40):
+        begin, clock = time.perf_counter(), time.thread_time()
+        host.run_schedule(fmu, {}, job.schedule, outputs=OUTPUTS, step=job.step)
+        cpu, wall = min(cpu, time.thread_time() - clock), min(wall, time.perf_counter() - begin)
+    return cpu, wall
+
+
+def main():
+    options = arguments()
+    benchmark(options) if options.benchmark else run(options)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (ValueError, RuntimeError, OSError) as error:
+        sys.exit(f"error: {error}")
+    except KeyboardInterrupt:
+        sys.exit("stopped; the same command continues where it was")

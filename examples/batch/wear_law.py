@@ -1,0 +1,135 @@
+"""Fits the wear law's coefficient and exponents to pin-on-disk records, through the FMU.
+
+The law of the pin is
+
+    dw/dt = k p0 v0 (p/p0)^b (|v|/v0)^a,   p0 = 1 MPa, v0 = 1 m/s
+
+and what is measured is the volume lost over a distance at constant load and speed. Every prediction is a run of the FMU,
+so whatever its scene holds (geometry, temperature, a fade of the wear) is part of the fit. Errors of wear measurements
+are relative, so logarithms are fitted: residual = ln(measured / predicted).
+"""
+
+import csv
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import optimize, stats
+
+import host
+
+COEFFICIENT = "punch.wear_coefficient"
+EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear_velocity_exponent"}
+INPUTS = ("sliding_velocity", "normal_load")
+VOLUME = "wear_volume_punch"
+COLUMNS = ("load_N", "speed_m_per_s", "distance_m", "volume_mm3")
+STEPS = 50  # of each run: load and speed are constant, so the FMU's own step control does the rest
+
+
+@dataclass(frozen=True)
+class Records:
+    """Tests, one entry each."""
+
+    load: np.ndarray  # N
+    speed: np.ndarray  # m/s
+    distance: np.ndarray  # m
+    volume: np.ndarray  # m3, lost by the pin
+
+    @classmethod
+    def read(cls, path):
+        """From a CSV file with the columns of `COLUMNS`; lines that start with # are notes."""
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        if not rows or set(COLUMNS) - set(rows[0]):
+            raise ValueError(f"{path} must have rows and the columns {', '.join(COLUMNS)}")
+        try:
+            table = np.array([[float(row[name]) for name in COLUMNS] for row in rows])
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{path}: {error}") from None
+        if not np.all(np.isfinite(table) & (table > 0.0)):
+            raise ValueError(f"{path}: load, speed, distance and volume must all be positive")
+        load, speed, distance, volume = table.T
+        return cls(load, speed, distance, 1e-9 * volume)
+
+
+class Model:
+    """The FMU as a function from the law's parameters to worn volumes."""
+
+    def __init__(self, fmu, records):
+        self.fmu = fmu
+        self.records = records
+        self.runs = 0
+
+    def volumes(self, parameters):
+        """Predicted volume of every test [m3] for these parameters by name."""
+        records = self.records
+        volumes = np.empty(records.load.size)
+        # Tests that differ only by their distance are points of one run.
+        conditions = np.column_stack([records.speed, records.load])
+        for pair in np.unique(conditions, axis=0):
+            own = np.flatnonzero(np.all(conditions == pair, axis=1))
+            for distance in np.unique(records.distance[own]):
+                duration = distance / pair[0]
+                schedule = host.Schedule(INPUTS, np.zeros(1), pair[np.newaxis])
+                recorded = host.run_schedule(
+                    self.fmu, parameters, schedule, outputs=[VOLUME], step=duration / STEPS, stop=duration
+                )
+                volumes[own[records.distance[own] == distance]] = recorded[0, 0]
+                self.runs += 1
+        return volumes
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What the records say."""
+
+    names: tuple  # of the parameters
+    values: np.ndarray
+    intervals: np.ndarray  # rows low, high
+    confidence: float
+    covariance: np.ndarray  # of (ln coefficient, exponents)
+    scatter: float  # standard deviation of ln(measured / predicted)
+    degrees_of_freedom: int
+    runs: int  # of the FMU
+
+    def parameters(self):
+        return dict(zip(self.names, self.values))
+
+
+def fit(model, exponents=("pressure",), confidence=0.95):
+    """Least squares of the logarithms, and confidence intervals from Student's t.
+
+    Raises `ValueError` where the records cannot tell the parameters apart: an exponent needs tests at more than one load
+    (or speed), and there must be more tests than parameters.
+    """
+    records = model.records
+    names = (COEFFICIENT, *(EXPONENTS[name] for name in exponents))
+    if records.volume.size <= len(names):
+        raise ValueError(f"{records.volume.size} tests do not determine {len(names)} parameters and their scatter")
+    for name, varied in (("pressure", records.load), ("velocity", records.speed)):
+        if name in exponents and np.unique(varied).size < 2:
+            raise ValueError(f"the {name} exponent needs tests at more than one {'load' if name == 'pressure' else 'speed'}")
+    measured = np.log(records.volume)
+
+    # The volume is proportional to the coefficient to good approximation: one run tells where to begin.
+    begin = 1e-14
+    begin *= np.exp(np.mean(measured - np.log(model.volumes({COEFFICIENT: begin, **{name: 1.0 for name in names[1:]}}))))
+
+    def parameters(point):
+        return {COEFFICIENT: np.exp(point[0]), **dict(zip(names[1:], point[1:]))}
+
+    def residuals(point):
+        return measured - np.log(model.volumes(parameters(point)))
+
+    start = np.array([np.log(begin), *([1.0] * len(exponents))])
+    # The steps of the differences are far above the tolerance of the FMU's own steps.
+    solved = optimize.least_squares(residuals, start, method="lm", diff_step=1e-5, x_scale="jac")
+    if not solved.success:
+        raise ValueError(f"the fit did not converge: {solved.message}")
+    freedom = measured.size - len(names)
+    scatter = np.sqrt(2.0 * solved.cost / freedom)
+    covariance = scatter**2 * np.linalg.inv(solved.jac.T @ solved.jac)
+    half = stats.t.ppf(0.5 + 0.5 * confidence, freedom) * np.sqrt(np.diag(covariance))
+    low, high, values = solved.x - half, solved.x + half, solved.x.copy()
+    for array in (low, high, values):
+        array[0] = np.exp(array[0])
+    return Fit(names, values, np.array([low, high]), confidence, covariance, float(scatter), freedom, model.runs)

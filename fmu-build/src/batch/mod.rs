@@ -1,0 +1,263 @@
+//! `cargo fmu batch`: many scenes with one FMU, natively; one row of results for each.
+
+mod example;
+mod pool;
+mod results;
+mod tables;
+pub mod worker;
+
+pub use example::library as host_library;
+
+use crate::project;
+use anyhow::{Context, Result, bail};
+use fmu_host::{Causality, Interpolation, Schedule, Span, Worker};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use results::{Results, Row};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use tables::{Inputs, Table};
+
+/// Ending of a column that multiplies an input's column of the schedule.
+const FACTOR: &str = ".factor";
+/// Ending of a column with the largest value of an output.
+const PEAK: &str = ".peak";
+
+/// Run many scenes with one FMU: a row of parameters each, a row of results each.
+///
+/// A column of the design is a parameter of the FMU, or NAME.factor: the factor on the column of the input NAME.
+/// A scene that fails is a row with its stage and its reason. A run that was stopped is continued by the same command.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// CSV file: a header with the names of parameters, a row per scene.
+    #[arg(required_unless_present = "example")]
+    design: Option<PathBuf>,
+    /// The .fmu.
+    #[arg(long, value_name = "FILE", required_unless_present = "example")]
+    fmu: Option<PathBuf>,
+    /// CSV file with the inputs over time: the column time (s), and one per input, in the FMU's units.
+    #[arg(long, value_name = "FILE", required_unless_present = "example")]
+    inputs: Option<PathBuf>,
+    /// CSV file of results.
+    #[arg(long, short, value_name = "FILE", required_unless_present = "example")]
+    output: Option<PathBuf>,
+    /// Scenes that run at the same time, each in a process of its own; the default is one per core.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Communication step in seconds.
+    #[arg(long, default_value_t = 0.1)]
+    step: f64,
+    /// How the rows of the inputs are read: held until the next row, sampled on the line between them at the
+    /// beginning of each step, or linear over each step.
+    #[arg(long, value_enum, default_value = "hold")]
+    interpolation: Reading,
+    /// Outputs whose last value is kept.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "wear_depth,contact_temperature,friction_force,dissipated_energy,limit_reached"
+    )]
+    record: Vec<String>,
+    /// Outputs whose largest value is kept.
+    #[arg(long, value_delimiter = ',', default_value = "contact_temperature_max")]
+    peak: Vec<String>,
+    /// Seconds between the communication points that the largest values are taken from; the default is the step.
+    #[arg(long, value_name = "SECONDS")]
+    every: Option<f64>,
+    /// Run a script of examples/batch instead, with FMU, host library and Python environment ready: what follows `--`
+    /// goes to it.
+    #[arg(long, value_enum, conflicts_with_all = ["design", "fmu", "inputs", "output", "jobs"])]
+    example: Option<example::Script>,
+    /// Arguments of the script.
+    #[arg(last = true, requires = "example")]
+    script_arguments: Vec<String>,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// [`Interpolation`] as an argument.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
+enum Reading {
+    Hold,
+    Sample,
+    Linear,
+}
+
+impl From<Reading> for Interpolation {
+    fn from(reading: Reading) -> Self {
+        match reading {
+            Reading::Hold => Self::Hold,
+            Reading::Sample => Self::Sample,
+            Reading::Linear => Self::Linear,
+        }
+    }
+}
+
+/// What every scene of a batch shares; goes to the worker processes.
+#[derive(serde::Serialize, serde::Deserialize, Clone, Debug)]
+struct Job {
+    /// Of the unpacked FMU.
+    folder: PathBuf,
+    inputs: PathBuf,
+    columns: Vec<String>,
+    step: Text,
+    interpolation: Reading,
+    record: Vec<String>,
+    peak: Vec<String>,
+    every: Text,
+}
+
+/// A number as the shortest text that is read back as the same number, which not every reader of JSON promises.
+#[derive(serde::Serialize, serde::Deserialize, Clone, Debug)]
+struct Text(String);
+
+impl From<f64> for Text {
+    fn from(value: f64) -> Self {
+        Self(value.to_string())
+    }
+}
+
+impl Text {
+    fn value(&self) -> Result<f64> {
+        self.0.parse().with_context(|| format!("{:?} is no number", self.0))
+    }
+}
+
+/// What is printed with `--json`.
+#[derive(serde::Serialize, Debug)]
+struct Summary {
+    scenes: usize,
+    failed: usize,
+    ran_now: usize,
+    seconds: f64,
+    jobs: usize,
+    output: PathBuf,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where a file cannot be read or written, a name is none of the FMU's, or no worker process can be started. Scenes
+/// that fail are rows, not errors.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    if let Some(script) = arguments.example {
+        return example::run(script, &arguments.script_arguments, arguments.json);
+    }
+    let (Some(design), Some(fmu), Some(inputs), Some(output)) =
+        (&arguments.design, &arguments.fmu, &arguments.inputs, &arguments.output)
+    else {
+        bail!("DESIGN, --fmu, --inputs and --output are needed");
+    };
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let jobs = arguments.jobs.unwrap_or(cores);
+    if jobs == 0 {
+        bail!("--jobs must be at least 1");
+    }
+    let table = Table::read(design)?;
+    let job = Job {
+        folder: unpack(fmu)?,
+        inputs: inputs.clone(),
+        columns: table.columns.clone(),
+        step: arguments.step.into(),
+        interpolation: arguments.interpolation,
+        record: arguments.record.clone(),
+        peak: arguments.peak.clone(),
+        every: arguments.every.unwrap_or(arguments.step).into(),
+    };
+    check(&job)?;
+    let settings = format!("{:?}", (&job.step, job.interpolation, &job.record, &job.peak, &job.every));
+    let fingerprint =
+        results::fingerprint(&[&fs::read(fmu)?, &fs::read(design)?, &fs::read(inputs)?, settings.as_bytes()]);
+    let header: Vec<String> = std::iter::once("scene".to_owned())
+        .chain(job.columns.iter().chain(&job.record).cloned())
+        .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
+        .chain(["status".to_owned(), "reason".to_owned()])
+        .collect();
+    let mut results = Results::open(output, &header, &fingerprint)?;
+    let pending: Vec<usize> = (0..table.rows.len()).filter(|&scene| !results.has(scene)).collect();
+    let ran_now = pending.len();
+    if ran_now < table.rows.len() {
+        eprintln!("{} of {} scenes are there already.", table.rows.len() - ran_now, table.rows.len());
+    }
+    let begin = Instant::now();
+    let bar = ProgressBar::with_draw_target(Some(table.rows.len() as u64), ProgressDrawTarget::stderr());
+    bar.set_style(ProgressStyle::with_template("  Scenes [{bar:30}] {pos}/{len} {msg} {eta} left")?);
+    bar.inc((table.rows.len() - ran_now) as u64);
+    let mut failed_now = 0;
+    pool::run(&job, &table, pending, jobs, |scene, answer| {
+        failed_now += usize::from(answer.status != worker::OK);
+        results.add(&Row::of(scene, &table.rows[scene], answer, job.record.len() + job.peak.len()))?;
+        bar.set_message(format!("{failed_now} failed"));
+        bar.inc(1);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let seconds = begin.elapsed().as_secs_f64();
+    let failed = results.finish()?;
+    let summary = Summary { scenes: table.rows.len(), failed, ran_now, seconds, jobs, output: output.clone() };
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&summary)?);
+    } else {
+        println!(
+            "{} scenes, {failed} failed; {ran_now} run now by {jobs} processes in {seconds:.1} s: {}",
+            summary.scenes,
+            output.display()
+        );
+    }
+    Ok(())
+}
+
+/// Everything that would fail for every scene is told once and before any is run.
+fn check(job: &Job) -> Result<()> {
+    let worker = Worker::open(&job.folder)?;
+    let description = worker.description();
+    let inputs = Inputs::read(&job.inputs)?;
+    for name in &inputs.names {
+        description.find_as(name, Causality::Input)?;
+    }
+    Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
+    for column in &job.columns {
+        match column.strip_suffix(FACTOR).filter(|name| inputs.names.iter().any(|input| input == name)) {
+            Some(_) => {}
+            None => {
+                description
+                    .find_as(column, Causality::Parameter)
+                    .with_context(|| format!("the design's column {column}"))?;
+            }
+        }
+    }
+    for name in job.record.iter().chain(&job.peak) {
+        description.find(name)?;
+    }
+    let (step, every) = (job.step.value()?, job.every.value()?);
+    let span = Span { start: inputs.start(), stop: inputs.stop(), step };
+    span.steps().context("the last time of the inputs is the stop time")?;
+    if !(every.is_finite() && every > 0.0) {
+        bail!("--every {every} must be positive");
+    }
+    span.indices(&worker::points(span, every)).context("--every must be a multiple of --step")?;
+    Ok(())
+}
+
+/// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.
+fn unpack(fmu: &Path) -> Result<PathBuf> {
+    let context = || format!("unpacking {}", fmu.display());
+    let name = format!("fmu-{}", results::fingerprint(&[&fs::read(fmu).with_context(context)?]));
+    let folder = project::target().join("batch").join(&name);
+    if folder.is_dir() {
+        return Ok(folder);
+    }
+    // Another process may be doing the same: whoever is first has done it.
+    let partial = folder.with_file_name(format!(".{name}.{}", std::process::id()));
+    let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
+    fs::create_dir_all(&partial).with_context(context)?;
+    archive.extract(&partial).with_context(context)?;
+    if fs::rename(&partial, &folder).is_err() {
+        fs::remove_dir_all(&partial).with_context(context)?;
+        if !folder.is_dir() {
+            bail!("{} cannot be made", folder.display());
+        }
+    }
+    Ok(folder)
+}

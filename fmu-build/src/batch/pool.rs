@@ -1,0 +1,135 @@
+//! Worker processes and the scenes they are given.
+//!
+//! Processes, not threads: whatever a scene does to its process - a crash, a loop that somebody has to kill - costs
+//! that scene and no other.
+
+use super::Job;
+use super::tables::Table;
+use super::worker::{Answer, LOST, OK};
+use anyhow::{Context, Result, anyhow, bail};
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::Mutex;
+use std::sync::mpsc;
+
+/// How often a scene is tried whose process was lost: it need not be the scene's own fault.
+const TRIES: usize = 2;
+
+/// Runs the pending scenes on `jobs` processes; `keep` takes each answer as it comes.
+///
+/// # Errors
+/// Where no process can be started or `keep` fails; scenes under way are given up then.
+pub fn run(
+    job: &Job,
+    table: &Table,
+    pending: Vec<usize>,
+    jobs: usize,
+    mut keep: impl FnMut(usize, &Answer) -> Result<()>,
+) -> Result<()> {
+    let count = jobs.min(pending.len());
+    let pending = Mutex::new(pending.into_iter());
+    let next = || pending.lock().ok()?.next();
+    let (sender, answers) = mpsc::channel();
+    std::thread::scope(|scope| {
+        for _ in 0..count {
+            let sender = sender.clone();
+            let next = &next;
+            scope.spawn(move || {
+                let mut process = None;
+                while let Some(scene) = next() {
+                    let answer = attempt(job, &table.rows[scene], &mut process);
+                    let is_over = answer.is_err();
+                    if sender.send(answer.map(|answer| (scene, answer))).is_err() || is_over {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(sender);
+        let result = answers.iter().try_for_each(|answer| {
+            let (scene, answer) = answer?;
+            keep(scene, &answer)
+        });
+        // Nobody begins another scene once one has failed to be kept.
+        drop(answers);
+        result
+    })
+}
+
+/// One scene on this thread's process, which is started or replaced as needed.
+fn attempt(job: &Job, cells: &[String], process: &mut Option<Process>) -> Result<Answer> {
+    let mut reason = String::new();
+    for _ in 0..TRIES {
+        let own = match process {
+            Some(own) => own,
+            None => process.insert(Process::start(job)?),
+        };
+        match own.ask(cells) {
+            Ok(answer) => {
+                if answer.status == fmu_host::Stage::Library.name() {
+                    *process = None;
+                }
+                return Ok(answer);
+            }
+            Err(error) => {
+                reason = format!("{error:#}");
+                *process = None;
+            }
+        }
+    }
+    Ok(Answer::failed(LOST, format!("the worker process was lost {TRIES} times, the last time: {reason}")))
+}
+
+/// A worker process.
+struct Process {
+    child: Child,
+    /// `None` only while it ends.
+    input: Option<ChildStdin>,
+    output: BufReader<ChildStdout>,
+}
+
+impl Process {
+    fn start(job: &Job) -> Result<Self> {
+        let program = std::env::current_exe().context("finding this program")?;
+        let mut child = Command::new(&program)
+            .arg("batch-worker")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::inherit())
+            .spawn()
+            .with_context(|| format!("starting {}", program.display()))?;
+        let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
+            bail!("{} was started without pipes", program.display());
+        };
+        let mut process = Self { child, input: Some(input), output: BufReader::new(output) };
+        let answer = process.exchange(&serde_json::to_string(job)?).context("opening the FMU in a worker process")?;
+        if answer.status != OK {
+            bail!("a worker process could not open the FMU: {}", answer.reason);
+        }
+        Ok(process)
+    }
+
+    fn ask(&mut self, cells: &[String]) -> Result<Answer> {
+        self.exchange(&serde_json::to_string(cells)?)
+    }
+
+    fn exchange(&mut self, line: &str) -> Result<Answer> {
+        let mut said = String::new();
+        let input = self.input.as_mut().ok_or_else(|| anyhow!("the process has ended"))?;
+        let sent = input.write_all(format!("{line}\n").as_bytes()).and_then(|()| input.flush());
+        // A process that has ended is known by its silence; how it ended says more than the broken pipe.
+        if sent.is_err() || self.output.read_line(&mut said)? == 0 || !said.ends_with('\n') {
+            let status = self.child.wait()?;
+            bail!("it ended with {status}");
+        }
+        serde_json::from_str(&said).with_context(|| format!("it said {said:?}"))
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // Without input it ends by itself.
+        drop(self.input.take());
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,341 @@
+"""Batches: the native host beside fmpy, what a failed scene leaves behind, runs that are killed and continued, the fit."""
+
+import csv
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from conftest import ROOT, file_of
+from component import Component
+
+BATCH = ROOT / "examples" / "batch"
+sys.path.insert(0, str(BATCH))
+
+import design as designs  # noqa: E402
+import host  # noqa: E402
+import schedules  # noqa: E402
+import sensitivity  # noqa: E402
+import wear_law  # noqa: E402
+
+INPUTS = ("sliding_velocity", "normal_load")
+OUTPUTS = ("wear_depth", "contact_temperature", "friction_force", "dissipated_energy", "limit_reached")
+
+
+def needed(variable):
+    path = os.environ.get(variable)
+    if path is None:
+        pytest.skip(f"{variable} is not set: `cargo fmu test` sets it")
+    return path
+
+
+@pytest.fixture(scope="module")
+def brake(fmus):
+    with host.Fmu(fmus("disc_brake").folder, needed("SLIDING_CONTACT_HOST")) as fmu:
+        yield fmu
+
+
+@pytest.fixture(scope="module")
+def pin(fmus):
+    with host.Fmu(fmus("pin_on_disk").folder, needed("SLIDING_CONTACT_HOST")) as fmu:
+        yield fmu
+
+
+@pytest.fixture(scope="module")
+def cycle(fmus):
+    """The first 240 s of the UDDS, a row per second."""
+    import road_load
+
+    starts = {name: variable.start for name, variable in fmus("disc_brake").variables.items()}
+    schedule, _ = schedules.of_name("udds", road_load.Brake.of(starts))
+    return host.Schedule(INPUTS, schedule.times[:241], schedule.values[:241])
+
+
+def run(fmu, cycle, parameters=None, **more):
+    return host.run_schedule(fmu, parameters or {}, cycle, outputs=OUTPUTS, step=0.1, **more)
+
+
+@pytest.mark.parametrize("interpolation", host.INTERPOLATIONS)
+def test_the_host_gives_the_trajectory_of_fmpy(fmus, brake, cycle, interpolation):
+    parameters = {"punch.width": 0.09, "contact.faces": 1, "contact.shear_coupling": 0}
+    points = np.arange(0.0, 240.5, 2.0)
+    # Away from 0, where a rounding of the inputs would decide on which side a step ends.
+    cycle = host.Schedule(INPUTS, cycle.times, cycle.values + np.array([1.0, 50.0]))
+    own = host.Schedule(INPUTS, cycle.times, cycle.values, interpolation)
+    found = run(brake, own, parameters, points=points, factors={"normal_load": 1.25})
+    step = 0.1
+    at = step * np.arange(2401)
+    held = np.searchsorted(cycle.times, at + 1e-9, side="right") - 1
+    load = np.array([1.0, 1.25])
+    given = load * cycle.values[held]
+    if interpolation != "hold":
+        given = load * np.column_stack([np.interp(at, cycle.times, column) for column in cycle.values.T])
+    with Component(fmus("disc_brake")) as component:
+        component.initialise(parameters, stop=240.0, **dict(zip(INPUTS, given[0])))
+        expected = [component.get(*OUTPUTS[:4])]
+        for index in range(2400):
+            component.set(dict(zip(INPUTS, given[index])))
+            if interpolation == "linear":
+                for name, slope in zip(INPUTS, (given[index + 1] - given[index]) / step):
+                    component.set_input_derivative(name, slope)
+            component.step(step)
+            if (index + 1) % 20 == 0:
+                expected.append(component.get(*OUTPUTS[:4]))
+    spread = np.ptp(expected, axis=0)
+    assert np.all(spread > 0.0)
+    # Parts of the range, and a few roundings of the value itself.
+    assert np.all(np.abs(found[:, :4] - expected) <= 1e-12 * spread + 1e-14 * np.abs(expected))
+
+
+@pytest.mark.parametrize(
+    "stage, change",
+    [
+        ("request", {"parameters": {"punch.widht": 0.1}}),
+        ("request", {"parameters": {"punch.width": float("nan")}}),
+        ("request", {"points": [0.05]}),
+        ("initialisation", {"parameters": {"punch.width": -0.1}}),
+        ("initialisation", {"parameters": {"punch.conductivity": 0.0, "strip.conductivity": 0.0}}),
+        ("stepping", {"factors": {"sliding_velocity": 1e308}}),
+    ],
+)
+def test_a_scene_that_fails_says_why_and_leaves_no_trace(brake, cycle, stage, change):
+    before = run(brake, cycle)
+    with pytest.raises(host.Failure) as failure:
+        run(brake, cycle, **change)
+    assert failure.value.stage == stage
+    named = {"punch.widht": "did you mean punch.width", "points": "0.05 s", "factors": "sliding_velocity"}
+    for name in (*change, *change.get("parameters", {})):
+        assert named.get(name, "" if name == "parameters" else name) in failure.value.reason
+    assert np.array_equal(run(brake, cycle), before)
+
+
+def test_a_wrong_guid_is_refused_when_opening(fmus, tmp_path):
+    library = needed("SLIDING_CONTACT_HOST")
+    folder = host.unpack(file_of("disc_brake"), tmp_path / "fmu")
+    description = folder / "modelDescription.xml"
+    guid = fmus("disc_brake").description.guid
+    description.write_text(description.read_text().replace(guid, "{00000000-0000-0000-0000-000000000000}"))
+    with pytest.raises(host.Failure, match="GUID"):
+        host.Fmu(folder, library)
+
+
+def test_a_larger_design_continues_a_smaller_one():
+    small, large = (designs.Design.read(BATCH / "brake_design.csv", scenes, 3) for scenes in (100, 128))
+    rows = large.rows()
+    assert np.array_equal(small.rows(), rows[:100])
+    for variable, column in zip(large.variables, rows.T):
+        assert variable.low <= column.min() and column.max() <= variable.high
+        # Sobol's sequence: each half of the range holds half of the scenes, exactly.
+        middle = np.sqrt(variable.low * variable.high) if variable.scale == "log" else 0.5 * (variable.low + variable.high)
+        assert np.count_nonzero(column < middle) == 64
+    assert small.fingerprint() != large.fingerprint()
+    with pytest.raises(ValueError, match="log scale"):
+        designs.Variable("x", 0.0, 1.0, "log")
+
+
+def test_sensitivities_of_a_function_with_known_ones():
+    # Ishigami and Homma: y = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 on (-pi, pi)^3.
+    variables = tuple(designs.Variable(name, -np.pi, np.pi) for name in ("x1", "x2", "x3"))
+    x = designs.Design(variables, 8192, 1).rows()
+    y = np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    part = 0.1 * np.pi**4
+    whole = 49.0 / 8.0 + part / 5.0 + part**2 / 18.0 + 0.5
+    exact = np.array([0.5 * (1.0 + part / 5.0) ** 2, 49.0 / 8.0, 0.0]) / whole
+    found = sensitivity.analyse(x, y, resamplings=50)
+    assert found.first_order == pytest.approx(exact, abs=0.015)
+    # What is taken off for chance is more than a design has that is spread more evenly than by chance.
+    excess = 49.0 / (8192 - 50)
+    assert np.all(found.interval[0] <= exact) and np.all(exact <= found.interval[1] + excess)
+    assert found.rank_correlation[0] > 0.3 and abs(found.rank_correlation[1]) < 0.05
+
+
+def truth():
+    sys.path.insert(0, str(BATCH / "records"))
+    import make_records
+
+    return make_records
+
+
+def test_the_fit_of_the_records_finds_their_truth(pin):
+    records = wear_law.Records.read(BATCH / "records" / "pin_on_disk.csv")
+    found = wear_law.fit(wear_law.Model(pin, records))
+    for name, value, low, high in zip(found.names, found.values, *found.intervals):
+        exact = truth().TRUTH[name]
+        assert low < exact < high, name
+        assert (high - low) / value < 0.15, "an interval that says something"
+    assert found.scatter == pytest.approx(truth().SCATTER, rel=0.3)
+    # The committed records are those that the script makes.
+    made = wear_law.Model(pin, records).volumes(truth().TRUTH) * np.exp(truth().noise(truth().SEED))
+    assert records.volume == pytest.approx(made, rel=1e-3)
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say(pin):
+    records = truth().conditions()
+    clean = wear_law.Model(pin, records).volumes(truth().TRUTH)
+    exact = np.array(list(truth().TRUTH.values()))
+    trials = 40
+    inside = np.zeros(2)
+    for seed in range(trials):
+        drawn = wear_law.Records(records.load, records.speed, records.distance, clean * np.exp(truth().noise(seed)))
+        low, high = wear_law.fit(wear_law.Model(pin, drawn), confidence=0.8).intervals
+        inside += (low < exact) & (exact < high)
+    # 80 % of 40 are 32, with a standard deviation of 2.5.
+    assert np.all((inside >= 22) & (inside < 40)), inside
+
+
+def test_records_that_cannot_tell_are_refused(pin):
+    one = np.ones(6)
+    records = wear_law.Records(10.0 * one, 0.1 * one, 1000.0 * one, 1e-10 * one)
+    with pytest.raises(ValueError, match="more than one load"):
+        wear_law.fit(wear_law.Model(pin, records))
+
+
+# Runs of whole batches, in processes of their own.
+
+
+def sweep(folder, *more):
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py")]
+    command += ["--fmu", str(file_of("disc_brake")), "--host", needed("SLIDING_CONTACT_HOST")]
+    command += ["--output", str(folder), "--workers", "2", "--no-plots", "--json", *more]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=clean_environment()
+    )
+
+
+def clean_environment():
+    return {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+
+
+def finish(process):
+    out, error = process.communicate(timeout=120)
+    assert process.returncode == 0, error
+    return json.loads(out)
+
+
+def rows_of(folder):
+    """All rows of a batch, as its own environment reads them."""
+    code = "import sys, parts; parts.read_all(sys.argv[1])[0].drop(columns='cpu_seconds').to_json(sys.stdout, orient='records', double_precision=15)"
+    command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), "-c", code, str(folder / "parts")]
+    return json.loads(subprocess.run(command, cwd=BATCH, env=clean_environment(), check=True, capture_output=True).stdout)
+
+
+def parts_of(folder):
+    return {path.name: path.stat() for path in (folder / "parts").glob("part-*.parquet")}
+
+
+def wait_for(condition, process):
+    end = time.monotonic() + 60.0
+    while not condition():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end, "nothing happened for a minute"
+        time.sleep(0.01)
+
+
+def workers_of(parent):
+    """Process numbers of the run's Dask workers: spawned by the nannies within its own process."""
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            status = (folder / "stat").read_text()
+            command = (folder / "cmdline").read_text()
+        except OSError:
+            continue
+        if int(status.rsplit(")", 1)[1].split()[1]) == parent and "spawn_main" in command:
+            found.append(int(folder.name))
+    return found
+
+
+def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(tmp_path):
+    if not sys.platform.startswith("linux"):
+        pytest.skip("worker processes are found in /proc")
+    table = tmp_path / "design.csv"
+    # A quarter of the scenes asks for a negative coefficient of friction.
+    name = "contact.friction_coefficient"
+    table.write_text(f"name,low,high,scale\n{name},-0.1,0.3,linear\nnormal_load.factor,0.5,1.5,linear\n")
+    more = ("--design", str(table), "--scenes", "64", "--block", "4", "--schedule", "stops", "--step", "0.02", "--every", "10")
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    summary = finish(sweep(whole, *more))
+    assert (summary["scenes"], summary["ran_now"]) == (64, 64)
+    rows = rows_of(whole)
+    assert [row["scene"] for row in rows] == list(range(64))
+    assert summary["failed"] == sum(row["status"] != "ok" for row in rows) == sum(row[name] < 0 for row in rows) == 16
+    for row in rows:
+        assert (row["wear_depth_punch"] is None) == (row["status"] != "ok") == (name in row["reason"])
+
+    process = sweep(broken, *more)
+    try:
+        wait_for(lambda: len(parts_of(broken)) >= 2, process)
+        os.kill(workers_of(process.pid)[0], signal.SIGKILL)
+        wait_for(lambda: len(parts_of(broken)) >= 6, process)
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+    before = parts_of(broken)
+    assert 6 <= len(before) < 16, "it was killed in the middle"
+    summary = finish(sweep(broken, *more))
+    assert summary["ran_now"] == 64 - 4 * len(before)
+    after = parts_of(broken)
+    assert all(after[name].st_ino == stat.st_ino and after[name].st_mtime_ns == stat.st_mtime_ns for name, stat in before.items())
+    assert rows_of(broken) == rows
+    # Once more: all is there.
+    assert finish(sweep(broken, *more))["ran_now"] == 0
+    # Another design must not be mixed in.
+    other = sweep(broken, *more, "--seed", "2")
+    assert other.wait(timeout=60) != 0 and "name another --output" in other.communicate()[1]
+
+
+def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):
+    command = needed("SLIDING_CONTACT_COMMAND")
+    inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.csv"
+    with open(inputs, "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time", *cycle.inputs])
+        writer.writerows([time, *values] for time, values in zip(cycle.times.tolist(), cycle.values.tolist()))
+    widths = np.linspace(0.08, 0.11, 200)
+    widths[7] = -1.0
+    table.write_text("punch.width,contact.geometry,normal_load.factor\n" + "".join(f"{width!r},line,1.25\n" for width in widths.tolist()))
+    arguments = [command, "batch", str(table), "--fmu", str(file_of("disc_brake")), "--inputs", str(inputs), "-o", str(output)]
+    arguments += ["--jobs", "2", "--step", "0.02", "--record", ",".join(OUTPUTS), "--every", "1", "--json"]
+    partial = tmp_path / "out.csv.partial"
+    process = subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    wait_for(lambda: partial.is_file() and partial.read_bytes().count(b"\n") > 20, process)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    there = partial.read_bytes().count(b"\n") - 1
+    assert 20 <= there < 200 and not output.exists()
+    summary = json.loads(subprocess.run(arguments, check=True, capture_output=True, text=True).stdout)
+    assert (summary["scenes"], summary["failed"], summary["ran_now"]) == (200, 1, 200 - there)
+    assert not partial.exists()
+    with open(output, newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [int(row["scene"]) for row in rows] == list(range(200))
+    assert rows[7]["status"] == "initialisation" and "punch.width: -1 m" in rows[7]["reason"] and rows[7]["wear_depth"] == ""
+    for scene, points in itertools.product((0, 199), (np.arange(0.0, 240.5, 1.0),)):
+        expected = host.run_schedule(
+            brake,
+            {"punch.width": widths[scene]},
+            cycle,
+            factors={"normal_load": 1.25},
+            outputs=[*OUTPUTS, "contact_temperature_max"],
+            step=0.02,
+            points=points,
+        )
+        assert [float(rows[scene][name]) for name in OUTPUTS] == expected[-1, :-1].tolist()
+        assert float(rows[scene]["contact_temperature_max.peak"]) == expected[:, -1].max()
+
+
+def test_the_command_tells_a_wrong_name_before_any_scene_runs(tmp_path):
+    inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.csv"
+    inputs.write_text("time,sliding_velocity,normal_load\n0,1,100\n1,1,100\n")
+    table.write_text("punch.widht\n0.1\n")
+    command = [needed("SLIDING_CONTACT_COMMAND"), "batch", str(table), "--fmu", str(file_of("disc_brake"))]
+    done = subprocess.run([*command, "--inputs", str(inputs), "-o", str(output)], capture_output=True, text=True)
+    assert done.returncode != 0 and "did you mean punch.width?" in done.stderr
+    assert list(tmp_path.glob("out.csv*")) == []
