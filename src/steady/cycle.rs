@@ -14,8 +14,9 @@ pub struct CycleProblem<'a> {
     pub punch: &'a Compliance,
     /// Strip.
     pub strip: &'a Compliance,
-    /// Friction coefficient mu of the shear coupling and of the holder's moment.
-    pub friction: f64,
+    /// Friction coefficients mu of the forward and the backward half-stroke, in the shear coupling and in the holder's
+    /// moment.
+    pub friction: [f64; 2],
     /// Load per depth, in N/m.
     pub load: f64,
     /// Pivot height H, in m, where the punch can rotate.
@@ -77,7 +78,7 @@ impl CycleProblem<'_> {
     ///
     /// ```text
     /// t+ f(p+) + t- f(p-) = lambda0 + lambda1 x            depth per cycle: a rigid motion
-    /// C (p+ - p-) + mu S (p+ + p-) = jump0 + jump1 x        one shape for both directions, where both are in contact
+    /// C (p+ - p-) + S (mu+ p+ + mu- p-) = jump0 + jump1 x   one shape for both directions, where both are in contact
     /// p+ = 0 or p- = 0 with the inequality elsewhere; load and moment balance of both
     /// ```
     ///
@@ -89,13 +90,17 @@ impl CycleProblem<'_> {
         self.check()?;
         let (count, x, weights) = (self.cells.count(), self.cells.centres(), self.cells.widths());
         let half_width = self.cells.half_width();
-        let normal = &self.punch.normal + &self.strip.normal;
-        let shear = (&self.strip.shear - &self.punch.shear) * self.friction;
+        // S (mu+ p+ + mu- p-) in the difference and the sum of the pressures.
+        let [friction, unequal] =
+            [0.5 * (self.friction[0] + self.friction[1]), 0.5 * (self.friction[0] - self.friction[1])];
+        let shear = &self.strip.shear - &self.punch.shear;
+        let normal = &self.punch.normal + &self.strip.normal + &shear * unequal;
+        let shear = shear * friction;
         let elastic = normal.diagonal().amax();
         let mean = self.load / (2.0 * half_width);
         let free = if self.pivot_height.is_some() { 2 } else { 1 };
         let shift = |k: usize, i: usize| if k == 0 { 1.0 } else { x[i] / half_width };
-        let lever = self.pivot_height.map_or(0.0, |h| self.friction * h) / half_width;
+        let levers = self.friction.map(|friction| self.pivot_height.map_or(0.0, |h| friction * h) / half_width);
 
         let mut difference = DVector::zeros(count);
         let mut places = vec![Place::Both; count];
@@ -146,8 +151,9 @@ impl CycleProblem<'_> {
             for (a, &i) in both.iter().enumerate() {
                 right[a] = -residual[i];
             }
-            // Equal loads, opposite levers: the differences carry no load and twice the moment, the sums twice the load.
-            let targets = [[0.0, 2.0 * lever * self.load], [2.0 * self.load, 0.0]];
+            // Equal loads and opposite levers, +mu+ H and -mu- H: the differences carry no load.
+            let targets =
+                [[0.0, (levers[0] + levers[1]) * self.load], [2.0 * self.load, (levers[0] - levers[1]) * self.load]];
             for k in 0..free {
                 let integral = |p: &DVector<f64>| (0..count).map(|i| weights[i] * p[i] * shift(k, i)).sum::<f64>();
                 right[n + k] = targets[0][k] - integral(&difference);
@@ -198,7 +204,8 @@ impl CycleProblem<'_> {
 
     fn check(&self) -> Result<(), SteadyError> {
         positive("load", self.load)?;
-        not_negative("friction coefficient", self.friction)?;
+        not_negative("friction coefficient", self.friction[0])?;
+        not_negative("friction coefficient", self.friction[1])?;
         positive("duration of the forward half-stroke", self.durations[0])?;
         positive("duration of the backward half-stroke", self.durations[1])?;
         if let Some(height) = self.pivot_height {
@@ -209,7 +216,7 @@ impl CycleProblem<'_> {
     }
 
     fn not_found(&self) -> SteadyError {
-        let lever = self.pivot_height.map_or(0.0, |h| self.friction * h);
+        let lever = self.pivot_height.map_or(0.0, |h| self.friction[0].max(self.friction[1]) * h);
         SteadyError::NoCycle { lever, half_width: self.cells.half_width(), iterations: ITERATION_LIMIT }
     }
 

@@ -7,11 +7,14 @@
 mod box_programme;
 mod cycle;
 mod one_way;
+mod rocking;
+pub mod scene;
 mod to_and_fro;
 
 pub use box_programme::{BoxProgramme, BoxSolution, ProgrammeError};
 pub use cycle::{Cycle, CycleProblem};
-pub use one_way::{OneWay, groove, punch_run_in};
+pub use one_way::{OneWay, groove, groove_operator, punch_run_in};
+pub use rocking::rocking_limit;
 pub use to_and_fro::{ToAndFro, ToAndFroProblem};
 
 use crate::contact::ContactError;
@@ -41,8 +44,10 @@ pub enum SteadyError {
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
         lever: f64,
-        /// Half of the half-width, in m: the limit for wear in proportion to pressure.
+        /// The lever that no pair of pressures which wear evenly balances, in m; see [`rocking_limit`].
         limit: f64,
+        /// Pressure exponent b of the wear that it belongs to.
+        exponent: f64,
     },
     /// To-and-fro sliding with a general wear law: the iteration found no steady cycle.
     NoCycle {
@@ -55,6 +60,8 @@ pub enum SteadyError {
     },
     /// Nothing that could reshape the contact wears, so it does not run in.
     NothingWears,
+    /// A run-in punch is asked for, but only the strip wears: the punch keeps its shape.
+    OnlyStripWears,
     /// A strip that wears on a straight to-and-fro track: its ends are hardly visited and never run in.
     WearingStripToAndFro,
     /// The pressure of a stage could not be found.
@@ -90,10 +97,10 @@ impl fmt::Display for SteadyError {
             Self::Tipping { lever, limit } => {
                 write!(f, "no steady state: the punch tips over, mu H = {lever} m is not below {limit} m")
             }
-            Self::RocksItselfRound { lever, limit } => write!(
+            Self::RocksItselfRound { lever, limit, exponent } => write!(
                 f,
-                "no steady state: sliding to and fro, the punch rocks itself round, mu H = {lever} m is not below half \
-                 the half-width, {limit} m"
+                "no steady state: sliding to and fro, the punch rocks itself round, mu H = {lever} m is not below \
+                 {limit} m, the limit for wear with the pressure exponent {exponent}"
             ),
             Self::NoCycle { lever, half_width, iterations } => write!(
                 f,
@@ -101,6 +108,11 @@ impl fmt::Display for SteadyError {
                  {half_width} m the punch may rock itself round"
             ),
             Self::NothingWears => write!(f, "no run-in state: nothing wears that could reshape the contact"),
+            Self::OnlyStripWears => write!(
+                f,
+                "no run-in shape: only the strip wears, evenly on a closed path or as a groove that stays behind on a \
+                 straight one, and the punch keeps its shape"
+            ),
             Self::WearingStripToAndFro => write!(
                 f,
                 "no steady state: the strip wears on a straight to-and-fro track, whose ends are hardly visited"

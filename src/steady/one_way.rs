@@ -101,19 +101,23 @@ pub fn groove(
     if rate.terms.iter().all(|term| term.coefficient.is_zero()) {
         return Err(SteadyError::NothingWears);
     }
+    // The compliance is that of the direction as it is given.
+    let none = DMatrix::zeros(cells.count(), cells.count());
+    let mut contact = WearingContact::new(cells, cells.widths(), compliance, none, initial_gap.to_vec())?;
+    contact.set_operator(Some(&groove_operator(cells, direction)));
+    let conditions = Conditions { signed_friction: 0.0, normal, tilt, rate };
+    Ok(contact.stage(&vec![0.0; cells.count()], 1.0, &conditions)?)
+}
+
+/// Cell means of the groove per worn depth per sliding distance: N x N, `integral_x^lead f dx'`, in m.
+pub fn groove_operator(cells: &Cells, direction: Direction) -> DMatrix<f64> {
     let widths = cells.widths();
     let ahead = |i: usize, j: usize| if direction == Direction::Forward { j > i } else { j < i };
-    let operator = DMatrix::from_fn(cells.count(), cells.count(), |i, j| match i == j {
+    DMatrix::from_fn(cells.count(), cells.count(), |i, j| match i == j {
         true => 0.5 * widths[i],
         false if ahead(i, j) => widths[j],
         false => 0.0,
-    });
-    // The compliance is that of the direction as it is given.
-    let none = DMatrix::zeros(cells.count(), cells.count());
-    let mut contact = WearingContact::new(cells, widths, compliance, none, initial_gap.to_vec())?;
-    contact.set_operator(Some(&operator));
-    let conditions = Conditions { signed_friction: 0.0, normal, tilt, rate };
-    Ok(contact.stage(&vec![0.0; cells.count()], 1.0, &conditions)?)
+    })
 }
 
 /// Root of an increasing function, from a guess and a length of the first step: bracketed by doubling steps, then by

@@ -99,7 +99,7 @@ impl ToAndFroProblem<'_> {
             not_negative("pivot height", height)?;
             let lever = self.friction * height;
             if lever >= 0.5 * half_width {
-                return Err(SteadyError::RocksItselfRound { lever, limit: 0.5 * half_width });
+                return Err(SteadyError::RocksItselfRound { lever, limit: 0.5 * half_width, exponent: 1.0 });
             }
             right.push(lever * self.load);
         }

@@ -1,0 +1,366 @@
+//! Steady states of scenes: every kind against its own equations on the contact, and what must be refused.
+
+use nalgebra::DVector;
+use sliding_contact::contact::{ContactSolver, Normal, Tilt, pair_compliance};
+use sliding_contact::elastic::scene::{cells_for, compliances, load_weights};
+use sliding_contact::elastic::{Cells, Compliance};
+use sliding_contact::exact::annular_pressure;
+use sliding_contact::scene::Scene;
+use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, run_in_shape, steady_state};
+use sliding_contact::steady::{SteadyError, rocking_limit};
+use sliding_contact::variables::{STARTS, find};
+
+/// A steel punch of 60 mm on a steel strip, 10 kN, to and fro over 3 mm.
+const PUNCH: &[(&str, f64)] = &[
+    ("contact.geometry", 1.0),
+    ("contact.friction_coefficient", 0.25),
+    ("contact.mean_radius", 0.0),
+    ("contact.faces", 1.0),
+    ("strip.path", 1.0),
+    ("strip.length", 0.0),
+    ("punch.count", 1.0),
+    ("punch.width", 0.06),
+    ("depth", 0.01),
+    ("punch.height", 0.1),
+    ("punch.body", 4.0),
+    ("punch.youngs_modulus", 200e9),
+    ("punch.poissons_ratio", 0.3),
+    ("punch.wear_coefficient", 3.9e-14),
+    ("strip.body", 4.0),
+    ("strip.height", 0.1),
+    ("strip.youngs_modulus", 200e9),
+    ("strip.poissons_ratio", 0.3),
+    ("strip.wear_coefficient", 0.0),
+    ("nominal.load", 10e3),
+    ("nominal.velocity", 9.549e-3),
+    ("nominal.stroke", 3e-3),
+];
+
+fn scene(changes: &[(&str, f64)]) -> Scene {
+    let mut values = STARTS;
+    for (name, value) in PUNCH.iter().chain(changes) {
+        values[find(name).unwrap_or_else(|| panic!("no variable {name}")) as usize] = *value;
+    }
+    Scene::new(&values, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+struct Solved {
+    scene: Scene,
+    cells: Cells,
+    bodies: [Compliance; 2],
+    state: SteadyState,
+}
+
+fn solve_as(changes: &[(&str, f64)], sliding: Option<Sliding>) -> Result<Solved, SteadyError> {
+    let scene = scene(changes);
+    let cells = cells_for(&scene, 33).unwrap();
+    let bodies = compliances(&scene, &cells).unwrap();
+    let sliding = sliding.unwrap_or(Sliding::nominal(&scene));
+    let state = steady_state(&scene, &cells, &bodies, &sliding)?;
+    Ok(Solved { scene, cells, bodies, state })
+}
+
+fn solve(changes: &[(&str, f64)]) -> Solved {
+    solve_as(changes, None).unwrap_or_else(|error| panic!("{changes:?}: {error}"))
+}
+
+impl Solved {
+    fn mean(&self) -> f64 {
+        self.scene.nominal_load / (self.scene.width * self.scene.depth)
+    }
+
+    /// The shape, put into the contact, must give every stroke's pressure, approach and tilt.
+    fn check_equilibrium(&self) {
+        let weights = load_weights(&self.scene, &self.cells);
+        let gap: Vec<f64> = self.state.shape.iter().zip(&self.state.groove).map(|(s, g)| s + g).collect();
+        for stroke in &self.state.strokes {
+            let matrix = pair_compliance(&self.bodies[0], &self.bodies[1], stroke.friction);
+            let rotates = self.scene.constraint == sliding_contact::scene::Constraint::TranslateAndRotate;
+            let tilt =
+                if rotates { Tilt::ResultantAt(stroke.friction * self.scene.pivot_height) } else { Tilt::Fixed(0.0) };
+            let mut solver = ContactSolver::with_weights(&self.cells, &weights, matrix).unwrap();
+            let load = Normal::Load(self.scene.nominal_load / (self.scene.count * self.scene.depth));
+            let found = solver.solve(&gap, load, tilt).unwrap();
+            for (p, expected) in found.pressure.iter().zip(&stroke.pressure) {
+                assert!((p - expected).abs() < 1e-8 * self.mean(), "{p} {expected}");
+            }
+            assert!((found.approach - stroke.approach).abs() < 1e-9 * found.approach.abs(), "{}", found.approach);
+            assert!((found.tilt - stroke.tilt).abs() < 1e-9 * (found.tilt.abs() + 1e-6), "{}", found.tilt);
+        }
+    }
+
+    /// Depth worn by the punch in a cycle must be a rigid motion: its second differences over x vanish.
+    fn check_even_wear(&self) {
+        let depth: Vec<f64> = (0..self.cells.count())
+            .map(|i| self.state.strokes.iter().map(|s| s.duration * s.wear_rates[0][i]).sum())
+            .collect();
+        let x = self.cells.centres();
+        let n = x.len();
+        let slope = (depth[n - 1] - depth[0]) / (x[n - 1] - x[0]);
+        for i in 0..n {
+            let rigid = depth[0] + slope * (x[i] - x[0]);
+            assert!((depth[i] / rigid - 1.0).abs() < 1e-9, "cell {i}: {} {rigid}", depth[i]);
+        }
+    }
+}
+
+#[test]
+fn reciprocating_punch_unloads_one_edge_and_doubles_the_other() {
+    for holder in [1.0, 2.0] {
+        let solved = solve(&[("holder.constraint", holder), ("holder.pivot_height", 0.05)]);
+        let (mean, strokes) = (solved.mean(), &solved.state.strokes);
+        assert_eq!((solved.state.kind, strokes.len()), (SteadyKind::RunIn, 2));
+        for stroke in strokes {
+            let (least, most) =
+                (stroke.pressure[0].min(stroke.pressure[32]), stroke.pressure[0].max(stroke.pressure[32]));
+            assert!(least < 1e-12 * mean && (most / mean - 2.0).abs() < 1e-9, "{least} {most}");
+        }
+        // Both the bending of the block and the pivot load the leading edge.
+        assert!(strokes[0].pressure[32] > strokes[0].pressure[0]);
+        solved.check_equilibrium();
+        solved.check_even_wear();
+        // Depth rate k pm v, volume rate times the area, powers k pm^2 v-ish and mu F v.
+        let rate = 3.9e-14 * mean * 9.549e-3;
+        assert!((solved.state.punch_wear_rate / rate - 1.0).abs() < 1e-10);
+        assert!((solved.state.volume_rates[0] / (rate * 6e-4) - 1.0).abs() < 1e-10);
+        assert_eq!(solved.state.volume_rates[1], 0.0);
+        assert!((solved.state.friction_power / (0.25 * 10e3 * 9.549e-3) - 1.0).abs() < 1e-10);
+        let uniform = 3.9e-14 * mean * mean * 9.549e-3 * 6e-4;
+        assert!(solved.state.dissipation_power > uniform && solved.state.dissipation_power < 2.0 * uniform);
+        assert_eq!(strokes[1].tilt - strokes[0].tilt != 0.0, holder == 2.0);
+    }
+}
+
+#[test]
+fn every_exponent_body_and_pair_of_strokes_wears_evenly_in_equilibrium() {
+    for exponent in [0.3, 0.6, 1.0, 1.7, 3.0] {
+        for (punch, strip) in [(4.0, 4.0), (1.0, 3.0), (2.0, 4.0), (4.0, 1.0), (3.0, 3.0), (2.0, 2.0)] {
+            for (holder, height) in [(1.0, 0.0), (2.0, 0.03)] {
+                let changes = [
+                    ("punch.wear_pressure_exponent", exponent),
+                    ("punch.wear_velocity_exponent", 0.7),
+                    ("punch.body", punch),
+                    ("strip.body", strip),
+                    ("holder.constraint", holder),
+                    ("holder.pivot_height", height),
+                    ("contact.static_friction_ratio", 1.5),
+                    ("contact.stribeck_velocity", 0.02),
+                ];
+                for sliding in [
+                    None,
+                    Some(Sliding::ToAndFro { strokes: [3e-3, 3e-3], speeds: [0.01, 0.03] }),
+                    Some(Sliding::ToAndFro { strokes: [3e-3, 2e-3], speeds: [0.01, 0.01] }),
+                ] {
+                    let solved = solve_as(&changes, sliding).unwrap_or_else(|e| panic!("{changes:?} {sliding:?}: {e}"));
+                    solved.check_equilibrium();
+                    solved.check_even_wear();
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn one_way_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
+    let one_way = ("nominal.stroke", 0.0);
+    for velocity in [0.01, -0.01] {
+        let sliding = Some(Sliding::OneWay { velocity });
+        // So much wear that the groove is half of the elastic displacement.
+        let both = [one_way, ("strip.wear_coefficient", 1e-11), ("punch.wear_coefficient", 1e-11)];
+        let solved = solve_as(&both, sliding).unwrap();
+        assert!(solved.state.strokes[0].pressure.iter().all(|p| (p / solved.mean() - 1.0).abs() < 1e-12));
+        // The groove grows evenly from the leading edge: k pm times the distance from it.
+        let leading = if velocity > 0.0 { 0.03 } else { -0.03 };
+        for (x, depth) in solved.cells.centres().iter().zip(&solved.state.groove) {
+            assert!((depth - 1e-11 * solved.mean() * (leading - x).abs()).abs() < 1e-18, "{x}: {depth:e}");
+        }
+        solved.check_equilibrium();
+        solved.check_even_wear();
+        // Only the strip: elastic punch, pressure falls off from the leading to the trailing edge.
+        let only = [one_way, ("strip.wear_coefficient", 1e-11), ("punch.wear_coefficient", 0.0)];
+        let solved = solve_as(&only, sliding).unwrap();
+        assert_eq!(solved.state.kind, SteadyKind::Groove);
+        solved.check_equilibrium();
+        let groove = &solved.state.groove;
+        assert!(if velocity > 0.0 { groove[0] > groove[32] } else { groove[32] > groove[0] });
+        // What passes the trailing edge per time is what the law takes from the strip.
+        let left_behind = groove.iter().copied().fold(0.0, f64::max) * 0.01 * 0.01;
+        assert!((left_behind / solved.state.volume_rates[1] - 1.0).abs() < 0.02, "{left_behind:e}");
+    }
+    let lifting = solve(&[one_way, ("holder.constraint", 2.0), ("holder.pivot_height", 0.06)]);
+    // mu H = a/2 is beyond a third of the half-width: part of the contact lifts off.
+    assert!(lifting.state.strokes[0].pressure[0] == 0.0);
+    lifting.check_equilibrium();
+}
+
+#[test]
+fn closed_paths_wear_evenly_and_leave_the_pressure_to_the_punch() {
+    let closed = [("strip.path", 2.0), ("strip.length", 0.4), ("strip.wear_coefficient", 1e-13)];
+    for stroke in [0.0, 3e-3] {
+        let with = |changes: &[(&'static str, f64)]| {
+            let all = closed.iter().copied().chain([("nominal.stroke", stroke)]).chain(changes.iter().copied());
+            solve(&all.collect::<Vec<_>>())
+        };
+        let both = with(&[]);
+        let punch_alone = with(&[("strip.wear_coefficient", 0.0)]);
+        assert_eq!(both.state.strokes[0].pressure, punch_alone.state.strokes[0].pressure);
+        assert!((both.state.volume_rates[1] / both.state.volume_rates[0] - 1e-13 / 3.9e-14).abs() < 1e-9);
+        both.check_equilibrium();
+        let strip_alone = with(&[("punch.wear_coefficient", 0.0)]);
+        assert_eq!(strip_alone.state.kind, SteadyKind::Elastic);
+        assert!(strip_alone.state.shape.iter().all(|w| *w == 0.0));
+        assert!(strip_alone.state.strokes[0].pressure.iter().any(|p| *p > 2.0 * strip_alone.mean()));
+        strip_alone.check_equilibrium();
+        assert_eq!(
+            run_in_shape(&strip_alone.scene, &strip_alone.cells, &strip_alone.bodies),
+            Err(SteadyError::OnlyStripWears)
+        );
+        assert_eq!(run_in_shape(&both.scene, &both.cells, &both.bodies), Ok(both.state.shape.clone()));
+    }
+}
+
+#[test]
+fn annular_contact_wears_as_a_power_of_the_radius() {
+    let ring = [
+        ("contact.geometry", 2.0),
+        ("strip.path", 2.0),
+        ("contact.mean_radius", 0.1175),
+        ("punch.width", 0.055),
+        ("depth", 0.1),
+        ("nominal.stroke", 0.0),
+        ("punch.wear_velocity_exponent", 1.0),
+    ];
+    for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5)] {
+        let law = [("punch.wear_velocity_exponent", a), ("punch.wear_pressure_exponent", b)];
+        let changes: Vec<_> = ring.iter().chain(&law).copied().collect();
+        let solved = solve(&changes);
+        for (x, p) in solved.cells.centres().iter().zip(&solved.state.strokes[0].pressure) {
+            let exact = annular_pressure(0.1175 + x, 10e3 / 0.1, (0.09, 0.145), (a, b));
+            assert!((p / exact - 1.0).abs() < 1e-3, "a {a} b {b} x {x}: {}", p / exact - 1.0);
+        }
+        solved.check_equilibrium();
+        // A strip with the same law wears on its own as well, in the same frame.
+        let only_strip = [
+            ("punch.wear_coefficient", 0.0),
+            ("strip.wear_coefficient", 1e-13),
+            ("strip.wear_velocity_exponent", a),
+            ("strip.wear_pressure_exponent", b),
+        ];
+        let strip = solve(&changes.iter().chain(&only_strip).copied().collect::<Vec<_>>());
+        for (p, q) in strip.state.strokes[0].pressure.iter().zip(&solved.state.strokes[0].pressure) {
+            assert!((p / q - 1.0).abs() < 1e-10);
+        }
+    }
+}
+
+#[test]
+fn periodic_contact_is_uniform() {
+    let periodic = [
+        ("contact.geometry", 3.0),
+        ("strip.path", 2.0),
+        ("strip.length", 0.06),
+        ("strip.wear_coefficient", 1e-14),
+        ("contact.initial_radius", 1.0),
+    ];
+    for stroke in [0.0, 3e-3] {
+        let solved = solve(&periodic.iter().copied().chain([("nominal.stroke", stroke)]).collect::<Vec<_>>());
+        for stroke in &solved.state.strokes {
+            assert!(stroke.pressure.iter().all(|p| (p / solved.mean() - 1.0).abs() < 1e-12));
+        }
+        assert!(solved.state.shape.iter().all(|w| w.abs() < 1e-12 * solved.state.strokes[0].approach));
+        solved.check_equilibrium();
+    }
+}
+
+#[test]
+fn the_initial_shape_counts_where_the_punch_does_not_wear() {
+    let closed = [
+        ("strip.path", 2.0),
+        ("strip.length", 0.4),
+        ("strip.wear_coefficient", 1e-13),
+        ("punch.wear_coefficient", 0.0),
+        ("contact.initial_shape", 2.0),
+        ("contact.initial_radius", 10.0),
+    ];
+    let solved = solve(&closed);
+    for (i, x) in solved.cells.centres().iter().enumerate() {
+        let mean = (x * x + solved.cells.widths()[i].powi(2) / 12.0) / 20.0;
+        assert!((solved.state.shape[i] - mean).abs() < 1e-18);
+    }
+    solved.check_equilibrium();
+    // The same shape as a table: linear between 33 stations.
+    let mut table: Vec<(String, f64)> = closed.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    table.push(("contact.initial_shape".into(), 4.0));
+    for station in 0..33 {
+        let x = 0.03 * (f64::from(station) / 16.0 - 1.0);
+        table.push((format!("contact.initial_gap[{}]", station + 1), x * x / 20.0));
+    }
+    let named: Vec<(&str, f64)> = table.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let tabulated = solve(&named);
+    for (a, b) in tabulated.state.shape.iter().zip(&solved.state.shape) {
+        // A chord over 1.875 mm is at most h^2/(8 R) above the parabola.
+        assert!(a - b > -1e-12 && a - b < 1.875e-3f64.powi(2) / 80.0, "{a} {b}");
+    }
+}
+
+#[test]
+fn states_that_do_not_exist_are_refused_with_the_numbers() {
+    let refuse = |changes: &[(&str, f64)]| solve_as(changes, None).err().expect("no such state").to_string();
+    let holder = ("holder.constraint", 2.0);
+    let text = refuse(&[holder, ("holder.pivot_height", 0.061)]);
+    assert!(text.contains("rocks itself round, mu H = 0.01525 m is not below 0.015 m"), "{text}");
+    let text = refuse(&[holder, ("holder.pivot_height", 0.068), ("punch.wear_pressure_exponent", 0.5)]);
+    assert!(text.contains("mu H = 0.017 m is not below 0.0165"), "{text}");
+    let text = refuse(&[("strip.wear_coefficient", 1e-14)]);
+    assert!(text.contains("strip wears on a straight to-and-fro track"), "{text}");
+    assert!(refuse(&[("punch.wear_coefficient", 0.0)]).contains("nothing wears"));
+    assert!(refuse(&[("nominal.load", 0.0)]).contains("nominal.load = 0 is out of range"));
+    assert!(refuse(&[("nominal.velocity", 0.0)]).contains("sliding speed = 0 is out of range"));
+    assert!(refuse(&[("punch.body", 1.0), ("strip.body", 1.0)]).contains("two rigid bodies"));
+}
+
+#[test]
+fn levers_up_to_which_a_punch_does_not_rock_itself_round() {
+    // For b < 1 the limit lies between a/2 and the bound of force, moment and even wear, by the bodies' elasticity.
+    for exponent in [0.3, 0.5, 0.8, 1.0, 2.0] {
+        for (punch, strip) in [(4.0, 4.0), (1.0, 3.0), (2.0, 1.0)] {
+            let exists = |relative: f64| {
+                let height = relative * 0.03 / 0.25;
+                let changes = [
+                    ("holder.constraint", 2.0),
+                    ("holder.pivot_height", height),
+                    ("punch.wear_pressure_exponent", exponent),
+                    ("punch.body", punch),
+                    ("strip.body", strip),
+                ];
+                solve_as(&changes, None).is_ok()
+            };
+            let (mut low, mut high) = (0.3, rocking_limit(exponent));
+            assert!(exists(low) && !exists(high), "b {exponent}");
+            for _ in 0..12 {
+                let middle = 0.5 * (low + high);
+                *(if exists(middle) { &mut low } else { &mut high }) = middle;
+            }
+            println!("b {exponent}, bodies {punch} {strip}: {low:.4} of at most {:.4}", rocking_limit(exponent));
+            // The middle cell, whose two pressures have no lever, takes the more of it the larger b.
+            assert!(low > 0.95 * rocking_limit(exponent), "b {exponent}: {low}");
+        }
+    }
+}
+
+#[test]
+fn sums_of_a_state_are_those_of_its_strokes() {
+    let solved = solve_as(
+        &[("punch.wear_velocity_exponent", 0.5), ("contact.faces", 2.0), ("wear_acceleration", 7.0)],
+        Some(Sliding::ToAndFro { strokes: [4e-3, 2e-3], speeds: [0.02, 0.02] }),
+    )
+    .unwrap();
+    let [to, fro] = [&solved.state.strokes[0], &solved.state.strokes[1]];
+    assert!((to.duration - 0.2).abs() < 1e-15 && (fro.duration - 0.1).abs() < 1e-15);
+    let depth = |p: f64| 7.0 * 3.9e-14 * p * 0.02f64.sqrt();
+    let volume = |stroke: &sliding_contact::steady::scene::SteadyStroke| {
+        let worn = DVector::from_iterator(33, stroke.pressure.iter().map(|&p| depth(p)));
+        solved.cells.integral(worn.as_slice()) * 0.01 * 2.0 * stroke.duration / 0.3
+    };
+    assert!(((volume(to) + volume(fro)) / solved.state.volume_rates[0] - 1.0).abs() < 1e-10);
+}
