@@ -2,12 +2,12 @@
 
 mod bench;
 mod package;
-#[allow(dead_code, reason = "charts come with the commands that draw")]
 mod plot;
 mod project;
 mod python;
 mod run;
 mod scenes;
+mod steady;
 mod tables;
 mod test;
 mod verify;
@@ -30,6 +30,7 @@ enum Command {
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
+    Steady(steady::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
 }
@@ -40,6 +41,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Test(arguments) => test::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Steady(arguments) => steady::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
     };
