@@ -6,6 +6,7 @@ use sliding_contact::elastic::scene::{cells_for, compliances, load_weights};
 use sliding_contact::elastic::{Cells, Compliance};
 use sliding_contact::exact::annular_pressure;
 use sliding_contact::scene::Scene;
+use sliding_contact::steady::relative_velocity::{ElasticVelocity, assess};
 use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, run_in_shape, steady_state};
 use sliding_contact::steady::{SteadyError, rocking_limit};
 use sliding_contact::variables::{STARTS, find};
@@ -363,4 +364,75 @@ fn sums_of_a_state_are_those_of_its_strokes() {
         solved.cells.integral(worn.as_slice()) * 0.01 * 2.0 * stroke.duration / 0.3
     };
     assert!(((volume(to) + volume(fro)) / solved.state.volume_rates[0] - 1.0).abs() < 1e-10);
+}
+
+fn elastic_velocity(solved: &Solved) -> ElasticVelocity {
+    assess(&solved.scene, &solved.cells, &solved.bodies, &solved.state).unwrap().elastic.unwrap()
+}
+
+#[test]
+fn a_rigid_punch_on_a_half_plane_stretches_it_by_the_closed_form() {
+    // One-way, run in: p = pm, shear mu pm. u_x' = -(1-2nu)/(2G) pm - (1-nu)/(pi G) mu pm ln((a+x)/(a-x)).
+    let solved = solve(&[("punch.body", 1.0), ("strip.body", 3.0), ("nominal.stroke", 0.0)]);
+    let elastic = elastic_velocity(&solved);
+    let (nu, g, mean) = (0.3, 200e9 / 2.6, solved.mean());
+    for (i, x) in solved.cells.centres().iter().enumerate().filter(|(_, x)| x.abs() < 0.027) {
+        let logarithm = ((0.03 + x) / (0.03 - x)).ln();
+        let exact = -mean / g * (0.5 * (1.0 - 2.0 * nu) + (1.0 - nu) / std::f64::consts::PI * 0.25 * logarithm);
+        // Differences of cell means, next to the logarithm's singularity at the edges.
+        assert!((elastic.strain[0][i] - exact).abs() < 0.01 * mean / g, "{x}: {:e} {exact:e}", elastic.strain[0][i]);
+    }
+    // The wear of a run-in punch is a rigid motion: the pressure stays, and nothing turns over.
+    assert!(elastic.within_stroke < 1e-20 && elastic.reversal == 0.0 && elastic.pivot == 0.0);
+    let wear = assess(&solved.scene, &solved.cells, &solved.bodies, &solved.state).unwrap().wear;
+    assert!((wear / (3.9e-14 * mean) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_reversal_turns_the_shear_over() {
+    // Incompressible half-plane: no shear coupling, p+ = p- = pm, and the shear +-mu pm moves the surface by the mean
+    // 3 W/(pi E*) of the approach's own constant.
+    let solved = solve(&[("punch.body", 1.0), ("strip.body", 3.0), ("strip.poissons_ratio", 0.4999999)]);
+    let plane = 200e9 / 0.75;
+    let exact = 2.0 * 0.25 * solved.mean() * 3.0 * 0.06 / (std::f64::consts::PI * plane) / 3e-3;
+    assert!((elastic_velocity(&solved).reversal / exact - 1.0).abs() < 1e-4);
+    // A slender block sways like a beam under the friction force and the moment of its pressure, by bending and shear,
+    // and a reversal turns twice that over.
+    let solved = solve(&[("punch.height", 0.3), ("strip.body", 1.0)]);
+    let force = 0.25 * solved.mean() * 0.06;
+    let moment = solved.cells.moment(&solved.state.strokes[0].pressure);
+    let stiffness: f64 = 200e9 / 0.91 * 0.06f64.powi(3) / 12.0;
+    let bending = (force * 0.3f64.powi(3) / 3.0 - moment * 0.3f64.powi(2) / 2.0) / stiffness;
+    let sway = bending + force * 0.3 / (5.0 / 6.0 * 200e9 / 2.6 * 0.06);
+    let found = elastic_velocity(&solved).reversal;
+    assert!((found / (2.0 * sway / 3e-3) - 1.0).abs() < 0.02, "{found} {}", 2.0 * sway / 3e-3);
+}
+
+#[test]
+fn wear_within_a_stroke_moves_the_pressure_of_a_winkler_foundation() {
+    // Force and moment balance: p+- = pm (1 +- 3 mu H x/a^2) on independent springs while below 2 pm.
+    let solved = solve(&[
+        ("punch.body", 1.0),
+        ("strip.body", 2.0),
+        ("strip.foundation_stiffness", 1e12),
+        ("holder.constraint", 2.0),
+        ("holder.pivot_height", 0.02),
+    ]);
+    let elastic = elastic_velocity(&solved);
+    // d = 3 mu H P x/(2 a^3), the whole of it worn like a rigid rotation: no change within the stroke.
+    let jump = 2.0 * 1.5 * 0.25 * 0.02 * (10e3 / 0.01) / 0.03f64.powi(3) / 1e12;
+    assert!((elastic.pivot / (0.02 * jump / 3e-3) - 1.0).abs() < 3e-3, "{}", elastic.pivot);
+    assert!(elastic.normal_within_stroke < 1e-6 * 3.9e-14 * solved.mean());
+    // Springs do not move along x.
+    assert_eq!((elastic.reversal, elastic.mean_strain, elastic.within_stroke), (0.0, 0.0, 0.0));
+    // A punch of the second power wears unevenly within a stroke, and the springs take up what differs.
+    let solved = solve(&[
+        ("punch.body", 1.0),
+        ("strip.body", 2.0),
+        ("strip.foundation_stiffness", 1e12),
+        ("punch.wear_pressure_exponent", 2.0),
+        ("holder.constraint", 2.0),
+        ("holder.pivot_height", 0.02),
+    ]);
+    assert!(elastic_velocity(&solved).normal_within_stroke > 1e-3 * 3.9e-14 * solved.mean());
 }

@@ -3,12 +3,12 @@
 mod batch;
 mod bench;
 mod package;
-#[allow(dead_code, reason = "charts come with the commands that draw")]
 mod plot;
 mod project;
 mod python;
 mod run;
 mod scenes;
+mod steady;
 mod tables;
 mod test;
 mod verify;
@@ -31,6 +31,7 @@ enum Command {
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
+    Steady(steady::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
     Batch(batch::Arguments),
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Test(arguments) => test::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Steady(arguments) => steady::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Batch(arguments) => batch::execute(&arguments),

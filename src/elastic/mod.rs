@@ -13,6 +13,7 @@ pub mod mean;
 pub mod scene;
 mod strip;
 mod strip_kernel;
+pub mod tangential;
 mod winkler;
 
 pub use cells::{Cells, MAXIMUM_CELLS};

@@ -77,6 +77,24 @@ impl StripKernel {
         }
     }
 
+    /// Tangential kernel less the normal one, Theta(u) - Phi(u), u > 0: the shear traction `cos q x` moves the surface
+    /// along x by `(1-nu)/(G q) Theta(u) cos q x`,
+    ///
+    /// ```text
+    /// bonded: Theta = (2 kappa sinh 2u + 4u)/(2 kappa cosh 2u + 1 + kappa^2 + 4u^2)
+    /// smooth: Theta = (cosh 2u + 1)/(sinh 2u + 2u)
+    /// ```
+    ///
+    /// The half-plane has the same kernel for both, so the difference decays like `u exp(-2u)`. On a smooth base it
+    /// grows like `1/(2u)` for u -> 0: nothing holds the layer against a net shear.
+    pub fn tangential_less_normal(&self, u: f64) -> f64 {
+        let e = (-2.0 * u).exp();
+        match self.base {
+            Base::Bonded => 8.0 * u * e / self.bonded_normal_denominator(u, e),
+            Base::Smooth => 2.0 * e / smooth_denominator(u, e),
+        }
+    }
+
     /// (1-2nu) Psi(u), u > 0.
     pub fn shear(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
@@ -146,12 +164,12 @@ mod tests {
 
     const NU: [f64; 4] = [0.0, 0.3, 0.45, 0.4999];
 
-    /// Surface displacements (normal into the layer per pressure, per shear) of a layer with G = 1, h = 1, from the
-    /// displacement equations alone: four exponential solutions, coefficients from the boundary conditions.
+    /// Surface displacements (normal into the layer per pressure, per shear; along x per shear) of a layer with G = 1,
+    /// h = 1, from the displacement equations alone: four exponential solutions, coefficients from the boundary conditions.
     ///
     /// With z downwards, `u_x = U(z) sin qx`, `u_z = W(z) cos qx`. Papkovich-Neuber gives the solutions
     /// `exp(-qz) (1, 1)`, `exp(-qz) (qz - kappa, qz)` for (U, W) and their images under z -> -z, W -> -W.
-    fn layer(base: Base, nu: f64, q: f64) -> (f64, f64) {
+    fn layer(base: Base, nu: f64, q: f64) -> (f64, f64, f64) {
         let kappa = 3.0 - 4.0 * nu;
         let lambda = 2.0 * nu / (1.0 - 2.0 * nu);
         // (U, W, U', W') of the four solutions at z, the growing pair referred to the base z = 1.
@@ -183,16 +201,16 @@ mod tests {
             matrix[(2, k)] = bottom[1];
             matrix[(3, k)] = if base == Base::Bonded { bottom[0] } else { stresses(bottom).1 };
         }
-        let solve = |load: Vector4<f64>| {
+        let solve = |load: Vector4<f64>, component: usize| {
             let c = matrix.lu().solve(&load).unwrap();
-            (0..4).map(|k| c[k] * solution(k, 0.0)[1]).sum::<f64>()
+            (0..4).map(|k| c[k] * solution(k, 0.0)[component]).sum::<f64>()
         };
         // Pressure p = cos: sigma_zz = -p on the surface z = 0 (z into the layer).
-        let per_pressure = solve(Vector4::new(-1.0, 0.0, 0.0, 0.0));
+        let per_pressure = solve(Vector4::new(-1.0, 0.0, 0.0, 0.0), 1);
         // Shear traction sin qx in +x acts as sigma_xz = -sin qx on a surface with outward normal -z; the response
         // -W cos qx to sin qx is the response W sin qx to cos qx, shifted by a quarter wave.
-        let per_shear = -solve(Vector4::new(0.0, -1.0, 0.0, 0.0));
-        (per_pressure, per_shear)
+        let shear = Vector4::new(0.0, -1.0, 0.0, 0.0);
+        (per_pressure, -solve(shear, 1), solve(shear, 0))
     }
 
     #[test]
@@ -201,13 +219,16 @@ mod tests {
             for nu in NU {
                 let kernel = StripKernel::new(base, nu);
                 for u in [0.05, 0.2, 0.49, 0.51, 1.0, 2.0, 5.0, 15.0] {
-                    let (normal, shear) = layer(base, nu, u);
+                    let (normal, shear, tangential) = layer(base, nu, u);
                     let error = (1.0 - nu) / u * kernel.normal(u) / normal - 1.0;
                     // The reference loses digits at small u and near incompressibility, by the size of lambda.
                     let bound = 1e-10 / (1.0 - 2.0 * nu).max(1e-2);
                     assert!(error.abs() < bound, "{base:?} nu {nu} u {u}: normal {error:e}");
                     let error = kernel.shear(u) / (2.0 * u) - shear;
                     assert!(error.abs() < bound, "{base:?} nu {nu} u {u}: shear {error:e}");
+                    let own = kernel.normal(u) + kernel.tangential_less_normal(u);
+                    let error = (1.0 - nu) / u * own / tangential - 1.0;
+                    assert!(error.abs() < bound, "{base:?} nu {nu} u {u}: tangential {error:e}");
                 }
             }
         }

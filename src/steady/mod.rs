@@ -7,6 +7,7 @@
 mod box_programme;
 mod cycle;
 mod one_way;
+pub mod relative_velocity;
 mod rocking;
 pub mod scene;
 mod to_and_fro;

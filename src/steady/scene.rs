@@ -10,7 +10,7 @@ use crate::elastic::scene::{load_weights, relative_radii};
 use crate::elastic::{Cells, Compliance};
 use crate::scene::{Body, Constraint, Geometry, InitialShape, MechanicalBody, Path, STATIONS, Scene};
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
-use crate::wear::line::{CellRate, Direction, WearTerm};
+use crate::wear::line::{CellRate, Coefficient, Direction, WearTerm};
 use nalgebra::{DMatrix, DVector};
 
 /// How the punch slides.
@@ -309,7 +309,7 @@ impl<'a> Contact<'a> {
             let shares = [1.0, if annular { self.scene.coverage() } else { 0.0 }];
             for (rate, share) in stroke.rates.iter().zip(shares).filter(|(_, share)| *share > 0.0) {
                 terms.extend(rate.terms.iter().map(|term| WearTerm {
-                    coefficient: term.coefficient.scaled(share * stroke.duration / total),
+                    coefficient: scaled(&term.coefficient, share * stroke.duration / total),
                     exponent: term.exponent,
                 }));
             }
@@ -430,10 +430,8 @@ fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction
         let speed = velocity.abs() * radius;
         scene.wear_acceleration * law.rate(REFERENCE_PRESSURE, speed, friction, scene.ambient_temperature)
     };
-    let term = WearTerm {
-        coefficient: radii.iter().map(at).collect::<Vec<f64>>().into(),
-        exponent: body.wear_pressure_exponent,
-    };
+    let coefficient = radii.iter().map(at).collect::<Vec<f64>>().into();
+    let term = WearTerm { coefficient, exponent: body.wear_pressure_exponent };
     let terms = if body.wear_coefficient > 0.0 { vec![term] } else { Vec::new() };
     CellRate { reference_pressure: REFERENCE_PRESSURE, terms }
 }
@@ -441,8 +439,15 @@ fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction
 /// The same depth per sliding distance.
 fn per_distance(rate: &CellRate, velocity: f64) -> CellRate {
     let slower = |term: &WearTerm| WearTerm {
-        coefficient: term.coefficient.scaled(1.0 / velocity.abs()),
+        coefficient: scaled(&term.coefficient, 1.0 / velocity.abs()),
         exponent: term.exponent,
     };
     CellRate { reference_pressure: rate.reference_pressure, terms: rate.terms.iter().map(slower).collect() }
+}
+
+fn scaled(coefficient: &Coefficient, factor: f64) -> Coefficient {
+    match coefficient {
+        Coefficient::Uniform(value) => Coefficient::Uniform(factor * value),
+        Coefficient::PerCell(values) => Coefficient::PerCell(values.iter().map(|value| factor * value).collect()),
+    }
 }

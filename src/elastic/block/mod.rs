@@ -31,6 +31,7 @@ pub mod half_plane;
 pub mod lobatto;
 pub mod mechanical;
 pub mod mesh;
+pub mod tangential;
 #[cfg(test)]
 mod tests;
 pub mod thermal;

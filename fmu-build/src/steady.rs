@@ -1,0 +1,306 @@
+//! `cargo fmu steady`: the steady state of a scene, without time integration.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use sliding_contact::elastic::Cells;
+use sliding_contact::elastic::scene::{cells_for, compliances};
+use sliding_contact::scene::Scene;
+use sliding_contact::steady::relative_velocity::{RelativeVelocity, assess};
+use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
+
+use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
+use crate::scenes;
+
+/// Cells where neither the scene nor the command says how many.
+const CELLS: usize = 65;
+
+/// Compute a scene's steady state under nominal load and sliding, without time integration, print and draw it.
+///
+/// Pressure of both directions, worn shape, wear rate, wear dissipation power; and how large the parts of the relative
+/// velocity are that rigid motion leaves out. Without heat. Ends with an error that gives the reason where there is no
+/// steady state.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Scene file, or name of a built-in scene; without one the stock scene.
+    scene: Option<String>,
+    /// Print the state as JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Cells of the contact line; by default the scene's, or 65.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1025))]
+    cells: Option<u16>,
+    /// Speed of the backward half-stroke, in m/s, where it is not the nominal velocity.
+    #[arg(long, value_name = "M_PER_S")]
+    return_speed: Option<f64>,
+    /// Draw pressure and shape as SVG into this file.
+    #[arg(short, long, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
+}
+
+/// A solved scene.
+struct Solved {
+    name: String,
+    scene: Scene,
+    cells: Cells,
+    state: SteadyState,
+    velocity: RelativeVelocity,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    let solved = solve(arguments)?;
+    if arguments.json {
+        println!("{:#}", solved.record());
+    } else {
+        print!("{}", solved.table());
+    }
+    if let Some(path) = &arguments.output {
+        solved.figure().write(path)?;
+        if !arguments.json {
+            println!("drawn in {}", path.display());
+        }
+    }
+    Ok(())
+}
+
+fn solve(arguments: &Arguments) -> Result<Solved> {
+    let packaged = scenes::load(arguments.scene.as_deref())?.packaged;
+    let scene = Scene::new(&packaged.starts, None)?;
+    let own = if scene.cells > 0 { scene.cells } else { CELLS };
+    let cells = cells_for(&scene, arguments.cells.map_or(own, usize::from))?;
+    let mut sliding = Sliding::nominal(&scene);
+    if let (Some(speed), Sliding::ToAndFro { speeds, .. }) = (arguments.return_speed, &mut sliding) {
+        speeds[1] = speed;
+    }
+    let bodies = compliances(&scene, &cells)?;
+    let name = packaged.name;
+    let state = steady_state(&scene, &cells, &bodies, &sliding).with_context(|| format!("the scene {name}"))?;
+    let velocity = assess(&scene, &cells, &bodies, &state)?;
+    Ok(Solved { name, scene, cells, state, velocity })
+}
+
+fn direction(stroke: &SteadyStroke) -> &'static str {
+    if stroke.velocity < 0.0 { "backward" } else { "forward" }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+impl Solved {
+    fn kind(&self) -> &'static str {
+        match (self.state.kind, self.state.strokes.len()) {
+            (SteadyKind::RunIn, 1) => "run in, sliding one way",
+            (SteadyKind::RunIn, _) => "run in, sliding to and fro",
+            (SteadyKind::Groove, _) => "steady groove of the wearing strip, sliding one way",
+            (SteadyKind::Elastic, _) => "elastic: even wear of a closed path reshapes nothing",
+        }
+    }
+
+    fn mean_pressure(&self) -> f64 {
+        self.scene.nominal_load / (self.scene.count * self.scene.contact_area())
+    }
+
+    /// Pressure at the -x and +x edge.
+    fn edges(&self, stroke: &SteadyStroke) -> [f64; 2] {
+        let half_width = self.cells.half_width();
+        [-half_width, half_width].map(|x| self.cells.point_value(&stroke.pressure, x).max(0.0))
+    }
+
+    fn record(&self) -> Value {
+        let stroke = |stroke: &SteadyStroke| {
+            json!({
+                "direction": direction(stroke),
+                "velocity": stroke.velocity,
+                "duration": stroke.duration,
+                "friction": stroke.friction,
+                "pressure": stroke.pressure,
+                "pressure_max": largest(&stroke.pressure),
+                "pressure_edges": self.edges(stroke),
+                "approach": stroke.approach,
+                "tilt": stroke.tilt,
+            })
+        };
+        let elastic = self.velocity.elastic.as_ref().map(|elastic| {
+            json!({
+                "mean_strain": elastic.mean_strain,
+                "largest_strain": elastic.largest_strain,
+                "reversal": elastic.reversal,
+                "pivot": elastic.pivot,
+                "within_stroke": elastic.within_stroke,
+                "normal_within_stroke": elastic.normal_within_stroke,
+            })
+        });
+        json!({
+            "scene": self.name,
+            "kind": self.kind(),
+            "load": self.scene.nominal_load,
+            "pressure_mean": self.mean_pressure(),
+            "x": self.cells.centres(),
+            "widths": self.cells.widths(),
+            "strokes": self.state.strokes.iter().map(stroke).collect::<Vec<_>>(),
+            "shape": self.state.shape,
+            "groove": self.state.groove,
+            "punch_wear_rate": self.state.punch_wear_rate,
+            "volume_rates": self.state.volume_rates,
+            "wear_dissipation_power": self.state.dissipation_power,
+            "friction_power": self.state.friction_power,
+            "relative_velocity": { "wear": self.velocity.wear, "elastic": elastic },
+        })
+    }
+
+    fn table(&self) -> String {
+        let state = &self.state;
+        let mut lines = vec![
+            ("scene".to_owned(), format!("{}, {} cells", self.name, self.cells.count())),
+            ("state".to_owned(), self.kind().to_owned()),
+            ("load, N".to_owned(), format!("{}", self.scene.nominal_load)),
+            ("mean pressure, MPa".to_owned(), format!("{:.4}", 1e-6 * self.mean_pressure())),
+        ];
+        for stroke in &state.strokes {
+            let [left, right] = self.edges(stroke);
+            let name = direction(stroke);
+            lines.extend([
+                (format!("{name}: peak pressure, MPa"), format!("{:.4}", 1e-6 * largest(&stroke.pressure))),
+                (format!("{name}: pressure at -x, +x edge, MPa"), format!("{:.4}, {:.4}", 1e-6 * left, 1e-6 * right)),
+                (format!("{name}: approach, um"), format!("{:.4}", 1e6 * stroke.approach)),
+                (format!("{name}: tilt, urad"), format!("{:.4}", 1e6 * stroke.tilt)),
+            ]);
+        }
+        if let [forward, backward] = &state.strokes[..] {
+            let jump = |value: f64| format!("{:.4}", 1e6 * value);
+            lines.push(("jump of the approach, um".into(), jump(forward.approach - backward.approach)));
+            lines.push(("jump of the tilt, urad".into(), jump(forward.tilt - backward.tilt)));
+        }
+        let range = |values: &[f64]| 1e6 * (largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min));
+        lines.extend([
+            ("range of the punch's shape, um".into(), format!("{:.4}", range(&state.shape))),
+            ("depth of the strip's groove, um".into(), format!("{:.4}", range(&state.groove))),
+            ("wear rate of the punch, nm/s".into(), format!("{:.4e}", 1e9 * state.punch_wear_rate)),
+            ("wear of punch, strip, mm3/s".into(), {
+                format!("{:.4e}, {:.4e}", 1e9 * state.volume_rates[0], 1e9 * state.volume_rates[1])
+            }),
+            ("wear dissipation power, W".into(), format!("{:.4e}", state.dissipation_power)),
+            ("friction power, W".into(), format!("{:.4}", state.friction_power)),
+        ]);
+        let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+        let mut text: String = lines.iter().map(|(name, value)| format!("{name:<width$}  {value}\n")).collect();
+        text.push_str("relative velocity beyond the rigid motion, as a share of it\n");
+        for (name, value) in self.neglected() {
+            text.push_str(&format!("  {name:<0$}  {value:.2e}\n", width.saturating_sub(2)));
+        }
+        text
+    }
+
+    fn neglected(&self) -> Vec<(&'static str, f64)> {
+        let mut parts = vec![("wear, normal to it", self.velocity.wear)];
+        if let Some(elastic) = &self.velocity.elastic {
+            parts.extend([
+                ("strain of the strip's surface, mean", elastic.mean_strain),
+                ("strain of the strip's surface, |x| < .9 a", elastic.largest_strain),
+                ("turned over by a reversal, elastic", elastic.reversal),
+                ("turned over by a reversal, pivot", elastic.pivot),
+                ("elastic within a stroke", elastic.within_stroke),
+                ("elastic within a stroke, normal to it", elastic.normal_within_stroke),
+            ]);
+        }
+        parts
+    }
+
+    fn figure(&self) -> Figure {
+        let x: Vec<f64> = self.cells.centres().iter().map(|x| 1e3 * x).collect();
+        let over = |values: &[f64], unit: f64| x.iter().zip(values).map(|(&x, v)| (x, unit * v)).collect::<Vec<_>>();
+        let half_width = 1e3 * self.cells.half_width();
+        let axis = || {
+            let along = self.scene.geometry == sliding_contact::scene::Geometry::Annular;
+            Axis::new(if along { "radius less the mean one, mm" } else { "x along the sliding direction, mm" })
+                .over(-half_width, half_width)
+        };
+        let mean = 1e-6 * self.mean_pressure();
+        let mut pressures: Vec<Series> = Vec::new();
+        for (index, stroke) in self.state.strokes.iter().enumerate() {
+            let name = if stroke.velocity < 0.0 { "backward, v < 0" } else { "forward, v > 0" };
+            let mark = if index == 0 { Mark::Line } else { Mark::Dashes };
+            pressures.push(Series::line(name, over(&stroke.pressure, 1e-6)).with(mark));
+        }
+        pressures.push(Series::line("mean", vec![(-half_width, mean), (half_width, mean)]).coloured(6));
+        let most = self.state.strokes.iter().map(|stroke| 1e-6 * largest(&stroke.pressure)).fold(0.0, f64::max);
+        // Contact without wear of the punch is singular at its edges.
+        let top = (1.06 * most).min(4.0 * mean);
+        let pressure = Axis::new("pressure, MPa").over(-0.04 * top, top);
+        let mut shapes = vec![Series::line("punch", over(&self.state.shape, 1e6))];
+        if self.state.groove.iter().any(|depth| *depth > 0.0) {
+            shapes.push(Series::line("groove of the strip", over(&self.state.groove, 1e6)).with(Mark::Dashes));
+        }
+        let header = vec![
+            format!(
+                "{}; load {} N, mean pressure {:.4} MPa, {} cells",
+                self.kind(),
+                self.scene.nominal_load,
+                mean,
+                self.cells.count()
+            ),
+            format!(
+                "wear rate of the punch {:.3e} nm/s, wear dissipation power {:.3e} W, friction power {:.4} W",
+                1e9 * self.state.punch_wear_rate,
+                self.state.dissipation_power,
+                self.state.friction_power
+            ),
+        ];
+        let shape_axis = Axis::new("depth of the unloaded surface, um");
+        let panels = vec![
+            Panel::new("Pressure", axis(), pressure, pressures).with_legend(Legend::Bottom),
+            Panel::new("Worn shape", axis(), shape_axis, shapes).with_legend(Legend::Bottom),
+        ];
+        Figure::new(format!("Steady state of {}", self.name), panels).with_header(header)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn arguments(scene: &str) -> Arguments {
+        Arguments { scene: Some(scene.to_owned()), json: false, cells: Some(33), return_speed: None, output: None }
+    }
+
+    #[test]
+    fn the_reciprocating_punch_is_printed_recorded_and_drawn() {
+        let solved = solve(&arguments("reciprocating_punch")).unwrap();
+        let table = solved.table();
+        for text in
+            ["run in, sliding to and fro", "forward: peak pressure, MPa            33.3333", "jump of the approach"]
+        {
+            assert!(table.contains(text), "{text} is missing in\n{table}");
+        }
+        let record = solved.record();
+        assert_eq!(record["strokes"][1]["direction"], "backward");
+        assert_eq!(record["x"].as_array().unwrap().len(), 33);
+        assert!(record["relative_velocity"]["elastic"]["reversal"].as_f64().unwrap() > 0.0);
+        let drawing = solved.figure().svg().unwrap();
+        assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
+    }
+
+    #[test]
+    fn a_scene_without_a_steady_state_is_refused_with_the_reason() {
+        let mut wearing = arguments("reciprocating_punch");
+        wearing.return_speed = Some(-1.0);
+        let error = format!("{:#}", solve(&wearing).err().unwrap());
+        assert!(error.contains("reciprocating_punch") && error.contains("sliding speed = -1"), "{error}");
+    }
+
+    #[test]
+    fn every_built_in_scene_has_a_steady_state_or_says_why_not() {
+        for name in scenes::names() {
+            match solve(&arguments(&name)) {
+                Ok(solved) => assert!(solved.table().contains(&name)),
+                Err(error) => assert!(format!("{error:#}").contains("no "), "{name}: {error:#}"),
+            }
+        }
+    }
+}
