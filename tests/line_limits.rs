@@ -1,20 +1,48 @@
 //! Where contact and wear methods tend to fail: each case says what must come out.
 
-use sliding_contact::contact::{Normal, Tilt, pair_compliance};
+use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
 use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip};
-use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, Scheme, WearTerm, WearingContact};
+use sliding_contact::wear::line::{CellRate, Conditions, Integrator, Report, Scheme, StepError, WearingContact};
 
 fn half_plane(cells: &Cells) -> Compliance {
     HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(cells)
 }
 
+/// A rigid punch on a strip. The friction coefficient is put into the shear coupling: its sign is what conditions give.
 fn contact(cells: &Cells, strip: &Compliance, friction: f64, gap: Vec<f64>) -> WearingContact {
-    let pair = |signed| pair_compliance(&Rigid.compliance(cells), strip, signed);
-    WearingContact::new(cells, pair(friction), pair(-friction), gap).unwrap()
+    let (normal, shear) = pair_operators(&Rigid.compliance(cells), strip);
+    WearingContact::new(cells, cells.widths(), normal, shear * friction, gap).unwrap()
 }
 
-fn power_rate(count: usize, exponent: f64) -> CellRate {
-    CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: vec![1.0; count], exponent }] }
+/// One step, returning the state at its end.
+fn step(
+    integrator: &mut Integrator,
+    contact: &mut WearingContact,
+    worn: &mut [f64],
+    [time, length]: [f64; 2],
+    conditions: &dyn Fn(f64) -> Conditions,
+) -> Result<ContactState, StepError> {
+    let mut state = ContactState::new(worn.len());
+    integrator.step(contact, worn, time, length, &mut |t, c| *c = conditions(t), &mut state)?;
+    Ok(state)
+}
+
+/// Steps chosen by the error control, returning the state at the end.
+fn advance(
+    integrator: &mut Integrator,
+    contact: &mut WearingContact,
+    worn: &mut [f64],
+    [time, duration]: [f64; 2],
+    conditions: &dyn Fn(f64) -> Conditions,
+) -> (ContactState, Report) {
+    let mut state = ContactState::new(worn.len());
+    let report =
+        integrator.advance(contact, worn, time, duration, &mut |t, c| *c = conditions(t), &mut state).unwrap();
+    (state, report)
+}
+
+fn power_rate(exponent: f64) -> CellRate {
+    CellRate::uniform(1.0, 1.0, exponent)
 }
 
 #[test]
@@ -25,10 +53,10 @@ fn load_crossing_zero_in_both_directions() {
     let mut contact = contact(&cells, &half_plane(&cells), 0.3, vec![0.0; 17]);
     let load = |time: f64| (1.0 + 2.0 * (5.0 * time).sin()).max(0.0);
     let conditions = |time: f64| Conditions {
-        direction: Direction::Forward,
+        signed_friction: 1.0,
         normal: Normal::Load(load(time)),
         tilt: Tilt::ResultantAt(0.1),
-        rate: CellRate::archard(17, 1.0, 1.0),
+        rate: CellRate::archard(1.0, 1.0),
     };
     let mut worn = vec![0.0; 17];
     let integrator = Integrator::new(Scheme::Sdirk2, 1.0);
@@ -56,13 +84,12 @@ fn a_reversal_in_each_of_a_hundred_steps() {
         let integrator = Integrator::new(Scheme::Sdirk2, 1.0);
         let mut last = Vec::new();
         for step in 0..100 {
-            let direction = if step % 2 == 0 { Direction::Forward } else { Direction::Backward };
             let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
             let conditions = Conditions {
-                direction,
+                signed_friction: sign,
                 normal: Normal::Load(2.0),
                 tilt: Tilt::ResultantAt(0.2 * sign),
-                rate: power_rate(33, exponent),
+                rate: power_rate(exponent),
             };
             let before = worn.clone();
             integrator.step(&mut contact, &mut worn, 0.0, 0.02, &|_| conditions.clone()).unwrap();
@@ -93,10 +120,10 @@ fn nearly_incompressible_layers_and_wide_pads() {
         let compliance = strip.compliance(&cells);
         let mut contact = contact(&cells, &compliance, 0.3, vec![0.0; 33]);
         let conditions = Conditions {
-            direction: Direction::Forward,
+            signed_friction: 1.0,
             normal: Normal::Load(2.0),
             tilt: Tilt::Fixed(0.0),
-            rate: power_rate(33, 1.0),
+            rate: power_rate(1.0),
         };
         let fresh = contact.pressure(&[0.0; 33], &conditions).unwrap();
         assert!((cells.integral(&fresh.pressure) - 2.0).abs() < 1e-9);
@@ -117,10 +144,10 @@ fn one_cell_and_one_cell_in_contact() {
     let single = Cells::graded(1.0, 1).unwrap();
     let mut contact_of_one = contact(&single, &half_plane(&single), 0.3, vec![0.0]);
     let conditions = |count| Conditions {
-        direction: Direction::Backward,
+        signed_friction: -1.0,
         normal: Normal::Load(2.0),
         tilt: Tilt::Fixed(0.0),
-        rate: power_rate(count, 0.5),
+        rate: power_rate(0.5),
     };
     let mut worn = vec![0.0];
     let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3);
@@ -145,12 +172,12 @@ fn a_punch_that_rocks_itself_round() {
     let mut worn = vec![0.0; 33];
     let mut roundness = Vec::new();
     for cycle in 0..200 {
-        for (direction, lever) in [(Direction::Forward, 0.7), (Direction::Backward, -0.7)] {
+        for (sign, lever) in [(1.0, 0.7), (-1.0, -0.7)] {
             let conditions = Conditions {
-                direction,
+                signed_friction: sign,
                 normal: Normal::Load(2.0),
                 tilt: Tilt::ResultantAt(lever),
-                rate: power_rate(33, 1.0),
+                rate: power_rate(1.0),
             };
             let state = integrator.step(&mut contact, &mut worn, 0.0, 0.5, &|_| conditions.clone()).unwrap().0;
             assert!((cells.moment(&state.pressure) / 2.0 - lever).abs() < 1e-10);

@@ -1,7 +1,7 @@
 //! Direct steady states against closed forms, against time stepping, and as the minima they are said to be.
 
 use nalgebra::DVector;
-use sliding_contact::contact::{Normal, Tilt, pair_compliance};
+use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
 use sliding_contact::elastic::{
     Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler,
 };
@@ -23,8 +23,8 @@ fn layer(cells: &Cells) -> Compliance {
     Strip::new(material, 0.8, Base::Bonded, Extent::Straight).unwrap().compliance(cells)
 }
 
-fn power_rate(count: usize, exponent: f64) -> CellRate {
-    CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: vec![1.0; count], exponent }] }
+fn power_rate(exponent: f64) -> CellRate {
+    CellRate::uniform(1.0, 1.0, exponent)
 }
 
 struct Noise(u64);
@@ -99,15 +99,16 @@ fn direct_cycle_equals_time_stepping() {
                 wear_per_stroke,
             };
             let direct = problem.solve().unwrap();
-            let pair = |signed| pair_compliance(&punch, &strip, signed);
-            let mut contact = WearingContact::new(&cells, pair(friction), pair(-friction), vec![0.0; 33]).unwrap();
+            let (normal, shear) = pair_operators(&punch, &strip);
+            let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 33]).unwrap();
             let integrator = Integrator::new(Scheme::ImplicitEuler, 1.0);
             let mut worn = vec![0.0; 33];
             let mut half_stroke = |worn: &mut Vec<f64>, direction: Direction| {
                 let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
                 let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
-                let rate = CellRate::archard(33, wear_per_stroke, 1.0);
-                let conditions = Conditions { direction, normal: Normal::Load(LOAD), tilt, rate };
+                let rate = CellRate::archard(wear_per_stroke, 1.0);
+                let signed_friction = direction.signed_friction(friction);
+                let conditions = Conditions { signed_friction, normal: Normal::Load(LOAD), tilt, rate };
                 let before = worn.clone();
                 let state = integrator.step(&mut contact, worn, 0.0, 1.0, &|_| conditions.clone()).unwrap().0;
                 let mean: Vec<f64> = worn.iter().zip(&before).map(|(a, b)| (a - b) / wear_per_stroke).collect();
@@ -148,15 +149,15 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
             wear_per_stroke: 0.0,
         };
         let cycle = problem.solve().unwrap();
-        let pair = |signed| pair_compliance(&punch, &strip, signed);
-        let mut contact = WearingContact::new(&cells, pair(friction), pair(-friction), vec![0.0; 65]).unwrap();
+        let (normal, shear) = pair_operators(&punch, &strip);
+        let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 65]).unwrap();
         for (direction, sign, expected) in
             [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
         {
             // A punch that cannot rotate keeps the tilt of the shape's gauge, here none.
             let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
             let conditions =
-                Conditions { direction, normal: Normal::Load(LOAD), tilt, rate: CellRate::archard(65, 0.0, 0.0) };
+                Conditions { signed_friction: sign * friction, normal: Normal::Load(LOAD), tilt, rate: CellRate::archard(0.0, 0.0) };
             let state = contact.pressure(&cycle.shape, &conditions).unwrap();
             for (computed, expected) in state.pressure.iter().zip(expected) {
                 assert!((computed - expected).abs() < 1e-9, "{direction:?}: {computed} {expected}");
@@ -209,12 +210,12 @@ fn one_way_closed_forms() {
     let cells = Cells::graded(0.5, 65).unwrap();
     let run_in = |rate: &CellRate, tilt| punch_run_in(&cells, cells.widths(), rate, 1.0, tilt).unwrap();
     for exponent in [0.3, 1.0, 3.0] {
-        let state = run_in(&power_rate(65, exponent), Tilt::Fixed(0.3));
+        let state = run_in(&power_rate(exponent), Tilt::Fixed(0.3));
         assert!(state.pressure.iter().all(|p| (p - 1.0).abs() < 1e-14), "b {exponent}");
         assert!((state.sinking_rate - 1.0).abs() < 1e-13 && (state.dissipation - 1.0).abs() < 1e-13);
     }
     for lever in [0.1, -1.0 / 6.0] {
-        let state = run_in(&power_rate(65, 1.0), Tilt::ResultantAt(lever));
+        let state = run_in(&power_rate(1.0), Tilt::ResultantAt(lever));
         for (x, p) in cells.centres().iter().zip(&state.pressure) {
             // The second moment of 65 cells of constant pressure falls short of L^3/12 by its cells' own.
             assert!((p - one_way_rotating_pressure(*x, lever, 1.0)).abs() < 2e-3, "{lever} {x}");
@@ -225,7 +226,7 @@ fn one_way_closed_forms() {
     let weights: Vec<f64> = cells.widths().iter().zip(&relative).map(|(c, r)| c * r).collect();
     for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5), (0.0, 1.0)] {
         let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
-        let rate = CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient, exponent: b }] };
+        let rate = CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: coefficient.into(), exponent: b }] };
         let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).unwrap();
         for (x, p) in cells.centres().iter().zip(&state.pressure) {
             let error = p / annular_pressure(1.5 + x, LOAD, (1.0, 2.0), (a, b)) - 1.0;
@@ -238,13 +239,13 @@ fn one_way_closed_forms() {
 fn one_way_equals_time_stepping() {
     let cells = Cells::graded(1.0, 33).unwrap();
     for exponent in [0.3, 0.6, 1.0, 1.7, 3.0] {
-        let rate = power_rate(33, exponent);
+        let rate = power_rate(exponent);
         let tilt = Tilt::ResultantAt(0.15);
         let direct = punch_run_in(&cells, cells.widths(), &rate, LOAD, tilt).unwrap();
-        let pair = |signed| pair_compliance(&Rigid.compliance(&cells), &layer(&cells), signed);
+        let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &layer(&cells));
         let gap: Vec<f64> = cells.centres().iter().map(|x| 0.1 * x * x).collect();
-        let mut contact = WearingContact::new(&cells, pair(0.2), pair(-0.2), gap.clone()).unwrap();
-        let conditions = Conditions { direction: Direction::Forward, normal: Normal::Load(LOAD), tilt, rate };
+        let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, gap.clone()).unwrap();
+        let conditions = Conditions { signed_friction: 0.2, normal: Normal::Load(LOAD), tilt, rate };
         let integrator = Integrator::new(Scheme::ImplicitEuler, 1.0);
         let mut worn = vec![0.0; 33];
         for step in 0..60 {
@@ -253,7 +254,7 @@ fn one_way_equals_time_stepping() {
         }
         let stepped = contact.pressure(&worn, &conditions).unwrap();
         // The direct shape, put into the contact, gives the direct pressure.
-        let shape = direct.shape(&gap, contact.compliance(Direction::Forward));
+        let shape = direct.shape(&gap, contact.compliance(0.2));
         let on_shape = contact.pressure(&shape, &conditions).unwrap();
         for i in 0..33 {
             let error = (stepped.pressure[i] - direct.pressure[i]).abs();
@@ -269,7 +270,7 @@ fn one_way_pressure_minimises_the_wear_dissipation_power() {
     let (x, w) = (cells.centres(), cells.widths());
     let mut noise = Noise(3);
     for exponent in [0.5, 1.0, 2.0] {
-        let rate = power_rate(33, exponent);
+        let rate = power_rate(exponent);
         // A lever at which part of the contact is empty, for the bound as well.
         let state = punch_run_in(&cells, w, &rate, LOAD, Tilt::ResultantAt(0.45)).unwrap();
         let power = |p: &DVector<f64>| (0..33).map(|i| w[i] * p[i] * rate.rate(i, p[i])).sum::<f64>();
@@ -300,8 +301,7 @@ fn groove_on_a_winkler_foundation() {
     let cells = Cells::graded(1.0, 129).unwrap();
     let winkler = Winkler::new(2.0).unwrap().compliance(&cells).normal;
     for exponent in [0.5, 1.0, 2.0] {
-        let rate =
-            CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: vec![0.3; 129], exponent }] };
+        let rate = CellRate::uniform(1.0, 0.3, exponent);
         for direction in [Direction::Forward, Direction::Backward] {
             let gap = vec![0.0; 129];
             let load = Normal::Load(1.0);
@@ -351,9 +351,9 @@ fn states_that_do_not_exist_are_refused() {
     assert_eq!(can_run_in_to_and_fro(true, true, false), Err(SteadyError::WearingStripToAndFro));
     assert_eq!(can_run_in_to_and_fro(false, true, true), Err(SteadyError::NothingWears));
     assert_eq!(can_run_in_to_and_fro(false, false, false), Err(SteadyError::NothingWears));
-    let lifted = punch_run_in(&cells, cells.widths(), &power_rate(33, 1.0), LOAD, Tilt::ResultantAt(1.0));
+    let lifted = punch_run_in(&cells, cells.widths(), &power_rate(1.0), LOAD, Tilt::ResultantAt(1.0));
     assert!(matches!(lifted, Err(SteadyError::Tipping { .. })));
-    let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(33, 0.0, 1.0), LOAD, Tilt::Fixed(0.0));
+    let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(0.0, 1.0), LOAD, Tilt::Fixed(0.0));
     assert_eq!(nothing, Err(SteadyError::NothingWears));
     for load in [0.0, -1.0, f64::NAN] {
         assert!(matches!(
@@ -377,7 +377,7 @@ fn cycle_problem<'a>(
 #[test]
 fn general_cycle_is_the_programme_for_the_archard_law() {
     let cells = Cells::graded(1.0, 65).unwrap();
-    let (punch, strip, rate) = (Rigid.compliance(&cells), layer(&cells), power_rate(65, 1.0));
+    let (punch, strip, rate) = (Rigid.compliance(&cells), layer(&cells), power_rate(1.0));
     for pivot_height in [None, Some(0.5), Some(1.4)] {
         let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, [1.0; 2]).solve().unwrap();
         let problem = ToAndFroProblem {
@@ -405,7 +405,7 @@ fn general_cycles_wear_evenly_and_give_their_pressures() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
     for exponent in [0.3, 0.5, 0.8, 1.0, 1.5, 3.0] {
-        let rate = power_rate(33, exponent);
+        let rate = power_rate(exponent);
         for (pivot_height, durations) in [
             (None, [1.0, 1.0]),
             (None, [1.0, 0.3]),
@@ -424,7 +424,6 @@ fn general_cycles_wear_evenly_and_give_their_pressures() {
                 assert!((depth / rigid - 1.0).abs() < 1e-9, "{case} cell {i}: {depth} {rigid}");
             }
             // The shape alone, put into the contact, must give both pressures, clipped edges included.
-            let pair = |signed| pair_compliance(&punch, &strip, signed);
             let mut contact = WearingContact::new(&cells, pair(0.3), pair(-0.3), vec![0.0; 33]).unwrap();
             for (direction, sign, expected) in
                 [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
@@ -446,7 +445,7 @@ fn general_cycle_that_rocks_itself_round_is_refused() {
     let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
     // mu H = .6 a: beyond a/2 for b = 1 and beyond .54 a for b = .5; .52 a exists for b = .5 alone.
     for (exponent, height, exists) in [(1.0, 2.0, false), (0.5, 2.0, false), (0.5, 0.52 / 0.3, true)] {
-        let rate = power_rate(33, exponent);
+        let rate = power_rate(exponent);
         let outcome = cycle_problem(&cells, [&punch, &strip], &rate, Some(height), [1.0; 2]).solve();
         match outcome {
             Ok(_) => assert!(exists, "b {exponent} height {height}"),

@@ -1,9 +1,11 @@
 //! Unilateral contact on the cells: pressure, gap, approach and tilt together.
 
-use super::lemke;
+use super::dense;
+use super::factors::{Factors, Key};
+use super::lemke::Pivoting;
 use super::problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};
 use crate::elastic::{Cells, Compliance};
-use nalgebra::{DMatrix, DVector, Dyn, LU};
+use nalgebra::DMatrix;
 
 /// Compliance of the pair of bodies per pressure, `C + s mu S`: friction acts with `s mu p` on the strip and with
 /// `-s mu p` on the punch. `signed_friction` is `s mu`, 0 without shear coupling.
@@ -15,10 +17,30 @@ pub fn pair_compliance(punch: &Compliance, strip: &Compliance, signed_friction: 
     matrix
 }
 
+/// Normal compliance C of the pair per pressure, and the displacement S per friction traction `s mu p`: N x N, m/Pa.
+pub fn pair_operators(punch: &Compliance, strip: &Compliance) -> (DMatrix<f64>, DMatrix<f64>) {
+    (&punch.normal + &strip.normal, &strip.shear - &punch.shear)
+}
+
 /// Active sets tried before complementary pivoting takes over. Contacts met so far need at most 12.
 const ITERATION_LIMIT: usize = 40;
 /// Pressure and gap of the wrong sign that count as zero, relative to the largest of the solution.
 const SIGN_TOLERANCE: f64 = 1e-12;
+
+/// One contact problem; see [`ContactSolver`].
+#[derive(Clone, Copy, Debug)]
+pub struct ContactProblem<'a> {
+    /// Gap that the undeformed bodies have at zero approach and tilt, N cell means, in m.
+    pub gap: &'a [f64],
+    /// s mu: which compliance `C + s mu S` holds.
+    pub signed_friction: f64,
+    /// Local compliance that comes on top, wear depth per pressure, N values, m/Pa, >= 0.
+    pub diagonal: &'a [f64],
+    /// Load, approach or spring.
+    pub normal: Normal,
+    /// Tilt, or the lever of the resultant.
+    pub tilt: Tilt,
+}
 
 /// Solver of
 ///
@@ -26,61 +48,86 @@ const SIGN_TOLERANCE: f64 = 1e-12;
 /// gap = g + A p - delta - theta x >= 0,   p >= 0,   p gap = 0,   sum w p = P,   sum w (x - e) p = 0
 /// ```
 ///
-/// on N cells, `A` the compliance (N x N, not symmetric with friction, a wear diagonal included where there is one),
-/// `w` the cell widths (times `r/r_m` on an annulus), P the load per depth, e the lever; or approach and tilt given.
+/// on N cells, `A = C + s mu S + E + T diag(d)` the compliance (N x N, not symmetric with friction; E an extra matrix, d
+/// wear, T its operator, the identity unless set), `w` the cell widths (times `r/r_m` on an annulus), P the load per
+/// depth, e the lever; or approach and tilt given.
 ///
 /// Primal-dual active set (a semismooth Newton method): the equations of the cells assumed in contact are solved
-/// exactly, then cells in tension leave and cells that penetrate enter, until nothing changes. It starts from the
-/// last active set and keeps the last factorisation, so that an unchanged status costs one back-substitution, `2 N^2`
-/// operations. Newton steps between finitely many sets may run in a circle, so after a set returns (or 40 sets)
-/// Lemke's algorithm with the lexicographic rule takes over; see [`lemke`] for why that ends. `w_i A_ij` is positive
-/// definite for elastic bodies whose shear coupling is antisymmetric (half-plane, strip), so there it also ends in
-/// the solution, which is unique. That does not cover a spring or a given approach together with a lever other than
-/// 0: there friction can make the equilibrium unstable, and the answer may be [`ContactError::NoEquilibrium`].
+/// exactly, then cells in tension leave and cells that penetrate enter, until nothing changes. Newton steps between
+/// finitely many sets may run in a circle, so after a set returns (or 40 sets) Lemke's algorithm with the lexicographic
+/// rule takes over; see [`lemke`](super::lemke) for why that ends. `w_i A_ij` is positive definite for elastic bodies
+/// whose shear coupling is antisymmetric (half-plane, strip), so there it also ends in the solution, which is unique.
+/// That does not cover a spring or a given approach together with a lever other than 0: there friction can make the
+/// equilibrium unstable, and the answer may be [`ContactError::NoEquilibrium`].
+///
+/// A solution depends on the problem, the matrices and the first active set alone, to the last bit. Factors of the last
+/// few compliances and contacts are kept, so that an unchanged status costs one substitution, `2 N^2` operations, also
+/// when strokes alternate. After construction nothing is allocated, except by the convenience of [`Self::solve`].
 #[derive(Clone, Debug)]
 pub struct ContactSolver {
-    positions: DVector<f64>,
-    weights: DVector<f64>,
+    positions: Vec<f64>,
+    weights: Vec<f64>,
     length: f64,
     total_weight: f64,
-    /// Compliance divided by `scale`.
-    matrix: DMatrix<f64>,
-    scale: f64,
+    factors: Factors,
+    /// First active set of [`Self::solve`].
     active: Vec<bool>,
-    factor: Option<Factor>,
+    memory: Memory,
     counter: WorkCounter,
 }
 
-/// Which unknowns stand beside the pressure; part of the key of a factorisation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Border {
-    approach_free: bool,
-    tilt_free: bool,
-    /// Scaled spring stiffness and lever.
-    spring: f64,
-    lever: f64,
+/// Unknowns of an active set, and room for the sets tried and for pivoting.
+#[derive(Clone, Debug, Default)]
+struct Memory {
+    /// Given approach and tilt taken out.
+    gap: Vec<f64>,
+    /// Pressures of the cells in contact, in their order.
+    compact: Vec<f64>,
+    pressure: Vec<f64>,
+    open_gap: Vec<f64>,
+    worn: Vec<f64>,
+    set: Vec<bool>,
+    next: Vec<bool>,
+    tried: Vec<bool>,
+    pivoting: Option<Box<Pivoting>>,
+    pivoted_matrix: Vec<f64>,
+    pivoted_right: Vec<f64>,
+    /// Approach at x = 0 and tilt.
+    approach: f64,
+    tilt: f64,
 }
 
-impl Border {
+impl Memory {
+    fn start(&mut self, problem: &ContactProblem<'_>, balance: &Balance, positions: &[f64], active: &[bool]) {
+        self.set.copy_from_slice(active);
+        for i in 0..active.len() {
+            self.gap[i] = problem.gap[i] - balance.approach - balance.tilt * positions[i];
+        }
+    }
+}
+
+/// What is balanced: free unknowns and the right-hand sides of their rows.
+#[derive(Clone, Copy, Debug)]
+struct Balance {
+    approach_free: bool,
+    tilt_free: bool,
+    /// Given approach and tilt; 0 where free.
+    approach: f64,
+    tilt: f64,
+    load: f64,
+    stiffness: f64,
+    lever: f64,
+    moment: f64,
+}
+
+impl Balance {
     fn count(&self) -> usize {
         usize::from(self.approach_free) + usize::from(self.tilt_free)
     }
 }
 
-#[derive(Clone, Debug)]
-struct Factor {
-    active: Vec<bool>,
-    border: Border,
-    lu: LU<f64, Dyn, Dyn>,
-}
-
-/// The scaled problem: lengths along x in half-widths, pressure in metres of displacement, load in mean pressure.
-struct Scaled {
-    border: Border,
-    /// Initial gap less what given approach and tilt take from it.
-    gap: DVector<f64>,
-    load: f64,
-    moment: f64,
+fn finite(quantity: &'static str, value: f64) -> Result<f64, ContactError> {
+    if value.is_finite() { Ok(value) } else { Err(ContactError::Invalid { quantity, value }) }
 }
 
 impl ContactSolver {
@@ -91,332 +138,480 @@ impl ContactSolver {
 
     /// The same with weights of the load integral other than the cell widths, in m (annular contact).
     pub fn with_weights(cells: &Cells, weights: &[f64], compliance: DMatrix<f64>) -> Result<Self, ContactError> {
-        let count = cells.count();
-        assert_eq!(weights.len(), count, "one weight per cell");
-        let mut solver = Self {
-            positions: DVector::from_column_slice(cells.centres()) / cells.half_width(),
-            weights: DVector::from_column_slice(weights) / weights.iter().sum::<f64>(),
-            length: cells.half_width(),
-            total_weight: weights.iter().sum(),
-            matrix: DMatrix::zeros(0, 0),
-            scale: 1.0,
-            active: vec![true; count],
-            factor: None,
-            counter: WorkCounter::default(),
-        };
-        solver.set_compliance(compliance)?;
-        Ok(solver)
+        let shear = DMatrix::zeros(cells.count(), cells.count());
+        Self::with_operators(cells, weights, compliance, shear)
     }
 
-    /// Replaces the compliance (N x N, m/Pa); the active set stays, the factorisation goes.
-    pub fn set_compliance(&mut self, compliance: DMatrix<f64>) -> Result<(), ContactError> {
-        let count = self.active.len();
-        assert_eq!(compliance.shape(), (count, count), "compliance is N x N");
-        if let Some(&value) = compliance.iter().find(|v| !v.is_finite()) {
-            return Err(ContactError::Invalid { quantity: "compliance", value });
-        }
-        // The softest scale of the pressure: a few cells may be stiffened by orders of magnitude (fast wear).
-        let scale = compliance.diagonal().min();
-        if scale <= 0.0 {
-            return Err(ContactError::Rigid);
-        }
-        self.matrix = compliance / scale;
-        self.scale = scale;
-        self.factor = None;
-        Ok(())
+    /// The same with the normal compliance C and the shear coupling S of the pair, N x N, m/Pa, for any friction; see
+    /// [`pair_operators`].
+    pub fn with_operators(
+        cells: &Cells,
+        weights: &[f64],
+        normal: DMatrix<f64>,
+        shear: DMatrix<f64>,
+    ) -> Result<Self, ContactError> {
+        let count = cells.count();
+        assert_eq!(weights.len(), count, "one weight per cell");
+        let memory = Memory {
+            gap: vec![0.0; count],
+            compact: vec![0.0; count],
+            pressure: vec![0.0; count],
+            open_gap: vec![0.0; count],
+            worn: vec![0.0; count],
+            set: vec![true; count],
+            next: vec![true; count],
+            tried: vec![true; count * ITERATION_LIMIT],
+            pivoting: Some(Box::new(Pivoting::new(count))),
+            pivoted_matrix: vec![0.0; (count + 2) * (count + 2)],
+            pivoted_right: vec![0.0; count + 2],
+            approach: 0.0,
+            tilt: 0.0,
+        };
+        Ok(Self {
+            positions: cells.centres().to_vec(),
+            weights: weights.to_vec(),
+            length: cells.half_width(),
+            total_weight: weights.iter().sum(),
+            factors: Factors::new(normal, shear, weights)?,
+            active: vec![true; count],
+            memory,
+            counter: WorkCounter::default(),
+        })
+    }
+
+    /// Puts an extra compliance E (N x N, m/Pa) on top of that of the bodies, or takes it away. Kept factors go;
+    /// nothing is allocated.
+    pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+        self.factors.set_extra(extra)
+    }
+
+    /// Sets the operator T (N x N) of the wear `T diag(d) p`, or makes it the identity. Kept factors go; only the first
+    /// operator allocates.
+    pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
+        self.factors.set_operator(operator);
     }
 
     /// Work done so far.
     pub fn counter(&self) -> WorkCounter {
-        self.counter
+        WorkCounter { factorisations: self.factors.factorisations, ..self.counter }
     }
 
-    /// Which cells the next solve assumes in contact at first.
+    /// Which cells the next [`Self::solve`] assumes in contact at first.
     pub fn active(&self) -> &[bool] {
         &self.active
     }
 
-    /// Sets the cells that the next solve assumes in contact at first.
+    /// Sets the cells that the next [`Self::solve`] assumes in contact at first.
     pub fn set_active(&mut self, active: &[bool]) {
         assert_eq!(active.len(), self.active.len(), "one status per cell");
         self.active.copy_from_slice(active);
     }
 
-    /// Finds the pressure for the gap that the undeformed bodies have at zero approach and tilt (N cell means, in m).
+    /// `C + s mu S + E`, N x N by columns, m/Pa.
+    pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
+        self.factors.compliance(signed_friction)
+    }
+
+    /// `target += (C + s mu S + E) pressure`, N values each.
+    pub fn add_displacement(&mut self, signed_friction: f64, pressure: &[f64], target: &mut [f64]) {
+        dense::multiply_add(self.factors.compliance(signed_friction), pressure, target);
+    }
+
+    /// `target += S traction`, N values each: what a friction traction does without its pressure.
+    pub fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
+        dense::multiply_add(self.factors.shear(), traction, target);
+    }
+
+    /// `target += T worn`, N values each.
+    pub fn add_worn(&self, worn: &[f64], target: &mut [f64]) {
+        match self.factors.operator() {
+            Some(operator) => dense::multiply_add(operator, worn, target),
+            None => target.iter_mut().zip(worn).for_each(|(t, w)| *t += w),
+        }
+    }
+
+    /// Finds the pressure for the gap that the undeformed bodies have at zero approach and tilt (N cell means, in m),
+    /// without friction or wear, from the last active set.
     ///
     /// A load of 0 gives no pressure, and the approach at which the bodies touch.
     pub fn solve(&mut self, initial_gap: &[f64], normal: Normal, tilt: Tilt) -> Result<ContactState, ContactError> {
-        assert_eq!(initial_gap.len(), self.active.len(), "one gap per cell");
+        let diagonal = vec![0.0; self.active.len()];
+        let mut state = ContactState::new(self.active.len());
+        let mut active = std::mem::take(&mut self.active);
+        let problem = ContactProblem { gap: initial_gap, signed_friction: 0.0, diagonal: &diagonal, normal, tilt };
+        let outcome = self.solve_into(&problem, &mut active, &mut state);
+        self.active = active;
+        outcome.map(|()| state)
+    }
+
+    /// Finds the pressure of a problem, from the cells assumed in contact at first; leaves there those that are.
+    ///
+    /// On an error the active set is unchanged and the state unspecified.
+    pub fn solve_into(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        active: &mut [bool],
+        state: &mut ContactState,
+    ) -> Result<(), ContactError> {
+        assert_eq!(problem.gap.len(), self.positions.len(), "one gap per cell");
+        assert_eq!(active.len(), self.positions.len(), "one status per cell");
         self.counter.solves += 1;
-        let problem = self.scaled(initial_gap, normal, tilt)?;
-        if let Some(apart) = self.apart(initial_gap, normal, tilt) {
-            return Ok(apart);
+        let balance = self.balance(problem)?;
+        if self.apart(problem, state) {
+            return Ok(());
         }
-        let mut active = self.active.clone();
-        if problem.border.count() > 0 && active.iter().filter(|a| **a).count() < problem.border.count() {
-            active.fill(true);
-        }
-        let mut tried: Vec<Vec<bool>> = Vec::new();
-        while let Some((unknowns, pressure, gap)) = self.solve_on(&active, &problem) {
-            let next = self.next_active(&active, &pressure, &gap);
-            let too_few = next.iter().filter(|a| **a).count() < problem.border.count();
-            if next == active {
-                self.active = active;
-                return Ok(self.state(&unknowns, &pressure, &gap, normal, tilt));
+        let mut memory = std::mem::take(&mut self.memory);
+        let outcome = self.search(problem, &balance, active, &mut memory);
+        if outcome.is_ok() {
+            active.copy_from_slice(&memory.set);
+            for i in 0..active.len() {
+                state.pressure[i] = if active[i] { memory.pressure[i].max(0.0) } else { 0.0 };
+                state.gap[i] = if active[i] { 0.0 } else { memory.open_gap[i].max(0.0) };
             }
-            tried.push(std::mem::replace(&mut active, next));
-            if too_few || tried.len() >= ITERATION_LIMIT || tried.contains(&active) {
+            (state.approach, state.tilt) = (memory.approach, memory.tilt);
+        }
+        self.memory = memory;
+        outcome
+    }
+
+    /// Solves the equations of the cells in `active`, whatever the signs of their pressures, N values; returns approach
+    /// and tilt.
+    pub fn solve_for_set(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        active: &[bool],
+        pressure: &mut [f64],
+    ) -> Result<(f64, f64), ContactError> {
+        let balance = self.balance(problem)?;
+        let mut memory = std::mem::take(&mut self.memory);
+        memory.start(problem, &balance, &self.positions, active);
+        let solved = self.solve_on(problem, &balance, &mut memory);
+        pressure.copy_from_slice(&memory.pressure);
+        let place = (memory.approach, memory.tilt);
+        self.memory = memory;
+        if solved { Ok(place) } else { Err(ContactError::NoEquilibrium) }
+    }
+
+    fn search(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        balance: &Balance,
+        active: &[bool],
+        memory: &mut Memory,
+    ) -> Result<(), ContactError> {
+        let count = active.len();
+        memory.start(problem, balance, &self.positions, active);
+        let in_contact = |set: &[bool]| set.iter().filter(|a| **a).count();
+        if in_contact(&memory.set) < balance.count() {
+            memory.set.fill(true);
+        }
+        let mut tried = 0;
+        while self.solve_on(problem, balance, memory) {
+            let changed = self.next_active(problem, memory);
+            if !changed {
+                return Ok(());
+            }
+            memory.tried[tried * count..(tried + 1) * count].copy_from_slice(&memory.set);
+            tried += 1;
+            std::mem::swap(&mut memory.set, &mut memory.next);
+            let returns = memory.tried[..tried * count].chunks_exact(count).any(|set| set == memory.set);
+            if in_contact(&memory.set) < balance.count() || tried >= ITERATION_LIMIT || returns {
                 break;
             }
         }
         self.counter.fallbacks += 1;
-        let active = self.pivoted(&problem)?;
-        let (unknowns, pressure, gap) = self.solve_on(&active, &problem).ok_or(ContactError::NoEquilibrium)?;
-        self.active = active;
-        Ok(self.state(&unknowns, &pressure, &gap, normal, tilt))
+        self.pivoted(problem, balance, memory)?;
+        if self.solve_on(problem, balance, memory) { Ok(()) } else { Err(ContactError::NoEquilibrium) }
     }
 
-    fn scaled(&self, initial_gap: &[f64], normal: Normal, tilt: Tilt) -> Result<Scaled, ContactError> {
-        let finite = |quantity, value: f64| {
-            if value.is_finite() { Ok(value) } else { Err(ContactError::Invalid { quantity, value }) }
-        };
-        for &value in initial_gap {
+    fn balance(&self, problem: &ContactProblem<'_>) -> Result<Balance, ContactError> {
+        for &value in problem.gap {
             finite("initial gap", value)?;
         }
-        let mut gap = DVector::from_column_slice(initial_gap);
-        let mut border = Border { approach_free: true, tilt_free: false, spring: 0.0, lever: 0.0 };
-        let (mut load, mut moment) = (0.0, 0.0);
-        match normal {
+        finite("signed friction coefficient", problem.signed_friction)?;
+        for &value in problem.diagonal {
+            if !(finite("wear per pressure", value)? >= 0.0) {
+                return Err(ContactError::Invalid { quantity: "wear per pressure", value });
+            }
+        }
+        let mut balance = Balance {
+            approach_free: true,
+            tilt_free: false,
+            approach: 0.0,
+            tilt: 0.0,
+            load: 0.0,
+            stiffness: 0.0,
+            lever: 0.0,
+            moment: 0.0,
+        };
+        match problem.normal {
             Normal::Load(value) => {
                 if finite("load", value)? < 0.0 {
                     return Err(ContactError::Invalid { quantity: "load", value });
                 }
-                load = value;
+                balance.load = value;
             }
             Normal::Approach(value) => {
-                border.approach_free = false;
-                gap.add_scalar_mut(-finite("approach", value)?);
+                balance.approach_free = false;
+                balance.approach = finite("approach", value)?;
             }
-            Normal::Spring { load: value, stiffness } => {
-                load = finite("load", value)?;
+            Normal::Spring { load, stiffness } => {
+                balance.load = finite("load", load)?;
                 if finite("holder stiffness", stiffness)? < 0.0 {
                     return Err(ContactError::Invalid { quantity: "holder stiffness", value: stiffness });
                 }
-                border.spring = stiffness * self.scale / self.total_weight;
+                balance.stiffness = stiffness;
             }
         }
-        match tilt {
-            Tilt::Fixed(value) => gap.axpy(-finite("tilt", value)? * self.length, &self.positions, 1.0),
+        match problem.tilt {
+            Tilt::Fixed(value) => balance.tilt = finite("tilt", value)?,
             Tilt::ResultantAt(value) => {
                 let limit = self.positions[self.positions.len() - 1];
-                border.tilt_free = true;
-                border.lever = finite("lever", value)? / self.length;
-                if border.lever.abs() >= limit {
-                    return Err(ContactError::Tipping { lever: value, limit: limit * self.length });
+                balance.tilt_free = true;
+                balance.lever = finite("lever", value)?;
+                if value.abs() >= limit {
+                    return Err(ContactError::Tipping { lever: value, limit });
                 }
             }
-            Tilt::Moment { lever, moment: value } => {
-                border.tilt_free = true;
-                border.lever = finite("lever", lever)? / self.length;
-                moment = finite("moment", value)?;
+            Tilt::Moment { lever, moment } => {
+                balance.tilt_free = true;
+                balance.lever = finite("lever", lever)?;
+                balance.moment = finite("moment", moment)?;
             }
         }
-        let to_mean = self.scale / self.total_weight;
-        Ok(Scaled { border, gap, load: load * to_mean, moment: moment * to_mean / self.length })
+        Ok(balance)
     }
 
-    /// The state without pressure, where load or spring leave none: no load puts the punch where the bodies touch, a
-    /// spring where it is relaxed. A free tilt is not defined then and taken as 0.
-    fn apart(&self, initial_gap: &[f64], normal: Normal, tilt: Tilt) -> Option<ContactState> {
-        let tilt = match tilt {
+    /// Whether there is no pressure, as load or spring leave none, and the state of that: no load puts the punch where
+    /// the bodies touch, a spring where it is relaxed. A free tilt is not defined then and taken as 0.
+    fn apart(&self, problem: &ContactProblem<'_>, state: &mut ContactState) -> bool {
+        let tilt = match problem.tilt {
             Tilt::Fixed(value) => value,
             Tilt::ResultantAt(_) | Tilt::Moment { .. } => 0.0,
         };
-        let distance = |(g, x): (&f64, &f64)| g - tilt * x * self.length;
-        let distances: Vec<f64> = initial_gap.iter().zip(&self.positions).map(distance).collect();
-        let touching = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        let approach = match normal {
-            Normal::Load(0.0) => touching,
-            Normal::Spring { load, stiffness } if load <= stiffness * touching => {
+        let distance = |i: usize| problem.gap[i] - tilt * self.positions[i];
+        let touching = || (0..self.positions.len()).map(distance).fold(f64::INFINITY, f64::min);
+        let approach = match problem.normal {
+            Normal::Load(0.0) => touching(),
+            Normal::Spring { load, stiffness } if load <= stiffness * touching() => {
                 if stiffness > 0.0 {
                     load / stiffness
                 } else {
-                    touching
+                    touching()
                 }
             }
-            _ => return None,
+            _ => return false,
         };
-        let gap = distances.iter().map(|d| d - approach).collect();
-        Some(ContactState { pressure: vec![0.0; initial_gap.len()], gap, approach, tilt })
+        for i in 0..self.positions.len() {
+            state.pressure[i] = 0.0;
+            state.gap[i] = distance(i) - approach;
+        }
+        (state.approach, state.tilt) = (approach, tilt);
+        true
     }
 
-    /// Unknowns (pressures of the active cells, approach, tilt), pressure and gap for an assumed active set; `None`
-    /// where its equations have no solution.
-    fn solve_on(&mut self, active: &[bool], problem: &Scaled) -> Option<(DVector<f64>, DVector<f64>, DVector<f64>)> {
+    /// Pressure, gap of the open cells, approach and tilt for the active set of the memory; `false` where its equations
+    /// have no solution.
+    ///
+    /// With `xi = (x - x_c)/L`, x_c the mean position of the cells in contact, their pressures are `q + y0 X0 + y1 X1`:
+    /// q under the gap alone, X0 and X1 per approach and per `L theta`. The balances are two equations for y.
+    fn solve_on(&mut self, problem: &ContactProblem<'_>, balance: &Balance, memory: &mut Memory) -> bool {
         self.counter.iterations += 1;
-        let index: Vec<usize> = (0..active.len()).filter(|&i| active[i]).collect();
-        let (m, border) = (index.len(), problem.border);
-        let size = m + border.count();
-        let kept = self.factor.as_ref().is_some_and(|f| f.border == border && f.active == active);
-        if !kept {
-            self.counter.factorisations += 1;
-            let mut system = self.bordered(&index, &index, border);
-            for k in m..size {
-                system[(k, k)] += if border.approach_free && k == m { border.spring } else { 0.0 };
+        let shifted = balance.approach_free;
+        let key = Key {
+            signed_friction: problem.signed_friction,
+            shifted,
+            diagonal: problem.diagonal,
+            active: &memory.set,
+        };
+        let Some(position) = self.factors.find(key, &self.positions) else { return false };
+        let linear = balance.tilt_free.then_some((&self.positions[..], self.length));
+        let lean = shifted || balance.tilt_free;
+        let shift = if shifted { self.factors.shift() / self.total_weight } else { 0.0 };
+        let entry = self.factors.with_columns(position, lean, linear);
+        let m = entry.index.len();
+        if m < balance.count() {
+            return false;
+        }
+        let compact = &mut memory.compact[..m];
+        if m == self.positions.len() {
+            compact.iter_mut().zip(&memory.gap).for_each(|(q, gap)| *q = -gap);
+        } else {
+            compact.iter_mut().zip(&entry.index).for_each(|(q, &i)| *q = -memory.gap[i]);
+        }
+        entry.substitute(compact);
+        let (weights, positions) = (&self.weights, &self.positions);
+        let force = |v: &[f64]| entry.index.iter().zip(v).map(|(&i, v)| weights[i] * v).sum::<f64>();
+        let centre = entry.centre;
+        let moment = |v: &[f64]| {
+            entry.index.iter().zip(v).map(|(&i, v)| weights[i] * (positions[i] - centre) * v).sum::<f64>() / self.length
+        };
+        let (uniform, linear) = (&entry.uniform[..m], &entry.linear[..m]);
+        let relative = centre / self.length;
+        let (k, c) = (balance.stiffness, 1.0 - balance.stiffness * shift);
+        let arm = (centre - balance.lever) / self.length;
+        let (y0, y1) = match (balance.approach_free, balance.tilt_free) {
+            (false, false) => (0.0, 0.0),
+            (true, false) => ((balance.load - c * force(compact)) / (c * force(uniform) + k), 0.0),
+            (false, true) => {
+                // The punch turns about x = 0, where the approach is given.
+                let row = |v: &[f64]| moment(v) + arm * force(v);
+                let column = row(linear) + relative * row(uniform);
+                let tilt = (balance.moment / self.length - row(compact)) / column;
+                (relative * tilt, tilt)
             }
-            if border.approach_free && border.tilt_free {
-                // The spring is compressed at x = 0; the unknown is the approach at the lever.
-                system[(m, m + 1)] -= border.spring * border.lever;
+            (true, true) => {
+                let first = [c * force(uniform) + k, c * force(linear) - k * relative];
+                let first_right = balance.load - c * force(compact);
+                let mut second = [moment(uniform), moment(linear)];
+                let mut second_right = balance.moment / self.length - moment(compact);
+                if c > 0.1 {
+                    // The resultant from the first balance: its lever about x_c may be long against the contact.
+                    second[0] -= arm * k / c;
+                    second[1] += arm * k / c * relative;
+                    second_right -= arm * balance.load / c;
+                } else {
+                    second[0] += arm * force(uniform);
+                    second[1] += arm * force(linear);
+                    second_right -= arm * force(compact);
+                }
+                solve_pair(first, second, [first_right, second_right])
             }
-            self.factor = Some(Factor { active: active.to_vec(), border, lu: system.lu() });
+        };
+        for ((q, u), l) in compact.iter_mut().zip(uniform).zip(linear) {
+            *q += y0 * u + if y1 != 0.0 { y1 * l } else { 0.0 };
         }
-        let mut right = DVector::zeros(size);
-        for (k, &i) in index.iter().enumerate() {
-            right[k] = -problem.gap[i];
+        if compact.iter().any(|q| !q.is_finite()) || !y0.is_finite() || !y1.is_finite() {
+            return false;
         }
-        if border.approach_free {
-            right[m] = problem.load;
-        }
-        if border.tilt_free {
-            right[size - 1] = problem.moment;
-        }
-        let solved = size == 0 || self.factor.as_ref()?.lu.solve_mut(&mut right);
-        if !solved || right.iter().any(|v| !v.is_finite()) {
-            return None;
-        }
-        let mut pressure = DVector::zeros(active.len());
-        for (k, &i) in index.iter().enumerate() {
-            pressure[i] = right[k];
+        // The shifted matrix took beta P/W of the approach.
+        let at_centre = y0 - shift * force(compact);
+        memory.tilt = if balance.tilt_free { y1 / self.length } else { balance.tilt };
+        memory.approach = if balance.approach_free { at_centre - y1 * relative } else { balance.approach };
+        memory.pressure.fill(0.0);
+        for (q, &i) in compact.iter().zip(&entry.index) {
+            memory.pressure[i] = *q;
         }
         // In full contact every gap is zero, and the product is half of the work.
-        if m == active.len() {
-            let gap = DVector::zeros(m);
-            return Some((right, pressure, gap));
+        if m == self.positions.len() {
+            memory.open_gap.fill(0.0);
+            return true;
         }
-        let mut gap = problem.gap.clone();
-        gap.gemv(1.0, &self.matrix, &pressure, 1.0);
-        for (k, column) in self.border_columns(border).into_iter().enumerate() {
-            gap.axpy(right[m + k], &column, 1.0);
+        let approach_in_gap = if balance.approach_free { memory.approach } else { 0.0 };
+        let tilt_in_gap = if balance.tilt_free { memory.tilt } else { 0.0 };
+        for i in 0..self.positions.len() {
+            memory.open_gap[i] = memory.gap[i] - approach_in_gap - tilt_in_gap * self.positions[i];
         }
-        Some((right, pressure, gap))
-    }
-
-    /// Columns `-1` and `-(x - e)` of the free unknowns: approach at the lever, tilt. Where the approach at x = 0 is
-    /// given the tilt turns the punch about there, `-x`.
-    fn border_columns(&self, border: Border) -> Vec<DVector<f64>> {
-        let mut columns = Vec::with_capacity(2);
-        if border.approach_free {
-            columns.push(DVector::repeat(self.positions.len(), -1.0));
-        }
-        if border.tilt_free {
-            let centre = if border.approach_free { border.lever } else { 0.0 };
-            columns.push(self.positions.map(|x| centre - x));
-        }
-        columns
-    }
-
-    /// Rows `w` and `w (x - e)` of the resultant and its moment about the lever.
-    fn border_rows(&self, border: Border) -> Vec<DVector<f64>> {
-        let mut rows = Vec::with_capacity(2);
-        if border.approach_free {
-            rows.push(self.weights.clone());
-        }
-        if border.tilt_free {
-            rows.push(self.positions.zip_map(&self.weights, |x, w| (x - border.lever) * w));
-        }
-        rows
-    }
-
-    /// `[A B; R 0]` on the given rows and columns of A, without the spring. With the approach free or the lever at 0,
-    /// `R = -B' diag(w)`.
-    fn bordered(&self, rows: &[usize], columns: &[usize], border: Border) -> DMatrix<f64> {
-        let (m, n) = (rows.len(), columns.len());
-        let mut system = DMatrix::zeros(m + border.count(), n + border.count());
-        for (b, &j) in columns.iter().enumerate() {
-            for (a, &i) in rows.iter().enumerate() {
-                system[(a, b)] = self.matrix[(i, j)];
+        self.add_displacement(problem.signed_friction, &memory.pressure, &mut memory.open_gap);
+        if self.factors.operator().is_some() {
+            for i in 0..self.positions.len() {
+                memory.worn[i] = problem.diagonal[i] * memory.pressure[i];
             }
+            self.add_worn(&memory.worn, &mut memory.open_gap);
         }
-        for (k, column) in self.border_columns(border).into_iter().enumerate() {
-            for (a, &i) in rows.iter().enumerate() {
-                system[(a, n + k)] = column[i];
-            }
-        }
-        for (k, row) in self.border_rows(border).into_iter().enumerate() {
-            for (b, &j) in columns.iter().enumerate() {
-                system[(m + k, b)] = row[j];
-            }
-        }
-        system
+        true
     }
 
-    /// Active set by complementary pivoting. Rows are weighted with w, so that the bordered matrix is positive
-    /// semidefinite; the outermost cells take the first pivot.
-    fn pivoted(&mut self, problem: &Scaled) -> Result<Vec<bool>, ContactError> {
-        let count = self.active.len();
-        let border = problem.border;
-        let all: Vec<usize> = (0..count).collect();
-        let mut full = self.bordered(&all, &all, border);
-        let mut q = DVector::zeros(full.nrows());
-        for (i, weight) in self.weights.iter().enumerate() {
-            full.row_mut(i).scale_mut(*weight);
-            q[i] = problem.gap[i] * weight;
+    /// Cells in tension leave, cells that penetrate enter; whether any does. Compared as displacements, `A_ii p_i` with
+    /// the gap.
+    fn next_active(&mut self, problem: &ContactProblem<'_>, memory: &mut Memory) -> bool {
+        let count = self.positions.len();
+        let compliance = self.factors.compliance(problem.signed_friction);
+        let mut largest: f64 = 0.0;
+        for i in 0..count {
+            memory.worn[i] = (compliance[i * (count + 1)] + problem.diagonal[i]) * memory.pressure[i];
+            largest = largest.max(memory.worn[i].abs()).max(memory.open_gap[i].abs());
         }
-        if border.approach_free {
-            full[(count, count)] += border.spring;
-            q[count] = -problem.load;
-            if border.tilt_free {
-                full[(count, count + 1)] -= border.spring * border.lever;
-            }
+        let tolerance = SIGN_TOLERANCE * largest;
+        let mut changed = false;
+        for i in 0..count {
+            memory.next[i] =
+                if memory.set[i] { memory.worn[i] >= -tolerance } else { memory.open_gap[i] < -tolerance };
+            changed |= memory.next[i] != memory.set[i];
         }
-        if border.tilt_free {
-            q[count + border.count() - 1] = -problem.moment;
-        }
-        let first = &[0, count - 1][..border.count()];
-        let solution = lemke::solve_mixed(&full, &q, first).map_err(|_| ContactError::NoEquilibrium)?;
-        self.counter.pivots += solution.pivots as u64;
-        Ok(solution.basic)
+        changed
     }
 
-    /// Cells in tension leave, cells that penetrate enter. Compared as displacements, `A_ii p_i` with the gap.
-    fn next_active(&self, active: &[bool], pressure: &DVector<f64>, gap: &DVector<f64>) -> Vec<bool> {
-        let local = DVector::from_fn(active.len(), |i, _| self.matrix[(i, i)] * pressure[i]);
-        let tolerance = SIGN_TOLERANCE * local.amax().max(gap.amax());
-        let stays = |i: usize| if active[i] { local[i] >= -tolerance } else { gap[i] < -tolerance };
-        (0..active.len()).map(stays).collect()
-    }
-
-    fn state(
-        &self,
-        unknowns: &DVector<f64>,
-        pressure: &DVector<f64>,
-        gap: &DVector<f64>,
-        normal: Normal,
-        tilt: Tilt,
-    ) -> ContactState {
-        let free = &unknowns.as_slice()[self.active.iter().filter(|a| **a).count()..];
-        let (mut approach, mut angle) = match normal {
-            Normal::Approach(value) => (value, 0.0),
-            Normal::Load(_) | Normal::Spring { .. } => (free[0], 0.0),
+    /// Leaves in the memory the active set by complementary pivoting. Rows are weighted with w, so that the bordered
+    /// matrix is positive semidefinite; the outermost cells take the first pivot. Lengths along x in half-widths,
+    /// pressure in metres of displacement.
+    fn pivoted(
+        &mut self,
+        problem: &ContactProblem<'_>,
+        balance: &Balance,
+        memory: &mut Memory,
+    ) -> Result<(), ContactError> {
+        let (count, free) = (self.positions.len(), balance.count());
+        let size = count + free;
+        let diagonal = |matrix: &[f64], i: usize| matrix[i * (count + 1)] + problem.diagonal[i];
+        let scale = {
+            let compliance = self.factors.compliance(problem.signed_friction);
+            // The stiffest cell: a few may be softened by orders of magnitude (fast wear).
+            (0..count).map(|i| diagonal(compliance, i)).fold(f64::INFINITY, f64::min)
         };
-        match tilt {
-            Tilt::Fixed(value) => angle = value,
-            Tilt::ResultantAt(lever) | Tilt::Moment { lever, .. } => {
-                angle += free[free.len() - 1] / self.length;
-                if free.len() == 2 {
-                    approach -= angle * lever;
-                }
+        let (matrix, right) = (&mut memory.pivoted_matrix[..size * size], &mut memory.pivoted_right[..size]);
+        matrix.fill(0.0);
+        let x = |i: usize| self.positions[i] / self.length;
+        let lever = balance.lever / self.length;
+        let weight = |i: usize| self.weights[i] / self.total_weight;
+        for j in 0..count {
+            for i in 0..count {
+                let wear = match self.factors.operator() {
+                    None if i == j => problem.diagonal[j],
+                    None => 0.0,
+                    Some(operator) => problem.diagonal[j] * operator[i + j * count],
+                };
+                matrix[i + j * size] = wear;
             }
         }
-        ContactState {
-            pressure: (0..pressure.len())
-                .map(|i| if self.active[i] { pressure[i].max(0.0) / self.scale } else { 0.0 })
-                .collect(),
-            gap: (0..gap.len()).map(|i| if self.active[i] { 0.0 } else { gap[i].max(0.0) }).collect(),
-            approach,
-            tilt: angle,
+        let compliance = self.factors.compliance(problem.signed_friction);
+        for j in 0..count {
+            for i in 0..count {
+                let entry = &mut matrix[i + j * size];
+                *entry = (*entry + compliance[i + j * count]) / scale * weight(i);
+            }
         }
+        let to_mean = scale / self.total_weight;
+        let spring = balance.stiffness * to_mean;
+        for i in 0..count {
+            right[i] = memory.gap[i] * weight(i);
+            if balance.approach_free {
+                matrix[i + count * size] = -weight(i);
+                matrix[count + i * size] = weight(i);
+            }
+            if balance.tilt_free {
+                let centre = if balance.approach_free { lever } else { 0.0 };
+                matrix[i + (size - 1) * size] = (centre - x(i)) * weight(i);
+                matrix[size - 1 + i * size] = (x(i) - lever) * weight(i);
+            }
+        }
+        if balance.approach_free {
+            // The spring is compressed at x = 0; the unknown is the approach at the lever.
+            matrix[count + count * size] = spring;
+            right[count] = -balance.load * to_mean;
+            if balance.tilt_free {
+                matrix[count + (count + 1) * size] = -spring * lever;
+            }
+        }
+        if balance.tilt_free {
+            right[size - 1] = -balance.moment * to_mean / self.length;
+        }
+        let pivoting = memory.pivoting.as_mut().expect("allocated at construction");
+        let first = &[0, count - 1][..free];
+        let pivots =
+            pivoting.solve(matrix, right, first, &mut memory.set).map_err(|_| ContactError::NoEquilibrium)?;
+        self.counter.pivots += pivots as u64;
+        Ok(())
     }
+}
+
+/// Solves two equations by elimination with the larger pivot.
+fn solve_pair(first: [f64; 2], second: [f64; 2], right: [f64; 2]) -> (f64, f64) {
+    let (a, b, r, s) =
+        if first[0].abs() >= second[0].abs() { (first, second, right[0], right[1]) } else { (second, first, right[1], right[0]) };
+    let factor = b[0] / a[0];
+    let y1 = (s - factor * r) / (b[1] - factor * a[1]);
+    ((r - a[1] * y1) / a[0], y1)
 }
 
 #[cfg(test)]

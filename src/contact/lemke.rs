@@ -1,5 +1,6 @@
 //! Lemke's complementary pivoting with the lexicographic rule.
 
+use super::dense;
 use nalgebra::{DMatrix, DVector};
 
 /// Why Lemke's algorithm found no solution.
@@ -20,114 +21,178 @@ pub struct LemkeSolution {
     pub pivots: usize,
 }
 
-/// Finds `z >= 0` with `w = M z + q >= 0` and `z_i w_i = 0`, n x n matrix `M`.
-///
-/// With the lexicographic ratio test no basis returns, so the algorithm ends after finitely many pivots, whatever the
-/// degeneracy. For a positive semidefinite `M`, symmetric or not, it ends in a solution if the inequalities have a
-/// feasible point at all. One pivot costs `2 n (2n + 2)` operations, a solution typically n to 3 n pivots.
-///
-/// Source: R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, algorithm 4.4.5 and theorem 4.4.13.
+/// Finds `z >= 0` with `w = M z + q >= 0` and `z_i w_i = 0`, n x n matrix `M`; see [`Pivoting::solve`].
 pub fn solve(matrix: &DMatrix<f64>, q: &DVector<f64>) -> Result<LemkeSolution, LemkeError> {
-    let n = q.len();
-    let most_negative = q.iter().copied().fold(0.0, f64::min);
-    if most_negative >= 0.0 {
-        return Ok(LemkeSolution { basic: vec![false; n], pivots: 0 });
-    }
-    let mut tableau = Tableau::new(matrix, q);
-    let artificial = 2 * n;
-    // The first pivot makes all right-hand sides positive: the lexicographically most negative row leaves.
-    let mut row = tableau.lexicographic_first(0..n, |_| 1.0);
-    let mut entering = artificial;
-    let limit = 50 * n + 100;
-    for pivots in 1..=limit {
-        let leaving = tableau.pivot(row, entering);
-        if leaving == artificial {
-            let mut basic = vec![false; n];
-            for &variable in &tableau.basis {
-                if variable >= n {
-                    basic[variable - n] = true;
-                }
-            }
-            return Ok(LemkeSolution { basic, pivots });
-        }
-        entering = if leaving < n { leaving + n } else { leaving - n };
-        let column = tableau.columns.column(entering).clone_owned();
-        let threshold = 1e-12 * column.amax().max(1e-300);
-        let candidates: Vec<usize> = (0..n).filter(|&i| column[i] > threshold).collect();
-        if candidates.is_empty() {
-            return Err(LemkeError::Ray);
-        }
-        row = tableau.lexicographic_first(candidates.into_iter(), |i| column[i]);
-    }
-    Err(LemkeError::PivotLimit)
+    solve_mixed(matrix, q, &[])
 }
 
-/// Finds `z >= 0` with complementary `w >= 0` and free unknowns `y` in `(w, 0) = M (z, y) + q`.
-///
-/// `M` is of order n + f, the free unknowns last, positive semidefinite. One block pivot on the cells `first` (as many
-/// as there are free unknowns, and such that the pivot block is regular) and the free unknowns brings these into the
-/// basis, where the free ones stay; what is left is a linear complementarity problem of order n, whose matrix is
-/// positive semidefinite as principal pivots keep it. Returns for every index whether `z` is basic.
+/// The same with free unknowns; see [`Pivoting::solve`].
 pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> Result<LemkeSolution, LemkeError> {
-    let free = first.len();
-    let n = q.len() - free;
-    let rest: Vec<usize> = (0..n).filter(|i| !first.contains(i)).collect();
-    let pivoted: Vec<usize> = first.iter().copied().chain(n..n + free).collect();
-    let block = |rows: &[usize], columns: &[usize]| matrix.select_rows(rows).select_columns(columns);
-    let inverse = if free == 0 {
-        DMatrix::zeros(0, 0)
-    } else {
-        block(&pivoted, &pivoted).try_inverse().ok_or(LemkeError::Ray)?
-    };
-    let upper = -&inverse * block(&pivoted, &rest);
-    let lower = block(&rest, &pivoted) * &inverse;
-    let corner = block(&rest, &rest) + block(&rest, &pivoted) * &upper;
-    let q_pivoted = q.select_rows(&pivoted);
-    let (m, k) = (free, rest.len());
-    let mut reduced = DMatrix::zeros(n, n);
-    reduced.view_mut((0, 0), (m, m)).copy_from(&inverse.view((0, 0), (m, m)));
-    reduced.view_mut((0, m), (m, k)).copy_from(&upper.rows(0, m));
-    reduced.view_mut((m, 0), (k, m)).copy_from(&lower.columns(0, m));
-    reduced.view_mut((m, m), (k, k)).copy_from(&corner);
-    let mut constant = DVector::zeros(n);
-    constant.rows_mut(0, m).copy_from(&(-&inverse * &q_pivoted).rows(0, m));
-    constant.rows_mut(m, k).copy_from(&(q.select_rows(&rest) - &lower * &q_pivoted));
-    let solution = solve(&reduced, &constant)?;
-    let mut basic = vec![false; n];
-    for (position, &i) in first.iter().chain(&rest).enumerate() {
-        // For the first cells the roles are exchanged: there z is the basic variable at the start.
-        basic[i] = solution.basic[position] != (position < m);
-    }
-    Ok(LemkeSolution { basic, pivots: solution.pivots })
+    let order = q.len() - first.len();
+    let mut basic = vec![false; order];
+    let pivots = Pivoting::new(order).solve(matrix.as_slice(), q.as_slice(), first, &mut basic)?;
+    Ok(LemkeSolution { basic, pivots })
 }
 
-/// `w - M z - z0 = q` in the current basis. Columns: w (n), z (n), z0, right-hand side.
-struct Tableau {
+/// Most free unknowns beside the complementary ones.
+pub const FREE_UNKNOWNS: usize = 2;
+const BLOCK: usize = 2 * FREE_UNKNOWNS;
+
+/// Memory of Lemke's algorithm for problems with n complementary unknowns: n (2 n + 2) numbers.
+///
+/// The tableau holds `w - M z - z0 = q` in the current basis. Columns: w (n), z (n), z0, right-hand side.
+#[derive(Clone, Debug)]
+pub struct Pivoting {
     columns: DMatrix<f64>,
     basis: Vec<usize>,
+    factors: Vec<f64>,
+    /// Rows that a ratio test still has to choose from.
+    rows: Vec<usize>,
+    /// Indices of the cells in the order of the rows.
+    order: Vec<usize>,
 }
 
-impl Tableau {
-    fn new(matrix: &DMatrix<f64>, q: &DVector<f64>) -> Self {
-        let n = q.len();
-        let mut columns = DMatrix::zeros(n, 2 * n + 2);
-        for i in 0..n {
-            columns[(i, i)] = 1.0;
-            columns[(i, 2 * n)] = -1.0;
-            columns[(i, 2 * n + 1)] = q[i];
-            for j in 0..n {
-                columns[(i, n + j)] = -matrix[(i, j)];
-            }
+impl Pivoting {
+    /// Memory for `order` complementary unknowns.
+    pub fn new(order: usize) -> Self {
+        Self {
+            columns: DMatrix::zeros(order, 2 * order + 2),
+            basis: vec![0; order],
+            factors: vec![0.0; order],
+            rows: Vec::with_capacity(order),
+            order: Vec::with_capacity(order),
         }
-        Self { columns, basis: (0..n).collect() }
     }
 
-    /// Among the rows the one with the lexicographically smallest `(right-hand side, inverse basis)/divisor`.
-    fn lexicographic_first(&self, rows: impl Iterator<Item = usize>, divisor: impl Fn(usize) -> f64) -> usize {
+    /// Finds `z >= 0` with complementary `w >= 0` and free unknowns `y` in `(w, 0) = M (z, y) + q`.
+    ///
+    /// `M` (by columns) is of order n + f, the free unknowns last, positive semidefinite, f at most
+    /// [`FREE_UNKNOWNS`]. One block pivot on the cells `first` (as many as there are free unknowns, and such that the
+    /// pivot block is regular) and the free unknowns brings these into the basis, where the free ones stay; what is left
+    /// is a linear complementarity problem of order n, whose matrix is positive semidefinite as principal pivots keep
+    /// it. Tells for every index whether `z` is `basic`, and returns the number of pivots.
+    ///
+    /// With the lexicographic ratio test no basis returns, so the algorithm ends after finitely many pivots, whatever
+    /// the degeneracy. For a positive semidefinite `M`, symmetric or not, it ends in a solution if the inequalities have
+    /// a feasible point at all. One pivot costs `2 n (2n + 2)` operations, a solution typically n to 3 n pivots.
+    /// Nothing is allocated.
+    ///
+    /// Source: R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, algorithm 4.4.5 and theorem
+    /// 4.4.13.
+    pub fn solve(
+        &mut self,
+        matrix: &[f64],
+        q: &[f64],
+        first: &[usize],
+        basic: &mut [bool],
+    ) -> Result<usize, LemkeError> {
+        let (n, free) = (self.basis.len(), first.len());
+        assert!(free <= FREE_UNKNOWNS, "at most {FREE_UNKNOWNS} free unknowns");
+        assert!(matrix.len() == (n + free) * (n + free) && q.len() == n + free && basic.len() == n, "order n + f");
+        self.reduce(matrix, q, first)?;
+        let pivots = self.pivot_to_the_end()?;
+        basic.fill(false);
+        for &variable in &self.basis {
+            if variable >= n {
+                basic[self.order[variable - n]] = true;
+            }
+        }
+        // For the first cells the roles are exchanged: there z is the basic variable at the start.
+        for &cell in first {
+            basic[cell] = !basic[cell];
+        }
+        Ok(pivots)
+    }
+
+    /// Fills the tableau with the problem that the block pivot on `first` and the free unknowns leaves.
+    fn reduce(&mut self, matrix: &[f64], q: &[f64], first: &[usize]) -> Result<(), LemkeError> {
+        let (n, free) = (self.basis.len(), first.len());
+        let size = 2 * free;
+        let at = |i: usize, j: usize| matrix[i + j * (n + free)];
+        let pivoted = |k: usize| if k < free { first[k] } else { n + k - free };
+        self.order.clear();
+        self.order.extend(first);
+        self.order.extend((0..n).filter(|i| !first.contains(i)));
+        let mut block = [0.0; BLOCK * BLOCK];
+        for l in 0..size {
+            for k in 0..size {
+                block[k + l * size] = at(pivoted(k), pivoted(l));
+            }
+        }
+        let mut exchanged = [0; BLOCK];
+        if !dense::factorise(&mut block[..size * size], size, &mut exchanged[..size]) {
+            return Err(LemkeError::Ray);
+        }
+        let solve = |mut right: [f64; BLOCK]| {
+            dense::substitute(&block[..size * size], size, &exchanged[..size], &mut right[..size]);
+            right
+        };
+        self.columns.fill(0.0);
+        for i in 0..n {
+            self.basis[i] = i;
+            self.columns[(i, i)] = 1.0;
+            self.columns[(i, 2 * n)] = -1.0;
+        }
+        for c in 0..n {
+            // What the pivoted unknowns take for one unit of this column's.
+            let mut unit = [0.0; BLOCK];
+            if c < free {
+                unit[c] = 1.0;
+            } else {
+                unit = std::array::from_fn(|k| if k < size { -at(pivoted(k), self.order[c]) } else { 0.0 });
+            }
+            let taken = solve(unit);
+            for (r, &cell) in self.order.iter().enumerate() {
+                let own = if c < free || r < free { 0.0 } else { at(cell, self.order[c]) };
+                let shared = (0..size).map(|k| at(cell, pivoted(k)) * taken[k]).sum::<f64>();
+                self.columns[(r, n + c)] = -if r < free { taken[r] } else { own + shared };
+            }
+        }
+        let taken = solve(std::array::from_fn(|k| if k < size { -q[pivoted(k)] } else { 0.0 }));
+        for (r, &cell) in self.order.iter().enumerate() {
+            let shared = (0..size).map(|k| at(cell, pivoted(k)) * taken[k]).sum::<f64>();
+            self.columns[(r, 2 * n + 1)] = if r < free { taken[r] } else { q[cell] + shared };
+        }
+        Ok(())
+    }
+
+    fn pivot_to_the_end(&mut self) -> Result<usize, LemkeError> {
         let n = self.basis.len();
-        let mut rows: Vec<usize> = rows.collect();
+        if self.columns.column(2 * n + 1).iter().all(|q| *q >= 0.0) {
+            return Ok(0);
+        }
+        let artificial = 2 * n;
+        // The first pivot makes all right-hand sides positive: the lexicographically most negative row leaves.
+        self.rows.clear();
+        self.rows.extend(0..n);
+        self.factors.fill(1.0);
+        let mut row = self.lexicographic_first();
+        let mut entering = artificial;
+        let limit = 50 * n + 100;
+        for pivots in 1..=limit {
+            let leaving = self.pivot(row, entering);
+            if leaving == artificial {
+                return Ok(pivots);
+            }
+            entering = if leaving < n { leaving + n } else { leaving - n };
+            self.factors.copy_from_slice(self.columns.column(entering).as_slice());
+            let most = self.factors.iter().fold(1e-300, |most: f64, value| most.max(value.abs()));
+            self.rows.clear();
+            self.rows.extend((0..n).filter(|&i| self.factors[i] > 1e-12 * most));
+            if self.rows.is_empty() {
+                return Err(LemkeError::Ray);
+            }
+            row = self.lexicographic_first();
+        }
+        Err(LemkeError::PivotLimit)
+    }
+
+    /// Among `rows` the one with the lexicographically smallest `(right-hand side, inverse basis)/factor`.
+    fn lexicographic_first(&mut self) -> usize {
+        let n = self.basis.len();
+        let (columns, factors, rows) = (&self.columns, &self.factors, &mut self.rows);
         for column in std::iter::once(2 * n + 1).chain(0..n) {
-            let ratio = |i: usize| self.columns[(i, column)] / divisor(i);
+            let ratio = |i: usize| columns[(i, column)] / factors[i];
             let least = rows.iter().map(|&i| ratio(i)).fold(f64::INFINITY, f64::min);
             let tie = 1e-13 * least.abs();
             rows.retain(|&i| ratio(i) <= least + tie);
@@ -141,13 +206,15 @@ impl Tableau {
 
     /// Exchanges the basic variable of `row` for `entering` and returns the one that leaves.
     fn pivot(&mut self, row: usize, entering: usize) -> usize {
-        let mut factors = self.columns.column(entering).clone_owned();
-        let pivot = factors[row];
-        factors[row] = 0.0;
+        self.factors.copy_from_slice(self.columns.column(entering).as_slice());
+        let pivot = self.factors[row];
+        self.factors[row] = 0.0;
         for mut column in self.columns.column_iter_mut() {
             let value = column[row] / pivot;
             if value != 0.0 {
-                column.axpy(-value, &factors, 1.0);
+                for (entry, factor) in column.iter_mut().zip(&self.factors) {
+                    *entry -= value * factor;
+                }
             }
             column[row] = value;
         }

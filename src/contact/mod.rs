@@ -1,9 +1,11 @@
 //! The contact: friction law, and at the line pressure, gap, approach and tilt.
 
 pub mod complementarity;
+pub mod dense;
+mod factors;
 pub mod friction;
 pub mod lemke;
 pub mod problem;
 
-pub use complementarity::{ContactSolver, pair_compliance};
+pub use complementarity::{ContactProblem, ContactSolver, pair_compliance, pair_operators};
 pub use problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};

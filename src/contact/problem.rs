@@ -47,6 +47,13 @@ pub struct ContactState {
     pub tilt: f64,
 }
 
+impl ContactState {
+    /// Room for the state of `count` cells, open and without a gap.
+    pub fn new(count: usize) -> Self {
+        Self { pressure: vec![0.0; count], gap: vec![0.0; count], approach: 0.0, tilt: 0.0 }
+    }
+}
+
 /// Work done by the solver since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounter {

@@ -98,7 +98,7 @@ pub fn groove(
     normal: Normal,
     tilt: Tilt,
 ) -> Result<ContactState, SteadyError> {
-    if rate.terms.iter().all(|term| term.coefficient.iter().all(|c| *c == 0.0)) {
+    if rate.terms.iter().all(|term| term.coefficient.is_zero()) {
         return Err(SteadyError::NothingWears);
     }
     let widths = cells.widths();
@@ -108,9 +108,11 @@ pub fn groove(
         false if ahead(i, j) => widths[j],
         false => 0.0,
     });
-    let mut contact =
-        WearingContact::new(cells, compliance.clone(), compliance, initial_gap.to_vec())?.with_operator(operator);
-    let conditions = Conditions { direction, normal, tilt, rate };
+    // The compliance is that of the direction as it is given.
+    let none = DMatrix::zeros(cells.count(), cells.count());
+    let mut contact = WearingContact::new(cells, widths, compliance, none, initial_gap.to_vec())?;
+    contact.set_operator(Some(&operator));
+    let conditions = Conditions { signed_friction: 0.0, normal, tilt, rate };
     Ok(contact.stage(&vec![0.0; cells.count()], 1.0, &conditions)?)
 }
 

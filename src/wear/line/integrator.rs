@@ -1,7 +1,7 @@
 //! Time stepping of the worn shape.
 
-use super::{Conditions, StageError, WearingContact, explicit_limit};
-use crate::contact::ContactState;
+use super::{CellRate, Conditions, StageError, WearingContact, explicit_limit};
+use crate::contact::{ContactState, Normal, Tilt};
 use std::f64::consts::SQRT_2;
 use std::fmt;
 
@@ -59,10 +59,8 @@ impl fmt::Display for StepError {
 impl std::error::Error for StepError {}
 
 /// What an integration took.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
-    /// Pressure, gap, approach and tilt at the end.
-    pub state: ContactState,
     /// Steps accepted.
     pub steps: usize,
     /// Steps rejected and repeated shorter.
@@ -71,10 +69,15 @@ pub struct Report {
 
 const GAMMA: f64 = 1.0 - 0.5 * SQRT_2;
 
+/// Conditions at a time, written over those of another time.
+pub type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);
+
 /// Integrator of the worn depths `dw/dt = f(p(w, t))`, N cells.
 ///
 /// Conditions are asked for at the times of the stages, so load and speed may vary within a step; the direction must
-/// not change within one: end a step at every reversal.
+/// not change within one: end a step at every reversal. They are written into memory of the integrator, which is the
+/// same at every call, so that what does not change need not be written again. Nothing is allocated after construction,
+/// except for the bound of explicit steps.
 #[derive(Clone, Debug)]
 pub struct Integrator {
     /// The scheme.
@@ -83,67 +86,114 @@ pub struct Integrator {
     pub tolerance: f64,
     /// Step proposed for the next call of [`Integrator::advance`], in s; 0: none yet.
     pub next_step: f64,
+    conditions: Conditions,
+    error: Vec<f64>,
+    base: Vec<f64>,
+    before: Vec<f64>,
+    gap: Vec<f64>,
 }
 
 impl Integrator {
-    /// Integrator with a tolerance for adaptive steps.
-    pub fn new(scheme: Scheme, tolerance: f64) -> Self {
-        Self { scheme, tolerance, next_step: 0.0 }
+    /// Integrator for N cells with a tolerance for adaptive steps.
+    pub fn new(scheme: Scheme, tolerance: f64, count: usize) -> Self {
+        let conditions = Conditions {
+            signed_friction: 0.0,
+            normal: Normal::Load(0.0),
+            tilt: Tilt::Fixed(0.0),
+            rate: CellRate { reference_pressure: 1.0, terms: Vec::with_capacity(2) },
+        };
+        let zeros = vec![0.0; count];
+        Self {
+            scheme,
+            tolerance,
+            next_step: 0.0,
+            conditions,
+            error: zeros.clone(),
+            base: zeros.clone(),
+            before: zeros.clone(),
+            gap: zeros,
+        }
     }
 
-    /// One step of the given length from `time`, in place. Returns the state at its end and the error estimate of the
-    /// worn depth (N values, m; zero for the first-order schemes).
+    /// Error estimate of the worn depth in the last step: N values, m; zero for the first-order schemes.
+    pub fn error(&self) -> &[f64] {
+        &self.error
+    }
+
+    /// One step of the given length from `time`, in place; `state` is that at its end.
     ///
-    /// On an error `worn` is unchanged.
+    /// On an error `worn` is unchanged and the state unspecified.
     pub fn step(
-        &self,
+        &mut self,
         contact: &mut WearingContact,
         worn: &mut [f64],
         time: f64,
         step: f64,
-        conditions: &dyn Fn(f64) -> Conditions,
-    ) -> Result<(ContactState, Vec<f64>), StepError> {
-        let count = worn.len();
-        let rates = |c: &Conditions, p: &[f64]| -> Vec<f64> { (0..count).map(|i| c.rate.rate(i, p[i])).collect() };
+        conditions: ConditionsAt<'_>,
+        state: &mut ContactState,
+    ) -> Result<(), StepError> {
         match self.scheme {
             Scheme::Sdirk2 => {
-                let at_first = conditions(time + GAMMA * step);
-                let first = contact.stage(worn, GAMMA * step, &at_first)?;
-                let k1 = rates(&at_first, &first.pressure);
-                let base: Vec<f64> = (0..count).map(|i| worn[i] + (1.0 - GAMMA) * step * k1[i]).collect();
-                let at_end = conditions(time + step);
-                let state = contact.stage(&base, GAMMA * step, &at_end)?;
-                let k2 = rates(&at_end, &state.pressure);
-                let error = (0..count).map(|i| (0.5 - GAMMA) * step * (k1[i] - k2[i])).collect();
-                for i in 0..count {
-                    worn[i] = base[i] + GAMMA * step * k2[i];
+                conditions(time + GAMMA * step, &mut self.conditions);
+                self.stage(contact, worn, GAMMA * step, state)?;
+                for i in 0..worn.len() {
+                    let rate = self.conditions.rate.rate(i, state.pressure[i]);
+                    self.base[i] = worn[i] + (1.0 - GAMMA) * step * rate;
+                    self.error[i] = rate;
                 }
-                Ok((state, error))
+                conditions(time + step, &mut self.conditions);
+                let base = std::mem::take(&mut self.base);
+                let outcome = self.stage(contact, &base, GAMMA * step, state);
+                self.base = base;
+                outcome?;
+                for i in 0..worn.len() {
+                    let rate = self.conditions.rate.rate(i, state.pressure[i]);
+                    self.error[i] = (0.5 - GAMMA) * step * (self.error[i] - rate);
+                    worn[i] = self.base[i] + GAMMA * step * rate;
+                }
             }
             Scheme::ImplicitEuler => {
-                let at_end = conditions(time + step);
-                let state = contact.stage(worn, step, &at_end)?;
-                for (w, k) in worn.iter_mut().zip(rates(&at_end, &state.pressure)) {
-                    *w += step * k;
+                conditions(time + step, &mut self.conditions);
+                self.stage(contact, worn, step, state)?;
+                for (i, w) in worn.iter_mut().enumerate() {
+                    *w += step * self.conditions.rate.rate(i, state.pressure[i]);
                 }
-                Ok((state, vec![0.0; count]))
+                self.error.fill(0.0);
             }
             Scheme::ExplicitEuler => {
-                let at_start = conditions(time);
-                let start = contact.pressure(worn, &at_start)?;
-                let limit = explicit_limit(contact, &at_start, &start.pressure);
+                conditions(time, &mut self.conditions);
+                self.stage(contact, worn, 0.0, state)?;
+                let limit = explicit_limit(contact, &self.conditions, &state.pressure);
                 if step >= limit {
                     return Err(StepError::Unstable { step, limit });
                 }
-                let mut next = worn.to_vec();
-                for (w, k) in next.iter_mut().zip(rates(&at_start, &start.pressure)) {
-                    *w += step * k;
+                for (i, w) in worn.iter().enumerate() {
+                    self.base[i] = w + step * self.conditions.rate.rate(i, state.pressure[i]);
                 }
-                let state = contact.pressure(&next, &conditions(time + step))?;
-                worn.copy_from_slice(&next);
-                Ok((state, vec![0.0; count]))
+                conditions(time + step, &mut self.conditions);
+                let base = std::mem::take(&mut self.base);
+                let outcome = self.stage(contact, &base, 0.0, state);
+                self.base = base;
+                outcome?;
+                worn.copy_from_slice(&self.base);
+                self.error.fill(0.0);
             }
         }
+        Ok(())
+    }
+
+    /// A stage under the present conditions from the worn depth.
+    fn stage(
+        &mut self,
+        contact: &mut WearingContact,
+        worn: &[f64],
+        tau: f64,
+        state: &mut ContactState,
+    ) -> Result<(), StageError> {
+        for ((gap, initial), worn) in self.gap.iter_mut().zip(contact.initial_gap()).zip(worn) {
+            *gap = initial + worn;
+        }
+        contact.stage_into(&self.gap, tau, &self.conditions, state)
     }
 
     /// Advances by `duration` with steps chosen by the embedded error estimate (the second-order scheme only; the
@@ -160,32 +210,33 @@ impl Integrator {
         worn: &mut [f64],
         time: f64,
         duration: f64,
-        conditions: &dyn Fn(f64) -> Conditions,
+        conditions: ConditionsAt<'_>,
+        state: &mut ContactState,
     ) -> Result<Report, StepError> {
         if self.scheme != Scheme::Sdirk2 {
-            let (state, _) = self.step(contact, worn, time, duration, conditions)?;
-            return Ok(Report { state, steps: 1, rejected: 0 });
+            self.step(contact, worn, time, duration, conditions, state)?;
+            return Ok(Report { steps: 1, rejected: 0 });
         }
-        let scale = displacement_scale(contact, worn, &conditions(time))?;
+        conditions(time, &mut self.conditions);
+        let bound = self.tolerance * self.displacement_scale(contact, worn, state)?;
         let width: f64 = contact.cells().widths().iter().sum();
         let (mut done, mut rejected, mut steps) = (0u64, 0, 0);
         let mut level = self.starting_level(duration);
         loop {
             let step = duration / (1u64 << level) as f64;
             let ticks = 1u64 << (DEEPEST - level);
-            let before = worn.to_vec();
+            self.before.copy_from_slice(worn);
             let now = time + duration * (done as f64 / (1u64 << DEEPEST) as f64);
-            let outcome = self.step(contact, worn, now, step, conditions);
-            let error = match &outcome {
-                Ok((_, error)) => {
-                    (contact.cells().integral(&error.iter().map(|e| e * e).collect::<Vec<_>>()) / width).sqrt()
+            let error = match self.step(contact, worn, now, step, conditions, state) {
+                Ok(()) => {
+                    let square: f64 = self.error.iter().zip(contact.cells().widths()).map(|(e, c)| e * e * c).sum();
+                    (square / width).sqrt()
                 }
                 Err(StepError::Stage(StageError::NotConverged { .. })) => f64::INFINITY,
-                Err(failure) => return Err(failure.clone()),
+                Err(failure) => return Err(failure),
             };
-            let bound = self.tolerance * scale;
             if error > bound {
-                worn.copy_from_slice(&before);
+                worn.copy_from_slice(&self.before);
                 rejected += 1;
                 if level == DEEPEST {
                     return Err(StepError::StepTooShort { time: now, step });
@@ -195,12 +246,11 @@ impl Integrator {
                 level = (level + halvings as u32).min(DEEPEST);
                 continue;
             }
-            let (state, _) = outcome?;
             steps += 1;
             done += ticks;
             if done == 1 << DEEPEST {
                 self.next_step = step;
-                return Ok(Report { state, steps, rejected });
+                return Ok(Report { steps, rejected });
             }
             // Twice the step where it fits the binary grid and the estimate, four times this one, leaves a margin.
             while level > 0 && error * 4.0 < 0.7 * bound && done.is_multiple_of(1 << (DEEPEST - level + 1)) {
@@ -210,6 +260,28 @@ impl Integrator {
                 }
             }
         }
+    }
+
+    /// Root mean square displacement of the cells under a pressure `p_m x/a` (one cell: under p_m).
+    fn displacement_scale(
+        &mut self,
+        contact: &mut WearingContact,
+        worn: &[f64],
+        state: &mut ContactState,
+    ) -> Result<f64, StepError> {
+        self.stage(contact, worn, 0.0, state)?;
+        let cells = contact.cells();
+        let (count, half_width) = (cells.count(), cells.half_width());
+        let mean = cells.integral(&state.pressure) / (2.0 * half_width);
+        for (value, x) in self.base.iter_mut().zip(cells.centres()) {
+            *value = if count == 1 { mean } else { mean * x / half_width };
+        }
+        self.error.fill(0.0);
+        contact.add_displacement(self.conditions.signed_friction, &self.base, &mut self.error);
+        let square: f64 = self.error.iter().zip(contact.cells().widths()).map(|(u, c)| u * u * c).sum();
+        let scale = (square / (2.0 * half_width)).sqrt();
+        // Out of contact nothing wears, and any positive scale will do.
+        Ok(if scale > 0.0 { scale } else { f64::INFINITY })
     }
 
     fn starting_level(&self, duration: f64) -> u32 {
@@ -222,21 +294,3 @@ impl Integrator {
 
 /// Finest step: the duration over two to this power.
 const DEEPEST: u32 = 40;
-
-/// Root mean square displacement of the cells under a pressure `p_m x/a` (one cell: under p_m).
-fn displacement_scale(contact: &mut WearingContact, worn: &[f64], conditions: &Conditions) -> Result<f64, StepError> {
-    let state = contact.pressure(worn, conditions)?;
-    let cells = contact.cells();
-    let width = 2.0 * cells.half_width();
-    let mean = cells.integral(&state.pressure) / width;
-    let compliance = contact.compliance(conditions.direction);
-    let profile = nalgebra::DVector::from_fn(cells.count(), |i, _| match cells.count() {
-        1 => mean,
-        _ => mean * cells.centres()[i] / cells.half_width(),
-    });
-    let displacement = compliance * profile;
-    let square: Vec<f64> = displacement.iter().map(|u| u * u).collect();
-    let scale = (cells.integral(&square) / width).sqrt();
-    // Out of contact nothing wears, and any positive scale will do.
-    Ok(if scale > 0.0 { scale } else { f64::INFINITY })
-}

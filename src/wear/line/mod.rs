@@ -7,9 +7,13 @@
 mod contact;
 mod integrator;
 mod rate;
+mod response;
 mod stability;
+mod status;
 
 pub use contact::{Conditions, Direction, StageError, WearingContact};
-pub use integrator::{Integrator, Report, Scheme, StepError};
-pub use rate::{CellRate, WearTerm};
+pub use integrator::{ConditionsAt, Integrator, Report, Scheme, StepError};
+pub use rate::{CellRate, Coefficient, WearTerm};
+pub use response::{ContactRate, Disturbance};
+pub use status::{Status, StrokeStatus};
 pub use stability::explicit_limit;

@@ -1,11 +1,51 @@
 //! Depth rate of wear as a function of the local pressure, in a variable that is safe for every exponent.
 
+/// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance), >= 0.
+/// Speed, friction and temperature factors are inside.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Coefficient {
+    /// One value for all cells.
+    Uniform(f64),
+    /// N values. To change them from step to step without allocating, write to them in place.
+    PerCell(Vec<f64>),
+}
+
+impl Coefficient {
+    /// Value of a cell.
+    #[inline]
+    pub fn at(&self, cell: usize) -> f64 {
+        match self {
+            Self::Uniform(value) => *value,
+            Self::PerCell(values) => values[cell],
+        }
+    }
+
+    /// Whether every cell has the value 0.
+    pub fn is_zero(&self) -> bool {
+        match self {
+            Self::Uniform(value) => *value == 0.0,
+            Self::PerCell(values) => values.iter().all(|value| *value == 0.0),
+        }
+    }
+}
+
+impl From<f64> for Coefficient {
+    fn from(value: f64) -> Self {
+        Self::Uniform(value)
+    }
+}
+
+impl From<Vec<f64>> for Coefficient {
+    fn from(values: Vec<f64>) -> Self {
+        Self::PerCell(values)
+    }
+}
+
 /// One body's share of the depth rate: `coefficient (p/p0)^exponent` on every cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WearTerm {
-    /// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance);
-    /// N values, >= 0. Speed, friction and temperature factors are inside.
-    pub coefficient: Vec<f64>,
+    /// Depth rate at the reference pressure.
+    pub coefficient: Coefficient,
     /// Pressure exponent b > 0.
     pub exponent: f64,
 }
@@ -21,7 +61,7 @@ pub struct CellRate {
 
 /// A cell's pressure with its linearisation in the local displacement `t = alpha p + tau f<(p)`, f< the terms with
 /// exponents below 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LocalState {
     pub pressure: f64,
     /// t, in m.
@@ -35,10 +75,15 @@ pub(super) struct LocalState {
 }
 
 impl CellRate {
-    /// The Archard law `f = k |v| p` for all of `count` cells alike: k in 1/Pa, speed in m/s.
-    pub fn archard(count: usize, wear: f64, speed: f64) -> Self {
-        let coefficient = vec![wear * speed.abs(); count];
-        Self { reference_pressure: 1.0, terms: vec![WearTerm { coefficient, exponent: 1.0 }] }
+    /// The Archard law `f = k |v| p` for all cells alike: k in 1/Pa, speed in m/s.
+    pub fn archard(wear: f64, speed: f64) -> Self {
+        Self::uniform(1.0, wear * speed.abs(), 1.0)
+    }
+
+    /// One term `coefficient (p/p0)^exponent` for all cells alike: m/s, p0 in Pa.
+    pub fn uniform(reference_pressure: f64, coefficient: f64, exponent: f64) -> Self {
+        let coefficient = Coefficient::Uniform(coefficient);
+        Self { reference_pressure, terms: vec![WearTerm { coefficient, exponent }] }
     }
 
     /// Whether f is linear in p.
@@ -49,13 +94,13 @@ impl CellRate {
     /// Depth rate of a cell at the pressure p >= 0.
     pub fn rate(&self, cell: usize, pressure: f64) -> f64 {
         let relative = pressure / self.reference_pressure;
-        self.terms.iter().map(|term| term.coefficient[cell] * power(relative, term.exponent)).sum()
+        self.terms.iter().map(|term| term.coefficient.at(cell) * power(relative, term.exponent)).sum()
     }
 
     /// df/dp of a cell at the pressure p > 0; infinite at 0 for exponents below 1.
     pub fn slope(&self, cell: usize, pressure: f64) -> f64 {
         let relative = pressure / self.reference_pressure;
-        let term = |term: &WearTerm| match term.coefficient[cell] {
+        let term = |term: &WearTerm| match term.coefficient.at(cell) {
             0.0 => 0.0,
             coefficient => coefficient * term.exponent * power(relative, term.exponent - 1.0),
         };
@@ -69,9 +114,9 @@ impl CellRate {
         if rate <= 0.0 {
             return 0.0;
         }
-        let active = || self.terms.iter().filter(|term| term.coefficient[cell] > 0.0);
+        let active = || self.terms.iter().filter(|term| term.coefficient.at(cell) > 0.0);
         let beta = active().map(|term| term.exponent).fold(f64::INFINITY, f64::min);
-        let bound = |term: &WearTerm| power(rate / term.coefficient[cell], beta / term.exponent);
+        let bound = |term: &WearTerm| power(rate / term.coefficient.at(cell), beta / term.exponent);
         let mut y = active().map(bound).fold(f64::INFINITY, f64::min);
         if !y.is_finite() {
             return f64::INFINITY;
@@ -79,7 +124,7 @@ impl CellRate {
         for _ in 0..60 {
             let (mut value, mut slope) = (-rate, 0.0);
             for term in active() {
-                let part = term.coefficient[cell] * power(y, term.exponent / beta);
+                let part = term.coefficient.at(cell) * power(y, term.exponent / beta);
                 value += part;
                 slope += part * term.exponent / (beta * y);
             }
@@ -100,9 +145,9 @@ impl CellRate {
     pub(super) fn local(&self, cell: usize, alpha: f64, tau: f64, pressure: f64) -> LocalState {
         let relative = pressure / self.reference_pressure;
         let (mut displacement, mut concave, mut convex, mut wear) = (alpha * pressure, 0.0, 0.0, 0.0);
-        for term in self.terms.iter().filter(|term| tau * term.coefficient[cell] > 0.0) {
-            let part = tau * term.coefficient[cell] * power(relative, term.exponent);
-            let slope = tau * term.coefficient[cell] * term.exponent * power(relative, term.exponent - 1.0)
+        for term in self.terms.iter().filter(|term| tau * term.coefficient.at(cell) > 0.0) {
+            let part = tau * term.coefficient.at(cell) * power(relative, term.exponent);
+            let slope = tau * term.coefficient.at(cell) * term.exponent * power(relative, term.exponent - 1.0)
                 / self.reference_pressure;
             wear += part;
             if term.exponent < 1.0 {
@@ -125,18 +170,18 @@ impl CellRate {
         if displacement <= 0.0 {
             return 0.0;
         }
-        let active = || self.terms.iter().filter(|term| term.exponent < 1.0 && tau * term.coefficient[cell] > 0.0);
+        let active = || self.terms.iter().filter(|term| term.exponent < 1.0 && tau * term.coefficient.at(cell) > 0.0);
         let beta = active().map(|term| term.exponent).fold(1.0, f64::min);
         let elastic = alpha * self.reference_pressure;
         let mut y = power(displacement / elastic, beta);
         for term in active() {
-            y = y.min(power(displacement / (tau * term.coefficient[cell]), beta / term.exponent));
+            y = y.min(power(displacement / (tau * term.coefficient.at(cell)), beta / term.exponent));
         }
         for _ in 0..60 {
             let p = power(y, 1.0 / beta);
             let (mut value, mut slope) = (elastic * p - displacement, elastic * p / (beta * y));
             for term in active() {
-                let part = tau * term.coefficient[cell] * power(y, term.exponent / beta);
+                let part = tau * term.coefficient.at(cell) * power(y, term.exponent / beta);
                 value += part;
                 slope += part * term.exponent / (beta * y);
             }
@@ -159,7 +204,7 @@ mod tests {
     use super::*;
 
     fn rate(terms: &[(f64, f64)]) -> CellRate {
-        let term = |&(coefficient, exponent)| WearTerm { coefficient: vec![coefficient], exponent };
+        let term = |&(coefficient, exponent): &(f64, f64)| WearTerm { coefficient: coefficient.into(), exponent };
         CellRate { reference_pressure: 2.0, terms: terms.iter().map(term).collect() }
     }
 

@@ -11,9 +11,9 @@ use nalgebra::{DMatrix, DVector};
 /// `I - h f' R`: stable while `h < 2 Re mu/|mu|^2` for all of them. For b = 1 and without friction this is
 /// `k ds < 2 lambda_min` of the compliance on the zero-mean space. Infinite where nothing wears or nothing is in
 /// contact. Cost: the eigenvalues of an N x N matrix.
-pub fn explicit_limit(contact: &WearingContact, conditions: &Conditions, pressure: &[f64]) -> f64 {
+pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pressure: &[f64]) -> f64 {
     let active: Vec<usize> = (0..pressure.len()).filter(|&i| pressure[i] > 0.0).collect();
-    let compliance = contact.compliance(conditions.direction);
+    let compliance = contact.compliance(conditions.signed_friction);
     let block = compliance.select_rows(&active).select_columns(&active);
     let m = active.len();
     let free = match conditions.normal {

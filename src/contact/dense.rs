@@ -1,0 +1,285 @@
+//! Dense kernels of the contact line: LU factors, substitution, matrix times vector, all in caller-owned memory.
+//!
+//! Matrices are stored by columns without gaps, entry (i, j) of n rows at `i + j n`. The sizes are those of a contact
+//! line, some tens to hundreds, where what a general library spends on a call is as long as the arithmetic itself:
+//! `cargo fmu bench --line` shows both. The widest vector unit that the machine has and the build of `pulp` knows is
+//! chosen at run time.
+
+use pulp::{Arch, Simd, WithSimd};
+
+/// Columns eliminated together: the rows below them stay in the first-level cache while the rest is updated.
+const PANEL: usize = 8;
+/// Columns substituted together.
+const GROUP: usize = 4;
+/// A diagonal entry this small against the largest below it is exchanged for that one.
+const PIVOT_THRESHOLD: f64 = 0.1;
+
+/// `target += sum_k factors[k] column_k`, the columns `first, first + 1, ...` of the matrix from row `row` on.
+#[inline(always)]
+fn accumulate<S: Simd, const K: usize>(
+    simd: S,
+    target: &mut [f64],
+    matrix: &[f64],
+    rows: usize,
+    row: usize,
+    first: usize,
+    factors: [f64; K],
+) {
+    let length = target.len();
+    let columns: [&[f64]; K] = std::array::from_fn(|k| {
+        let start = (first + k) * rows + row;
+        &matrix[start..start + length]
+    });
+    let (head, tail) = S::as_mut_simd_f64s(target);
+    let parts = columns.map(S::as_simd_f64s);
+    let splat = factors.map(|factor| simd.splat_f64s(factor));
+    for (i, value) in head.iter_mut().enumerate() {
+        let mut sum = *value;
+        for k in 0..K {
+            sum = simd.mul_add_f64s(splat[k], parts[k].0[i], sum);
+        }
+        *value = sum;
+    }
+    if !tail.is_empty() {
+        let mut sum = simd.partial_load_f64s(tail);
+        for k in 0..K {
+            sum = simd.mul_add_f64s(splat[k], simd.partial_load_f64s(parts[k].1), sum);
+        }
+        simd.partial_store_f64s(tail, sum);
+    }
+}
+
+/// Largest absolute value, and 0 for nothing.
+#[inline(always)]
+fn largest<S: Simd>(simd: S, values: &[f64]) -> f64 {
+    let (head, tail) = S::as_simd_f64s(values);
+    let mut most = simd.splat_f64s(0.0);
+    for value in head {
+        most = simd.max_f64s(most, simd.abs_f64s(*value));
+    }
+    if !tail.is_empty() {
+        most = simd.max_f64s(most, simd.abs_f64s(simd.partial_load_f64s(tail)));
+    }
+    simd.reduce_max_f64s(most)
+}
+
+/// Replaces the n x n matrix by its factors `P A = L U`, L with a unit diagonal, U with the reciprocals of its
+/// diagonal in place of that. `exchanged[k]` is the row that row k was exchanged for at step k.
+///
+/// Pivots are chosen among the rows with a threshold of .1: growth stays bounded, and the nearly symmetric matrices of
+/// contact are hardly ever rearranged. `false` where a pivot is 0 or infinite; what is not a number shows in the solution.
+pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool {
+    struct Factorise<'a>(&'a mut [f64], usize, &'a mut [usize]);
+    impl WithSimd for Factorise<'_> {
+        type Output = bool;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> bool {
+            let Self(matrix, n, exchanged) = self;
+            let mut start = 0;
+            while start < n {
+                let width = PANEL.min(n - start);
+                for j in start..start + width {
+                    let (left, right) = matrix.split_at_mut(j * n);
+                    let column = &mut right[..n];
+                    for i in start..j {
+                        let factor = -column[i];
+                        accumulate(simd, &mut column[i + 1..], left, n, i + 1, i, [factor]);
+                    }
+                    let most = largest(simd, &column[j..]);
+                    if !(most > 0.0 && most < f64::INFINITY) {
+                        return false;
+                    }
+                    let mut pivot = j;
+                    if column[j].abs() < PIVOT_THRESHOLD * most {
+                        pivot = (j..n).find(|&i| column[i].abs() == most).unwrap_or(j);
+                    }
+                    exchanged[j] = pivot;
+                    if pivot != j {
+                        for k in 0..n {
+                            matrix.swap(j + k * n, pivot + k * n);
+                        }
+                    }
+                    let column = &mut matrix[j * n..(j + 1) * n];
+                    let reciprocal = 1.0 / column[j];
+                    column[j] = reciprocal;
+                    for value in &mut column[j + 1..] {
+                        *value *= reciprocal;
+                    }
+                }
+                let end = start + width;
+                if end < n {
+                    let (left, right) = matrix.split_at_mut(end * n);
+                    for column in right.chunks_exact_mut(n) {
+                        let (upper, lower) = column.split_at_mut(end);
+                        let upper = &mut upper[start..];
+                        for i in 0..PANEL {
+                            let value = upper[i];
+                            for k in i + 1..PANEL {
+                                upper[k] -= left[(start + i) * n + start + k] * value;
+                            }
+                        }
+                        let factors: [f64; PANEL] = std::array::from_fn(|k| -upper[k]);
+                        accumulate(simd, lower, left, n, end, start, factors);
+                    }
+                }
+                start = end;
+            }
+            true
+        }
+    }
+    assert!(matrix.len() == n * n && exchanged.len() == n, "n x n matrix, n exchanges");
+    Arch::new().dispatch(Factorise(matrix, n, exchanged))
+}
+
+/// Solves `A x = right` in place with the factors that [`factorise`] left.
+pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f64]) {
+    struct Substitute<'a>(&'a [f64], usize, &'a mut [f64]);
+    impl WithSimd for Substitute<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(factors, n, x) = self;
+            let full = n - n % GROUP;
+            for start in (0..full).step_by(GROUP) {
+                let end = start + GROUP;
+                for i in start..end {
+                    for k in i + 1..end {
+                        x[k] -= factors[i * n + k] * x[i];
+                    }
+                }
+                let (done, rest) = x.split_at_mut(end);
+                let group: [f64; GROUP] = std::array::from_fn(|k| -done[start + k]);
+                accumulate(simd, rest, factors, n, end, start, group);
+            }
+            for i in full..n {
+                for k in i + 1..n {
+                    x[k] -= factors[i * n + k] * x[i];
+                }
+            }
+            for i in (full..n).rev() {
+                x[i] *= factors[i * n + i];
+                let (rest, done) = x.split_at_mut(i);
+                accumulate(simd, rest, factors, n, 0, i, [-done[0]]);
+            }
+            for start in (0..full).step_by(GROUP).rev() {
+                for i in (start..start + GROUP).rev() {
+                    x[i] *= factors[i * n + i];
+                    for k in start..i {
+                        x[k] -= factors[i * n + k] * x[i];
+                    }
+                }
+                let (rest, done) = x.split_at_mut(start);
+                let group: [f64; GROUP] = std::array::from_fn(|k| -done[k]);
+                accumulate(simd, rest, factors, n, 0, start, group);
+            }
+        }
+    }
+    assert!(factors.len() == n * n && exchanged.len() == n && right.len() == n, "n x n factors, n values");
+    for (k, &row) in exchanged.iter().enumerate() {
+        right.swap(k, row);
+    }
+    Arch::new().dispatch(Substitute(factors, n, right));
+}
+
+/// `target += matrix x`, with as many rows as `target` and columns as `x` is long.
+pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
+    struct Multiply<'a>(&'a [f64], &'a [f64], &'a mut [f64]);
+    impl WithSimd for Multiply<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(matrix, x, target) = self;
+            let rows = target.len();
+            let full = x.len() - x.len() % GROUP;
+            for start in (0..full).step_by(GROUP) {
+                let factors: [f64; GROUP] = std::array::from_fn(|k| x[start + k]);
+                accumulate(simd, target, matrix, rows, 0, start, factors);
+            }
+            for j in full..x.len() {
+                accumulate(simd, target, matrix, rows, 0, j, [x[j]]);
+            }
+        }
+    }
+    assert_eq!(matrix.len(), x.len() * target.len(), "one column per x, one row per target");
+    Arch::new().dispatch(Multiply(matrix, x, target));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(count: usize, seed: u64) -> Vec<f64> {
+        let mut state = seed;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn every_size_is_solved_and_multiplied() {
+        for n in (1..40).chain([63, 64, 65, 129]) {
+            let matrix = noise(n * n, n as u64);
+            let exact = noise(n, 99);
+            let mut right = vec![0.0; n];
+            multiply_add(&matrix, &exact, &mut right);
+            for i in 0..n {
+                let sum: f64 = (0..n).map(|j| matrix[i + j * n] * exact[j]).sum();
+                assert!((right[i] - sum).abs() < 1e-13 * n as f64);
+            }
+            // Random matrices need the exchanges of rows.
+            let (mut factors, mut exchanged) = (matrix.clone(), vec![0; n]);
+            assert!(factorise(&mut factors, n, &mut exchanged));
+            assert!(n < 10 || exchanged.iter().enumerate().any(|(k, &row)| k != row));
+            let product = right.clone();
+            substitute(&factors, n, &exchanged, &mut right);
+            let mut residual: Vec<f64> = product.iter().map(|value| -value).collect();
+            multiply_add(&matrix, &right, &mut residual);
+            let size = right.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            assert!(residual.iter().all(|r| r.abs() < 1e-12 * (1.0 + size) * n as f64), "n {n}: {residual:?}");
+        }
+    }
+
+    #[test]
+    fn singular_and_infinite_matrices_are_told() {
+        let mut exchanged = [0; 3];
+        assert!(!factorise(&mut [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0, 5.0, 3.0], 3, &mut exchanged));
+        assert!(!factorise(&mut [1.0, f64::INFINITY, 3.0, 0.0, 1.0, 0.0, 1.0, 5.0, 3.0], 3, &mut exchanged));
+    }
+}
+
+#[cfg(test)]
+mod bench {
+    use super::*;
+    #[test]
+    fn speed() {
+        use faer::dyn_stack::{MemBuffer, MemStack};
+        use faer::linalg::lu::partial_pivoting as lu;
+        use faer::{Mat, Par};
+        for n in [33usize, 129] {
+            let a = Mat::from_fn(n, n, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i as f64 - j as f64).abs()) });
+            let mut f = a.clone();
+            let mut perm = vec![0usize; n];
+            let mut inv = vec![0usize; n];
+            let mut mem = MemBuffer::new(faer::linalg::temp_mat_scratch::<f64>(n, n).and(lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default())));
+            let time = |f: &mut dyn FnMut()| { let mut best = f64::INFINITY; for _ in 0..30 { let t = std::time::Instant::now(); for _ in 0..50 { f(); } best = best.min(t.elapsed().as_secs_f64() / 50.0); } best * 1e6 };
+            let t1 = time(&mut || { f.copy_from(&a); lu::factor::lu_in_place(f.as_mut(), &mut perm, &mut inv, Par::Seq, MemStack::new(&mut mem), Default::default()); });
+            let mut b = Mat::<f64>::from_fn(n, 1, |i, _| i as f64);
+            let p = unsafe { faer::perm::PermRef::new_unchecked(&perm, &inv, n) };
+            let t2 = time(&mut || { lu::solve::solve_in_place(f.as_ref(), f.as_ref(), p, b.as_mut(), Par::Seq, MemStack::new(&mut mem)); });
+            let fa: Vec<f64> = (0..n * n).map(|k| a[(k % n, k / n)]).collect();
+            let mut g = fa.clone();
+            let mut ex = vec![0; n];
+            let t3 = time(&mut || { g.copy_from_slice(&fa); factorise(&mut g, n, &mut ex); });
+            let mut x: Vec<f64> = (0..n).map(|i| i as f64).collect();
+            let t4 = time(&mut || { substitute(&g, n, &ex, &mut x); });
+            let mut y: Vec<f64> = (0..n).map(|i| i as f64).collect();
+            let t5 = time(&mut || { multiply_add(&fa, &x, &mut y); });
+            println!("N {n}: faer LU {t1:.2} solve {t2:.2}; own LU {t3:.2} solve {t4:.2} product {t5:.2} us");
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Compliance of the pair with wear on its diagonal, and a memo of its factors.
+
+use super::dense;
+use super::problem::ContactError;
+use nalgebra::DMatrix;
+
+/// Memory for factors, in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
+/// two lengths, with room for contacts that come and go.
+const MEMO_NUMBERS: usize = 250_000;
+const LEAST_ENTRIES: usize = 4;
+const MOST_ENTRIES: usize = 12;
+/// Values of the signed friction whose compliance is kept.
+const COMPOSITIONS: usize = 2;
+
+/// What the pressures of the cells in contact stand in: `C + s mu S + E + T diag(d) + beta 1 w'/W`, N x N, m/Pa.
+///
+/// C and S are the normal and the shear compliance of the pair (strip less punch for S), E an extra matrix that changes
+/// from step to step, d wear per pressure, T the wear operator (none: the identity), w the weights of the load integral
+/// and W their sum. The last term shifts the approach by `beta P/W` and nothing else where the approach is free; it
+/// keeps the matrix regular for bodies whose uniform displacement is not defined.
+#[derive(Clone, Debug)]
+pub(super) struct Factors {
+    count: usize,
+    normal: Vec<f64>,
+    shear: Vec<f64>,
+    extra: Vec<f64>,
+    has_extra: bool,
+    operator: Option<Vec<f64>>,
+    shares: Vec<f64>,
+    shift: f64,
+    compositions: Vec<Composition>,
+    entries: Vec<Entry>,
+    clock: u64,
+    pub factorisations: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Composition {
+    used: u64,
+    signed_friction: u64,
+    matrix: Vec<f64>,
+}
+
+/// Factors for one contact, and the pressures under a uniform and under a linear displacement.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    used: u64,
+    signed_friction: u64,
+    shifted: bool,
+    diagonal: Vec<f64>,
+    active: Vec<bool>,
+    /// Cells in contact.
+    pub index: Vec<usize>,
+    matrix: Vec<f64>,
+    exchanged: Vec<usize>,
+    regular: bool,
+    /// Pressure per approach, for the cells in contact.
+    pub uniform: Vec<f64>,
+    /// Pressure per displacement `(x - centre)/length`; asked for, it is made once.
+    pub linear: Vec<f64>,
+    has_uniform: bool,
+    has_linear: bool,
+    /// Mean position of the cells in contact.
+    pub centre: f64,
+}
+
+/// What factors depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Key<'a> {
+    /// s mu.
+    pub signed_friction: f64,
+    /// Whether the approach is free.
+    pub shifted: bool,
+    /// d, N values, m/Pa.
+    pub diagonal: &'a [f64],
+    pub active: &'a [bool],
+}
+
+impl Factors {
+    pub fn new(normal: DMatrix<f64>, shear: DMatrix<f64>, weights: &[f64]) -> Result<Self, ContactError> {
+        let count = weights.len();
+        assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
+        assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");
+        if let Some(&value) = normal.iter().chain(shear.iter()).find(|v| !v.is_finite()) {
+            return Err(ContactError::Invalid { quantity: "compliance", value });
+        }
+        if normal.diagonal().min() <= 0.0 {
+            return Err(ContactError::Rigid);
+        }
+        let total: f64 = weights.iter().sum();
+        let composition =
+            Composition { used: 0, signed_friction: f64::NAN.to_bits(), matrix: vec![0.0; count * count] };
+        let entry = Entry {
+            used: 0,
+            signed_friction: 0,
+            shifted: false,
+            diagonal: vec![0.0; count],
+            active: vec![false; count],
+            index: Vec::with_capacity(count),
+            matrix: vec![0.0; count * count],
+            exchanged: vec![0; count],
+            regular: false,
+            uniform: vec![0.0; count],
+            linear: vec![0.0; count],
+            has_uniform: false,
+            has_linear: false,
+            centre: 0.0,
+        };
+        let entries = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
+        Ok(Self {
+            count,
+            shift: normal.diagonal().mean(),
+            normal: normal.as_slice().to_vec(),
+            shear: shear.as_slice().to_vec(),
+            extra: vec![0.0; count * count],
+            has_extra: false,
+            operator: None,
+            shares: weights.iter().map(|w| w / total).collect(),
+            compositions: vec![composition; COMPOSITIONS],
+            entries: vec![entry; entries],
+            clock: 0,
+            factorisations: 0,
+        })
+    }
+
+    /// beta/W times W: the approach of the shifted matrix per mean pressure, m/Pa.
+    pub fn shift(&self) -> f64 {
+        self.shift
+    }
+
+    pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+        if let Some(matrix) = extra {
+            assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
+            if let Some(&value) = matrix.iter().find(|v| !v.is_finite()) {
+                return Err(ContactError::Invalid { quantity: "extra compliance", value });
+            }
+            self.extra.copy_from_slice(matrix.as_slice());
+        }
+        if extra.is_some() || self.has_extra {
+            self.compositions.iter_mut().for_each(|c| c.used = 0);
+            self.forget();
+        }
+        self.has_extra = extra.is_some();
+        Ok(())
+    }
+
+    pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
+        self.forget();
+        let Some(matrix) = operator else {
+            self.operator = None;
+            return;
+        };
+        assert_eq!(matrix.shape(), (self.count, self.count), "the wear operator is N x N");
+        match &mut self.operator {
+            Some(kept) => kept.copy_from_slice(matrix.as_slice()),
+            None => self.operator = Some(matrix.as_slice().to_vec()),
+        }
+    }
+
+    fn forget(&mut self) {
+        self.entries.iter_mut().for_each(|e| e.used = 0);
+    }
+
+    /// `S`, by columns.
+    pub fn shear(&self) -> &[f64] {
+        &self.shear
+    }
+
+    /// T, by columns.
+    pub fn operator(&self) -> Option<&[f64]> {
+        self.operator.as_deref()
+    }
+
+    /// `C + s mu S + E`, by columns.
+    pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
+        let position = self.compose(signed_friction);
+        &self.compositions[position].matrix
+    }
+
+    fn compose(&mut self, signed_friction: f64) -> usize {
+        self.clock += 1;
+        let bits = signed_friction.to_bits();
+        if let Some(position) = self.compositions.iter().position(|c| c.used > 0 && c.signed_friction == bits) {
+            self.compositions[position].used = self.clock;
+            return position;
+        }
+        let position = least_used(self.compositions.iter().map(|c| c.used));
+        let composition = &mut self.compositions[position];
+        composition.used = self.clock;
+        composition.signed_friction = bits;
+        for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
+            *target = normal + signed_friction * shear;
+        }
+        if self.has_extra {
+            for (target, extra) in composition.matrix.iter_mut().zip(&self.extra) {
+                *target += extra;
+            }
+        }
+        position
+    }
+
+    /// Position of the entry for `key`, factorised unless it is there; `None` where the matrix is singular.
+    pub fn find(&mut self, key: Key<'_>, positions: &[f64]) -> Option<usize> {
+        self.clock += 1;
+        let bits = key.signed_friction.to_bits();
+        let clock = self.clock;
+        let fits = |entry: &Entry| {
+            entry.used > 0
+                && entry.signed_friction == bits
+                && entry.shifted == key.shifted
+                && entry.active == key.active
+                && entry.index.iter().all(|&i| entry.diagonal[i].to_bits() == key.diagonal[i].to_bits())
+        };
+        if let Some(position) = self.entries.iter().position(fits) {
+            self.entries[position].used = clock;
+            return self.entries[position].regular.then_some(position);
+        }
+        self.factorisations += 1;
+        let composed = self.compose(key.signed_friction);
+        let position = least_used(self.entries.iter().map(|e| e.used));
+        let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
+        entry.used = self.clock;
+        entry.signed_friction = bits;
+        entry.shifted = key.shifted;
+        entry.diagonal.copy_from_slice(key.diagonal);
+        entry.active.copy_from_slice(key.active);
+        entry.has_uniform = false;
+        entry.has_linear = false;
+        entry.index.clear();
+        entry.index.extend((0..self.count).filter(|&i| key.active[i]));
+        let m = entry.index.len();
+        entry.centre = entry.index.iter().map(|&i| positions[i]).sum::<f64>() / m.max(1) as f64;
+        for (b, &j) in entry.index.iter().enumerate() {
+            let shift = if key.shifted { self.shift * self.shares[j] } else { 0.0 };
+            let column = &composition[j * self.count..(j + 1) * self.count];
+            let target = &mut entry.matrix[b * m..(b + 1) * m];
+            if m == self.count {
+                for (value, source) in target.iter_mut().zip(column) {
+                    *value = source + shift;
+                }
+            } else {
+                for (value, &i) in target.iter_mut().zip(&entry.index) {
+                    *value = column[i] + shift;
+                }
+            }
+            match &self.operator {
+                None => target[b] += key.diagonal[j],
+                Some(operator) => {
+                    let column = &operator[j * self.count..(j + 1) * self.count];
+                    for (value, &i) in target.iter_mut().zip(&entry.index) {
+                        *value += key.diagonal[j] * column[i];
+                    }
+                }
+            }
+        }
+        entry.regular = dense::factorise(&mut entry.matrix[..m * m], m, &mut entry.exchanged[..m]);
+        entry.regular.then_some(position)
+    }
+
+    /// The entry with its pressures per approach and, if asked for, per linear displacement.
+    pub fn with_columns(&mut self, position: usize, uniform: bool, linear: Option<(&[f64], f64)>) -> &Entry {
+        let entry = &mut self.entries[position];
+        let m = entry.index.len();
+        if uniform && !entry.has_uniform {
+            entry.has_uniform = true;
+            let mut column = std::mem::take(&mut entry.uniform);
+            column[..m].fill(1.0);
+            entry.substitute(&mut column[..m]);
+            entry.uniform = column;
+        }
+        if let Some((positions, length)) = linear
+            && !entry.has_linear
+        {
+            entry.has_linear = true;
+            let mut column = std::mem::take(&mut entry.linear);
+            for (value, &i) in column.iter_mut().zip(&entry.index) {
+                *value = (positions[i] - entry.centre) / length;
+            }
+            entry.substitute(&mut column[..m]);
+            entry.linear = column;
+        }
+        entry
+    }
+}
+
+impl Entry {
+    /// Solves for one right-hand side over the cells in contact, in place.
+    pub fn substitute(&self, right: &mut [f64]) {
+        let m = self.index.len();
+        dense::substitute(&self.matrix[..m * m], m, &self.exchanged[..m], right);
+    }
+}
+
+fn least_used(used: impl Iterator<Item = u64>) -> usize {
+    used.enumerate().min_by_key(|(_, used)| *used).map_or(0, |(position, _)| position)
+}

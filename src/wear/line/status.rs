@@ -1,0 +1,74 @@
+//! What a contact remembers from one solution to the next.
+
+/// Active sets and starting pressures: all that a solution depends on besides its own problem.
+///
+/// Friction shifts the pressure one way or the other, so there is one for each sign of `s mu`: `strokes[0]` for
+/// `s mu >= 0`, `strokes[1]` for `s mu < 0`. Restoring it and solving again gives the same numbers to the last bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Status {
+    /// By the sign of the signed friction coefficient.
+    pub strokes: [StrokeStatus; 2],
+}
+
+/// Status for one sign of the friction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StrokeStatus {
+    /// Cells assumed in contact at first.
+    pub active: Vec<bool>,
+    /// Pressure from which Newton's method starts, N values, in Pa; all 0: none yet.
+    pub pressure: Vec<f64>,
+    /// Wear per pressure with which the factors in use were made, N values, m/Pa; all 0: none yet.
+    pub diagonal: Vec<f64>,
+}
+
+impl Status {
+    /// All of `count` cells in contact, no pressure yet.
+    pub fn new(count: usize) -> Self {
+        let stroke =
+            StrokeStatus { active: vec![true; count], pressure: vec![0.0; count], diagonal: vec![0.0; count] };
+        Self { strokes: [stroke.clone(), stroke] }
+    }
+
+    /// Takes the values of another status of as many cells, without allocating.
+    pub fn copy_from(&mut self, other: &Status) {
+        for (own, other) in self.strokes.iter_mut().zip(&other.strokes) {
+            own.active.copy_from_slice(&other.active);
+            own.pressure.copy_from_slice(&other.pressure);
+            own.diagonal.copy_from_slice(&other.diagonal);
+        }
+    }
+
+    /// Number of values that [`Self::save`] writes.
+    pub fn saved_len(count: usize) -> usize {
+        6 * count
+    }
+
+    /// Appends the status as numbers, 6 N values.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        for stroke in &self.strokes {
+            out.extend(stroke.active.iter().map(|active| f64::from(u8::from(*active))));
+            out.extend(&stroke.pressure);
+            out.extend(&stroke.diagonal);
+        }
+    }
+
+    /// Reads what [`Self::save`] wrote; `None` where the numbers cannot be a status of this many cells.
+    pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
+        for stroke in &mut self.strokes {
+            for active in &mut stroke.active {
+                *active = match *numbers.next()? {
+                    0.0 => false,
+                    1.0 => true,
+                    _ => return None,
+                };
+            }
+            for value in stroke.pressure.iter_mut().chain(&mut stroke.diagonal) {
+                *value = *numbers.next()?;
+                if !(*value >= 0.0 && value.is_finite()) {
+                    return None;
+                }
+            }
+        }
+        Some(())
+    }
+}
