@@ -27,6 +27,19 @@ fn power_rate(exponent: f64) -> CellRate {
     CellRate::uniform(1.0, 1.0, exponent)
 }
 
+/// One step, returning the state at its end.
+fn step_once(
+    integrator: &mut Integrator,
+    contact: &mut WearingContact,
+    worn: &mut [f64],
+    length: f64,
+    conditions: &Conditions,
+) -> ContactState {
+    let mut state = ContactState::new(worn.len());
+    integrator.step(contact, worn, 0.0, length, &mut |_, c| c.clone_from(conditions), &mut state).unwrap();
+    state
+}
+
 struct Noise(u64);
 
 impl Noise {
@@ -101,7 +114,7 @@ fn direct_cycle_equals_time_stepping() {
             let direct = problem.solve().unwrap();
             let (normal, shear) = pair_operators(&punch, &strip);
             let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 33]).unwrap();
-            let integrator = Integrator::new(Scheme::ImplicitEuler, 1.0);
+            let mut integrator = Integrator::new(Scheme::ImplicitEuler, 1.0, cells.count());
             let mut worn = vec![0.0; 33];
             let mut half_stroke = |worn: &mut Vec<f64>, direction: Direction| {
                 let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
@@ -110,7 +123,7 @@ fn direct_cycle_equals_time_stepping() {
                 let signed_friction = direction.signed_friction(friction);
                 let conditions = Conditions { signed_friction, normal: Normal::Load(LOAD), tilt, rate };
                 let before = worn.clone();
-                let state = integrator.step(&mut contact, worn, 0.0, 1.0, &|_| conditions.clone()).unwrap().0;
+                let state = step_once(&mut integrator, &mut contact, worn, 1.0, &conditions);
                 let mean: Vec<f64> = worn.iter().zip(&before).map(|(a, b)| (a - b) / wear_per_stroke).collect();
                 (state, mean)
             };
@@ -156,8 +169,12 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
         {
             // A punch that cannot rotate keeps the tilt of the shape's gauge, here none.
             let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * friction * h));
-            let conditions =
-                Conditions { signed_friction: sign * friction, normal: Normal::Load(LOAD), tilt, rate: CellRate::archard(0.0, 0.0) };
+            let conditions = Conditions {
+                signed_friction: sign * friction,
+                normal: Normal::Load(LOAD),
+                tilt,
+                rate: CellRate::archard(0.0, 0.0),
+            };
             let state = contact.pressure(&cycle.shape, &conditions).unwrap();
             for (computed, expected) in state.pressure.iter().zip(expected) {
                 assert!((computed - expected).abs() < 1e-9, "{direction:?}: {computed} {expected}");
@@ -225,8 +242,11 @@ fn one_way_closed_forms() {
     let relative: Vec<f64> = cells.centres().iter().map(|x| (1.5 + x) / 1.5).collect();
     let weights: Vec<f64> = cells.widths().iter().zip(&relative).map(|(c, r)| c * r).collect();
     for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5), (0.0, 1.0)] {
-        let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
-        let rate = CellRate { reference_pressure: 1.0, terms: vec![WearTerm { coefficient: coefficient.into(), exponent: b }] };
+        let coefficient: Vec<f64> = relative.iter().map(|r: &f64| r.powf(a)).collect();
+        let rate = CellRate {
+            reference_pressure: 1.0,
+            terms: vec![WearTerm { coefficient: coefficient.into(), exponent: b }],
+        };
         let state = punch_run_in(&cells, &weights, &rate, LOAD, Tilt::Fixed(0.0)).unwrap();
         for (x, p) in cells.centres().iter().zip(&state.pressure) {
             let error = p / annular_pressure(1.5 + x, LOAD, (1.0, 2.0), (a, b)) - 1.0;
@@ -246,15 +266,15 @@ fn one_way_equals_time_stepping() {
         let gap: Vec<f64> = cells.centres().iter().map(|x| 0.1 * x * x).collect();
         let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, gap.clone()).unwrap();
         let conditions = Conditions { signed_friction: 0.2, normal: Normal::Load(LOAD), tilt, rate };
-        let integrator = Integrator::new(Scheme::ImplicitEuler, 1.0);
+        let mut integrator = Integrator::new(Scheme::ImplicitEuler, 1.0, cells.count());
         let mut worn = vec![0.0; 33];
         for step in 0..60 {
             let length = 0.1 * 1.2f64.powi(step);
-            integrator.step(&mut contact, &mut worn, 0.0, length, &|_| conditions.clone()).unwrap();
+            step_once(&mut integrator, &mut contact, &mut worn, length, &conditions);
         }
         let stepped = contact.pressure(&worn, &conditions).unwrap();
         // The direct shape, put into the contact, gives the direct pressure.
-        let shape = direct.shape(&gap, contact.compliance(0.2));
+        let shape = direct.shape(&gap, &contact.compliance(0.2));
         let on_shape = contact.pressure(&shape, &conditions).unwrap();
         for i in 0..33 {
             let error = (stepped.pressure[i] - direct.pressure[i]).abs();
@@ -424,12 +444,18 @@ fn general_cycles_wear_evenly_and_give_their_pressures() {
                 assert!((depth / rigid - 1.0).abs() < 1e-9, "{case} cell {i}: {depth} {rigid}");
             }
             // The shape alone, put into the contact, must give both pressures, clipped edges included.
-            let mut contact = WearingContact::new(&cells, pair(0.3), pair(-0.3), vec![0.0; 33]).unwrap();
+            let (normal, shear) = pair_operators(&punch, &strip);
+            let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 33]).unwrap();
             for (direction, sign, expected) in
                 [(Direction::Forward, 1.0, &cycle.forward), (Direction::Backward, -1.0, &cycle.backward)]
             {
                 let tilt = pivot_height.map_or(Tilt::Fixed(0.0), |h| Tilt::ResultantAt(sign * 0.3 * h));
-                let conditions = Conditions { direction, normal: Normal::Load(LOAD), tilt, rate: rate.clone() };
+                let conditions = Conditions {
+                    signed_friction: direction.signed_friction(0.3),
+                    normal: Normal::Load(LOAD),
+                    tilt,
+                    rate: rate.clone(),
+                };
                 let state = contact.pressure(&cycle.shape, &conditions).unwrap();
                 for (computed, expected) in state.pressure.iter().zip(expected) {
                     assert!((computed - expected).abs() < 1e-8, "{case} {direction:?}: {computed} {expected}");

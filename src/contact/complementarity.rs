@@ -418,12 +418,8 @@ impl ContactSolver {
     fn solve_on(&mut self, problem: &ContactProblem<'_>, balance: &Balance, memory: &mut Memory) -> bool {
         self.counter.iterations += 1;
         let shifted = balance.approach_free;
-        let key = Key {
-            signed_friction: problem.signed_friction,
-            shifted,
-            diagonal: problem.diagonal,
-            active: &memory.set,
-        };
+        let key =
+            Key { signed_friction: problem.signed_friction, shifted, diagonal: problem.diagonal, active: &memory.set };
         let Some(position) = self.factors.find(key, &self.positions) else { return false };
         let linear = balance.tilt_free.then_some((&self.positions[..], self.length));
         let lean = shifted || balance.tilt_free;
@@ -525,8 +521,7 @@ impl ContactSolver {
         let tolerance = SIGN_TOLERANCE * largest;
         let mut changed = false;
         for i in 0..count {
-            memory.next[i] =
-                if memory.set[i] { memory.worn[i] >= -tolerance } else { memory.open_gap[i] < -tolerance };
+            memory.next[i] = if memory.set[i] { memory.worn[i] >= -tolerance } else { memory.open_gap[i] < -tolerance };
             changed |= memory.next[i] != memory.set[i];
         }
         changed
@@ -598,8 +593,7 @@ impl ContactSolver {
         }
         let pivoting = memory.pivoting.as_mut().expect("allocated at construction");
         let first = &[0, count - 1][..free];
-        let pivots =
-            pivoting.solve(matrix, right, first, &mut memory.set).map_err(|_| ContactError::NoEquilibrium)?;
+        let pivots = pivoting.solve(matrix, right, first, &mut memory.set).map_err(|_| ContactError::NoEquilibrium)?;
         self.counter.pivots += pivots as u64;
         Ok(())
     }
@@ -607,8 +601,11 @@ impl ContactSolver {
 
 /// Solves two equations by elimination with the larger pivot.
 fn solve_pair(first: [f64; 2], second: [f64; 2], right: [f64; 2]) -> (f64, f64) {
-    let (a, b, r, s) =
-        if first[0].abs() >= second[0].abs() { (first, second, right[0], right[1]) } else { (second, first, right[1], right[0]) };
+    let (a, b, r, s) = if first[0].abs() >= second[0].abs() {
+        (first, second, right[0], right[1])
+    } else {
+        (second, first, right[1], right[0])
+    };
     let factor = b[0] / a[0];
     let y1 = (s - factor * r) / (b[1] - factor * a[1]);
     ((r - a[1] * y1) / a[0], y1)

@@ -251,35 +251,3 @@ mod tests {
         assert!(!factorise(&mut [1.0, f64::INFINITY, 3.0, 0.0, 1.0, 0.0, 1.0, 5.0, 3.0], 3, &mut exchanged));
     }
 }
-
-#[cfg(test)]
-mod bench {
-    use super::*;
-    #[test]
-    fn speed() {
-        use faer::dyn_stack::{MemBuffer, MemStack};
-        use faer::linalg::lu::partial_pivoting as lu;
-        use faer::{Mat, Par};
-        for n in [33usize, 129] {
-            let a = Mat::from_fn(n, n, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i as f64 - j as f64).abs()) });
-            let mut f = a.clone();
-            let mut perm = vec![0usize; n];
-            let mut inv = vec![0usize; n];
-            let mut mem = MemBuffer::new(faer::linalg::temp_mat_scratch::<f64>(n, n).and(lu::factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Default::default())));
-            let time = |f: &mut dyn FnMut()| { let mut best = f64::INFINITY; for _ in 0..30 { let t = std::time::Instant::now(); for _ in 0..50 { f(); } best = best.min(t.elapsed().as_secs_f64() / 50.0); } best * 1e6 };
-            let t1 = time(&mut || { f.copy_from(&a); lu::factor::lu_in_place(f.as_mut(), &mut perm, &mut inv, Par::Seq, MemStack::new(&mut mem), Default::default()); });
-            let mut b = Mat::<f64>::from_fn(n, 1, |i, _| i as f64);
-            let p = unsafe { faer::perm::PermRef::new_unchecked(&perm, &inv, n) };
-            let t2 = time(&mut || { lu::solve::solve_in_place(f.as_ref(), f.as_ref(), p, b.as_mut(), Par::Seq, MemStack::new(&mut mem)); });
-            let fa: Vec<f64> = (0..n * n).map(|k| a[(k % n, k / n)]).collect();
-            let mut g = fa.clone();
-            let mut ex = vec![0; n];
-            let t3 = time(&mut || { g.copy_from_slice(&fa); factorise(&mut g, n, &mut ex); });
-            let mut x: Vec<f64> = (0..n).map(|i| i as f64).collect();
-            let t4 = time(&mut || { substitute(&g, n, &ex, &mut x); });
-            let mut y: Vec<f64> = (0..n).map(|i| i as f64).collect();
-            let t5 = time(&mut || { multiply_add(&fa, &x, &mut y); });
-            println!("N {n}: faer LU {t1:.2} solve {t2:.2}; own LU {t3:.2} solve {t4:.2} product {t5:.2} us");
-        }
-    }
-}

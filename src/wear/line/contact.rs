@@ -267,13 +267,8 @@ impl WearingContact {
         tilt: Tilt,
         state: &mut ContactState,
     ) -> Result<(), ContactError> {
-        let problem = ContactProblem {
-            gap,
-            signed_friction: conditions.signed_friction,
-            diagonal: &self.diagonal,
-            normal,
-            tilt,
-        };
+        let problem =
+            ContactProblem { gap, signed_friction: conditions.signed_friction, diagonal: &self.diagonal, normal, tilt };
         self.solver.solve_into(&problem, &mut self.status.strokes[stroke(conditions)].active, state)
     }
 

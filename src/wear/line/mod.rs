@@ -15,5 +15,5 @@ pub use contact::{Conditions, Direction, StageError, WearingContact};
 pub use integrator::{ConditionsAt, Integrator, Report, Scheme, StepError};
 pub use rate::{CellRate, Coefficient, WearTerm};
 pub use response::{ContactRate, Disturbance};
-pub use status::{Status, StrokeStatus};
 pub use stability::explicit_limit;
+pub use status::{Status, StrokeStatus};

@@ -24,8 +24,7 @@ pub struct StrokeStatus {
 impl Status {
     /// All of `count` cells in contact, no pressure yet.
     pub fn new(count: usize) -> Self {
-        let stroke =
-            StrokeStatus { active: vec![true; count], pressure: vec![0.0; count], diagonal: vec![0.0; count] };
+        let stroke = StrokeStatus { active: vec![true; count], pressure: vec![0.0; count], diagonal: vec![0.0; count] };
         Self { strokes: [stroke.clone(), stroke] }
     }
 
