@@ -4,6 +4,7 @@
 //! both are timed in turns, so that a slower moment of the machine meets both, and the fastest turn counts: nothing
 //! can make a turn faster than the code is.
 
+mod line;
 mod native;
 
 use crate::{package, project};
@@ -30,6 +31,9 @@ pub struct Arguments {
     /// Scene to time: a name in examples/ or the path of a scene file; by default the stock scene, whose constant
     /// coefficients are those of the C peer.
     scene: Option<String>,
+    /// Time wear steps of the contact line instead, in solutions of one dense system of as many unknowns.
+    #[arg(long, conflicts_with = "scene")]
+    line: bool,
     /// Print the results as JSON.
     #[arg(long)]
     json: bool,
@@ -75,7 +79,11 @@ impl fmt::Display for Cost {
 /// # Errors
 /// Where something cannot be built or loaded, or a cost exceeds its limit with the allowance.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    let costs = measure(&package::build(arguments.scene.as_deref(), &package::Options::default())?)?;
+    let costs = if arguments.line {
+        line::measure()?
+    } else {
+        measure(&package::build(arguments.scene.as_deref(), &package::Options::default())?)?
+    };
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&costs)?);
     } else {

@@ -172,7 +172,7 @@ impl ContactSolver {
             weights: weights.to_vec(),
             length: cells.half_width(),
             total_weight: weights.iter().sum(),
-            factors: Factors::new(normal, shear, weights)?,
+            factors: Factors::new(cells, weights, normal, shear)?,
             active: vec![true; count],
             memory,
             counter: WorkCounter::default(),
@@ -420,11 +420,9 @@ impl ContactSolver {
         let shifted = balance.approach_free;
         let key =
             Key { signed_friction: problem.signed_friction, shifted, diagonal: problem.diagonal, active: &memory.set };
-        let Some(position) = self.factors.find(key, &self.positions) else { return false };
-        let linear = balance.tilt_free.then_some((&self.positions[..], self.length));
-        let lean = shifted || balance.tilt_free;
-        let shift = if shifted { self.factors.shift() / self.total_weight } else { 0.0 };
-        let entry = self.factors.with_columns(position, lean, linear);
+        let Some(position) = self.factors.find(key) else { return false };
+        let shift = if shifted { self.factors.shift() } else { 0.0 };
+        let entry = self.factors.with_columns(position, balance.count() > 0, balance.tilt_free);
         let m = entry.index.len();
         if m < balance.count() {
             return false;
@@ -436,62 +434,63 @@ impl ContactSolver {
             compact.iter_mut().zip(&entry.index).for_each(|(q, &i)| *q = -memory.gap[i]);
         }
         entry.substitute(compact);
-        let (weights, positions) = (&self.weights, &self.positions);
-        let force = |v: &[f64]| entry.index.iter().zip(v).map(|(&i, v)| weights[i] * v).sum::<f64>();
         let centre = entry.centre;
-        let moment = |v: &[f64]| {
-            entry.index.iter().zip(v).map(|(&i, v)| weights[i] * (positions[i] - centre) * v).sum::<f64>() / self.length
-        };
         let (uniform, linear) = (&entry.uniform[..m], &entry.linear[..m]);
+        // Resultants and moments about the centre of q, X0 and X1.
+        let ([force, moment], [[force0, moment0], [force1, moment1]]) = (entry.resultant(compact), entry.sums);
         let relative = centre / self.length;
         let (k, c) = (balance.stiffness, 1.0 - balance.stiffness * shift);
         let arm = (centre - balance.lever) / self.length;
         let (y0, y1) = match (balance.approach_free, balance.tilt_free) {
             (false, false) => (0.0, 0.0),
-            (true, false) => ((balance.load - c * force(compact)) / (c * force(uniform) + k), 0.0),
+            (true, false) => ((balance.load - c * force) / (c * force0 + k), 0.0),
             (false, true) => {
                 // The punch turns about x = 0, where the approach is given.
-                let row = |v: &[f64]| moment(v) + arm * force(v);
-                let column = row(linear) + relative * row(uniform);
-                let tilt = (balance.moment / self.length - row(compact)) / column;
+                let column = moment1 + arm * force1 + relative * (moment0 + arm * force0);
+                let tilt = (balance.moment / self.length - moment - arm * force) / column;
                 (relative * tilt, tilt)
             }
             (true, true) => {
-                let first = [c * force(uniform) + k, c * force(linear) - k * relative];
-                let first_right = balance.load - c * force(compact);
-                let mut second = [moment(uniform), moment(linear)];
-                let mut second_right = balance.moment / self.length - moment(compact);
+                let first = [c * force0 + k, c * force1 - k * relative];
+                let first_right = balance.load - c * force;
+                let mut second = [moment0, moment1];
+                let mut second_right = balance.moment / self.length - moment;
                 if c > 0.1 {
                     // The resultant from the first balance: its lever about x_c may be long against the contact.
                     second[0] -= arm * k / c;
                     second[1] += arm * k / c * relative;
                     second_right -= arm * balance.load / c;
                 } else {
-                    second[0] += arm * force(uniform);
-                    second[1] += arm * force(linear);
-                    second_right -= arm * force(compact);
+                    second[0] += arm * force0;
+                    second[1] += arm * force1;
+                    second_right -= arm * force;
                 }
                 solve_pair(first, second, [first_right, second_right])
             }
         };
-        for ((q, u), l) in compact.iter_mut().zip(uniform).zip(linear) {
-            *q += y0 * u + if y1 != 0.0 { y1 * l } else { 0.0 };
+        if y1 != 0.0 {
+            for ((q, u), l) in compact.iter_mut().zip(uniform).zip(linear) {
+                *q += y0 * u + y1 * l;
+            }
+        } else if y0 != 0.0 {
+            compact.iter_mut().zip(uniform).for_each(|(q, u)| *q += y0 * u);
         }
         if compact.iter().any(|q| !q.is_finite()) || !y0.is_finite() || !y1.is_finite() {
             return false;
         }
         // The shifted matrix took beta P/W of the approach.
-        let at_centre = y0 - shift * force(compact);
+        let at_centre = y0 - shift * entry.resultant(compact)[0];
         memory.tilt = if balance.tilt_free { y1 / self.length } else { balance.tilt };
         memory.approach = if balance.approach_free { at_centre - y1 * relative } else { balance.approach };
+        // In full contact every gap is zero, and the product is half of the work.
+        if m == self.positions.len() {
+            memory.pressure.copy_from_slice(compact);
+            memory.open_gap.fill(0.0);
+            return true;
+        }
         memory.pressure.fill(0.0);
         for (q, &i) in compact.iter().zip(&entry.index) {
             memory.pressure[i] = *q;
-        }
-        // In full contact every gap is zero, and the product is half of the work.
-        if m == self.positions.len() {
-            memory.open_gap.fill(0.0);
-            return true;
         }
         let approach_in_gap = if balance.approach_free { memory.approach } else { 0.0 };
         let tilt_in_gap = if balance.tilt_free { memory.tilt } else { 0.0 };

@@ -2,6 +2,7 @@
 
 use super::dense;
 use super::problem::ContactError;
+use crate::elastic::Cells;
 use nalgebra::DMatrix;
 
 /// Memory for factors, in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
@@ -26,7 +27,10 @@ pub(super) struct Factors {
     extra: Vec<f64>,
     has_extra: bool,
     operator: Option<Vec<f64>>,
-    shares: Vec<f64>,
+    positions: Vec<f64>,
+    length: f64,
+    weights: Vec<f64>,
+    total_weight: f64,
     shift: f64,
     compositions: Vec<Composition>,
     entries: Vec<Entry>,
@@ -60,6 +64,11 @@ pub(super) struct Entry {
     pub linear: Vec<f64>,
     has_uniform: bool,
     has_linear: bool,
+    /// Resultant and moment, about the centre and per length, of the two columns, per depth.
+    pub sums: [[f64; 2]; 2],
+    /// Weights w of the cells in contact, and `w (x - centre)/length`.
+    weights: Vec<f64>,
+    arms: Vec<f64>,
     /// Mean position of the cells in contact.
     pub centre: f64,
 }
@@ -77,7 +86,12 @@ pub(super) struct Key<'a> {
 }
 
 impl Factors {
-    pub fn new(normal: DMatrix<f64>, shear: DMatrix<f64>, weights: &[f64]) -> Result<Self, ContactError> {
+    pub fn new(
+        cells: &Cells,
+        weights: &[f64],
+        normal: DMatrix<f64>,
+        shear: DMatrix<f64>,
+    ) -> Result<Self, ContactError> {
         let count = weights.len();
         assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
         assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");
@@ -87,7 +101,6 @@ impl Factors {
         if normal.diagonal().min() <= 0.0 {
             return Err(ContactError::Rigid);
         }
-        let total: f64 = weights.iter().sum();
         let composition =
             Composition { used: 0, signed_friction: f64::NAN.to_bits(), matrix: vec![0.0; count * count] };
         let entry = Entry {
@@ -104,6 +117,9 @@ impl Factors {
             linear: vec![0.0; count],
             has_uniform: false,
             has_linear: false,
+            sums: [[0.0; 2]; 2],
+            weights: vec![0.0; count],
+            arms: vec![0.0; count],
             centre: 0.0,
         };
         let entries = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
@@ -115,7 +131,10 @@ impl Factors {
             extra: vec![0.0; count * count],
             has_extra: false,
             operator: None,
-            shares: weights.iter().map(|w| w / total).collect(),
+            positions: cells.centres().to_vec(),
+            length: cells.half_width(),
+            weights: weights.to_vec(),
+            total_weight: weights.iter().sum(),
             compositions: vec![composition; COMPOSITIONS],
             entries: vec![entry; entries],
             clock: 0,
@@ -123,9 +142,9 @@ impl Factors {
         })
     }
 
-    /// beta/W times W: the approach of the shifted matrix per mean pressure, m/Pa.
+    /// beta/W, m/Pa per m: what a shifted matrix adds to the approach per load.
     pub fn shift(&self) -> f64 {
-        self.shift
+        self.shift / self.total_weight
     }
 
     pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
@@ -200,7 +219,7 @@ impl Factors {
     }
 
     /// Position of the entry for `key`, factorised unless it is there; `None` where the matrix is singular.
-    pub fn find(&mut self, key: Key<'_>, positions: &[f64]) -> Option<usize> {
+    pub fn find(&mut self, key: Key<'_>) -> Option<usize> {
         self.clock += 1;
         let bits = key.signed_friction.to_bits();
         let clock = self.clock;
@@ -229,9 +248,13 @@ impl Factors {
         entry.index.clear();
         entry.index.extend((0..self.count).filter(|&i| key.active[i]));
         let m = entry.index.len();
-        entry.centre = entry.index.iter().map(|&i| positions[i]).sum::<f64>() / m.max(1) as f64;
+        entry.centre = entry.index.iter().map(|&i| self.positions[i]).sum::<f64>() / m.max(1) as f64;
+        for (k, &i) in entry.index.iter().enumerate() {
+            entry.weights[k] = self.weights[i];
+            entry.arms[k] = self.weights[i] * (self.positions[i] - entry.centre) / self.length;
+        }
         for (b, &j) in entry.index.iter().enumerate() {
-            let shift = if key.shifted { self.shift * self.shares[j] } else { 0.0 };
+            let shift = if key.shifted { self.shift / self.total_weight * self.weights[j] } else { 0.0 };
             let column = &composition[j * self.count..(j + 1) * self.count];
             let target = &mut entry.matrix[b * m..(b + 1) * m];
             if m == self.count {
@@ -257,8 +280,8 @@ impl Factors {
         entry.regular.then_some(position)
     }
 
-    /// The entry with its pressures per approach and, if asked for, per linear displacement.
-    pub fn with_columns(&mut self, position: usize, uniform: bool, linear: Option<(&[f64], f64)>) -> &Entry {
+    /// The entry with its pressures per approach and per linear displacement, as far as they are asked for.
+    pub fn with_columns(&mut self, position: usize, uniform: bool, linear: bool) -> &Entry {
         let entry = &mut self.entries[position];
         let m = entry.index.len();
         if uniform && !entry.has_uniform {
@@ -266,17 +289,17 @@ impl Factors {
             let mut column = std::mem::take(&mut entry.uniform);
             column[..m].fill(1.0);
             entry.substitute(&mut column[..m]);
+            entry.sums[0] = entry.resultant(&column[..m]);
             entry.uniform = column;
         }
-        if let Some((positions, length)) = linear
-            && !entry.has_linear
-        {
+        if linear && !entry.has_linear {
             entry.has_linear = true;
             let mut column = std::mem::take(&mut entry.linear);
             for (value, &i) in column.iter_mut().zip(&entry.index) {
-                *value = (positions[i] - entry.centre) / length;
+                *value = (self.positions[i] - entry.centre) / self.length;
             }
             entry.substitute(&mut column[..m]);
+            entry.sums[1] = entry.resultant(&column[..m]);
             entry.linear = column;
         }
         entry
@@ -288,6 +311,12 @@ impl Entry {
     pub fn substitute(&self, right: &mut [f64]) {
         let m = self.index.len();
         dense::substitute(&self.matrix[..m * m], m, &self.exchanged[..m], right);
+    }
+
+    /// Resultant `sum w p` and moment `sum w (x - centre)/length p` of the pressures of the cells in contact, per depth.
+    pub fn resultant(&self, pressure: &[f64]) -> [f64; 2] {
+        let m = pressure.len();
+        [dense::dot(&self.weights[..m], pressure), dense::dot(&self.arms[..m], pressure)]
     }
 }
 

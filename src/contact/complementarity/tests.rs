@@ -1,5 +1,6 @@
 use super::*;
 use crate::elastic::{Base, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
+use nalgebra::DVector;
 
 fn steel() -> Material {
     Material::new(200e9, 0.3).unwrap()
@@ -215,4 +216,93 @@ fn refusals_carry_the_numbers() {
         ));
     }
     assert!(solver.solve(&[f64::NAN; 9], Normal::Load(1.0), Tilt::Fixed(0.0)).is_err());
+}
+
+/// Half-plane under a parabolic punch, contact partial, solved for one friction coefficient.
+fn parabolic(solver: &mut ContactSolver, cells: &Cells, friction: f64, wear: f64, active: &mut [bool]) -> ContactState {
+    let gap: Vec<f64> = cells.centres().iter().map(|x| x * x / 2.0).collect();
+    let diagonal = vec![wear; cells.count()];
+    let (normal, tilt) = (Normal::Load(1e8), Tilt::ResultantAt(0.01 * friction));
+    let problem = ContactProblem { gap: &gap, signed_friction: friction, diagonal: &diagonal, normal, tilt };
+    let mut state = ContactState::new(cells.count());
+    solver.solve_into(&problem, active, &mut state).unwrap();
+    state
+}
+
+#[test]
+fn kept_factors_change_nothing_but_the_time() {
+    let cells = Cells::graded(0.03, 33).unwrap();
+    let strip = HalfPlane { material: steel() }.compliance(&cells);
+    let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &strip);
+    let fresh = || ContactSolver::with_operators(&cells, cells.widths(), normal.clone(), shear.clone()).unwrap();
+    let mut solver = fresh();
+    // Frictions and wear that come back after longer and shorter whiles, more of them than are kept.
+    for round in 0..200_u32 {
+        let friction = 0.2 * f64::from(round % 4) - 0.3;
+        let wear = 1e-12 * f64::from(round * round % 5);
+        let start: Vec<bool> = (0..33).map(|i| (i + round as usize / 50) % 3 != 0).collect();
+        let (mut active, mut again) = (start.clone(), start);
+        let kept = parabolic(&mut solver, &cells, friction, wear, &mut active);
+        let alone = parabolic(&mut fresh(), &cells, friction, wear, &mut again);
+        assert_eq!((kept, active), (alone, again), "round {round}");
+    }
+    assert!(solver.counter().factorisations < solver.counter().iterations);
+}
+
+#[test]
+fn strokes_to_and_fro_factorise_twice() {
+    let cells = Cells::graded(0.03, 33).unwrap();
+    let strip = HalfPlane { material: steel() }.compliance(&cells);
+    let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &strip);
+    let mut solver = ContactSolver::with_operators(&cells, cells.widths(), normal, shear).unwrap();
+    let mut sets = [vec![true; 33], vec![true; 33]];
+    let mut first = 0;
+    for stroke in 0..100 {
+        let sign = if stroke % 2 == 0 { 1.0 } else { -1.0 };
+        parabolic(&mut solver, &cells, 0.3 * sign, 1e-12, &mut sets[stroke % 2]);
+        if stroke == 1 {
+            first = solver.counter().factorisations;
+        }
+    }
+    assert_eq!(solver.counter().factorisations, first);
+}
+
+#[test]
+fn an_extra_compliance_adds_to_that_of_the_bodies() {
+    let cells = Cells::graded(0.03, 17).unwrap();
+    let compliance = half_plane(&cells, 0.2);
+    let extra = DMatrix::from_fn(17, 17, |i, j| 1e-12 * f64::from(u8::from(i == j)) + 1e-14 * (i as f64 - j as f64));
+    let gap = wavy(&cells, 3, 1e-6);
+    let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+    let before = solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap();
+    solver.set_extra(Some(&extra)).unwrap();
+    let with = solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap();
+    check(&cells, &(&compliance + &extra), &gap, &with);
+    assert!((0..17).any(|i| (with.pressure[i] / before.pressure[i] - 1.0).abs() > 1e-3));
+    solver.set_extra(None).unwrap();
+    solver.set_active(&[true; 17]);
+    assert_eq!(solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap(), before);
+    let bad = DMatrix::from_element(17, 17, f64::NAN);
+    assert!(matches!(solver.set_extra(Some(&bad)), Err(ContactError::Invalid { quantity: "extra compliance", .. })));
+}
+
+#[test]
+fn bodies_without_a_uniform_displacement_are_solved_where_the_approach_is_free() {
+    // A periodic half-plane has no displacement of the mean: the compliance is singular, the contact is not.
+    let cells = Cells::uniform(1.0, 16).unwrap();
+    let mode = |i: usize, j: usize, q: f64| ((i as f64 - j as f64) * q * std::f64::consts::PI / 8.0).cos() / q;
+    let compliance = DMatrix::from_fn(16, 16, |i, j| (1..8).map(|q| mode(i, j, f64::from(q))).sum::<f64>());
+    let compliance = compliance + DMatrix::from_fn(16, 16, |i, j| mode(i, j, 8.0));
+    let gap: Vec<f64> = (0..16).map(|i| (f64::from(i) * std::f64::consts::PI / 8.0).cos()).collect();
+    let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+    for load in [0.1, 100.0] {
+        let state = solver.solve(&gap, Normal::Load(load), Tilt::Fixed(0.0)).unwrap();
+        check(&cells, &compliance, &gap, &state);
+        assert!((cells.integral(&state.pressure) / load - 1.0).abs() < 1e-12);
+        assert_eq!(state.pressure.iter().all(|p| *p > 0.0), load > 1.0);
+    }
+    let spring = Normal::Spring { load: 1e2, stiffness: 0.3 };
+    let state = solver.solve(&gap, spring, Tilt::Fixed(0.0)).unwrap();
+    check(&cells, &compliance, &gap, &state);
+    assert!((cells.integral(&state.pressure) - (1e2 - 0.3 * state.approach)).abs() < 1e-10);
 }
