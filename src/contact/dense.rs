@@ -26,13 +26,17 @@ fn accumulate<S: Simd, const K: usize>(
     factors: [f64; K],
 ) {
     let length = target.len();
-    let columns: [&[f64]; K] = std::array::from_fn(|k| {
+    // Loops instead of array maps throughout: calls inside those would not be compiled for the vector unit.
+    let mut parts: [(&[S::f64s], &[f64]); K] = [(&[], &[]); K];
+    for k in 0..K {
         let start = (first + k) * rows + row;
-        &matrix[start..start + length]
-    });
+        parts[k] = S::as_simd_f64s(&matrix[start..start + length]);
+    }
     let (head, tail) = S::as_mut_simd_f64s(target);
-    let parts = columns.map(S::as_simd_f64s);
-    let splat = factors.map(|factor| simd.splat_f64s(factor));
+    let mut splat = [simd.splat_f64s(0.0); K];
+    for k in 0..K {
+        splat[k] = simd.splat_f64s(factors[k]);
+    }
     for (i, value) in head.iter_mut().enumerate() {
         let mut sum = *value;
         for k in 0..K {
@@ -61,15 +65,19 @@ fn accumulate_pair<S: Simd, const K: usize>(
     factors: [[f64; K]; 2],
 ) {
     let length = targets[0].len();
-    let columns: [&[f64]; K] = std::array::from_fn(|k| {
+    let mut parts: [(&[S::f64s], &[f64]); K] = [(&[], &[]); K];
+    for k in 0..K {
         let start = (first + k) * rows + row;
-        &matrix[start..start + length]
-    });
+        parts[k] = S::as_simd_f64s(&matrix[start..start + length]);
+    }
     let [one, other] = targets;
     let (one, one_tail) = S::as_mut_simd_f64s(one);
     let (other, other_tail) = S::as_mut_simd_f64s(&mut other[..length]);
-    let parts = columns.map(S::as_simd_f64s);
-    let splat = factors.map(|factors| factors.map(|factor| simd.splat_f64s(factor)));
+    let mut splat = [[simd.splat_f64s(0.0); K]; 2];
+    for k in 0..K {
+        splat[0][k] = simd.splat_f64s(factors[0][k]);
+        splat[1][k] = simd.splat_f64s(factors[1][k]);
+    }
     for (i, (one, other)) in one.iter_mut().zip(other).enumerate() {
         let mut sums = [*one, *other];
         for k in 0..K {
@@ -91,14 +99,34 @@ fn accumulate_pair<S: Simd, const K: usize>(
     }
 }
 
-/// Solves with the unit lower triangle of `factors` that begins at (start, start), in place.
+/// The unit lower triangle on the diagonal of a panel's first K columns, by columns.
 #[inline(always)]
-fn lower<const K: usize>(factors: &[f64], rows: usize, start: usize, x: &mut [f64; K]) {
+fn triangle<const K: usize>(matrix: &[f64], rows: usize, start: usize) -> [[f64; K]; K] {
+    let mut triangle = [[0.0; K]; K];
+    for i in 0..K {
+        triangle[i].copy_from_slice(&matrix[(start + i) * rows + start..][..K]);
+    }
+    triangle
+}
+
+/// Solves with a unit lower triangle in place.
+#[inline(always)]
+fn lower<const K: usize>(triangle: &[[f64; K]; K], x: &mut [f64; K]) {
     for i in 0..K {
         for k in i + 1..K {
-            x[k] -= factors[(start + i) * rows + start + k] * x[i];
+            x[k] -= triangle[i][k] * x[i];
         }
     }
+}
+
+/// The first K values with the opposite sign.
+#[inline(always)]
+fn negated<const K: usize>(values: &[f64]) -> [f64; K] {
+    let mut result = [0.0; K];
+    for k in 0..K {
+        result[k] = -values[k];
+    }
+    result
 }
 
 /// Takes from a column what the K columns left of it in its panel eliminate.
@@ -106,10 +134,11 @@ fn lower<const K: usize>(factors: &[f64], rows: usize, start: usize, x: &mut [f6
 fn eliminate<S: Simd, const K: usize>(simd: S, column: &mut [f64], left: &[f64], start: usize) {
     let rows = column.len();
     let (upper, below) = column.split_at_mut(start + K);
-    let mut x: [f64; K] = std::array::from_fn(|k| upper[start + k]);
-    lower(left, rows, start, &mut x);
+    let mut x = [0.0; K];
+    x.copy_from_slice(&upper[start..]);
+    lower(&triangle(left, rows, start), &mut x);
     upper[start..].copy_from_slice(&x);
-    accumulate(simd, below, left, rows, start + K, start, x.map(|x| -x));
+    accumulate(simd, below, left, rows, start + K, start, negated::<K>(&x));
 }
 
 /// Largest absolute value, and 0 for nothing.
@@ -179,18 +208,24 @@ pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool 
                 let end = start + width;
                 if end < n {
                     let (left, right) = matrix.split_at_mut(end * n);
+                    let triangle = triangle::<PANEL>(left, n, start);
                     let mut pairs = right.chunks_exact_mut(2 * n);
                     for pair in pairs.by_ref() {
                         let (one, other) = pair.split_at_mut(n);
                         let ((one, one_below), (other, other_below)) = (one.split_at_mut(end), other.split_at_mut(end));
-                        let mut x: [f64; PANEL] = std::array::from_fn(|k| one[start + k]);
-                        let mut y: [f64; PANEL] = std::array::from_fn(|k| other[start + k]);
-                        lower(left, n, start, &mut x);
-                        lower(left, n, start, &mut y);
+                        let (mut x, mut y) = ([0.0; PANEL], [0.0; PANEL]);
+                        x.copy_from_slice(&one[start..]);
+                        y.copy_from_slice(&other[start..]);
+                        lower(&triangle, &mut x);
+                        lower(&triangle, &mut y);
                         one[start..].copy_from_slice(&x);
                         other[start..].copy_from_slice(&y);
-                        let factors = [x.map(|x| -x), y.map(|y| -y)];
-                        accumulate_pair(simd, [one_below, other_below], left, n, end, start, factors);
+                        // In two halves: the factors of all columns would not fit the registers.
+                        for half in [0, GROUP] {
+                            let factors = [negated::<GROUP>(&x[half..]), negated::<GROUP>(&y[half..])];
+                            let (targets, first) = ([&mut *one_below, &mut *other_below], start + half);
+                            accumulate_pair(simd, targets, left, n, end, first, factors);
+                        }
                     }
                     let last = pairs.into_remainder();
                     if !last.is_empty() {
@@ -224,8 +259,7 @@ pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f
                     }
                 }
                 let (done, rest) = x.split_at_mut(end);
-                let group: [f64; GROUP] = std::array::from_fn(|k| -done[start + k]);
-                accumulate(simd, rest, factors, n, end, start, group);
+                accumulate(simd, rest, factors, n, end, start, negated::<GROUP>(&done[start..]));
             }
             for i in full..n {
                 for k in i + 1..n {
@@ -245,8 +279,7 @@ pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f
                     }
                 }
                 let (rest, done) = x.split_at_mut(start);
-                let group: [f64; GROUP] = std::array::from_fn(|k| -done[k]);
-                accumulate(simd, rest, factors, n, 0, start, group);
+                accumulate(simd, rest, factors, n, 0, start, negated::<GROUP>(done));
             }
         }
     }
@@ -269,7 +302,7 @@ pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
             let rows = target.len();
             let full = x.len() - x.len() % GROUP;
             for start in (0..full).step_by(GROUP) {
-                let factors: [f64; GROUP] = std::array::from_fn(|k| x[start + k]);
+                let factors = [x[start], x[start + 1], x[start + 2], x[start + 3]];
                 accumulate(simd, target, matrix, rows, 0, start, factors);
             }
             for j in full..x.len() {
