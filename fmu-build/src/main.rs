@@ -8,6 +8,7 @@ mod project;
 mod python;
 mod run;
 mod scenes;
+mod stability;
 mod tables;
 mod test;
 mod verify;
@@ -32,6 +33,7 @@ enum Command {
     Bench(bench::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
+    Stability(stability::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
+        Command::Stability(arguments) => stability::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
