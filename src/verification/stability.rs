@@ -11,11 +11,11 @@ use std::fmt;
 /// What became of one run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Verdict {
-    /// Within the error that a method of its order owes at this step.
+    /// Within the largest error of a method of its order.
     Right,
     /// Stable, but outside it: an oscillation that dies out slowly.
     Rings,
-    /// Further from rest than at the start, where the solution comes to rest: unstable.
+    /// An error that does not die out where the solution comes to rest: unstable.
     Grows,
     /// The method said that it cannot, and why.
     Refused,

@@ -20,11 +20,9 @@
 //! width of the edge cells, like 1/N^2.
 
 use super::{Axis, Curve, Map, Panel, Point, Verdict};
-use crate::contact::{Normal, Tilt};
+use crate::contact::{ContactState, Normal, Tilt};
 use crate::elastic::{Cells, ElasticBody, HalfPlane, Material};
-use crate::wear::line::{
-    CellRate, Conditions, Direction, Integrator, Scheme, StepError, WearingContact, explicit_limit,
-};
+use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, StepError, WearingContact, explicit_limit};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::E;
 
@@ -37,6 +35,8 @@ const COUNTS: [usize; 11] = [9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257];
 const STEPS: u32 = 100;
 /// First step whose error is judged: a step longer than the fastest decay cannot follow it, only survive it.
 const JUDGED: u32 = 10;
+/// Change of a cell's error per step, over the mean pressure, that tells growth: half of what a cell needs to lift off.
+const ALTERNATION: f64 = 0.5;
 /// Allowance on [`Method::owed`], which is the leading term only.
 const ALLOWANCE: f64 = 1.5;
 
@@ -128,16 +128,24 @@ impl Relaxation {
     }
 
     fn stepper(&self) -> Result<Stepper, String> {
-        let gap = vec![0.0; self.cells.count()];
-        let contact = WearingContact::new(&self.cells, self.compliance.clone(), self.compliance.clone(), gap)
+        let count = self.cells.count();
+        let (normal, shear) = (self.compliance.clone(), DMatrix::zeros(count, count));
+        let contact = WearingContact::new(&self.cells, self.cells.widths(), normal, shear, vec![0.0; count])
             .map_err(|error| error.to_string())?;
         let conditions = Conditions {
-            direction: Direction::Forward,
+            signed_friction: 0.0,
             normal: Normal::Load(2.0),
             tilt: Tilt::Fixed(0.0),
-            rate: CellRate::archard(self.cells.count(), 1.0, 1.0),
+            rate: CellRate::archard(1.0, 1.0),
         };
-        Ok(Stepper { contact, conditions, worn: vec![0.0; self.cells.count()] })
+        let (explicit, default) = (Scheme::ExplicitEuler, Scheme::Sdirk2);
+        Ok(Stepper {
+            contact,
+            conditions,
+            schemes: [explicit, default].map(|scheme| Integrator::new(scheme, 1.0, count)),
+            worn: vec![0.0; count],
+            state: ContactState::new(count),
+        })
     }
 
     /// The bound that the explicit scheme reports.
@@ -147,10 +155,11 @@ impl Relaxation {
     pub fn reported_bound(&self) -> Result<f64, String> {
         let mut stepper = self.stepper()?;
         let pressure = stepper.pressure()?;
-        Ok(explicit_limit(&stepper.contact, &stepper.conditions, &pressure))
+        Ok(explicit_limit(&mut stepper.contact, &stepper.conditions, &pressure))
     }
 
-    /// Runs 100 steps of `ratio` times the bound of the theory.
+    /// Runs 100 steps of `ratio` times the bound of the theory. Returns what became of them and the largest error from the
+    /// tenth step on, as the root mean square over the contact relative to that of the deviation at the start.
     ///
     /// # Errors
     /// Where a step fails otherwise than by refusing its length.
@@ -158,25 +167,35 @@ impl Relaxation {
         let step = ratio * self.bound();
         let mut stepper = self.stepper()?;
         let deviation = self.start.norm();
-        let (mut error, mut last): (f64, f64) = (0.0, deviation);
+        // Largest error, and largest change of the error of a cell from one step to the next over the last ten.
+        let (mut error, mut alternation): (f64, f64) = (0.0, 0.0);
+        let mut before = DVector::zeros(self.root.len());
         for done in 1..=STEPS {
             let pressure = match method {
                 Method::Unguarded => stepper.unguarded(step)?,
                 // The bound depends on which cells are in contact only: once it is kept, it stays kept.
                 Method::Explicit if done > 1 => stepper.unguarded(step)?,
-                Method::Explicit => match stepper.step(Scheme::ExplicitEuler, step) {
+                Method::Explicit => match stepper.step(0, step) {
                     Err(StepError::Unstable { .. }) => return Ok((Verdict::Refused, f64::NAN)),
                     outcome => outcome.map_err(|error| error.to_string())?,
                 },
-                Method::Default => stepper.step(Scheme::Sdirk2, step).map_err(|error| error.to_string())?,
+                Method::Default => stepper.step(1, step).map_err(|error| error.to_string())?,
             };
-            let computed = self.scaled(&pressure);
-            last = computed.norm();
-            if done >= JUDGED {
-                error = error.max((computed - self.exact(f64::from(done) * step)).norm() / deviation);
+            if done < JUDGED {
+                continue;
             }
+            let now = self.scaled(&pressure) - self.exact(f64::from(done) * step);
+            // A maximum would pass over NaN.
+            if !now.norm().is_finite() {
+                return Ok((Verdict::Grows, f64::INFINITY));
+            }
+            error = error.max(now.norm() / deviation);
+            if done > STEPS - JUDGED {
+                alternation = alternation.max((&now - &before).component_div(&self.root).amax());
+            }
+            before = now;
         }
-        let verdict = if !error.is_finite() || last > deviation {
+        let verdict = if alternation > ALTERNATION {
             Verdict::Grows
         } else if error <= ALLOWANCE * method.owed() {
             Verdict::Right
@@ -186,24 +205,32 @@ impl Relaxation {
         Ok((verdict, error))
     }
 
-    /// Longest step at which unguarded explicit Euler does not amplify the fastest part over 300 steps, by bisection to one
-    /// part in a thousand; found without the eigenvalue.
+    /// Longest step at which unguarded explicit Euler does not amplify the fastest part, by bisection to one part in a
+    /// thousand over 500 steps: found by stepping alone, without the eigenvalue. Begins run in but for a thousandth of
+    /// the mean pressure in a sawtooth, so that every cell stays in contact while it is decided.
     ///
     /// # Errors
     /// Where the contact has no solution.
     pub fn measured_bound(&self) -> Result<f64, String> {
-        let amplitude = |pressure: &[f64]| self.parts.column(0).dot(&self.scaled(pressure)).abs();
+        let count = self.cells.count();
+        let sawtooth = |i: usize| if i % 2 == 0 { 1e-3 } else { -1e-3 };
+        let uniform = &self.compliance * DVector::from_fn(count, |i, _| 1.0 + sawtooth(i));
+        // Not weighted: what grows is in the cells at the edges, which are narrow.
+        let amplitude = |pressure: &[f64]| pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
         let grows = |step: f64| -> Result<bool, String> {
             let mut stepper = self.stepper()?;
-            let start = amplitude(&stepper.pressure()?);
-            let mut end = start;
-            for _ in 0..300 {
-                end = amplitude(&stepper.unguarded(step)?);
-                if end > 10.0 * start {
-                    break;
+            stepper.worn = uniform.iter().map(|u| uniform.max() - u).collect();
+            let mut history = [0.0; 2];
+            for half in &mut history {
+                for _ in 0..250 {
+                    *half = amplitude(&stepper.unguarded(step)?);
+                    if *half > 0.5 {
+                        return Ok(true);
+                    }
                 }
             }
-            Ok(end > start)
+            // Rounding neither grows nor dies out.
+            Ok(history[1] > history[0] && history[1] > 1e-9)
         };
         // From a step that surely damps, a hundredth of the width of an edge cell.
         let mut low = 0.01 * self.cells.widths()[0];
@@ -223,7 +250,10 @@ impl Relaxation {
 struct Stepper {
     contact: WearingContact,
     conditions: Conditions,
+    /// The explicit and the default scheme.
+    schemes: [Integrator; 2],
     worn: Vec<f64>,
+    state: ContactState,
 }
 
 impl Stepper {
@@ -232,12 +262,12 @@ impl Stepper {
         Ok(state.pressure)
     }
 
-    /// Pressure after a step of the scheme.
-    fn step(&mut self, scheme: Scheme, step: f64) -> Result<Vec<f64>, StepError> {
-        let conditions = self.conditions.clone();
-        let (state, _) =
-            Integrator::new(scheme, 1.0).step(&mut self.contact, &mut self.worn, 0.0, step, &|_| conditions.clone())?;
-        Ok(state.pressure)
+    /// Pressure after a step of a scheme.
+    fn step(&mut self, scheme: usize, step: f64) -> Result<Vec<f64>, StepError> {
+        let Self { contact, conditions, schemes, worn, state } = self;
+        let constant = &mut |_: f64, now: &mut Conditions| now.clone_from(conditions);
+        schemes[scheme].step(contact, worn, 0.0, step, constant, state)?;
+        Ok(state.pressure.clone())
     }
 
     /// Pressure after a step of explicit Euler.
@@ -290,7 +320,7 @@ fn assemble(
 ) -> Map {
     let axis = |label, range| Axis { label, logarithmic: true, range };
     let cells = || axis("number of cells N", Some((7.0, 330.0)));
-    let step = || axis("wear step over the explicit limit", Some((0.01, 100.0)));
+    let step = || axis("wear step over the explicit limit", Some((0.01, 1e4)));
     let curve = |name: &str, points, theory| Curve { name: name.to_owned(), points, theory };
     let bound = || curve("bound of the theory", vec![(7.0, 1.0), (330.0, 1.0)], true);
     let errors = |count: f64| {
@@ -301,10 +331,10 @@ fn assemble(
         });
         Panel {
             title: format!("error from the tenth step on, N = {count}"),
-            x: step(),
-            y: axis("error over the deviation at the start", Some((1e-7, 10.0))),
+            x: axis("wear step over the explicit limit", Some((0.01, 100.0))),
+            y: axis("error over the deviation at the start", Some((1e-7, 1e3))),
             points: Vec::new(),
-            curves: curves.chain([curve("bound of the theory", vec![(1.0, 1e-7), (1.0, 10.0)], true)]).collect(),
+            curves: curves.chain([curve("bound of the theory", vec![(1.0, 1e-7), (1.0, 1e3)], true)]).collect(),
         }
     };
     let bounds = Panel {
@@ -334,12 +364,14 @@ fn assemble(
              on N graded cells, against the exact solution on the same cells."
                 .to_owned(),
             format!(
-                "right: from the tenth step on within {ALLOWANCE} times what the order owes at any step ({:.1e} of the \
-                 deviation at the start for explicit Euler, {:.1e} for SDIRK2); rings: stable, not within.",
+                "right: error (root mean square, from the tenth step on, over the deviation at the start) within \
+                 {ALLOWANCE} times the largest of a method of the order: {:.1e} for explicit Euler, {:.1e} for SDIRK2.",
                 Method::Unguarded.owed(),
                 Method::Default.owed()
             ),
-            "grows: further from the steady state at the end than at the start.".to_owned(),
+            "grows: in the last ten steps a cell still alternates by half the mean pressure or more (cells lift off and \
+             touch down in turns, which bounds it). refused: the scheme names its bound and does no step."
+                .to_owned(),
         ],
         panels: judged.chain([bounds, second, third]).collect(),
         columns: 3,

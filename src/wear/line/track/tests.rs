@@ -144,6 +144,13 @@ fn long_travel_is_the_operator_of_the_groove() {
     }
 }
 
+fn wearing(cells: &Cells, compliance: &DMatrix<f64>, operator: &DMatrix<f64>) -> WearingContact {
+    let (count, shear) = (cells.count(), DMatrix::zeros(cells.count(), cells.count()));
+    let mut contact = WearingContact::new(cells, cells.widths(), compliance.clone(), shear, vec![0.0; count]).unwrap();
+    contact.set_operator(Some(operator));
+    contact
+}
+
 /// Slides one way with steps of `travel`, SDIRK2, wear `rate` in m per m; pressure after `distance`.
 fn slide(
     cells: &Cells,
@@ -160,11 +167,9 @@ fn slide(
     let travel = distance / steps as f64;
     let mut operator = DMatrix::zeros(count, count);
     track.operator(sign * GAMMA * travel, &mut operator);
-    let mut contact = WearingContact::new(cells, compliance.clone(), compliance.clone(), vec![0.0; count])
-        .unwrap()
-        .with_operator(operator);
-    let direction = if forward { Direction::Forward } else { Direction::Backward };
-    let conditions = Conditions { direction, normal: Normal::Load(2.0), tilt: Tilt::Fixed(0.0), rate: rate.clone() };
+    let mut contact = wearing(cells, compliance, &operator);
+    let conditions =
+        Conditions { signed_friction: 0.0, normal: Normal::Load(2.0), tilt: Tilt::Fixed(0.0), rate: rate.clone() };
     let (mut x, mut worn, mut state) = (0.0, vec![0.0; count], Vec::new());
     for _ in 0..steps {
         for part in [GAMMA, 1.0] {
@@ -193,7 +198,7 @@ fn sliding_on_ends_in_the_groove() {
         for count in [17, 33, 65] {
             let cells = Cells::graded(1.0, count).unwrap();
             let compliance = body.compliance(&cells).normal;
-            let rate = CellRate::archard(count, 0.5, 1.0);
+            let rate = CellRate::archard(0.5, 1.0);
             for forward in [true, false] {
                 let direction = if forward { Direction::Forward } else { Direction::Backward };
                 let gap = vec![0.0; count];
@@ -214,7 +219,7 @@ fn second_order_in_the_travel() {
     let cells = Cells::graded(1.0, 17).unwrap();
     for exponent in [1.0, 0.7] {
         let compliance = Winkler::new(2.0).unwrap().compliance(&cells).normal;
-        let mut rate = CellRate::archard(17, 0.5, 1.0);
+        let mut rate = CellRate::archard(0.5, 1.0);
         rate.terms[0].exponent = exponent;
         let truth = slide(&cells, &compliance, &rate, 1.0, 512, true);
         let errors: Vec<f64> = [2, 4, 8, 16, 32]
@@ -334,15 +339,13 @@ fn mean_pressure(cells: &Cells, body: &dyn ElasticBody, stroke: f64, wear: f64, 
     let mut contacts = [1.0, -1.0].map(|sign| {
         let mut operator = DMatrix::zeros(count, count);
         track.operator(sign * stroke / PARTS as f64, &mut operator);
-        WearingContact::new(cells, compliance.clone(), compliance.clone(), vec![0.0; count])
-            .unwrap()
-            .with_operator(operator)
+        wearing(cells, &compliance, &operator)
     });
     let conditions = Conditions {
-        direction: Direction::Forward,
+        signed_friction: 0.0,
         normal: Normal::Load(2.0),
         tilt: Tilt::Fixed(0.0),
-        rate: CellRate::archard(count, wear, 1.0),
+        rate: CellRate::archard(wear, 1.0),
     };
     let (mut mean, mut worn, mut x) = (vec![0.0; count], vec![0.0; count], -0.5 * stroke);
     let step = 1.0 / (2 * PARTS * CYCLES) as f64;
