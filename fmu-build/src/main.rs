@@ -8,6 +8,7 @@ mod project;
 mod python;
 mod run;
 mod scenes;
+mod stability;
 mod steady;
 mod tables;
 mod test;
@@ -38,6 +39,7 @@ enum Command {
     /// A process of `batch`, which starts it.
     #[command(hide = true)]
     BatchWorker,
+    Stability(stability::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Batch(arguments) => batch::execute(&arguments),
         Command::BatchWorker => batch::worker::execute(),
+        Command::Stability(arguments) => stability::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -9,6 +9,7 @@ mod component;
 mod driver;
 mod moving_source;
 pub mod reference;
+pub mod stability;
 
 use std::time::Instant;
 

@@ -144,6 +144,13 @@ fn long_travel_is_the_operator_of_the_groove() {
     }
 }
 
+fn wearing(cells: &Cells, compliance: &DMatrix<f64>, operator: &DMatrix<f64>) -> WearingContact {
+    let (count, shear) = (cells.count(), DMatrix::zeros(cells.count(), cells.count()));
+    let mut contact = WearingContact::new(cells, cells.widths(), compliance.clone(), shear, vec![0.0; count]).unwrap();
+    contact.set_operator(Some(operator));
+    contact
+}
+
 /// Slides one way with steps of `travel`, SDIRK2, wear `rate` in m per m; pressure after `distance`.
 fn slide(
     cells: &Cells,
@@ -176,15 +183,6 @@ fn slide(
         x += sign * travel;
     }
     state
-}
-
-/// Contact without friction whose wear is carried along by `operator`.
-fn wearing(cells: &Cells, compliance: &DMatrix<f64>, operator: &DMatrix<f64>) -> WearingContact {
-    let count = cells.count();
-    let shear = DMatrix::zeros(count, count);
-    let mut contact = WearingContact::new(cells, cells.widths(), compliance.clone(), shear, vec![0.0; count]).unwrap();
-    contact.set_operator(Some(operator));
-    contact
 }
 
 fn root_mean_square(cells: &Cells, a: &[f64], b: &[f64]) -> f64 {

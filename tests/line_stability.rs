@@ -1,0 +1,255 @@
+//! Where wear steps are stable, and extreme bodies and speeds: each case says what must come out.
+
+use nalgebra::DMatrix;
+use sliding_contact::contact::{ContactState, Normal, Tilt};
+use sliding_contact::elastic::block::{Block, BlockProperties, Discretization};
+use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Strip};
+use sliding_contact::steady::groove;
+use sliding_contact::verification::stability::Verdict;
+use sliding_contact::verification::stability::wear_step::{Method, Relaxation};
+use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, LineTrack, Scheme, WearingContact};
+
+const LOAD: f64 = 2.0;
+
+fn contact(cells: &Cells, normal: DMatrix<f64>, gap: Vec<f64>) -> WearingContact {
+    let shear = DMatrix::zeros(cells.count(), cells.count());
+    WearingContact::new(cells, cells.widths(), normal, shear, gap).unwrap()
+}
+
+fn conditions(rate: CellRate) -> Conditions {
+    Conditions { signed_friction: 0.0, normal: Normal::Load(LOAD), tilt: Tilt::Fixed(0.0), rate }
+}
+
+fn layer(cells: &Cells, nu: f64, height: f64, base: Base) -> Compliance {
+    Strip::new(Material::new(1.0, nu).unwrap(), height, base, Extent::Straight).unwrap().compliance(cells)
+}
+
+/// Steps of the default scheme under constant conditions; the state at the end.
+fn steps(contact: &mut WearingContact, worn: &mut [f64], rate: &CellRate, step: f64, count: usize) -> ContactState {
+    let mut state = ContactState::new(worn.len());
+    let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, worn.len());
+    let constant = conditions(rate.clone());
+    for _ in 0..count {
+        integrator.step(contact, worn, 0.0, step, &mut |_, now| now.clone_from(&constant), &mut state).unwrap();
+    }
+    state
+}
+
+#[test]
+fn explicit_steps_are_right_below_the_bound_and_refused_above_it_and_the_default_is_right_everywhere() {
+    for count in [9, 33, 129] {
+        let relaxation = Relaxation::new(count).unwrap();
+        for ratio in [0.03, 0.8, 1.15, 40.0] {
+            let run = |method| relaxation.run(method, ratio).unwrap();
+            let (unguarded, error) = run(Method::Unguarded);
+            let (explicit, _) = run(Method::Explicit);
+            let (default, least) = run(Method::Default);
+            println!("N {count} step {ratio}: unguarded {unguarded} {error:e}, default {default} {least:e}");
+            let expected = if ratio < 1.0 { [Verdict::Right; 2] } else { [Verdict::Grows, Verdict::Refused] };
+            assert_eq!([unguarded, explicit], expected, "N {count} step {ratio}");
+            assert_eq!(default, Verdict::Right, "N {count} step {ratio}: {least:e}");
+            assert!(least < error, "N {count} step {ratio}: {least:e} {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_bound_is_the_same_by_theory_by_the_scheme_and_by_stepping() {
+    let mut bounds = Vec::new();
+    for count in [17, 33, 65] {
+        let relaxation = Relaxation::new(count).unwrap();
+        let (theory, measured) = (relaxation.bound(), relaxation.measured_bound().unwrap());
+        let reported = relaxation.reported_bound().unwrap();
+        println!("N {count}: theory {theory:e}, reported {reported:e}, measured {measured:e}");
+        assert!((reported / theory - 1.0).abs() < 1e-9, "N {count}: {reported:e} {theory:e}");
+        assert!((measured / theory - 1.0).abs() < 5e-3, "N {count}: {measured:e} {theory:e}");
+        bounds.push(theory);
+    }
+    // It goes with the width of the edge cells, like 1/N^2.
+    let slope = (bounds[0] / bounds[2]).log2() / (65f64 / 17.0).log2();
+    assert!((slope - 2.0).abs() < 0.05, "{slope}");
+}
+
+#[test]
+fn a_nearly_incompressible_bonded_layer_is_squeezed_like_a_film() {
+    // Thin layer, u = h p/M - h^3/(3 G) p'' (uniaxial compression, and squeezing out against the bonded base) with
+    // p = 0 at the edges: p/mean = (1 - cosh(x/l)/cosh(a/l))/(1 - l/a tanh(a/l)), l^2 = h^2 M/(3 G). The layer beyond the
+    // edges takes part over about its height, so the deviation falls with h. Cells must not be wider than the layer is high:
+    // every jump of the pressure squeezes material out over that length.
+    for nu in [0.4999, 0.499_999] {
+        let material = Material::new(1.0, nu).unwrap();
+        let mut deviations = Vec::new();
+        for (height, count) in [(0.1, 33), (0.05, 65), (0.025, 129), (0.0125, 257)] {
+            let cells = Cells::graded(1.0, count).unwrap();
+            let length = height * (material.uniaxial_modulus() / (3.0 * material.shear_modulus())).sqrt();
+            let mean = 1.0 - length * (1.0 / length).tanh();
+            let film = |x: f64| (1.0 - (x / length).cosh() / (1.0 / length).cosh()) / mean;
+            let normal = layer(&cells, nu, height, Base::Bonded).normal;
+            let state = contact(&cells, normal, vec![0.0; count])
+                .pressure(&vec![0.0; count], &conditions(CellRate::archard(1.0, 1.0)))
+                .unwrap();
+            assert!((cells.integral(&state.pressure) - LOAD).abs() < 1e-9);
+            let inner = (0..count).filter(|i| cells.centres()[*i].abs() < 0.7);
+            let error = inner.map(|i| (state.pressure[i] - film(cells.centres()[i])).abs()).fold(0.0, f64::max);
+            deviations.push(error);
+        }
+        println!("nu {nu}: deviation from the film {deviations:?}");
+        assert!(deviations[3] < 0.035, "nu {nu}: {deviations:?}");
+        assert!(deviations.windows(2).all(|pair| pair[1] < 0.65 * pair[0]), "nu {nu}: {deviations:?}");
+    }
+}
+
+#[test]
+fn nearly_incompressible_bodies_do_not_lock() {
+    // From nu = .4999 on nothing much changes, for layers and for the block; a layer of any height is the half-plane's
+    // neighbour: softer than rigid, stiffer than the half-plane.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let pressure = |normal: DMatrix<f64>| {
+        let conditions = conditions(CellRate::archard(1.0, 1.0));
+        contact(&cells, normal, vec![0.0; 33]).pressure(&[0.0; 33], &conditions).unwrap().pressure
+    };
+    let block = |nu: f64| {
+        let properties = BlockProperties { width: 2.0, height: 1.0, youngs_modulus: 1.0, poissons_ratio: nu };
+        let discretization = Discretization::for_cells(2.0, 1.0, cells.edges(), 1e-4);
+        Block::new(properties, discretization).unwrap().compliance(cells.edges()).unwrap().normal
+    };
+    let strip = |nu: f64| layer(&cells, nu, 1.0, Base::Bonded).normal;
+    for (name, near, nearer) in
+        [("strip", strip(0.4999), strip(0.499_999_9)), ("block", block(0.4999), block(0.499_999))]
+    {
+        let change = (&near - &nearer).amax() / near.amax();
+        let (a, b) = (pressure(near), pressure(nearer));
+        let moved = a.iter().zip(&b).map(|(a, b)| (a - b).abs() / a).fold(0.0, f64::max);
+        println!("{name}: compliance changes by {change:e}, pressure by {moved:e}");
+        assert!(change < 2e-3 && moved < 2e-3, "{name}: {change:e} {moved:e}");
+    }
+    let half_plane = HalfPlane { material: Material::new(1.0, 0.4999).unwrap() }.compliance(&cells).normal;
+    // Both are defined up to a constant only: compare the work of a pressure of zero mean.
+    let work = |matrix: &DMatrix<f64>| {
+        let wave = nalgebra::DVector::from_iterator(33, cells.centres().iter().copied());
+        let moved = matrix * &wave;
+        (0..33).map(|i| cells.widths()[i] * wave[i] * moved[i]).sum::<f64>()
+    };
+    let (layered, endless) = (work(&strip(0.4999)), work(&half_plane));
+    assert!(layered > 0.2 * endless && layered < endless, "{layered:e} {endless:e}");
+}
+
+#[test]
+fn a_pad_a_hundred_times_wider_than_high_is_a_row_of_springs() {
+    // Away from the edges by a few heights every point carries itself: p = M u/h, M the uniaxial modulus. A tilted start
+    // wears off with k M/h.
+    let (height, count) = (0.02, 33);
+    let cells = Cells::graded(1.0, count).unwrap();
+    let modulus = Material::new(1.0, 0.3).unwrap().uniaxial_modulus();
+    let properties = BlockProperties { width: 2.0, height, youngs_modulus: 1.0, poissons_ratio: 0.3 };
+    let discretization = Discretization::for_cells(2.0, height, cells.edges(), 1e-3);
+    let pad = Block::new(properties, discretization).unwrap().compliance(cells.edges()).unwrap().normal;
+    for (name, normal) in [("pad", pad), ("layer", layer(&cells, 0.3, height, Base::Bonded).normal)] {
+        let rate = CellRate::archard(1.0, 1.0);
+        let state = contact(&cells, normal.clone(), vec![0.0; count])
+            .pressure(&vec![0.0; count], &conditions(rate.clone()))
+            .unwrap();
+        let middle = state.pressure[count / 2];
+        for i in (0..count).filter(|i| cells.centres()[*i].abs() < 0.85) {
+            let error = state.pressure[i] / middle - 1.0;
+            assert!(error.abs() < 1e-3, "{name} x {}: {error:e}", cells.centres()[i]);
+        }
+        let springs = state.approach * modulus / height / middle - 1.0;
+        assert!(springs.abs() < 2e-3, "{name}: approach off by {springs:e}");
+        // The edges make up for at most a few heights.
+        assert!((middle - 1.0).abs() < 3.0 * height, "{name}: {middle}");
+        let gap: Vec<f64> = cells.centres().iter().map(|x| -0.3 * x * height / modulus).collect();
+        let mut tilted = contact(&cells, normal, gap);
+        let mut worn = vec![0.0; count];
+        let end = steps(&mut tilted, &mut worn, &rate, height / modulus / 50.0, 50);
+        let mut largest: f64 = 0.0;
+        for (x, p) in cells.centres().iter().zip(&end.pressure).filter(|(x, _)| x.abs() < 0.7) {
+            largest = largest.max((p - end.pressure[count / 2] - 0.3 * x * (-1f64).exp()).abs());
+        }
+        println!("{name}: springs to {springs:e}, tilt after one relaxation to {largest:e}");
+        assert!(largest < 2e-3, "{name}: {largest:e}");
+        assert!((cells.integral(&worn) / (LOAD * height / modulus) - 1.0).abs() < 1e-10, "{name}");
+    }
+}
+
+#[test]
+fn a_velocity_of_a_picometre_per_second_wears_by_the_law_and_moves_nothing() {
+    let count = 33;
+    let cells = Cells::graded(0.01, count).unwrap();
+    let normal = HalfPlane { material: Material::new(2e11, 0.3).unwrap() }.compliance(&cells).normal;
+    let (wear, velocity, step) = (1e-15, 1e-12, 1e2);
+    let rate = CellRate::archard(wear, velocity);
+    for on_strip in [false, true] {
+        let mut contact = contact(&cells, normal.clone(), vec![0.0; count]);
+        let load = Conditions { normal: Normal::Load(1e6), ..conditions(rate.clone()) };
+        let fresh = contact.pressure(&vec![0.0; count], &load).unwrap().pressure;
+        let mut worn = vec![0.0; count];
+        let volume = wear * velocity * step * 1e6;
+        let pressure = if on_strip {
+            let mut track = LineTrack::new(&cells, 0.0);
+            let mut operator = DMatrix::zeros(count, count);
+            track.operator(velocity * step, &mut operator);
+            contact.set_operator(Some(&operator));
+            let state = contact.stage(&worn, step, &load).unwrap();
+            let taken: Vec<f64> = state.pressure.iter().map(|p| step * wear * velocity * p).collect();
+            track.deposit(0.0, velocity * step, &taken);
+            assert!((track.volume() / volume - 1.0).abs() < 1e-12, "{:e} {volume:e}", track.volume());
+            state.pressure
+        } else {
+            let mut state = ContactState::new(count);
+            let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, count);
+            let constant = &mut |_: f64, now: &mut Conditions| now.clone_from(&load);
+            integrator.step(&mut contact, &mut worn, 0.0, step, constant, &mut state).unwrap();
+            assert!((cells.integral(&worn) / volume - 1.0).abs() < 1e-12, "{:e} {volume:e}", cells.integral(&worn));
+            state.pressure
+        };
+        let moved = pressure.iter().zip(&fresh).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+        assert!(moved < 1e-9, "strip {on_strip}: {moved:e}");
+    }
+}
+
+#[test]
+fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
+    let count = 33;
+    let cells = Cells::graded(0.01, count).unwrap();
+    let normal = HalfPlane { material: Material::new(2e11, 0.3).unwrap() }.compliance(&cells).normal;
+    let (wear, velocity, step) = (1e-9, 100.0, 10.0);
+    let load = Conditions { normal: Normal::Load(1e6), ..conditions(CellRate::archard(wear, velocity)) };
+    // Punch: even pressure after a few steps 10,000 and more times the relaxation.
+    let mut punch = contact(&cells, normal.clone(), vec![0.0; count]);
+    let (mut worn, mut state) = (vec![0.0; count], ContactState::new(count));
+    let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, count);
+    for _ in 0..5 {
+        let constant = &mut |_: f64, now: &mut Conditions| now.clone_from(&load);
+        integrator.step(&mut punch, &mut worn, 0.0, step, constant, &mut state).unwrap();
+    }
+    let uneven = state.pressure.iter().map(|p| (p / 5e7 - 1.0).abs()).fold(0.0, f64::max);
+    assert!(uneven < 1e-6, "{uneven:e}");
+    assert!((cells.integral(&worn) / (5.0 * step * wear * velocity * 1e6) - 1.0).abs() < 1e-10);
+    // Strip: one step is a kilometre of fresh track, and the groove is the steady one in both directions.
+    for (sign, direction) in [
+        (1.0, sliding_contact::wear::line::Direction::Forward),
+        (-1.0, sliding_contact::wear::line::Direction::Backward),
+    ] {
+        let mut strip = contact(&cells, normal.clone(), vec![0.0; count]);
+        let mut track = LineTrack::new(&cells, 0.0);
+        let mut operator = DMatrix::zeros(count, count);
+        track.operator(sign * velocity * step, &mut operator);
+        strip.set_operator(Some(&operator));
+        let stepped = strip.stage(&vec![0.0; count], step, &load).unwrap();
+        let per_distance = CellRate::archard(wear, 1.0);
+        let (zeros, tilt) = (vec![0.0; count], Tilt::Fixed(0.0));
+        let steady = groove(&cells, normal.clone(), &zeros, per_distance, direction, load.normal, tilt).unwrap();
+        let off = stepped.pressure.iter().zip(&steady.pressure).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9 * 5e7, "{direction:?}: {off:e}");
+        let taken: Vec<f64> = stepped.pressure.iter().map(|p| step * wear * velocity * p).collect();
+        track.deposit(0.0, sign * velocity * step, &taken);
+        assert!(!track.revisited());
+        // The groove left behind is as deep as the load per distance asks, k P.
+        let mut behind = vec![0.0; count];
+        track.depth_under(sign * velocity * step - sign * 0.0205, &mut behind);
+        // Its whole width was passed by the whole contact only further back than the contact is wide.
+        let last = if sign > 0.0 { behind[count - 1] } else { behind[0] };
+        assert!((last / (wear * 1e6) - 1.0).abs() < 1e-9, "{direction:?}: {last:e}");
+    }
+}
