@@ -7,6 +7,9 @@ use crate::variables::{COUNT, ValueReference};
 /// Length of the look ahead over the length of the last step: its error is the square of this.
 const AHEAD: f64 = 1e-3;
 
+/// The same over the nominal duration, where no step has been made yet.
+const AHEAD_AT_START: f64 = 1e-7;
+
 impl Component {
     /// Derivatives by time of `unknowns` (outputs) as time goes on from the last communication point with the inputs as
     /// they are, per second. The states are carried on by a thousandth of the last step and by half of that, and put
@@ -14,7 +17,7 @@ impl Component {
     /// length.
     ///
     /// # Errors
-    /// If an unknown is no output, no step has been made yet, or none can be made from here.
+    /// If an unknown is no output, there is no model yet, or no step can be made from here.
     pub fn output_derivatives(&mut self, unknowns: &[ValueReference], result: &mut [f64]) -> Result<(), String> {
         if let Some(unknown) =
             unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))
@@ -22,9 +25,12 @@ impl Component {
             return Err(format!("value reference {unknown} is not an output"));
         }
         let inputs = inputs_of(&self.values);
-        let ahead = AHEAD * self.last_step;
-        let Some(model) = self.model.as_mut().filter(|_| ahead > 0.0) else {
-            return Err("output derivatives belong to the end of a step, and none has been made".into());
+        let Some(model) = &mut self.model else {
+            return Err("no output derivatives before the parameters join to a scene".into());
+        };
+        let ahead = match self.last_step {
+            0.0 => AHEAD_AT_START * model.scene().nominal_duration,
+            last => AHEAD * last,
         };
         let groups = unknowns.iter().fold(0, |groups, &unknown| groups | GROUPS[unknown as usize]);
         let mut values = vec![0.0; 3 * COUNT];

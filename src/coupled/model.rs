@@ -76,10 +76,19 @@ impl Operators {
 
     /// What a user should know about the scene before it runs.
     pub fn warnings(&self) -> Vec<String> {
-        match self {
+        let mut warnings = match self {
             Operators::Lumped(_) => Vec::new(),
             Operators::Line(operators) => operators.warnings(),
+        };
+        let scene = self.scene();
+        if scene.stick_stiffness > 0.0 && scene.regularization_velocity > 0.0 {
+            warnings.push(format!(
+                "contact.stick_stiffness = {} N/m carries the force at standstill, so contact.regularization_velocity = {} m/s \
+                 has no effect",
+                scene.stick_stiffness, scene.regularization_velocity
+            ));
         }
+        warnings
     }
 }
 

@@ -8,7 +8,7 @@ use super::point::{self, Point};
 use super::state::BodyState;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
-use crate::scene::{STATIONS, value};
+use crate::scene::{MechanicalBody, STATIONS, value};
 use crate::variables::{COUNT, ValueReference, reference};
 use std::f64::consts::PI;
 
@@ -275,16 +275,22 @@ impl Lumped {
         account
     }
 
-    /// Speed (m/s) above which the contact's longest wave grows: V = 2 K m (1 - nu)/(mu E alpha) with
-    /// m = 2 pi over the contact's length, the better conductor sliding on an insulator; the lower
-    /// value of both bodies. 0 where nothing expands.
+    /// Speed (m/s) above which the contact's longest wave grows: V = 2 K m/(mu alpha (1 + nu) E*) with
+    /// m = 2 pi over the contact's length and 1/E* the sum of both bodies' (1 - nu^2)/E, each body taken for
+    /// the only conductor, sliding on the other as an insulator; the lower value of both. With a rigid mate that is
+    /// 2 K m (1 - nu)/(mu E alpha). 0 where nothing expands.
     fn critical_speed<S: Scalar>(&self, friction: S) -> S {
         let scene = &self.operators.scene;
         let wave = 2.0 * PI / scene.sliding_extent();
+        let compliance = |body: &crate::scene::Body| match body.mechanical {
+            MechanicalBody::Rigid => 0.0,
+            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
+        };
+        let pair = compliance(&scene.punch) + compliance(&scene.strip);
         let product = |body: &crate::scene::Body| {
-            let drive = body.youngs_modulus * body.thermal_expansion;
+            let drive = body.thermal_expansion * (1.0 + body.poissons_ratio);
             if drive > 0.0 && body.conductivity > 0.0 {
-                2.0 * body.conductivity * wave * (1.0 - body.poissons_ratio) / drive
+                2.0 * body.conductivity * wave * pair / drive
             } else {
                 f64::INFINITY
             }
