@@ -27,7 +27,7 @@ fn no_two_problems_share_a_name_and_every_bound_has_a_reason() {
     names.dedup();
     assert_eq!(names.len(), all.len());
     for problem in &all {
-        assert!(problem.bound > 0.0 && problem.bound <= 1e-2 && !problem.reason.is_empty(), "{}", problem.name);
+        assert!(problem.bound > 0.0 && problem.bound <= 0.1 && !problem.reason.is_empty(), "{}", problem.name);
     }
 }
 

@@ -88,6 +88,15 @@ fn direction(stroke: &SteadyStroke) -> &'static str {
     if stroke.velocity < 0.0 { "backward" } else { "forward" }
 }
 
+/// Five figures; by the exponent where they would not be seen.
+fn number(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".to_owned(),
+        size if !(1e-2..1e6).contains(&size) => format!("{value:.3e}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
 fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
@@ -106,10 +115,13 @@ impl Solved {
         self.scene.nominal_load / (self.scene.count * self.scene.contact_area())
     }
 
-    /// Pressure at the -x and +x edge.
+    /// Pressure at the -x and +x edge; 0 where it is rounding.
     fn edges(&self, stroke: &SteadyStroke) -> [f64; 2] {
         let half_width = self.cells.half_width();
-        [-half_width, half_width].map(|x| self.cells.point_value(&stroke.pressure, x).max(0.0))
+        [-half_width, half_width].map(|x| {
+            let pressure = self.cells.point_value(&stroke.pressure, x);
+            if pressure > 1e-9 * self.mean_pressure() { pressure } else { 0.0 }
+        })
     }
 
     fn record(&self) -> Value {
@@ -159,42 +171,40 @@ impl Solved {
         let mut lines = vec![
             ("scene".to_owned(), format!("{}, {} cells", self.name, self.cells.count())),
             ("state".to_owned(), self.kind().to_owned()),
-            ("load, N".to_owned(), format!("{}", self.scene.nominal_load)),
-            ("mean pressure, MPa".to_owned(), format!("{:.4}", 1e-6 * self.mean_pressure())),
+            ("load, N".to_owned(), number(self.scene.nominal_load)),
+            ("mean pressure, MPa".to_owned(), number(1e-6 * self.mean_pressure())),
         ];
         for stroke in &state.strokes {
-            let [left, right] = self.edges(stroke);
+            let [left, right] = self.edges(stroke).map(|pressure| number(1e-6 * pressure));
             let name = direction(stroke);
             lines.extend([
-                (format!("{name}: peak pressure, MPa"), format!("{:.4}", 1e-6 * largest(&stroke.pressure))),
-                (format!("{name}: pressure at -x, +x edge, MPa"), format!("{:.4}, {:.4}", 1e-6 * left, 1e-6 * right)),
-                (format!("{name}: approach, um"), format!("{:.4}", 1e6 * stroke.approach)),
-                (format!("{name}: tilt, urad"), format!("{:.4}", 1e6 * stroke.tilt)),
+                (format!("{name}: peak pressure, MPa"), number(1e-6 * largest(&stroke.pressure))),
+                (format!("{name}: pressure at -x, +x edge, MPa"), format!("{left}, {right}")),
+                (format!("{name}: approach, um"), number(1e6 * stroke.approach)),
+                (format!("{name}: tilt, urad"), number(1e6 * stroke.tilt)),
             ]);
         }
         if let [forward, backward] = &state.strokes[..] {
-            let jump = |value: f64| format!("{:.4}", 1e6 * value);
-            lines.push(("jump of the approach, um".into(), jump(forward.approach - backward.approach)));
-            lines.push(("jump of the tilt, urad".into(), jump(forward.tilt - backward.tilt)));
+            // Rounding is no jump.
+            let jump = |a: f64, b: f64| if (a - b).abs() > 1e-12 * (a.abs() + b.abs()) { 1e6 * (a - b) } else { 0.0 };
+            lines.push(("jump of the approach, um".into(), number(jump(forward.approach, backward.approach))));
+            lines.push(("jump of the tilt, urad".into(), number(jump(forward.tilt, backward.tilt))));
         }
         let range = |values: &[f64]| 1e6 * (largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min));
+        let [punch, strip] = state.volume_rates.map(|rate| number(1e9 * rate));
         lines.extend([
-            ("range of the punch's shape, um".into(), format!("{:.4}", range(&state.shape))),
-            ("depth of the strip's groove, um".into(), format!("{:.4}", range(&state.groove))),
-            ("wear rate of the punch, nm/s".into(), format!("{:.4e}", 1e9 * state.punch_wear_rate)),
-            ("wear of punch, strip, mm3/s".into(), {
-                format!("{:.4e}, {:.4e}", 1e9 * state.volume_rates[0], 1e9 * state.volume_rates[1])
-            }),
-            ("wear dissipation power, W".into(), format!("{:.4e}", state.dissipation_power)),
-            ("friction power, W".into(), format!("{:.4}", state.friction_power)),
+            ("range of the punch's shape, um".into(), number(range(&state.shape))),
+            ("depth of the strip's groove, um".into(), number(range(&state.groove))),
+            ("wear rate of the punch, nm/s".into(), number(1e9 * state.punch_wear_rate)),
+            ("wear of punch, strip, mm3/s".into(), format!("{punch}, {strip}")),
+            ("wear dissipation power, W".into(), number(state.dissipation_power)),
+            ("friction power, W".into(), number(state.friction_power)),
+            ("relative velocity beyond the rigid motion, over it".into(), String::new()),
         ]);
+        lines.extend(self.neglected().into_iter().map(|(name, value)| (format!("  {name}"), number(value))));
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-        let mut text: String = lines.iter().map(|(name, value)| format!("{name:<width$}  {value}\n")).collect();
-        text.push_str("relative velocity beyond the rigid motion, as a share of it\n");
-        for (name, value) in self.neglected() {
-            text.push_str(&format!("  {name:<0$}  {value:.2e}\n", width.saturating_sub(2)));
-        }
-        text
+        let line = |(name, value): &(String, String)| format!("{}\n", format!("{name:<width$}  {value}").trim_end());
+        lines.iter().map(line).collect()
     }
 
     fn neglected(&self) -> Vec<(&'static str, f64)> {
@@ -273,9 +283,7 @@ mod tests {
     fn the_reciprocating_punch_is_printed_recorded_and_drawn() {
         let solved = solve(&arguments("reciprocating_punch")).unwrap();
         let table = solved.table();
-        for text in
-            ["run in, sliding to and fro", "forward: peak pressure, MPa            33.3333", "jump of the approach"]
-        {
+        for text in ["run in, sliding to and fro", "peak pressure, MPa", "  33.3333\n", "jump of the approach"] {
             assert!(table.contains(text), "{text} is missing in\n{table}");
         }
         let record = solved.record();

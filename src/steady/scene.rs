@@ -384,7 +384,8 @@ impl<'a> Contact<'a> {
             let one = |stroke: &SteadyStroke| -> f64 {
                 stroke.duration * (0..self.weights.len()).map(|i| self.weights[i] * value(stroke, i)).sum::<f64>()
             };
-            strokes.iter().map(one).sum::<f64>() / total
+            // From 0, because the empty sum of floats is -0.
+            strokes.iter().map(one).fold(0.0, |sum, value| sum + value) / total
         };
         let radii = relative_radii(self.scene, self.cells);
         let all = self.scene.depth * self.scene.count * self.scene.faces;

@@ -6,10 +6,13 @@
 
 mod bodies;
 mod component;
+mod contact_line;
 mod driver;
 mod moving_source;
 pub mod reference;
 pub mod stability;
+mod steady_states;
+mod wear_line;
 
 use std::time::Instant;
 
@@ -88,6 +91,9 @@ pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
     all.extend(component::problems());
+    all.extend(contact_line::problems());
+    all.extend(wear_line::problems());
+    all.extend(steady_states::problems());
     all
 }
 

@@ -1,0 +1,201 @@
+//! Steady states as the minima they are said to be, over the whole set of admissible pressures, and their cost.
+
+use nalgebra::{DMatrix, DVector};
+use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
+use sliding_contact::elastic::scene::{cells_for, compliances};
+use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, Strip};
+use sliding_contact::scene::Scene;
+use sliding_contact::steady::scene::{Sliding, steady_state};
+use sliding_contact::steady::{BoxProgramme, ToAndFroProblem, punch_run_in};
+use sliding_contact::variables::{STARTS, find};
+use sliding_contact::wear::line::{CellRate, Coefficient, Conditions, Integrator, Scheme, WearTerm, WearingContact};
+use std::time::Instant;
+
+const COUNT: usize = 33;
+
+struct Noise(u64);
+
+impl Noise {
+    /// Uniform from -1/2 to 1/2.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    /// A random point between the bounds that satisfies the constraints: the one nearest to a random target, in a random
+    /// measure, so that random bounds are active.
+    fn admissible(&mut self, programme: &BoxProgramme) -> DVector<f64> {
+        let count = programme.linear.len();
+        let random = BoxProgramme {
+            quadratic: DMatrix::from_diagonal(&DVector::from_fn(count, |_, _| 1.0 + self.next())),
+            linear: DVector::from_fn(count, |_, _| 6.0 * self.next()),
+            ..programme.clone()
+        };
+        random.solve().unwrap().values
+    }
+}
+
+fn layer(cells: &Cells) -> Compliance {
+    let material = Material::new(0.91, 0.3).unwrap();
+    Strip::new(material, 0.8, Base::Bonded, Extent::Straight).unwrap().compliance(cells)
+}
+
+#[test]
+fn no_pair_that_wears_evenly_has_less_strain_energy_than_the_cycle() {
+    let cells = Cells::graded(1.0, COUNT).unwrap();
+    let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
+    let mut noise = Noise(11);
+    for pivot_height in [None, Some(1.0)] {
+        let problem = |friction| ToAndFroProblem {
+            cells: &cells,
+            punch: &punch,
+            strip: &strip,
+            friction,
+            load: 2.0,
+            pivot_height,
+            wear_per_stroke: 0.0,
+        };
+        let cycle = problem(0.3).solve().unwrap();
+        let programme = problem(0.3).programme().unwrap();
+        let energy = |d: &DVector<f64>| 0.5 * (&programme.quadratic * d).dot(d) + programme.linear.dot(d);
+        let difference = |pressure: &[f64]| DVector::from_iterator(COUNT, pressure.iter().map(|p| p - 1.0));
+        let least = difference(&cycle.forward);
+        // A solution that is not the minimum: one of a stronger shear coupling, moved to this moment.
+        let wrong = BoxProgramme { linear: &programme.linear * 1.5, ..programme.clone() }.solve().unwrap().values;
+        let scale = energy(&DVector::from_fn(COUNT, |i, _| cells.centres()[i])).abs();
+        let (mut beaten, mut distance) = (0, 0.0f64);
+        for _ in 0..1000 {
+            let target = noise.admissible(&programme);
+            assert!((programme.constraints.transpose() * &target - &programme.right).amax() < 1e-10);
+            let share = (noise.next() + 0.5).powi(4);
+            let other = &least + (&target - &least) * share;
+            distance = distance.max((&other - &least).amax());
+            assert!(energy(&other) >= cycle.energy - 1e-12 * scale, "{:e}", energy(&other) - cycle.energy);
+            // The same perturbations find a better pair than the wrong one, towards the right one.
+            let mixed = &wrong + (&least + (&target - &least) * 1e-3 - &wrong) * share;
+            beaten += usize::from(energy(&mixed) < energy(&wrong));
+        }
+        assert!(distance > 1.0 && beaten > 500, "{pivot_height:?}: {distance} {beaten}");
+    }
+}
+
+#[test]
+fn no_pressure_in_balance_dissipates_less_by_wear_than_the_run_in_one() {
+    let cells = Cells::graded(1.0, COUNT).unwrap();
+    let (x, w) = (cells.centres(), cells.widths());
+    let mut noise = Noise(5);
+    for exponent in [0.3, 0.5, 1.0, 2.0, 3.0] {
+        // A speed that differs from cell to cell, as on an annulus, and a lever beyond a third: part of it is empty.
+        let law = |exponent: f64| CellRate {
+            reference_pressure: 1.0,
+            terms: vec![WearTerm {
+                coefficient: Coefficient::PerCell(x.iter().map(|x| 1.0 + 0.4 * x).collect()),
+                exponent,
+            }],
+        };
+        let rate = law(exponent);
+        let run_in = |exponent| punch_run_in(&cells, w, &law(exponent), 2.0, Tilt::ResultantAt(0.4)).unwrap();
+        let state = run_in(exponent);
+        let power = |p: &DVector<f64>| (0..COUNT).map(|i| w[i] * p[i] * rate.rate(i, p[i])).sum::<f64>();
+        let pressure = DVector::from_column_slice(&state.pressure);
+        assert!(pressure.min() == 0.0 && (power(&pressure) / state.dissipation - 1.0).abs() < 1e-13);
+        let admissible = BoxProgramme {
+            quadratic: DMatrix::identity(COUNT, COUNT),
+            linear: DVector::zeros(COUNT),
+            constraints: DMatrix::from_fn(COUNT, 2, |i, k| if k == 0 { w[i] } else { w[i] * x[i] }),
+            right: DVector::from_vec(vec![2.0, 0.8]),
+            lower: DVector::zeros(COUNT),
+            upper: DVector::repeat(COUNT, 6.0),
+        };
+        for _ in 0..1000 {
+            let share = (noise.next() + 0.5).powi(4);
+            let other = &pressure + (noise.admissible(&admissible) - &pressure) * share;
+            // Rounding may leave -1e-16 on an empty cell.
+            let other = other.map(|p| p.max(0.0));
+            assert!(power(&other) >= state.dissipation * (1.0 - 1e-12), "b {exponent}");
+        }
+        // The pressure of another law is in balance too, and is beaten.
+        let wrong = DVector::from_vec(run_in(if exponent > 1.0 { 1.0 } else { 2.0 * exponent }).pressure);
+        assert!(power(&wrong) > state.dissipation * (1.0 + 1e-4), "b {exponent}");
+    }
+}
+
+#[test]
+fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
+    let mut values = STARTS;
+    for (name, value) in [
+        ("contact.geometry", 1.0),
+        ("contact.friction_coefficient", 0.25),
+        ("contact.faces", 1.0),
+        ("strip.path", 1.0),
+        ("strip.length", 0.0),
+        ("punch.count", 1.0),
+        ("punch.width", 0.06),
+        ("depth", 0.01),
+        ("punch.height", 0.1),
+        ("punch.body", 4.0),
+        ("punch.youngs_modulus", 200e9),
+        ("punch.poissons_ratio", 0.3),
+        ("punch.wear_coefficient", 3.9e-14),
+        ("strip.body", 4.0),
+        ("strip.height", 0.1),
+        ("strip.youngs_modulus", 200e9),
+        ("strip.poissons_ratio", 0.3),
+        ("strip.wear_coefficient", 0.0),
+        ("nominal.load", 10e3),
+        ("nominal.velocity", 9.549e-3),
+        ("nominal.stroke", 3e-3),
+    ] {
+        values[find(name).unwrap() as usize] = value;
+    }
+    let scene = Scene::new(&values, None).unwrap();
+    let cells = cells_for(&scene, COUNT).unwrap();
+    let bodies = compliances(&scene, &cells).unwrap();
+    let mut direct_cost = f64::INFINITY;
+    let mut state = None;
+    for _ in 0..20 {
+        let begin = Instant::now();
+        state = Some(steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap());
+        direct_cost = direct_cost.min(begin.elapsed().as_secs_f64());
+    }
+    let direct = state.unwrap();
+    // Displacement 1.5 mm sin(10 t), communication steps of .01 s within a half-stroke of pi/10 s, second order.
+    let (load, mean) = (1e6, 1e6 / 0.06);
+    let steps = 31;
+    let length = std::f64::consts::PI / 10.0 / f64::from(steps);
+    let (normal, shear) = pair_operators(&bodies[0], &bodies[1]);
+    let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; COUNT]).unwrap();
+    let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3, COUNT);
+    let (mut worn, mut found) = (vec![0.0; COUNT], ContactState::new(COUNT));
+    let begin = Instant::now();
+    let mut cycles = 0;
+    loop {
+        cycles += 1;
+        let mut error = 0.0f64;
+        for (stroke, sign) in direct.strokes.iter().zip([1.0, -1.0]) {
+            for step in 0..steps {
+                let mut given = |time: f64, c: &mut Conditions| {
+                    c.signed_friction = 0.25 * sign;
+                    c.normal = Normal::Load(load);
+                    c.tilt = Tilt::Fixed(0.0);
+                    c.rate = CellRate::archard(3.9e-14, 1.5e-2 * (10.0 * time).sin());
+                };
+                integrator
+                    .step(&mut contact, &mut worn, f64::from(step) * length, length, &mut given, &mut found)
+                    .unwrap();
+                if step == steps / 2 {
+                    let pairs = found.pressure.iter().zip(&stroke.pressure);
+                    error = pairs.map(|(p, q)| (p - q).abs() / mean).fold(error, f64::max);
+                }
+            }
+        }
+        if error < 1e-3 || cycles == 3000 {
+            break;
+        }
+    }
+    let stepped_cost = begin.elapsed().as_secs_f64();
+    let ratio = stepped_cost / direct_cost;
+    println!("{cycles} cycles, {stepped_cost:.3} s stepped, {:.1} us direct: {ratio:.0} times", 1e6 * direct_cost);
+    assert!((100..3000).contains(&cycles), "{cycles} cycles");
+    assert!(ratio > 1000.0, "{ratio}");
+}
