@@ -1,8 +1,37 @@
 //! Contact pressure on cells against closed forms: Hertz and flat punches, cell means at |x| < .9 a.
 
-use sliding_contact::contact::{ContactSolver, Normal, Tilt, pair_compliance};
+use sliding_contact::contact::{ContactSolver, ContactState, Normal, Tilt, pair_compliance, pair_operators};
 use sliding_contact::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid};
 use sliding_contact::exact::{FlatPunch, HertzLine, friction_exponent};
+use sliding_contact::wear::line::{
+    CellRate, Conditions, ContactRate, Disturbance, Integrator, Scheme, Status, WearingContact,
+};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// Counts the allocations of every thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promises are those of this function.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: the memory came from `alloc`, that is from the system's allocator.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 const HALF_WIDTH: f64 = 0.03;
 const LOAD: f64 = 1e6;
@@ -98,6 +127,126 @@ fn hertz_error_follows_from_the_cells_in_contact() {
             let (error, in_contact) = hertz_error(&cells, share);
             let scaled = error * (in_contact as f64).powi(2);
             assert!(scaled < 4.0, "N {count}, {share} of the zone: error {error:e} with {in_contact} cells in contact");
+        }
+    }
+}
+
+/// E* = 1, a = 1, a slightly round rigid punch.
+fn wearing(count: usize) -> WearingContact {
+    let cells = Cells::graded(1.0, count).unwrap();
+    let strip = HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(&cells);
+    let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &strip);
+    let gap = cells.centres().iter().map(|x| 0.6 * x * x).collect();
+    WearingContact::new(&cells, cells.widths(), normal, shear, gap).unwrap()
+}
+
+/// Strokes to and fro of five steps, with a friction coefficient, speed and load that keep changing.
+fn drive(step: usize, conditions: &mut Conditions) {
+    let n = step as f64;
+    let friction = (0.3 + 0.05 * (0.7 * n).sin()) * if step / 5 % 2 == 0 { 1.0 } else { -1.0 };
+    conditions.signed_friction = friction;
+    conditions.normal = Normal::Load(1.0 + 0.8 * (0.4 * n).sin());
+    conditions.tilt = Tilt::ResultantAt(0.3 * friction);
+    conditions.rate.terms[0].coefficient = (1.0 + 0.5 * (0.3 * n).cos()).into();
+}
+
+fn step(
+    step: usize,
+    exponent: f64,
+    integrator: &mut Integrator,
+    contact: &mut WearingContact,
+    worn: &mut [f64],
+    state: &mut ContactState,
+) {
+    let mut conditions = |_: f64, c: &mut Conditions| {
+        if c.rate.terms.is_empty() {
+            c.rate = CellRate::uniform(1.0, 1.0, exponent);
+        }
+        drive(step, c);
+    };
+    integrator.step(contact, worn, 0.0, 0.05, &mut conditions, state).unwrap();
+}
+
+#[test]
+fn steps_allocate_nothing_and_replay_to_the_last_bit() {
+    for exponent in [0.4, 1.0, 2.5] {
+        let (mut contact, mut integrator) = (wearing(33), Integrator::new(Scheme::Sdirk2, 1.0, 33));
+        let (mut worn, mut state) = (vec![0.0; 33], ContactState::new(33));
+        step(0, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
+        let before = ALLOCATIONS.get();
+        for n in 1..40 {
+            step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
+        }
+        assert_eq!(ALLOCATIONS.get(), before, "b {exponent}");
+        // Saved as numbers, restored into a contact that has never seen these steps.
+        let (mut numbers, saved) = (Vec::new(), worn.clone());
+        contact.status().save(&mut numbers);
+        assert_eq!(numbers.len(), Status::saved_len(33));
+        for n in 40..80 {
+            step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
+        }
+        let mut status = Status::new(33);
+        status.load(&mut numbers.iter()).unwrap();
+        assert!(Status::new(33).load(&mut numbers[1..].iter()).is_none());
+        let (mut other, mut replayed, mut end) = (wearing(33), saved, ContactState::new(33));
+        other.set_status(&status);
+        let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, 33);
+        for n in 40..80 {
+            step(n, exponent, &mut integrator, &mut other, &mut replayed, &mut end);
+        }
+        assert_eq!((replayed, end), (worn, state.clone()), "b {exponent}");
+        assert_eq!(other.status(), contact.status(), "b {exponent}");
+    }
+}
+
+#[test]
+fn response_is_the_derivative_of_the_contact() {
+    let cells = Cells::graded(1.0, 17).unwrap();
+    for normal in [Normal::Load(0.7), Normal::Approach(0.8), Normal::Spring { load: 1.2, stiffness: 0.7 }] {
+        for tilt in [Tilt::Fixed(0.05), Tilt::ResultantAt(0.1), Tilt::Moment { lever: 0.05, moment: 0.02 }] {
+            let mut contact = wearing(17);
+            let gap_rate: Vec<f64> = cells.centres().iter().map(|x| 0.3 * x + (2.0 * x).cos()).collect();
+            let disturbance = Disturbance { gap: &gap_rate, normal: 0.8, tilt: 0.2, moment: 0.3, signed_friction: 1.4 };
+            let at = |h: f64| Conditions {
+                signed_friction: 0.3 + h * disturbance.signed_friction,
+                normal: match normal {
+                    Normal::Load(load) => Normal::Load(load + h * disturbance.normal),
+                    Normal::Approach(approach) => Normal::Approach(approach + h * disturbance.normal),
+                    Normal::Spring { load, stiffness } => {
+                        Normal::Spring { load: load + h * disturbance.normal, stiffness }
+                    }
+                },
+                tilt: match tilt {
+                    Tilt::Fixed(tilt) => Tilt::Fixed(tilt + h * disturbance.tilt),
+                    Tilt::ResultantAt(lever) => {
+                        Tilt::Moment { lever: lever + h * disturbance.tilt, moment: h * disturbance.moment }
+                    }
+                    Tilt::Moment { lever, moment } => {
+                        Tilt::Moment { lever: lever + h * disturbance.tilt, moment: moment + h * disturbance.moment }
+                    }
+                },
+                rate: CellRate::archard(0.0, 1.0),
+            };
+            let mut solve = |h: f64| {
+                let worn: Vec<f64> = gap_rate.iter().map(|g| h * g).collect();
+                contact.pressure(&worn, &at(h)).unwrap()
+            };
+            let h = 1e-6;
+            let (low, middle, high) = (solve(-h), solve(0.0), solve(h));
+            assert!(middle.pressure.contains(&0.0) || matches!(normal, Normal::Approach(_)));
+            let mut rate = ContactRate::new(17);
+            contact.response_into(&at(0.0), &middle, &disturbance, &mut rate).unwrap();
+            let case = format!("{normal:?} {tilt:?}");
+            for i in 0..17 {
+                let numeric = (high.pressure[i] - low.pressure[i]) / (2.0 * h);
+                assert!(
+                    (rate.pressure[i] - numeric).abs() < 1e-5 * (1.0 + numeric.abs()),
+                    "{case} cell {i}: {numeric}"
+                );
+            }
+            let (approach, tilt) = ((high.approach - low.approach) / (2.0 * h), (high.tilt - low.tilt) / (2.0 * h));
+            assert!((rate.approach - approach).abs() < 1e-6 * (1.0 + approach.abs()), "{case}: {approach}");
+            assert!((rate.tilt - tilt).abs() < 1e-6 * (1.0 + tilt.abs()), "{case}: {tilt}");
         }
     }
 }

@@ -191,3 +191,35 @@ fn a_punch_that_rocks_itself_round() {
     }
     assert!((cells.integral(&worn) / 400.0 - 1.0).abs() < 1e-12);
 }
+
+#[test]
+fn edges_that_unload_at_an_exponent_of_three_tenths() {
+    // A worn parabola whose load falls to a fiftieth: cells leave, those that have left wear no more, the load is carried
+    // by the others, and steps need not be short.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let gap = cells.centres().iter().map(|x| x * x).collect();
+    let mut contact = contact(&cells, &half_plane(&cells), 0.3, gap);
+    let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, 33);
+    let (mut worn, mut in_contact) = (vec![0.0; 33], Vec::new());
+    for step in 0..20 {
+        let load = if step < 10 { 1.0 } else { 1.0 - 0.98 * f64::from(step - 9) / 10.0 };
+        let conditions = Conditions {
+            signed_friction: 1.0,
+            normal: Normal::Load(load),
+            tilt: Tilt::Fixed(0.0),
+            rate: power_rate(0.3),
+        };
+        let before = worn.clone();
+        let state = step_once(&mut integrator, &mut contact, &mut worn, [0.0, 0.02], &|_| conditions.clone()).unwrap();
+        assert!((cells.integral(&state.pressure) / load - 1.0).abs() < 1e-9);
+        let now = state.pressure.iter().filter(|p| **p > 0.0).count();
+        if step > 10 && in_contact.last() == Some(&now) {
+            // What is open at the end of two steps has been open all the time.
+            assert!((0..33).all(|i| state.pressure[i] > 0.0 || worn[i] == before[i]), "step {step}");
+        }
+        assert!((0..33).all(|i| worn[i] >= before[i]), "step {step}: negative wear");
+        in_contact.push(now);
+    }
+    assert!(in_contact[9] > 17 && in_contact[19] < in_contact[9] / 2, "{in_contact:?}");
+    assert!(in_contact[10..].windows(2).all(|pair| pair[1] <= pair[0]), "{in_contact:?}");
+}

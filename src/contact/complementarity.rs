@@ -330,7 +330,7 @@ impl ContactSolver {
         }
         finite("signed friction coefficient", problem.signed_friction)?;
         for &value in problem.diagonal {
-            if !(finite("wear per pressure", value)? >= 0.0) {
+            if finite("wear per pressure", value)? < 0.0 {
                 return Err(ContactError::Invalid { quantity: "wear per pressure", value });
             }
         }

@@ -109,7 +109,7 @@ impl Factors {
             shifted: false,
             diagonal: vec![0.0; count],
             active: vec![false; count],
-            index: Vec::with_capacity(count),
+            index: Vec::new(),
             matrix: vec![0.0; count * count],
             exchanged: vec![0; count],
             regular: false,
@@ -122,7 +122,10 @@ impl Factors {
             arms: vec![0.0; count],
             centre: 0.0,
         };
-        let entries = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
+        let kept = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
+        let mut entries = vec![entry; kept];
+        // A clone has no more room than it fills.
+        entries.iter_mut().for_each(|entry| entry.index.reserve_exact(count));
         Ok(Self {
             count,
             shift: normal.diagonal().mean(),
@@ -136,7 +139,7 @@ impl Factors {
             weights: weights.to_vec(),
             total_weight: weights.iter().sum(),
             compositions: vec![composition; COMPOSITIONS],
-            entries: vec![entry; entries],
+            entries,
             clock: 0,
             factorisations: 0,
         })

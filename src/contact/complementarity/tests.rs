@@ -240,7 +240,7 @@ fn kept_factors_change_nothing_but_the_time() {
     for round in 0..200_u32 {
         let friction = 0.2 * f64::from(round % 4) - 0.3;
         let wear = 1e-12 * f64::from(round * round % 5);
-        let start: Vec<bool> = (0..33).map(|i| (i + round as usize / 50) % 3 != 0).collect();
+        let start: Vec<bool> = (0..33).map(|i| !(i + round as usize / 50).is_multiple_of(3)).collect();
         let (mut active, mut again) = (start.clone(), start);
         let kept = parabolic(&mut solver, &cells, friction, wear, &mut active);
         let alone = parabolic(&mut fresh(), &cells, friction, wear, &mut again);

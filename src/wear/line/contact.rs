@@ -73,11 +73,6 @@ impl fmt::Display for StageError {
 
 impl std::error::Error for StageError {}
 
-const NEWTON_LIMIT: usize = 60;
-const NEWTON_TOLERANCE: f64 = 1e-12;
-/// Least dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
-const LEAST_SLOPE: f64 = 1e-12;
-
 /// Contact line that wears.
 ///
 /// A solution is a function of the matrices, of what is asked and of the [`Status`], to the last bit: the factors kept
@@ -85,17 +80,20 @@ const LEAST_SLOPE: f64 = 1e-12;
 /// [`Self::pressure`] and the first [`Self::set_operator`].
 #[derive(Clone, Debug)]
 pub struct WearingContact {
-    cells: Cells,
-    weights: Vec<f64>,
+    pub(super) cells: Cells,
+    pub(super) weights: Vec<f64>,
     initial_gap: Vec<f64>,
     pub(super) solver: ContactSolver,
     /// Elastic scale of the local displacement, m/Pa.
-    alpha: f64,
-    status: Status,
-    newton_iterations: u64,
-    local: Vec<LocalState>,
-    slope: Vec<f64>,
-    kept: Vec<f64>,
+    pub(super) alpha: f64,
+    /// The same of every cell.
+    pub(super) own_compliance: Vec<f64>,
+    pub(super) status: Status,
+    pub(super) newton_iterations: u64,
+    pub(super) newton_tolerance: f64,
+    pub(super) local: Vec<LocalState>,
+    pub(super) slope: Vec<f64>,
+    pub(super) kept: Vec<f64>,
     pub(super) wear: Vec<f64>,
     pub(super) diagonal: Vec<f64>,
     pub(super) gap: Vec<f64>,
@@ -115,15 +113,17 @@ impl WearingContact {
     ) -> Result<Self, ContactError> {
         let count = cells.count();
         assert_eq!(initial_gap.len(), count, "one gap per cell");
-        let alpha = normal.diagonal().amax();
+        let own_compliance = normal.diagonal().as_slice().to_vec();
         Ok(Self {
             cells: cells.clone(),
             weights: weights.to_vec(),
             initial_gap,
             solver: ContactSolver::with_operators(cells, weights, normal, shear)?,
-            alpha,
+            alpha: own_compliance.iter().copied().fold(0.0, f64::max),
+            own_compliance,
             status: Status::new(count),
             newton_iterations: 0,
+            newton_tolerance: 1e-12,
             local: vec![LocalState::default(); count],
             slope: vec![0.0; count],
             kept: vec![0.0; count],
@@ -182,6 +182,11 @@ impl WearingContact {
         self.newton_iterations
     }
 
+    /// Bound of the error that Newton's method leaves, relative to the largest local displacement; 1e-12 unless set.
+    pub fn set_newton_tolerance(&mut self, tolerance: f64) {
+        self.newton_tolerance = tolerance.clamp(1e-14, 1e-3);
+    }
+
     /// What the next solution starts from.
     pub fn status(&self) -> &Status {
         &self.status
@@ -215,10 +220,8 @@ impl WearingContact {
     /// `gap` is g, the gap of the undeformed bodies as worn so far (N cell means, m), `tau` the stage length in s, 0 for
     /// the pressure as it is. The depth worn in the stage is `tau f(p)`. On an error the state is unspecified.
     ///
-    /// Linear rates (b = 1) take one contact solve with the diagonal `tau f'`. Others take Newton's method in the local
-    /// displacement `t = alpha p + tau f<(p)`, f< the terms with exponents below 1, each iteration one contact solve in
-    /// `z = (dp/dt) t`, with `dp/dt` from the last iterate; convergence when t changes by less than 1e-12 of its largest
-    /// value, from the last pressure or, where that fails, from the elastic one.
+    /// Linear rates (b = 1) take one contact solve with the diagonal `tau f'`. Others take Newton's method, see
+    /// `newton.rs`: with kept factors, and where that does not converge with new ones at every iteration.
     pub fn stage_into(
         &mut self,
         gap: &[f64],
@@ -237,29 +240,22 @@ impl WearingContact {
             }
             return Ok(self.solve(gap, conditions, conditions.normal, conditions.tilt, state)?);
         }
-        let side = stroke(conditions);
-        let fresh = self.status.strokes[side].pressure.iter().all(|p| *p == 0.0);
-        for restart in [fresh, true] {
-            if restart {
-                self.elastic(gap, conditions, state)?;
-                self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
-            }
-            if self.newton(gap, tau, conditions, state)? {
-                return Ok(());
-            }
-        }
-        self.status.strokes[side].pressure.fill(0.0);
-        Err(StageError::NotConverged { stage: tau, iterations: NEWTON_LIMIT })
+        self.nonlinear(gap, tau, conditions, state)
     }
 
     /// Contact without wear.
-    fn elastic(&mut self, gap: &[f64], conditions: &Conditions, state: &mut ContactState) -> Result<(), StageError> {
+    pub(super) fn elastic(
+        &mut self,
+        gap: &[f64],
+        conditions: &Conditions,
+        state: &mut ContactState,
+    ) -> Result<(), StageError> {
         self.diagonal.fill(0.0);
         Ok(self.solve(gap, conditions, conditions.normal, conditions.tilt, state)?)
     }
 
     /// Contact with the wear diagonal.
-    fn solve(
+    pub(super) fn solve(
         &mut self,
         gap: &[f64],
         conditions: &Conditions,
@@ -271,79 +267,9 @@ impl WearingContact {
             ContactProblem { gap, signed_friction: conditions.signed_friction, diagonal: &self.diagonal, normal, tilt };
         self.solver.solve_into(&problem, &mut self.status.strokes[stroke(conditions)].active, state)
     }
-
-    /// Newton's method from the status's pressure; `false` where it does not converge from there.
-    fn newton(
-        &mut self,
-        gap: &[f64],
-        tau: f64,
-        conditions: &Conditions,
-        state: &mut ContactState,
-    ) -> Result<bool, StageError> {
-        let (count, side) = (gap.len(), stroke(conditions));
-        let (rate, alpha) = (&conditions.rate, self.alpha);
-        let mut linearised_gap = std::mem::take(&mut self.gap);
-        let mut converged = Ok(false);
-        for _ in 0..NEWTON_LIMIT {
-            self.newton_iterations += 1;
-            for i in 0..count {
-                let local = rate.local(i, alpha, tau, self.status.strokes[side].pressure[i]);
-                let slope = local.pressure_slope.max(LEAST_SLOPE / alpha);
-                // p = kept + z and tau f = kept wear + diagonal z in the linearisation, z = slope t.
-                self.kept[i] = local.pressure - slope * local.displacement;
-                self.diagonal[i] = local.wear_slope / slope;
-                self.wear[i] = local.wear - local.wear_slope * local.displacement;
-                self.slope[i] = slope;
-                self.local[i] = local;
-            }
-            linearised_gap.copy_from_slice(gap);
-            self.solver.add_worn(&self.wear, &mut linearised_gap);
-            self.solver.add_displacement(conditions.signed_friction, &self.kept, &mut linearised_gap);
-            let (normal, tilt) = without(&self.kept, &self.weights, self.cells.centres(), conditions);
-            if matches!(normal, Normal::Load(load) if load < 0.0) {
-                break;
-            }
-            if let Err(error) = self.solve(&linearised_gap, conditions, normal, tilt, state) {
-                converged = Err(error.into());
-                break;
-            }
-            let (mut largest, mut change): (f64, f64) = (0.0, 0.0);
-            for i in 0..count {
-                let t = state.pressure[i] / self.slope[i];
-                largest = largest.max(t);
-                change = change.max((t - self.local[i].displacement).abs());
-                state.pressure[i] = rate.invert(i, alpha, tau, t);
-            }
-            self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
-            if change <= NEWTON_TOLERANCE * largest {
-                converged = Ok(true);
-                break;
-            }
-        }
-        self.gap = linearised_gap;
-        converged
-    }
 }
 
 /// Which stroke's status conditions belong to.
-fn stroke(conditions: &Conditions) -> usize {
+pub(super) fn stroke(conditions: &Conditions) -> usize {
     usize::from(conditions.signed_friction < 0.0)
-}
-
-/// Load and moment balance of what is left when the pressure `kept` is taken out.
-fn without(kept: &[f64], weights: &[f64], centres: &[f64], conditions: &Conditions) -> (Normal, Tilt) {
-    let sum = |lever: f64, order: i32| -> f64 {
-        (0..weights.len()).map(|i| weights[i] * kept[i] * (centres[i] - lever).powi(order)).sum()
-    };
-    let normal = match conditions.normal {
-        Normal::Load(load) => Normal::Load(load - sum(0.0, 0)),
-        Normal::Spring { load, stiffness } => Normal::Spring { load: load - sum(0.0, 0), stiffness },
-        Normal::Approach(approach) => Normal::Approach(approach),
-    };
-    let tilt = match conditions.tilt {
-        Tilt::Fixed(tilt) => Tilt::Fixed(tilt),
-        Tilt::ResultantAt(lever) => Tilt::Moment { lever, moment: -sum(lever, 1) },
-        Tilt::Moment { lever, moment } => Tilt::Moment { lever, moment: moment - sum(lever, 1) },
-    };
-    (normal, tilt)
 }

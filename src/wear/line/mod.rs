@@ -6,6 +6,7 @@
 
 mod contact;
 mod integrator;
+mod newton;
 mod rate;
 mod response;
 mod stability;

@@ -115,6 +115,27 @@ impl CellRate {
         self.terms.iter().map(term).sum::<f64>() / self.reference_pressure
     }
 
+    /// Depth rate and df/dp of a cell at once, at the pressure p >= 0; the slope at 0 is that of the terms linear in p, and
+    /// infinite for exponents below 1.
+    pub fn rate_and_slope(&self, cell: usize, pressure: f64) -> (f64, f64) {
+        let relative = pressure / self.reference_pressure;
+        let (mut rate, mut slope) = (0.0, 0.0);
+        for term in &self.terms {
+            let coefficient = term.coefficient.at(cell);
+            if coefficient == 0.0 {
+                continue;
+            }
+            let part = coefficient * power(relative, term.exponent);
+            rate += part;
+            slope += if pressure > 0.0 {
+                term.exponent * part / pressure
+            } else {
+                coefficient * term.exponent * power(0.0, term.exponent - 1.0) / self.reference_pressure
+            };
+        }
+        (rate, slope)
+    }
+
     /// Pressure at which a cell wears with the depth rate f >= 0, to rounding; infinite where it does not wear.
     ///
     /// Newton's method in `(p/p0)^beta`, beta the smallest exponent, monotone as in [`CellRate::invert`].
@@ -203,8 +224,17 @@ impl CellRate {
     }
 }
 
+/// `base^exponent`, base >= 0, without the general power where a root or a product does.
 fn power(base: f64, exponent: f64) -> f64 {
-    if exponent == 1.0 { base } else { base.powf(exponent) }
+    if exponent == 1.0 {
+        base
+    } else if exponent == 0.5 {
+        base.sqrt()
+    } else if exponent == 2.0 {
+        base * base
+    } else {
+        base.powf(exponent)
+    }
 }
 
 #[cfg(test)]
