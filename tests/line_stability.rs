@@ -227,10 +227,7 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
     assert!(uneven < 1e-6, "{uneven:e}");
     assert!((cells.integral(&worn) / (5.0 * step * wear * velocity * 1e6) - 1.0).abs() < 1e-10);
     // Strip: one step is a kilometre of fresh track, and the groove is the steady one in both directions.
-    for (sign, direction) in [
-        (1.0, sliding_contact::wear::line::Direction::Forward),
-        (-1.0, sliding_contact::wear::line::Direction::Backward),
-    ] {
+    for (sign, direction) in [(1.0, Direction::Forward), (-1.0, Direction::Backward)] {
         let mut strip = contact(&cells, normal.clone(), vec![0.0; count]);
         let mut track = LineTrack::new(&cells, 0.0);
         let mut operator = DMatrix::zeros(count, count);

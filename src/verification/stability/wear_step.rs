@@ -213,7 +213,7 @@ impl Relaxation {
     /// Where the contact has no solution.
     pub fn measured_bound(&self) -> Result<f64, String> {
         let count = self.cells.count();
-        let sawtooth = |i: usize| if i % 2 == 0 { 1e-3 } else { -1e-3 };
+        let sawtooth = |i: usize| if i.is_multiple_of(2) { 1e-3 } else { -1e-3 };
         let uniform = &self.compliance * DVector::from_fn(count, |i, _| 1.0 + sawtooth(i));
         // Not weighted: what grows is in the cells at the edges, which are narrow.
         let amplitude = |pressure: &[f64]| pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
