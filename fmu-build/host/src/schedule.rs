@@ -119,16 +119,16 @@ impl<'a> Follower<'a> {
                 }
                 Change { any: moved, sloping: false }
             }
-            Interpolation::Sample => Change { any: self.interpolate(self.at, time, moved), sloping: false },
+            Interpolation::Sample => Change { any: self.interpolate(self.at, time, step, moved), sloping: false },
             Interpolation::Linear => {
-                let mut any = self.interpolate(self.at, time, moved);
+                let mut any = self.interpolate(self.at, time, step, moved);
                 let mut end = self.at;
                 while end + 1 < times.len() && times[end + 1] <= time + step * (1.0 + SAME) {
                     end += 1;
                 }
                 let mut sloping = false;
                 for column in 0..self.values.len() {
-                    let last = self.factors[column] * self.value(end, time + step, column);
+                    let last = self.factors[column] * self.value(end, time + step, step, column);
                     let slope = (last - self.values[column]) / step;
                     any |= slope != self.slopes[column];
                     sloping |= slope != 0.0;
@@ -142,10 +142,10 @@ impl<'a> Follower<'a> {
 
     /// Values at `time`, `at` being the row at or before it; returns whether one of them changed.
     #[inline]
-    fn interpolate(&mut self, at: usize, time: f64, first: bool) -> bool {
+    fn interpolate(&mut self, at: usize, time: f64, step: f64, first: bool) -> bool {
         let mut changed = first;
         for column in 0..self.values.len() {
-            let value = self.factors[column] * self.value(at, time, column);
+            let value = self.factors[column] * self.value(at, time, step, column);
             changed |= value != self.values[column];
             self.values[column] = value;
         }
@@ -153,10 +153,11 @@ impl<'a> Follower<'a> {
     }
 
     #[inline]
-    fn value(&self, at: usize, time: f64, column: usize) -> f64 {
+    fn value(&self, at: usize, time: f64, step: f64, column: usize) -> f64 {
         let Schedule { times, values, columns } = self.schedule;
         let from = values[at * columns + column];
-        if at + 1 == times.len() || time <= times[at] {
+        // Rounding that carries a time past its row must not make a slope of nothing.
+        if at + 1 == times.len() || time <= times[at] + SAME * step {
             return from;
         }
         let to = values[(at + 1) * columns + column];
@@ -226,6 +227,17 @@ mod tests {
         let mut follower = Follower::new(schedule, Interpolation::Hold, &[1.0]);
         follower.advance(0.2, 0.1);
         assert_eq!(follower.values, [1.0]);
+    }
+
+    #[test]
+    fn rounding_past_a_row_makes_no_slope() {
+        // 18.900000000000002 + 0.1 is beyond 19.
+        let (times, time) = ([0.0, 19.0, 20.0], 189.0 * 0.1);
+        assert!(time + 0.1 > 19.0);
+        let schedule = Schedule::new(&times, &[7.0, 7.0, 0.0], 1).unwrap();
+        let mut follower = Follower::new(schedule, Interpolation::Linear, &[1.0]);
+        assert!(!follower.advance(time, 0.1).sloping);
+        assert!(follower.advance(190.0 * 0.1, 0.1).sloping);
     }
 
     #[test]
