@@ -1,0 +1,353 @@
+//! What a strip's conduction is made of, built once and shared by every copy.
+
+use super::depth::{Depth, DepthModes, Expansion};
+use super::give_back::GiveBack;
+use super::remainder::Remainder;
+use super::velocity_table::VelocityTable;
+use super::waves::{Shapes, Wave, harmonics};
+use crate::elastic::{self, Cells, OutOfRange};
+use crate::heat::reduced::ReducedBody;
+use crate::heat::slab::{Base, CoolingPort, Slab};
+use nalgebra::Complex;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Path of the contact on the strip.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Path {
+    /// Closed after this length, m (circumference over the number of equal punches); at least the contact's width.
+    Closed(f64),
+    /// To and fro: the length of one stroke, m, on a strip of this length, m (0: as long as is felt).
+    Stroke {
+        /// Length of one stroke.
+        stroke: f64,
+        /// Length of the strip.
+        length: f64,
+    },
+}
+
+/// A conducting strip.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct StripProperties {
+    /// h, m.
+    pub height: f64,
+    /// K, W/(m K), > 0.
+    pub conductivity: f64,
+    /// rho c, J/(m3 K).
+    pub capacity: f64,
+    /// Heat transfer coefficient of the top beside the contact, W/(m2 K).
+    pub convection: f64,
+    /// Condition at the base.
+    pub base: Base,
+    /// Where the contact goes.
+    pub path: Path,
+    /// Thermal expansion; `None`: the surface does not move under heat.
+    pub expansion: Option<Expansion>,
+}
+
+/// What has to be resolved.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Resolution {
+    /// Longest time over which heat is followed, s.
+    pub duration: f64,
+    /// Shortest step, s: what decays faster answers at once.
+    pub shortest: f64,
+    /// Relative error of the contact temperature that the reduction may cost.
+    pub tolerance: f64,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub struct Operators {
+    pub widths: Vec<f64>,
+    pub half: usize,
+    pub period: f64,
+    pub convection: f64,
+    pub waves: Vec<Wave>,
+    pub shapes: Shapes,
+    /// `2 count/L`: what a wave's amplitude counts in the temperature.
+    pub weight: Vec<f64>,
+    /// States of each wave.
+    pub ranges: Vec<Range<usize>>,
+    pub rate: Vec<f64>,
+    pub temperature: Vec<f64>,
+    pub distortion: Vec<f64>,
+    /// The mean wave, per area of strip.
+    pub mean: ReducedBody,
+    /// Displacement into the body per mean temperature of the mean wave, m/K.
+    pub mean_distortion: f64,
+    pub expands: bool,
+    pub table: VelocityTable,
+    pub give_back: Option<GiveBack>,
+    /// Mean over the contact of a wave's real amplitude.
+    pub contact_mean: Vec<f64>,
+    pub error: f64,
+}
+
+/// Harmonics that always have states.
+const FEWEST_HARMONICS: usize = 16;
+/// Most harmonics with states.
+const MOST_HARMONICS: usize = 8192;
+
+impl StripProperties {
+    fn check(&self, width: f64) -> Result<(), OutOfRange> {
+        for (quantity, value, requirement) in [
+            ("strip height", self.height, "positive, in m"),
+            ("strip conductivity", self.conductivity, "positive, in W/(m K)"),
+            ("strip heat capacity", self.capacity, "positive, in J/(m3 K)"),
+        ] {
+            OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, requirement)?;
+        }
+        let convection = self.convection;
+        OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
+        match self.path {
+            // Rounding of the width must not refuse full periodic contact.
+            Path::Closed(length) => OutOfRange::unless(
+                length.is_finite() && length >= width * (1.0 - 1e-12),
+                "strip length",
+                length,
+                "at least the width of the contact zone",
+            ),
+            Path::Stroke { stroke, .. } => {
+                OutOfRange::unless(stroke > 0.0 && stroke.is_finite(), "stroke", stroke, "positive, in m")
+            }
+        }
+    }
+
+    /// Length of the period, and largest distance between source and observer counted along the material.
+    fn period(&self, width: f64, duration: f64) -> (f64, f64) {
+        match self.path {
+            Path::Closed(length) => (length.max(width), f64::INFINITY),
+            Path::Stroke { stroke, length } => {
+                let mut reach = (self.conductivity / self.capacity * duration).sqrt();
+                if self.convection > 0.0 {
+                    reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
+                }
+                if self.base == Base::Held {
+                    reach = reach.min(self.height);
+                }
+                // A stroke longer than planned still finds its own track.
+                ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
+            }
+        }
+    }
+}
+
+impl Operators {
+    /// See [`super::StripHeat::new`].
+    pub fn new(
+        properties: &StripProperties,
+        cells: &Cells,
+        resolution: &Resolution,
+    ) -> Result<Operators, OutOfRange> {
+        let width = 2.0 * cells.half_width();
+        properties.check(width)?;
+        for (quantity, value) in [("duration", resolution.duration), ("shortest step", resolution.shortest)] {
+            OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, "positive, in s")?;
+        }
+        let tolerance = resolution.tolerance.clamp(1e-6, 0.1);
+        let (period, reach) = properties.period(width, resolution.duration);
+        let full = width >= period * (1.0 - 1e-9);
+        let bare = Slab {
+            height: properties.height,
+            conductivity: properties.conductivity,
+            capacity: properties.capacity,
+            surface_transfer: 0.0,
+            volume_transfer: 0.0,
+            base: properties.base,
+            cooling: CoolingPort::Surface,
+        };
+        let convection = if full { 0.0 } else { properties.convection };
+        let slab = Slab { surface_transfer: convection, ..bare };
+        let diffusivity = bare.diffusivity();
+        let spacing = 2.0 * PI / period;
+        let fastest = (2.0 * (1e-3 / tolerance).sqrt()).clamp(1.0, 20.0) / resolution.shortest;
+        let shortest_wave = (fastest / diffusivity).sqrt();
+        let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
+        let waves = harmonics(period, last, reach);
+        let shapes = Shapes::new(cells, &waves);
+        let ratio = (6.0 * (tolerance / 1e-3).powf(0.17)).clamp(2.5, 10.0);
+        let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
+        let modes: Vec<DepthModes> = waves
+            .iter()
+            .map(|wave| {
+                Depth::new(&slab, expansion, wave.number).reduce(0.3 / resolution.duration, 4.0 * fastest, ratio)
+            })
+            .collect();
+        let widths = cells.widths().to_vec();
+        let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
+        let remainder = Remainder {
+            cells,
+            slab: &slab,
+            bare: &bare,
+            expansion,
+            period,
+            last,
+            waves: &waves,
+            shapes: &shapes,
+            modes: &modes,
+        };
+        let slow = diffusivity * spacing * last as f64;
+        let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing);
+        let table = VelocityTable::new(&remainder, shapes.half(), slow, limit);
+        let mut ranges = Vec::new();
+        let (mut rate, mut temperature, mut distortion) = (Vec::new(), Vec::new(), Vec::new());
+        for mode in &modes {
+            let first = rate.len();
+            rate.extend(&mode.rate);
+            temperature.extend(&mode.temperature);
+            distortion.extend(&mode.distortion);
+            ranges.push(first..rate.len());
+        }
+        let mut operators = Operators {
+            half: shapes.half(),
+            period,
+            convection,
+            weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),
+            ranges,
+            rate,
+            temperature,
+            distortion,
+            mean: slab.reduce(resolution.duration, tolerance),
+            mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
+            expands: expansion.is_some(),
+            table,
+            give_back: None,
+            contact_mean: Vec::new(),
+            error: 0.0,
+            waves,
+            shapes,
+            widths,
+        };
+        operators.contact_mean = (0..operators.waves.len())
+            .map(|wave| operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width)
+            .collect();
+        operators.error = operators.largest_error(&slab, &modes, resolution);
+        if convection > 0.0 {
+            operators.give_back = Some(GiveBack::new(cells, convection, &operators));
+        }
+        Ok(operators)
+    }
+
+    /// Sums over all cells of width times a function times a wave's even and odd shape.
+    pub fn over_cells(&self, wave: usize, function: impl Fn(usize) -> f64) -> (f64, f64) {
+        let (even, odd) = self.shapes.rows(wave);
+        let count = self.widths.len();
+        let (mut sum, mut tilt) = (0.0, 0.0);
+        for i in 0..count {
+            let (at, sign) = if i < self.half { (i, 1.0) } else { (count - 1 - i, -1.0) };
+            let value = self.widths[i] * function(i);
+            sum += value * even[at];
+            tilt += sign * value * odd[at];
+        }
+        (sum, tilt)
+    }
+
+    /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
+    /// step's, relative to its value at the duration's.
+    fn largest_error(&self, slab: &Slab, modes: &[DepthModes], resolution: &Resolution) -> f64 {
+        let response = |frequency: f64| {
+            let s = Complex::new(0.0, frequency);
+            let (mut exact, mut error) = (slab.impedance(s, 0.0) / self.period, Complex::from(0.0));
+            error += self.mean.impedance(s) / self.period - exact;
+            for (index, (wave, modes)) in self.waves.iter().zip(modes).enumerate() {
+                let mean = self.over_cells(index, |_| 1.0).0 / self.widths.iter().sum::<f64>();
+                let weight = self.weight[index] * mean * mean;
+                let value = slab.impedance(s, wave.number);
+                exact += value * weight;
+                error += (modes.impedance(s) - value) * weight;
+            }
+            (exact.norm(), error.norm())
+        };
+        let (slow, fast) = (0.1 / resolution.duration, 1.0 / resolution.shortest);
+        let points = 12;
+        let scan = (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points)));
+        let scale = response(1.0 / resolution.duration).0;
+        scan.map(|frequency| response(frequency).1 / scale).fold(0.0, f64::max)
+    }
+
+    /// Length of the surface beside the contact, m.
+    pub fn free_length(&self) -> f64 {
+        (self.period - self.widths.iter().sum::<f64>()).max(0.0)
+    }
+
+    /// Real and imaginary parts of the waves' states.
+    pub fn wave_states<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        let (first, count) = (self.mean.count, self.rate.len());
+        (&state[first..first + count], &state[first + count..first + 2 * count])
+    }
+
+    /// See [`Operators::wave_states`].
+    pub fn wave_states_mut<'a>(&self, state: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
+        let (first, count) = (self.mean.count, self.rate.len());
+        state[first..first + 2 * count].split_at_mut(count)
+    }
+
+    /// Even and odd parts of the heat (W/m) that fluxes into the cells carry.
+    pub fn fold(&self, flux: &[f64], parts: &mut [Vec<f64>; 2]) {
+        let count = self.widths.len();
+        for a in 0..self.half {
+            let mirror = count - 1 - a;
+            let (left, right) = (self.widths[a] * flux[a], self.widths[mirror] * flux[mirror]);
+            (parts[0][a], parts[1][a]) = if mirror == a { (left, 0.0) } else { (left + right, left - right) };
+        }
+    }
+
+    /// Adds even and odd parts to values on all cells.
+    pub fn unfold_onto(&self, parts: [&[f64]; 2], values: &mut [f64]) {
+        let count = self.widths.len();
+        for a in 0..self.half {
+            values[a] += parts[0][a] + parts[1][a];
+            if count - 1 - a != a {
+                values[count - 1 - a] += parts[0][a] - parts[1][a];
+            }
+        }
+    }
+
+    /// Amplitude of every wave in the fluxes: `sum c_j q_j exp(-iq x_j)`.
+    pub fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [[f64; 2]]) {
+        self.fold(flux, parts);
+        for (wave, value) in heat.iter_mut().enumerate() {
+            let (even, odd) = self.shapes.rows(wave);
+            *value = [dot(even, &parts[0]), -dot(odd, &parts[1])];
+        }
+    }
+
+    /// Values on the cells: `level` plus what the waves of these amplitudes give.
+    pub fn observe(&self, amplitude: &[[f64; 2]], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
+        parts.iter_mut().for_each(|part| part.fill(0.0));
+        let [into_even, into_odd] = parts;
+        for (wave, (value, weight)) in amplitude.iter().zip(&self.weight).enumerate() {
+            let (even, odd) = self.shapes.rows(wave);
+            let (re, im) = (weight * value[0], -weight * value[1]);
+            into_even.iter_mut().zip(even).for_each(|(sum, shape)| *sum += re * shape);
+            into_odd.iter_mut().zip(odd).for_each(|(sum, shape)| *sum += im * shape);
+        }
+        values.fill(level);
+        self.unfold_onto([into_even, into_odd], values);
+    }
+}
+
+/// Sum of products in four running sums, for vector instructions in an order that is the same everywhere.
+#[inline]
+pub fn dot(left: &[f64], right: &[f64]) -> f64 {
+    let (groups, rest) = left.as_chunks::<4>();
+    let (other, other_rest) = right.as_chunks::<4>();
+    let mut sum = [0.0; 4];
+    for (l, r) in groups.iter().zip(other) {
+        for lane in 0..4 {
+            sum[lane] += l[lane] * r[lane];
+        }
+    }
+    let end: f64 = rest.iter().zip(other_rest).map(|(l, r)| l * r).sum();
+    (sum[0] + sum[2]) + (sum[1] + sum[3]) + end
+}
+
+/// Displacement per mean temperature of a uniformly heated strip: `-alpha (1+nu)/(1-nu) h` where it cannot get longer (bonded,
+/// or closed), `-alpha (1+nu) h` where it can.
+fn mean_distortion(properties: &StripProperties, expansion: &Expansion) -> f64 {
+    let nu = expansion.material.poissons_ratio();
+    let free = expansion.base == elastic::Base::Smooth && matches!(properties.path, Path::Stroke { .. });
+    let restrained = if free { 1.0 } else { 1.0 - nu };
+    -expansion.coefficient * (1.0 + nu) / restrained * properties.height
+}
