@@ -33,7 +33,7 @@ pub use operators::{Path, Resolution, StripProperties};
 
 use super::{Account, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::{Cells, OutOfRange};
-use crate::heat::reduced::Port;
+use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use operators::Operators;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -43,8 +43,9 @@ const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
 const BASE: usize = Port::Base as usize;
 
-/// State entries behind those of the modes: heat received, lost to the air, lost through the base (J/m); velocity.
-const TAIL: usize = 4;
+/// State entries behind those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
+/// the base, velocity.
+const TAIL: usize = 5;
 
 /// A conducting strip as the cells of the contact see it.
 #[derive(Clone, Debug)]
@@ -192,13 +193,32 @@ impl StripHeat {
             + (falling + rising) * constant
     }
 
-    /// Surface temperature of the waves and the mean, with the state held.
-    fn held_level(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
-        let mean = &self.operators.mean;
-        mean.contact_temperature.of_states(&padded(state, mean.count), mean.count)
-            + mean.contact_temperature.direct[CONTACT] * self.mean_flux(flux, self.free_cooling(surroundings))
-            + mean.contact_temperature.direct[AMBIENT] * surroundings.ambient
-            + mean.contact_temperature.direct[BASE] * surroundings.far
+    /// Mean flux into the period's surface with the state held (contact, cooling beside it, heat transfer given back), and
+    /// that given back alone, W/m2 of contact. Needs the waves' amplitudes in `scratch`.
+    fn held_fluxes(&self, scratch: &Scratch, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let operators = &*self.operators;
+        let given = self.mean_flux(flux, self.free_cooling(surroundings));
+        if operators.give_back.is_none() {
+            return [given, 0.0];
+        }
+        let observed = &operators.mean.contact_temperature;
+        let waves: f64 =
+            operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
+        let level = waves + self.held_observation(observed, state, surroundings, given);
+        // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
+        let covered = 1.0 - operators.free_length() / operators.period;
+        let feedback = operators.convection * observed.direct[CONTACT] * covered;
+        let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
+        [given + covered * returned, returned]
+    }
+
+    /// An observation of the mean wave with the state held and a mean flux.
+    fn held_observation(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
+        let count = self.operators.mean.count;
+        observed.of_states(&padded(state, count), count)
+            + observed.direct[CONTACT] * flux
+            + observed.direct[AMBIENT] * surroundings.ambient
+            + observed.direct[BASE] * surroundings.far
     }
 
     /// Cooling flux on the free surface as a mean over the period.
@@ -236,24 +256,11 @@ impl StripHeat {
         }
         operators.unfold_onto([even, odd], answer);
     }
-
-    /// Mean of the slow surface temperature over the contact zone, and the mean over the period.
-    fn surface_means(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> (f64, f64) {
-        let operators = &*self.operators;
-        let scratch = &mut *self.scratch.borrow_mut();
-        let everywhere = self.held_level(state, surroundings, flux);
-        self.held_amplitudes(scratch, state);
-        let mut sum = 0.0;
-        for (wave, amplitude) in scratch.amplitude.iter().enumerate() {
-            sum += operators.contact_mean[wave] * amplitude[0];
-        }
-        (everywhere + sum, everywhere)
-    }
 }
 
 /// The mean wave's states as the observations of reduced bodies take them.
-fn padded(state: &[f64], count: usize) -> [f64; crate::heat::reduced::MAX_STATES] {
-    let mut states = [0.0; crate::heat::reduced::MAX_STATES];
+fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
+    let mut states = [0.0; MAX_STATES];
     states[..count].copy_from_slice(&state[..count]);
     states
 }
@@ -275,8 +282,11 @@ impl LineHeat for StripHeat {
             state[k] = mean.stored.states[k] * rise;
         }
         // The account counts from states of 0, so the heat of the start has come from somewhere: through the contact.
-        let received = state.len() - TAIL;
-        state[received] = self.account(state).stored;
+        let tail = state.len() - TAIL;
+        if self.operators.held {
+            state[tail + 3] = rise;
+        }
+        state[tail] = self.account(state).stored;
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
@@ -350,8 +360,10 @@ impl LineHeat for StripHeat {
             for k in range.clone() {
                 let (factor, [w1, w2]) = (weights.factor[k], weights.weight[k]);
                 let x = [re[k], im[k]];
-                re[k] = factor.re * x[0] - factor.im * x[1] + w1.re * h1[0] - w1.im * h1[1] + w2.re * h2[0] - w2.im * h2[1];
-                im[k] = factor.re * x[1] + factor.im * x[0] + w1.re * h1[1] + w1.im * h1[0] + w2.re * h2[1] + w2.im * h2[0];
+                re[k] =
+                    factor.re * x[0] - factor.im * x[1] + w1.re * h1[0] - w1.im * h1[1] + w2.re * h2[0] - w2.im * h2[1];
+                im[k] =
+                    factor.re * x[1] + factor.im * x[0] + w1.re * h1[1] + w1.im * h1[0] + w2.re * h2[1] + w2.im * h2[0];
             }
         }
         let last = state.len() - 1;
@@ -361,8 +373,9 @@ impl LineHeat for StripHeat {
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
-        let level = self.held_level(state, surroundings, flux);
         self.held_amplitudes(scratch, state);
+        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let level = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
         operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
         self.add_remainder(scratch, state[state.len() - 1], flux, false, temperature);
     }
@@ -374,50 +387,48 @@ impl LineHeat for StripHeat {
             return;
         }
         let scratch = &mut *self.scratch.borrow_mut();
-        let mean = &operators.mean.mean_temperature;
-        let level = mean.of_states(&padded(state, operators.mean.count), operators.mean.count)
-            + mean.direct[CONTACT] * self.mean_flux(flux, self.free_cooling(surroundings))
-            + mean.direct[AMBIENT] * surroundings.ambient
-            + mean.direct[BASE] * surroundings.far;
         self.held_amplitudes(scratch, state);
+        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let level = self.held_observation(&operators.mean.mean_temperature, state, surroundings, entering);
         operators.observe(&scratch.moved, &mut scratch.answer, operators.mean_distortion * level, distortion);
         self.add_remainder(scratch, state[state.len() - 1], flux, true, distortion);
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
         let operators = &*self.operators;
-        let (contact, everywhere) = self.surface_means(state, surroundings, flux);
-        let (free, width) = (operators.free_length(), operators.period - operators.free_length());
-        if free > 1e-9 * operators.period { (everywhere * operators.period - contact * width) / free } else { everywhere }
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state);
+        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
+        let waves: f64 =
+            operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
+        let free = operators.free_length();
+        // The waves' mean over the period is 0: what they have under the contact they lack beside it.
+        if free > 1e-9 * operators.period { everywhere - waves * (operators.period - free) / free } else { everywhere }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let mean = &operators.mean;
-        let (contact, _) = self.surface_means(state, surroundings, flux);
-        let states = padded(state, mean.count);
-        let entering = self.mean_flux(flux, self.free_cooling(surroundings));
-        let flow = |observed: &crate::heat::reduced::Observation| {
-            operators.period
-                * (observed.of_states(&states, mean.count)
-                    + observed.direct[CONTACT] * entering
-                    + observed.direct[AMBIENT] * surroundings.ambient
-                    + observed.direct[BASE] * surroundings.far)
-        };
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state);
+        let [entering, returned] = self.held_fluxes(scratch, state, surroundings, flux);
+        let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
         let width = operators.period - operators.free_length();
-        let returned = operators.convection * width * (contact - surroundings.ambient);
-        [flow(&mean.ambient_flow) - returned, flow(&mean.base_flow)]
+        [flow(&mean.ambient_flow) - width * returned, flow(&mean.base_flow)]
     }
 
     fn mean_temperature(&self, state: &[f64]) -> f64 {
         let mean = &self.operators.mean;
         mean.mean_temperature.of_states(&padded(state, mean.count), mean.count)
+            + mean.mean_temperature.direct[BASE] * state[state.len() - TAIL + 3]
     }
 
     fn account(&self, state: &[f64]) -> Account {
         let mean = &self.operators.mean;
         let tail = &state[state.len() - TAIL..];
-        let stored = self.operators.period * mean.stored.of_states(&padded(state, mean.count), mean.count);
+        let held = mean.stored.direct[BASE] * tail[3];
+        let stored = self.operators.period * (mean.stored.of_states(&padded(state, mean.count), mean.count) + held);
         Account { received: tail[0], stored, ambient: tail[1], far: tail[2] }
     }
 
@@ -467,8 +478,9 @@ impl StripHeat {
                 * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient
                     + mean.ambient_flow.direct[BASE] * surroundings.far);
         let lost = operators.period * (ambient - step * surroundings.cooling) - returned;
-        let stored = self.account(state).stored - before;
         let tail = state.len() - TAIL;
+        state[tail + 3] = surroundings.far;
+        let stored = self.account(state).stored - before;
         state[tail] += received;
         state[tail + 1] += lost;
         state[tail + 2] += received - stored - lost;

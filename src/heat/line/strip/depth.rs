@@ -17,7 +17,7 @@
 
 use crate::elastic::{self, Material};
 use crate::heat::slab::{Base, Slab};
-use nalgebra::{Complex, DMatrix, DVector, Matrix4, SymmetricEigen, Vector4};
+use nalgebra::{Complex, DMatrix, Matrix4, SymmetricEigen, Vector4};
 
 /// What makes the surface move under heat.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -79,38 +79,34 @@ impl<'a> Depth<'a> {
         } else {
             (slow - fast) / (kappa - q)
         };
-        let integral = together * direct + apart * reflected
-            + reflection * fast * (apart * direct + together * reflected);
+        let integral =
+            together * direct + apart * reflected + reflection * fast * (apart * direct + together * reflected);
         -self.impedance(s) * integral / (1.0 + reflection * fast * fast)
     }
 
-    /// Reduces the layer to states that answer frequencies up to `fastest` (1/s, of the decay and of what drives it alike),
-    /// shifts `ratio` apart.
+    /// Reduces the layer to states that answer frequencies from `slowest` to `fastest` (1/s, of what drives it as of its own
+    /// decay), on shifts `ratio` apart.
     pub fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
-        let diffusivity = self.slab.diffusivity();
-        let own = diffusivity * self.number * self.number;
-        let first = own.max(0.5 * diffusivity / self.slab.height.powi(2)).max(slowest).min(fastest);
+        let own = self.slowest_decay();
+        let first = own.max(0.1 * self.slab.diffusivity() / self.slab.height.powi(2)).min(fastest);
         let steps = (fastest / first).ln() / ratio.ln();
         let intervals = steps.ceil().max(1.0);
         let factor = (steps / intervals * ratio.ln()).exp().max(1.5);
+        // At rest for ever exact; then as the decays that the layer adds to the wave's own.
         let mut shifts = vec![0.0];
         let mut decay = first;
         for _ in 0..intervals as usize {
             decay *= factor;
-            shifts.push(decay - own.min(first));
-        }
-        let mut kept = shifts;
-        loop {
-            if let Some(modes) = self.pencil(&kept) {
-                return modes;
+            if decay - own > slowest {
+                shifts.push(decay - own);
             }
-            // Fewer frequencies are better conditioned; a single one always works.
-            kept = kept.iter().copied().step_by(2).collect();
         }
+        self.pencil(&shifts)
     }
 
-    fn pencil(&self, shifts: &[f64]) -> Option<DepthModes> {
-        let count = shifts.len();
+    /// Galerkin on the exact fields at the shifts, from values of Z and D alone. A field that the others span to rounding
+    /// is left out.
+    fn pencil(&self, shifts: &[f64]) -> DepthModes {
         let values: Vec<(f64, f64, f64)> = shifts
             .iter()
             .map(|&s| {
@@ -120,48 +116,57 @@ impl<'a> Depth<'a> {
                 (value.re, value.im / step, self.distortion(Complex::from(s)).re)
             })
             .collect();
-        if count == 1 {
-            let (value, slope, distortion) = values[0];
-            let rate = -value / slope - shifts[0];
-            let load = (-slope).sqrt() * (rate + shifts[0]);
-            return Some(DepthModes {
-                rate: vec![rate],
-                temperature: vec![load],
-                distortion: vec![load * distortion / value],
-            });
-        }
         let entry = |i: usize, j: usize| {
             let ((zi, di, _), (zj, _, _)) = (values[i], values[j]);
             let (si, sj) = (shifts[i], shifts[j]);
             if i == j { (-di, zi + si * di) } else { ((zi - zj) / (sj - si), (si * zi - sj * zj) / (si - sj)) }
         };
         // Scaled to a unit diagonal of the mass.
-        let scale: Vec<f64> = (0..count).map(|i| entry(i, i).0.sqrt().recip()).collect();
-        let mass = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).0);
-        let stiffness = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).1);
-        let factor = mass.cholesky()?.l();
-        if factor.diagonal().min() < 1e-5 {
-            return None;
+        let scale: Vec<f64> = (0..shifts.len()).map(|i| entry(i, i).0.sqrt().recip()).collect();
+        let mut kept: Vec<usize> = Vec::new();
+        let mut rows: Vec<Vec<f64>> = Vec::new();
+        for candidate in 0..shifts.len() {
+            let mut row: Vec<f64> = Vec::new();
+            for (known, other) in kept.iter().zip(&rows) {
+                let product: f64 = row.iter().zip(other).map(|(l, r)| l * r).sum();
+                let mass = scale[candidate] * scale[*known] * entry(candidate, *known).0;
+                row.push((mass - product) / other[row.len()]);
+            }
+            let pivot = 1.0 - row.iter().map(|value| value * value).sum::<f64>();
+            if pivot > SMALLEST_PIVOT {
+                row.push(pivot.sqrt());
+                rows.push(row);
+                kept.push(candidate);
+            }
         }
-        let half = factor.solve_lower_triangular(&stiffness)?;
-        let reduced = factor.solve_lower_triangular(&half.transpose())?;
+        let count = kept.len();
+        let factor = DMatrix::from_fn(count, count, |i, j| rows[i].get(j).copied().unwrap_or(0.0));
+        let stiffness =
+            DMatrix::from_fn(count, count, |i, j| scale[kept[i]] * scale[kept[j]] * entry(kept[i], kept[j]).1);
+        let solve = |matrix: &DMatrix<f64>| factor.solve_lower_triangular(matrix).expect("pivots are positive");
+        let reduced = solve(&solve(&stiffness).transpose());
         let eigen = SymmetricEigen::new(0.5 * (&reduced + reduced.transpose()));
-        let observed = |value: &dyn Fn(usize) -> f64| -> Option<DVector<f64>> {
-            let row = DVector::from_fn(count, |i, _| scale[i] * value(i));
-            Some(eigen.eigenvectors.transpose() * factor.solve_lower_triangular(&row)?)
-        };
-        let temperature = observed(&|i| values[i].0)?;
-        let distortion = observed(&|i| values[i].2)?;
-        if eigen.eigenvalues.min() <= 0.0 {
-            return None;
+        let loads = DMatrix::from_fn(count, 2, |i, part| {
+            let (temperature, _, distortion) = values[kept[i]];
+            scale[kept[i]] * if part == 0 { temperature } else { distortion }
+        });
+        let observed = eigen.eigenvectors.transpose() * solve(&loads);
+        DepthModes {
+            // No field decays more slowly than the wave does along the layer.
+            rate: eigen.eigenvalues.iter().map(|&rate| rate.max(self.slowest_decay())).collect(),
+            temperature: observed.column(0).iter().copied().collect(),
+            distortion: observed.column(1).iter().copied().collect(),
         }
-        Some(DepthModes {
-            rate: eigen.eigenvalues.iter().copied().collect(),
-            temperature: temperature.iter().copied().collect(),
-            distortion: distortion.iter().copied().collect(),
-        })
+    }
+
+    /// Decay kd q^2 of the wave along the layer, which bounds every rate from below.
+    fn slowest_decay(&self) -> f64 {
+        self.slab.diffusivity() * self.number * self.number
     }
 }
+
+/// Part of a trial field, squared, that the others must leave.
+const SMALLEST_PIVOT: f64 = 1e-12;
 
 /// Reduced layer at one wave number: `dx_k/dt = -rate_k x_k + temperature_k f`, T = sum temperature_k x_k,
 /// u = sum distortion_k x_k.
@@ -212,8 +217,7 @@ pub fn dilatation(base: elastic::Base, nu: f64, u: f64) -> (f64, f64) {
         let first = [decay, sign * decay, -2.0 * sign * decay, -2.0 * decay];
         // lambda div + 2 W' with div = (1 - kappa) exp(-t) = -2 (1-2nu) exp(-t): the factor 1-2nu cancels.
         let normal = (-4.0 * nu + 2.0 * (1.0 - t)) * decay;
-        let second =
-            [(t - kappa) * decay, sign * t * decay, sign * (1.0 - t + kappa - t) * decay, normal];
+        let second = [(t - kappa) * decay, sign * t * decay, sign * (1.0 - t + kappa - t) * decay, normal];
         [first, second]
     };
     let mut matrix = Matrix4::zeros();
@@ -229,4 +233,61 @@ pub fn dilatation(base: elastic::Base, nu: f64, u: f64) -> (f64, f64) {
     let solved = matrix.lu().solve(&Vector4::new(-1.0, 0.0, 0.0, 0.0));
     // The dilatation of the second and fourth is (1 - kappa) exp(..); a half-plane's is -(1-2nu).
     solved.map_or((1.0, 0.0), |c| (2.0 * c[1], 2.0 * c[3]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::heat::slab::CoolingPort;
+
+    #[test]
+    fn long_waves_expand_uniformly_and_short_ones_like_a_half_plane() {
+        for nu in [0.0, 0.3, 0.49] {
+            let (direct, reflected) = dilatation(elastic::Base::Smooth, nu, 1e-4);
+            assert!((direct + reflected - 0.5).abs() < 1e-4, "{direct} {reflected}");
+            let (direct, reflected) = dilatation(elastic::Base::Bonded, nu, 1e-4);
+            assert!((direct + reflected - 0.5 / (1.0 - nu)).abs() < 1e-4, "{nu}: {direct} {reflected}");
+            for base in [elastic::Base::Smooth, elastic::Base::Bonded] {
+                let (direct, reflected) = dilatation(base, nu, 19.9);
+                assert!((direct - 1.0).abs() < 1e-12 && reflected.abs() < 1e-6, "{base:?} {direct} {reflected}");
+            }
+        }
+    }
+
+    #[test]
+    fn reduced_wave_follows_impedance_and_distortion() {
+        let material = Material::new(200e9, 0.3).unwrap();
+        for base in [Base::Held, Base::Insulated, Base::Convecting(3e3)] {
+            let slab = Slab {
+                height: 0.02,
+                conductivity: 55.0,
+                capacity: 7800.0 * 460.0,
+                surface_transfer: 20.0,
+                volume_transfer: 0.0,
+                base,
+                cooling: CoolingPort::Surface,
+            };
+            let expansion = Expansion { material, coefficient: 1.1e-5, base: elastic::Base::Bonded };
+            for number in [10.0, 100.0, 3000.0] {
+                let depth = Depth::new(&slab, Some(&expansion), number);
+                let modes = depth.reduce(1e-3, 4e3, 2.5);
+                assert!(modes.rate.iter().all(|rate| *rate > 0.0));
+                for frequency in [0.0, 0.01, 1.0, 30.0, 1e3] {
+                    let s = Complex::new(0.0, frequency);
+                    let (z, d) = (depth.impedance(s), depth.distortion(s));
+                    let (error, moved) = ((modes.impedance(s) - z).norm(), (modes.distortion(s) - d).norm());
+                    let bound = if frequency < 1e3 { 2e-4 } else { 3e-3 };
+                    assert!(
+                        error < bound * depth.impedance(Complex::from(0.0)).norm(),
+                        "{base:?} {number} {frequency}: {error:e} {z}"
+                    );
+                    assert!(
+                        moved < bound * depth.distortion(Complex::from(0.0)).norm(),
+                        "{base:?} {number} {frequency}: {moved:e} {d}"
+                    );
+                    assert!(d.re < 0.0 || frequency > 0.0);
+                }
+            }
+        }
+    }
 }

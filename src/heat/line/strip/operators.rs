@@ -77,6 +77,8 @@ pub struct Operators {
     /// Displacement into the body per mean temperature of the mean wave, m/K.
     pub mean_distortion: f64,
     pub expands: bool,
+    /// The temperature of the base is prescribed.
+    pub held: bool,
     pub table: VelocityTable,
     pub give_back: Option<GiveBack>,
     /// Mean over the contact of a wave's real amplitude.
@@ -84,6 +86,8 @@ pub struct Operators {
     pub error: f64,
 }
 
+/// Ratios of the frequencies at which the layer is reduced, tried in this order until the error is small.
+const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
 /// Harmonics that always have states.
 const FEWEST_HARMONICS: usize = 16;
 /// Most harmonics with states.
@@ -135,11 +139,7 @@ impl StripProperties {
 
 impl Operators {
     /// See [`super::StripHeat::new`].
-    pub fn new(
-        properties: &StripProperties,
-        cells: &Cells,
-        resolution: &Resolution,
-    ) -> Result<Operators, OutOfRange> {
+    pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Operators, OutOfRange> {
         let width = 2.0 * cells.half_width();
         properties.check(width)?;
         for (quantity, value) in [("duration", resolution.duration), ("shortest step", resolution.shortest)] {
@@ -166,15 +166,25 @@ impl Operators {
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let waves = harmonics(period, last, reach);
         let shapes = Shapes::new(cells, &waves);
-        let ratio = (6.0 * (tolerance / 1e-3).powf(0.17)).clamp(2.5, 10.0);
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
-        let modes: Vec<DepthModes> = waves
-            .iter()
-            .map(|wave| {
-                Depth::new(&slab, expansion, wave.number).reduce(0.3 / resolution.duration, 4.0 * fastest, ratio)
-            })
-            .collect();
         let widths = cells.widths().to_vec();
+        let mean = slab.reduce(resolution.duration, tolerance);
+        let scan = Scan::new(cells, &slab, &mean, period, &waves, &shapes, resolution);
+        let mut modes: Vec<DepthModes> = Vec::new();
+        let mut error = f64::INFINITY;
+        for ratio in SHIFT_RATIOS {
+            modes = waves
+                .iter()
+                .map(|wave| {
+                    let depth = Depth::new(&slab, expansion, wave.number);
+                    depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)
+                })
+                .collect();
+            error = scan.largest_error(&modes);
+            if error <= 0.2 * tolerance {
+                break;
+            }
+        }
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
         let remainder = Remainder {
             cells,
@@ -187,7 +197,8 @@ impl Operators {
             shapes: &shapes,
             modes: &modes,
         };
-        let slow = diffusivity * spacing * last as f64;
+        // The slowest motion that the waves as long as the contact can tell from rest.
+        let slow = diffusivity * (3.0 / width).min(spacing * last as f64);
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing);
         let table = VelocityTable::new(&remainder, shapes.half(), slow, limit);
         let mut ranges = Vec::new();
@@ -208,13 +219,14 @@ impl Operators {
             rate,
             temperature,
             distortion,
-            mean: slab.reduce(resolution.duration, tolerance),
+            mean,
             mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
             expands: expansion.is_some(),
+            held: properties.base == Base::Held,
             table,
             give_back: None,
             contact_mean: Vec::new(),
-            error: 0.0,
+            error,
             waves,
             shapes,
             widths,
@@ -222,7 +234,6 @@ impl Operators {
         operators.contact_mean = (0..operators.waves.len())
             .map(|wave| operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width)
             .collect();
-        operators.error = operators.largest_error(&slab, &modes, resolution);
         if convection > 0.0 {
             operators.give_back = Some(GiveBack::new(cells, convection, &operators));
         }
@@ -241,29 +252,6 @@ impl Operators {
             tilt += sign * value * odd[at];
         }
         (sum, tilt)
-    }
-
-    /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// step's, relative to its value at the duration's.
-    fn largest_error(&self, slab: &Slab, modes: &[DepthModes], resolution: &Resolution) -> f64 {
-        let response = |frequency: f64| {
-            let s = Complex::new(0.0, frequency);
-            let (mut exact, mut error) = (slab.impedance(s, 0.0) / self.period, Complex::from(0.0));
-            error += self.mean.impedance(s) / self.period - exact;
-            for (index, (wave, modes)) in self.waves.iter().zip(modes).enumerate() {
-                let mean = self.over_cells(index, |_| 1.0).0 / self.widths.iter().sum::<f64>();
-                let weight = self.weight[index] * mean * mean;
-                let value = slab.impedance(s, wave.number);
-                exact += value * weight;
-                error += (modes.impedance(s) - value) * weight;
-            }
-            (exact.norm(), error.norm())
-        };
-        let (slow, fast) = (0.1 / resolution.duration, 1.0 / resolution.shortest);
-        let points = 12;
-        let scan = (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points)));
-        let scale = response(1.0 / resolution.duration).0;
-        scan.map(|frequency| response(frequency).1 / scale).fold(0.0, f64::max)
     }
 
     /// Length of the surface beside the contact, m.
@@ -325,6 +313,71 @@ impl Operators {
         }
         values.fill(level);
         self.unfold_onto([into_even, into_odd], values);
+    }
+}
+
+/// Exact answers of every wave at some frequencies, against which reductions are judged.
+struct Scan {
+    frequencies: Vec<f64>,
+    /// What a wave counts in the mean contact temperature per flux.
+    weights: Vec<f64>,
+    /// Row by row for each frequency.
+    exact: Vec<Complex<f64>>,
+    /// Error of the mean wave's reduction at each frequency.
+    mean: Vec<Complex<f64>>,
+    scale: f64,
+}
+
+impl Scan {
+    fn new(
+        cells: &Cells,
+        slab: &Slab,
+        mean: &ReducedBody,
+        period: f64,
+        waves: &[Wave],
+        shapes: &Shapes,
+        resolution: &Resolution,
+    ) -> Scan {
+        let width = 2.0 * cells.half_width();
+        let weights: Vec<f64> = (0..waves.len())
+            .map(|index| {
+                let (even, _) = shapes.rows(index);
+                let half: f64 = even.iter().zip(cells.widths()).map(|(shape, c)| shape * c).sum();
+                let centre =
+                    if cells.count() % 2 == 1 { even[even.len() - 1] * cells.widths()[even.len() - 1] } else { 0.0 };
+                2.0 * waves[index].count / period * (2.0 * half - centre).powi(2) / width
+            })
+            .collect();
+        let (slow, fast) = (0.3 / resolution.duration, 1.0 / resolution.shortest);
+        let points = 16;
+        let frequencies: Vec<f64> =
+            (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points))).collect();
+        let mut scan = Scan { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
+        for &frequency in &scan.frequencies {
+            let s = Complex::new(0.0, frequency);
+            scan.exact.extend(waves.iter().map(|wave| slab.impedance(s, wave.number)));
+            scan.mean.push((mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
+        }
+        let s = Complex::new(0.0, 1.0 / resolution.duration);
+        let parts = waves.iter().zip(&scan.weights).map(|(wave, weight)| slab.impedance(s, wave.number) * *weight);
+        scan.scale = (slab.impedance(s, 0.0) * (width / period) + parts.sum::<Complex<f64>>()).norm();
+        scan
+    }
+
+    /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
+    /// step's, relative to its value at the duration's.
+    fn largest_error(&self, modes: &[DepthModes]) -> f64 {
+        let count = self.weights.len();
+        let mut largest: f64 = 0.0;
+        for (row, &frequency) in self.frequencies.iter().enumerate() {
+            let s = Complex::new(0.0, frequency);
+            let mut error = self.mean[row];
+            for (index, modes) in modes.iter().enumerate() {
+                error += (modes.impedance(s) - self.exact[row * count + index]) * self.weights[index];
+            }
+            largest = largest.max(error.norm() / self.scale);
+        }
+        largest
     }
 }
 

@@ -173,7 +173,9 @@ mod tests {
     #[test]
     fn weights_are_the_integrals_of_their_definition() {
         for rate in [0.0, 1e-3, 0.7, 40.0, 2e3] {
-            for turning in [[0.0, 0.0], [3.0, 3.0], [-200.0, -200.0], [5.0, 5.4], [-3.0, 9.0], [300.0, 180.0], [-50.0, 400.0]] {
+            for turning in
+                [[0.0, 0.0], [3.0, 3.0], [-200.0, -200.0], [5.0, 5.4], [-3.0, 9.0], [300.0, 180.0], [-50.0, 400.0]]
+            {
                 let motion = Motion { turning, step: 0.9 };
                 let (factor, falling, rising) = motion.weights(rate, motion.turn());
                 let (all, exact) = by_quadrature(rate, &motion);

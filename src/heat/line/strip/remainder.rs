@@ -7,7 +7,7 @@
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::moving_kernel::mean_moving_source;
-use super::waves::{Shapes, Wave, continuous};
+use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::elastic::Cells;
 use crate::heat::slab::Slab;
 use nalgebra::{Complex, DMatrix};
@@ -93,8 +93,7 @@ impl Blocks {
     /// Adds `factor` times another response; `reversed`: at the opposite velocity.
     pub fn add_scaled(&mut self, factor: f64, other: &Blocks, reversed: bool) {
         let size = self.half * self.half;
-        for (block, (mine, its)) in
-            self.values.chunks_exact_mut(size).zip(other.values.chunks_exact(size)).enumerate()
+        for (block, (mine, its)) in self.values.chunks_exact_mut(size).zip(other.values.chunks_exact(size)).enumerate()
         {
             let factor = if reversed && block == 1 { -factor } else { factor };
             mine.iter_mut().zip(its).for_each(|(value, other)| *value += factor * other);
@@ -178,7 +177,7 @@ impl Remainder<'_> {
             end = end.max(DISTORTION_REACH * last);
         }
         if end > last {
-            beyond = continuous(last, end, reach).split_off(8);
+            beyond = continuous(last, end, reach).split_off(CONTINUOUS);
         }
         Integrals {
             removed_shapes: Shapes::new(self.cells, &removed),

@@ -152,12 +152,10 @@ impl StageWeights {
     fn assemble(&mut self, operators: &Operators, velocity: f64, blocks: &mut [Blocks; 2]) {
         let mean = &operators.mean;
         let own = usize::from(self.at_end);
-        for (moving, (slow, gain)) in [
-            (&mut self.slow, &mut self.gains.temperature),
-            (&mut self.slow_distortion, &mut self.gains.distortion),
-        ]
-        .into_iter()
-        .enumerate()
+        for (moving, (slow, gain)) in
+            [(&mut self.slow, &mut self.gains.temperature), (&mut self.slow_distortion, &mut self.gains.distortion)]
+                .into_iter()
+                .enumerate()
         {
             if moving == 1 && !operators.expands {
                 continue;
@@ -177,8 +175,11 @@ impl StageWeights {
             gain.copy_from(slow);
             blocks[moving].clear();
             for (knot, weight, reversed) in operators.table.stencil(velocity) {
-                let at_knot =
-                    if moving == 1 { operators.table.distortion(knot) } else { Some(operators.table.temperature(knot)) };
+                let at_knot = if moving == 1 {
+                    operators.table.distortion(knot)
+                } else {
+                    Some(operators.table.temperature(knot))
+                };
                 if let Some(at_knot) = at_knot {
                     blocks[moving].add_scaled(weight, at_knot, reversed);
                 }

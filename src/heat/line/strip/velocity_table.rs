@@ -3,11 +3,11 @@
 use super::remainder::{Blocks, Remainder};
 
 /// Distance of the knots in asinh(v/v0).
-const SPACING: f64 = 0.5;
+const SPACING: f64 = 0.35;
 /// Knots of one interpolation.
 const STENCIL: usize = 6;
 
-/// Responses (temperature, distortion) at the knots `v = v0 sinh(k/2)`, k = 0, 1, ...; the opposite velocity by symmetry,
+/// Responses (temperature, distortion) at the knots `v = v0 sinh(0.35 k)`, k = 0, 1, ...; the opposite velocity by symmetry,
 /// beyond the last knot the limit of fast sliding, v^(-1/2) (conduction straight down).
 #[derive(Clone, PartialEq, Debug)]
 pub struct VelocityTable {
