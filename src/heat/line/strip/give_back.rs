@@ -108,8 +108,7 @@ impl GiveBack {
         Closure { solution: [[0.0; RANK]; RANK], response: vec![vec![0.0; self.widths.len()]; self.rank] }
     }
 
-    /// Solves a stage whose waves answer fluxes by `slow`, and adds to `gains` what the fluxes given back do. `answer` is
-    /// the response of temperature or distortion in question.
+    /// Solves a stage whose waves answer fluxes by `slow` (N x N).
     pub fn close(&self, slow: &DMatrix<f64>, closure: &mut Closure) {
         let count = self.widths.len();
         for degree in 0..self.rank {
@@ -132,14 +131,15 @@ impl GiveBack {
     /// Adds to `gains` (N x N) the response by way of the fluxes given back, `response V solution V'W G`.
     pub fn add_gains(&self, closure: &Closure, response: &DMatrix<f64>, gains: &mut DMatrix<f64>) {
         let count = self.widths.len();
-        for a in 0..self.rank {
-            for i in 0..count {
-                let lifted: f64 = (0..count).map(|j| response[(i, j)] * self.polynomials[a][j]).sum();
-                for b in 0..self.rank {
-                    let factor = lifted * closure.solution[a][b];
-                    for j in 0..count {
-                        gains[(i, j)] += factor * closure.response[b][j];
-                    }
+        for i in 0..count {
+            let mut lifted = [0.0; RANK];
+            for (value, polynomial) in lifted.iter_mut().zip(&self.polynomials) {
+                *value = (0..count).map(|j| response[(i, j)] * polynomial[j]).sum();
+            }
+            for b in 0..self.rank {
+                let factor: f64 = (0..self.rank).map(|a| lifted[a] * closure.solution[a][b]).sum();
+                for (j, answer) in closure.response[b].iter().enumerate() {
+                    gains[(i, j)] += factor * answer;
                 }
             }
         }

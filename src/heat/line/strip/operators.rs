@@ -161,7 +161,7 @@ impl Operators {
         let slab = Slab { surface_transfer: convection, ..bare };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
-        let fastest = (2.0 * (1e-3 / tolerance).sqrt()).clamp(1.0, 20.0) / resolution.shortest;
+        let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
         let shortest_wave = (fastest / diffusivity).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let waves = harmonics(period, last, reach);

@@ -6,7 +6,7 @@
 //! the integral up to the wave number (n + 1/2) 2 pi/L, with the first correction of Euler and Maclaurin.
 
 use super::depth::{Depth, DepthModes, Expansion};
-use super::moving_kernel::mean_moving_source;
+use super::moving_kernel::MovingSource;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::elastic::Cells;
 use crate::heat::slab::Slab;
@@ -28,6 +28,11 @@ impl Blocks {
     /// No response.
     pub fn zeros(half: usize) -> Blocks {
         Blocks { half, values: vec![0.0; 3 * half * half] }
+    }
+
+    /// A place holder that answers nothing and takes no memory.
+    pub fn empty() -> Blocks {
+        Blocks { half: 0, values: Vec::new() }
     }
 
     /// Adds Re of `gain exp(iq(x - s))`.
@@ -208,15 +213,11 @@ impl Remainder<'_> {
                 distortion.add_wave((depth.distortion(s) - modes.distortion(s)) * weight, even, odd);
             }
         }
-        let c = 0.5 * moving / diffusivity;
-        let (x, widths) = (self.cells.centres(), self.cells.widths());
         let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
-        temperature.add_kernel(self.cells.count(), |i, j| {
-            let mean = |shift: &f64| {
-                mean_moving_source(x[i] - x[j] + shift * self.period, 0.5 * widths[i], 0.5 * widths[j], c)
-            };
-            shifts.iter().map(mean).sum::<f64>() / (PI * conductivity)
-        });
+        for shift in shifts {
+            let source = MovingSource::new(self.cells, shift * self.period, 0.5 * moving / diffusivity);
+            temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
+        }
         let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
         for (index, wave) in integrals.removed.iter().enumerate() {
             let (even, odd) = integrals.removed_shapes.rows(index);

@@ -198,8 +198,8 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
                 largest = largest.max((distortion[i] + lifted[i] - moved[i]).abs() / moved[i].abs());
             }
         }
-        // Cooling as a flux of its own is in what the states hold of the mean wave through its static remainder.
-        assert!(largest < 1e-9, "{base:?}: {largest:e}");
+        // The gains at a velocity that changes are interpolated between velocities.
+        assert!(largest < 1e-5, "{base:?}: {largest:e}");
         let account = body.account(&state);
         let balance = account.received - account.stored - account.ambient - account.far;
         assert!((account.received - received).abs() < 1e-12 * received && balance.abs() < 1e-9 * received);
