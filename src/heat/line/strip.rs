@@ -165,11 +165,13 @@ impl StripHeat {
         let mean = &self.operators.mean;
         let observed = if surface { &mean.contact_temperature } else { &mean.mean_temperature };
         let own = if weights.at_end { 1 } else { 0 };
+        let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
+        let background = self.operators.background(state);
         let mut sum = observed.direct[CONTACT] * (fluxes[own] + surroundings.cooling)
             + observed.direct[AMBIENT] * surroundings.ambient
             + observed.direct[BASE] * surroundings.far;
         for k in 0..mean.count {
-            sum += observed.states[k] * self.mean_state(state, surroundings, weights, fluxes, k);
+            sum += observed.states[k] * self.mean_state(background, surroundings, weights, fluxes, k);
         }
         sum
     }
@@ -204,12 +206,18 @@ impl StripHeat {
         let observed = &operators.mean.contact_temperature;
         let waves: f64 =
             operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
-        let level = waves + self.held_observation(observed, state, surroundings, given);
+        let level = waves + self.held_background(observed, state, surroundings, given);
         // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
         let covered = 1.0 - operators.free_length() / operators.period;
-        let feedback = operators.convection * observed.direct[CONTACT] * covered;
+        let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
         let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
         [given + covered * returned, returned]
+    }
+
+    /// The same as the contact zone sees it: on fresh material without what the contact left behind.
+    fn held_background(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
+        let seen = if self.operators.fresh { surroundings.cooling } else { flux };
+        self.held_observation(observed, self.operators.background(state), surroundings, seen)
     }
 
     /// An observation of the mean wave with the state held and a mean flux.
@@ -271,15 +279,15 @@ impl LineHeat for StripHeat {
     }
 
     fn states(&self) -> usize {
-        self.operators.mean.count + 2 * self.operators.rate.len() + TAIL
+        self.operators.mean_states() + 2 * self.operators.rate.len() + TAIL
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
         state.fill(0.0);
         let mean = &self.operators.mean;
         // The modes are orthonormal with the capacity as weight: what a mode stores is its part of a uniform rise.
-        for k in 0..mean.count {
-            state[k] = mean.stored.states[k] * rise;
+        for k in 0..self.operators.mean_states() {
+            state[k] = mean.stored.states[k % mean.count] * rise;
         }
         // The account counts from states of 0, so the heat of the start has come from somewhere: through the contact.
         let tail = state.len() - TAIL;
@@ -375,7 +383,7 @@ impl LineHeat for StripHeat {
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
-        let level = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
+        let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
         operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
         self.add_remainder(scratch, state[state.len() - 1], flux, false, temperature);
     }
@@ -389,7 +397,7 @@ impl LineHeat for StripHeat {
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
-        let level = self.held_observation(&operators.mean.mean_temperature, state, surroundings, entering);
+        let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
         operators.observe(&scratch.moved, &mut scratch.answer, operators.mean_distortion * level, distortion);
         self.add_remainder(scratch, state[state.len() - 1], flux, true, distortion);
     }
@@ -403,6 +411,9 @@ impl LineHeat for StripHeat {
         let waves: f64 =
             operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
         let free = operators.free_length();
+        if operators.fresh {
+            return everywhere;
+        }
         // The waves' mean over the period is 0: what they have under the contact they lack beside it.
         if free > 1e-9 * operators.period { everywhere - waves * (operators.period - free) / free } else { everywhere }
     }
@@ -472,6 +483,10 @@ impl StripHeat {
                 ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
             }
             state[k] = new;
+            if operators.fresh {
+                let alone = &state[mean.count..];
+                state[mean.count + k] = self.mean_state(alone, surroundings, weights, [0.0; 2], k);
+            }
         }
         ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * surroundings.cooling)
             + step

@@ -88,7 +88,7 @@ impl<'a> Depth<'a> {
     /// decay), on shifts `ratio` apart.
     pub fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
         let own = self.slowest_decay();
-        let first = own.max(0.1 * self.slab.diffusivity() / self.slab.height.powi(2)).min(fastest);
+        let first = own.max(self.slab.diffusivity() / self.slab.height.powi(2)).min(fastest);
         let steps = (fastest / first).ln() / ratio.ln();
         let intervals = steps.ceil().max(1.0);
         let factor = (steps / intervals * ratio.ln()).exp().max(1.5);
@@ -101,6 +101,8 @@ impl<'a> Depth<'a> {
                 shifts.push(decay - own);
             }
         }
+        // From the fastest down, so that of fields that are alike the slow ones are left out.
+        shifts[1..].reverse();
         self.pencil(&shifts)
     }
 

@@ -24,6 +24,8 @@ pub enum Path {
         /// Length of the strip.
         length: f64,
     },
+    /// One way, over material that has never been under the contact before.
+    OneWay,
 }
 
 /// A conducting strip.
@@ -56,6 +58,29 @@ pub struct Resolution {
     pub tolerance: f64,
 }
 
+/// Rate by which sliding on fresh material adds to every decay: heat left behind must not come back with the next copy of
+/// the contact. Contacts too slow to pass a period within the whole time have nothing to forget.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Forgetting {
+    /// Decays per length, 1/m; 0: a path that remembers.
+    pub per_length: f64,
+    /// Velocity at which one period takes the whole time, m/s.
+    pub slow: f64,
+}
+
+impl Forgetting {
+    /// Rate at a velocity, 1/s.
+    pub fn rate(&self, velocity: f64) -> f64 {
+        let speed = velocity.abs();
+        self.per_length * speed * speed / (speed + self.slow)
+    }
+
+    /// Mean rate over an interval in which the velocity is linear, by Simpson's rule.
+    pub fn mean(&self, [from, to]: [f64; 2]) -> f64 {
+        (self.rate(from) + 4.0 * self.rate(0.5 * (from + to)) + self.rate(to)) / 6.0
+    }
+}
+
 /// See the module.
 #[derive(Debug)]
 pub struct Operators {
@@ -79,6 +104,9 @@ pub struct Operators {
     pub expands: bool,
     /// The temperature of the base is prescribed.
     pub held: bool,
+    /// The material under the contact has never been there before: heat received does not come back.
+    pub fresh: bool,
+    pub forgetting: Forgetting,
     pub table: VelocityTable,
     pub give_back: Option<GiveBack>,
     /// Mean over the contact of a wave's real amplitude.
@@ -88,6 +116,12 @@ pub struct Operators {
 
 /// Ratios of the frequencies at which the layer is reduced, tried in this order until the error is small.
 const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
+/// Shortest period of a one-way path, in widths of the contact.
+const SHORTEST_WAY: f64 = 12.0;
+/// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
+const FASTEST: f64 = 1e7;
+/// Decays over which a one-way path forgets while the contact passes one period.
+const FORGOTTEN: f64 = 4.0;
 /// Harmonics that always have states.
 const FEWEST_HARMONICS: usize = 16;
 /// Most harmonics with states.
@@ -112,6 +146,7 @@ impl StripProperties {
                 length,
                 "at least the width of the contact zone",
             ),
+            Path::OneWay => Ok(()),
             Path::Stroke { stroke, .. } => {
                 OutOfRange::unless(stroke > 0.0 && stroke.is_finite(), "stroke", stroke, "positive, in m")
             }
@@ -120,19 +155,18 @@ impl StripProperties {
 
     /// Length of the period, and largest distance between source and observer counted along the material.
     fn period(&self, width: f64, duration: f64) -> (f64, f64) {
+        let mut reach = (self.conductivity / self.capacity * duration).sqrt();
+        if self.convection > 0.0 {
+            reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
+        }
+        if self.base == Base::Held {
+            reach = reach.min(self.height);
+        }
         match self.path {
             Path::Closed(length) => (length.max(width), f64::INFINITY),
-            Path::Stroke { stroke, length } => {
-                let mut reach = (self.conductivity / self.capacity * duration).sqrt();
-                if self.convection > 0.0 {
-                    reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
-                }
-                if self.base == Base::Held {
-                    reach = reach.min(self.height);
-                }
-                // A stroke longer than planned still finds its own track.
-                ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
-            }
+            // A stroke longer than planned still finds its own track.
+            Path::Stroke { stroke, length } => ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke),
+            Path::OneWay => ((width + 8.0 * reach).max(SHORTEST_WAY * width), f64::INFINITY),
         }
     }
 }
@@ -164,12 +198,19 @@ impl Operators {
         let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
         let shortest_wave = (fastest / diffusivity).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
-        let waves = harmonics(period, last, reach);
+        let fresh = properties.path == Path::OneWay;
+        let forgetting =
+            Forgetting { per_length: if fresh { FORGOTTEN / period } else { 0.0 }, slow: period / resolution.duration };
+        let mut waves = harmonics(period, last, reach);
+        if fresh {
+            // Neighbouring copies of the contact with opposite signs: no mean, and the midpoint rule of the endless path.
+            waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
+        }
         let shapes = Shapes::new(cells, &waves);
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
         let mean = slab.reduce(resolution.duration, tolerance);
-        let scan = Scan::new(cells, &slab, &mean, period, &waves, &shapes, resolution);
+        let scan = Scan::new(cells, &slab, (!fresh).then_some(&mean), period, &waves, &shapes, resolution);
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
@@ -196,10 +237,11 @@ impl Operators {
             waves: &waves,
             shapes: &shapes,
             modes: &modes,
+            fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
         };
         // The slowest motion that the waves as long as the contact can tell from rest.
-        let slow = diffusivity * (3.0 / width).min(spacing * last as f64);
-        let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing);
+        let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
+        let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
         let table = VelocityTable::new(&remainder, shapes.half(), slow, limit);
         let mut ranges = Vec::new();
         let (mut rate, mut temperature, mut distortion) = (Vec::new(), Vec::new(), Vec::new());
@@ -223,6 +265,8 @@ impl Operators {
             mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
             expands: expansion.is_some(),
             held: properties.base == Base::Held,
+            fresh,
+            forgetting,
             table,
             give_back: None,
             contact_mean: Vec::new(),
@@ -259,15 +303,30 @@ impl Operators {
         (self.period - self.widths.iter().sum::<f64>()).max(0.0)
     }
 
+    /// Number of states before those of the waves: of the mean wave, and on fresh material once more without the contact.
+    pub fn mean_states(&self) -> usize {
+        if self.fresh { 2 * self.mean.count } else { self.mean.count }
+    }
+
+    /// States of the mean wave that the contact zone sees.
+    pub fn background<'a>(&self, state: &'a [f64]) -> &'a [f64] {
+        &state[self.mean_states() - self.mean.count..self.mean_states()]
+    }
+
+    /// Part of the mean flux that the contact zone sees again.
+    pub fn remembered(&self) -> f64 {
+        if self.fresh { 0.0 } else { 1.0 }
+    }
+
     /// Real and imaginary parts of the waves' states.
     pub fn wave_states<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
-        let (first, count) = (self.mean.count, self.rate.len());
+        let (first, count) = (self.mean_states(), self.rate.len());
         (&state[first..first + count], &state[first + count..first + 2 * count])
     }
 
     /// See [`Operators::wave_states`].
     pub fn wave_states_mut<'a>(&self, state: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
-        let (first, count) = (self.mean.count, self.rate.len());
+        let (first, count) = (self.mean_states(), self.rate.len());
         state[first..first + 2 * count].split_at_mut(count)
     }
 
@@ -332,7 +391,7 @@ impl Scan {
     fn new(
         cells: &Cells,
         slab: &Slab,
-        mean: &ReducedBody,
+        mean: Option<&ReducedBody>,
         period: f64,
         waves: &[Wave],
         shapes: &Shapes,
@@ -356,11 +415,13 @@ impl Scan {
         for &frequency in &scan.frequencies {
             let s = Complex::new(0.0, frequency);
             scan.exact.extend(waves.iter().map(|wave| slab.impedance(s, wave.number)));
-            scan.mean.push((mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
+            let error = mean.map(|mean| (mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
+            scan.mean.push(error.unwrap_or_default());
         }
         let s = Complex::new(0.0, 1.0 / resolution.duration);
         let parts = waves.iter().zip(&scan.weights).map(|(wave, weight)| slab.impedance(s, wave.number) * *weight);
-        scan.scale = (slab.impedance(s, 0.0) * (width / period) + parts.sum::<Complex<f64>>()).norm();
+        let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
+        scan.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
         scan
     }
 
@@ -400,7 +461,7 @@ pub fn dot(left: &[f64], right: &[f64]) -> f64 {
 /// or closed), `-alpha (1+nu) h` where it can.
 fn mean_distortion(properties: &StripProperties, expansion: &Expansion) -> f64 {
     let nu = expansion.material.poissons_ratio();
-    let free = expansion.base == elastic::Base::Smooth && matches!(properties.path, Path::Stroke { .. });
+    let free = expansion.base == elastic::Base::Smooth && !matches!(properties.path, Path::Closed(_));
     let restrained = if free { 1.0 } else { 1.0 - nu };
     -expansion.coefficient * (1.0 + nu) / restrained * properties.height
 }

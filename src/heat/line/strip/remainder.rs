@@ -7,6 +7,7 @@
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::moving_kernel::MovingSource;
+use super::operators::Forgetting;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::elastic::Cells;
 use crate::heat::slab::Slab;
@@ -146,12 +147,16 @@ pub struct Remainder<'a> {
     pub waves: &'a [Wave],
     pub shapes: &'a Shapes,
     pub modes: &'a [DepthModes],
+    /// On fresh material: frequency below which nothing counts as steady, 1/s, and how the states forget.
+    pub fresh: Option<(f64, Forgetting)>,
 }
 
 /// Beyond this part of the period the nearest images of the contact are taken one by one.
 const NEAR_IMAGES: f64 = 0.3;
 /// Beyond this q h a layer is a half-plane: 2 exp(-2 q h) = 5e-16.
 const HALF_PLANE: f64 = 18.0;
+/// Wave number, in units of the contact's width, below which the endless path's integral has no structure left.
+const SLOWEST_WAVE: f64 = 1e-7;
 /// The distortion's sum, which falls like 1/q^2, goes on to this multiple of the last wave number with states.
 const DISTORTION_REACH: f64 = 4.0;
 
@@ -175,6 +180,20 @@ impl Remainder<'_> {
         let images = width > NEAR_IMAGES * self.period;
         let reach = if images { width + self.period } else { width };
         let last = (self.last as f64 + 0.5) * self.spacing();
+        if self.fresh.is_some() {
+            let mut end = (HALF_PLANE / self.slab.height).max(last);
+            if self.expansion.is_some() {
+                end = end.max(DISTORTION_REACH * last);
+            }
+            let removed = continuous(SLOWEST_WAVE / width, end, width);
+            return Integrals {
+                removed_shapes: Shapes::new(self.cells, &removed),
+                beyond_shapes: Shapes::new(self.cells, &[]),
+                removed,
+                beyond: Vec::new(),
+                images: false,
+            };
+        }
         let removed = continuous(1e-6 / width, last, reach);
         let mut beyond = Vec::new();
         let mut end = HALF_PLANE / self.slab.height;
@@ -203,6 +222,10 @@ impl Remainder<'_> {
         let moving = velocity.max(slow);
         let turning = |q: f64| Complex::new(0.0, -q * moving);
         let half_plane = |q: f64| ((q * q + turning(q) / diffusivity).sqrt() * conductivity).inv();
+        if let Some(fresh) = self.fresh {
+            self.add_fresh(velocity, moving, fresh, integrals, [temperature, distortion]);
+            return;
+        }
         for (index, (wave, modes)) in self.waves.iter().zip(self.modes).enumerate() {
             let (even, odd) = self.shapes.rows(index);
             let s = Complex::new(0.0, -wave.number * velocity);
@@ -237,6 +260,46 @@ impl Remainder<'_> {
             }
         }
         self.correct_ends(integrals.images, &half_plane, temperature);
+    }
+
+    /// The endless path's whole response, in real space for the half-plane and as an integral over the wave number for what
+    /// the layer differs from it, less what the states answer.
+    fn add_fresh(
+        &self,
+        velocity: f64,
+        moving: f64,
+        (slowest, forgetting): (f64, Forgetting),
+        integrals: &Integrals,
+        [temperature, distortion]: [&mut Blocks; 2],
+    ) {
+        let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
+        let forgotten = forgetting.rate(velocity);
+        let share = slowest / (slowest + forgotten);
+        let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
+        let (lasting, still) = ((slowest * share).max(resolved), slowest * share.powi(3));
+        let source = MovingSource::new(self.cells, 0.0, 0.5 * moving / diffusivity);
+        temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
+        for (index, wave) in integrals.removed.iter().enumerate() {
+            let (even, odd) = integrals.removed_shapes.rows(index);
+            let q = wave.number;
+            let depth = Depth::new(self.slab, self.expansion, q);
+            let s = Complex::new(lasting, -q * moving);
+            let half_plane = (Complex::new(q * q, -q * moving / diffusivity).sqrt() * conductivity).inv();
+            temperature.add_wave((depth.impedance(s) - half_plane) * (wave.count / PI), even, odd);
+            if self.expansion.is_some() {
+                distortion.add_wave(depth.distortion(s) * (wave.count / PI), even, odd);
+            }
+        }
+        for (index, (wave, modes)) in self.waves.iter().zip(self.modes).enumerate() {
+            let (even, odd) = self.shapes.rows(index);
+            let s = Complex::new(forgotten + still, -wave.number * velocity);
+            let weight = 2.0 * wave.count / self.period;
+            temperature.add_wave(-modes.impedance(s) * weight, even, odd);
+            if self.expansion.is_some() {
+                distortion.add_wave(-modes.distortion(s) * weight, even, odd);
+            }
+        }
     }
 
     /// f'/24 at the first harmonic left to the integral; the nearest images have their part of it already.

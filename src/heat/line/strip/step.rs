@@ -130,14 +130,14 @@ impl StageWeights {
     /// first stage the flux is constant; at the end it is `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
     fn stage_fluxes<T>(&self, falling: T, rising: T) -> [T; 2]
     where
-        T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
+        T: Copy + Default + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
     {
         if self.at_end {
             let by_first = falling * (1.0 / (1.0 - GAMMA));
             [by_first, falling + rising - by_first]
         } else {
             let all = falling + rising;
-            [all, all - all]
+            [all, T::default()]
         }
     }
 
@@ -163,6 +163,8 @@ impl StageWeights {
         warm.clear();
         moved.clear();
         let own = usize::from(self.at_end);
+        let fade = operators.forgetting.mean(velocity);
+        let faded = (-fade * length).exp();
         for (wave, range) in operators.ranges.iter().enumerate() {
             let number = operators.waves[wave].number;
             let motion = Motion { turning: [number * velocity[0], number * velocity[1]], step: length };
@@ -170,7 +172,8 @@ impl StageWeights {
             let zero = Complex::from(0.0);
             let (mut carried, mut gain) = ([zero; 2], [zero; 2]);
             for k in range.clone() {
-                let (factor, falling, rising) = motion.weights_of_decay(operators.rate[k], self.decay[k], turn);
+                let (factor, falling, rising) =
+                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
                 self.factor[k] = factor;
                 let weight = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
                 self.weight[k] = weight;
@@ -230,13 +233,16 @@ impl StageWeights {
         warm.clear();
         moved.clear();
         let own = usize::from(self.at_end);
+        let fade = operators.forgetting.rate(velocity);
+        let faded = (-fade * self.length).exp();
         for (wave, range) in operators.ranges.iter().enumerate() {
             let turning = operators.waves[wave].number * velocity;
             let motion = Motion { turning: [turning; 2], step: self.length };
             let turn = motion.turn();
             let mut gain = [Complex::from(0.0); 2];
             for k in range.clone() {
-                let (_, falling, rising) = motion.weights_of_decay(operators.rate[k], self.decay[k], turn);
+                let (_, falling, rising) =
+                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
                 let weight = self.stage_fluxes(falling, rising)[own] * operators.temperature[k];
                 gain[0] += weight * operators.temperature[k];
                 gain[1] += weight * operators.distortion[k];
@@ -266,6 +272,7 @@ impl StageWeights {
             for k in 0..mean.count {
                 level += observed.states[k] * mean.input[super::CONTACT][k] * self.mean_weight[k][own];
             }
+            level *= operators.remembered();
             if moving == 1 {
                 level *= operators.mean_distortion;
             }

@@ -311,3 +311,50 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
         }
     }
 }
+
+#[test]
+fn one_way_on_fresh_material_is_the_moving_source_at_every_speed() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    for (height, base, layer) in [
+        (40.0, Base::Held, LayerBase::Held),
+        (0.4, Base::Held, LayerBase::Held),
+        (2.0, Base::Insulated, LayerBase::Insulated),
+    ] {
+        let properties = unit(height, base, Path::OneWay);
+        let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        println!("{:?} period {} {} states error {:.1e}", body.size(), body.period(), body.states(), body.error());
+        for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
+            body.prepare(1e7, [2.0 * peclet; 2]);
+            let gains = &body.gains(Stage::End).temperature;
+            let answer: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
+            let exact = band_mean(peclet, Some((height, layer)));
+            println!("{height} {base:?} {peclet} {:.1e}", mean(&cells, &answer) / exact - 1.0);
+            // Slower than this a band is not steady within the duration.
+            if peclet > 0.1 {
+                let bound = if peclet < 1.0 { 2e-3 } else { 3e-4 };
+                assert!((mean(&cells, &answer) / exact - 1.0).abs() < bound, "{height} {peclet}");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_way_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3 };
+    for peclet in [0.1, 1.0, 10.0] {
+        let mut one_way = StripHeat::new(&unit(40.0, Base::Held, Path::OneWay), &cells, &resolution).unwrap();
+        // The exact transient: a closed path that the contact does not go round within the time.
+        let round = Path::Closed(600.0);
+        let mut exact = StripHeat::new(&unit(40.0, Base::Held, round), &cells, &resolution).unwrap();
+        let (mut state, mut reference) = (vec![0.0; one_way.states()], vec![0.0; exact.states()]);
+        let steady = band_mean(peclet, Some((40.0, LayerBase::Held)));
+        for (step, steps) in [(0.02, 5), (0.1, 5), (0.4, 5), (2.0, 5)] {
+            let computed = mean(&cells, &march(&mut one_way, &mut state, step, steps, |_| 2.0 * peclet));
+            let expected = mean(&cells, &march(&mut exact, &mut reference, step, steps, |_| 2.0 * peclet));
+            println!("Pe {peclet} step {step}: {computed} {expected} {:.1e}", (computed - expected) / steady);
+            assert!((computed - expected).abs() < 0.02 * steady, "{peclet} {step}: {computed} {expected}");
+        }
+    }
+}
