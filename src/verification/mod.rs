@@ -7,6 +7,7 @@
 mod bodies;
 mod component;
 mod driver;
+mod heat_line;
 mod moving_source;
 pub mod reference;
 pub mod stability;
@@ -87,6 +88,7 @@ impl Problem {
 pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
+    all.extend(heat_line::problems());
     all.extend(component::problems());
     all
 }
