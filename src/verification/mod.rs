@@ -8,6 +8,7 @@ mod bodies;
 mod component;
 mod contact_line;
 mod driver;
+mod heat_line;
 mod moving_source;
 pub mod reference;
 pub mod stability;
@@ -90,6 +91,7 @@ impl Problem {
 pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
+    all.extend(heat_line::problems());
     all.extend(component::problems());
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());

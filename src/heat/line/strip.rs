@@ -1,0 +1,454 @@
+//! Conduction in a strip under a sliding contact: Fourier waves along the path, each reduced through the depth.
+//!
+//! On a closed path, or in a cell around the stroke of a straight one, the temperature is a sum over wave numbers
+//! `q = 2 pi n/L` in the punch's frame. Each wave is a one-dimensional conduction problem ([`depth`]) whose states decay
+//! and turn,
+//!
+//! ```text
+//! dx_k/dt = (-rate_k + i q v) x_k + b_k f_q(t),     T_i = sum over q of weight_q Re [exp(iq x_i) sum b_k x_k]
+//! ```
+//!
+//! There is no advection to stabilise at any Peclet number, and the states follow fluxes linear in time exactly for
+//! velocities linear in time ([`propagate`]). Only what decays slowly against the shortest step that is to be resolved
+//! has states; fast turning is not decay. The rest answers at once, as a matrix that depends on the velocity
+//! ([`remainder`]), so that steady sliding is exact for every velocity and every cell, however small.
+//!
+//! Heat transfer on the top acts on the whole surface in the waves; the contact zone gets it back through fluxes
+//! ([`give_back`]).
+
+mod account;
+mod depth;
+mod give_back;
+mod moving_kernel;
+mod operators;
+mod propagate;
+mod remainder;
+mod step;
+#[cfg(test)]
+mod tests;
+mod velocity_table;
+mod waves;
+
+pub use depth::Expansion;
+pub use operators::{Path, Resolution, StripProperties};
+
+use super::{Account, Gains, LineHeat, Stage, Surroundings};
+use crate::elastic::{Cells, OutOfRange};
+use crate::heat::reduced::{MAX_STATES, Observation, Port};
+use operators::Operators;
+use std::cell::RefCell;
+use std::sync::Arc;
+use step::{Scratch, StageWeights, Step};
+
+const CONTACT: usize = Port::Contact as usize;
+const AMBIENT: usize = Port::Ambient as usize;
+const BASE: usize = Port::Base as usize;
+
+/// State entries behind those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
+/// the base, velocity.
+const TAIL: usize = 5;
+
+/// A conducting strip as the cells of the contact see it.
+#[derive(Clone, Debug)]
+pub struct StripHeat {
+    operators: Arc<Operators>,
+    step: Step,
+    scratch: RefCell<Scratch>,
+}
+
+impl StripHeat {
+    /// Builds the strip under the given cells.
+    ///
+    /// # Errors
+    /// A property outside its range, named with its limit.
+    pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Self, OutOfRange> {
+        let operators = Operators::new(properties, cells, resolution)?;
+        let (step, scratch) = (Step::new(&operators), Scratch::new(&operators));
+        Ok(StripHeat { operators: Arc::new(operators), step, scratch: RefCell::new(scratch) })
+    }
+
+    /// Number of waves, and of knots in the table over the velocity.
+    pub fn size(&self) -> (usize, usize) {
+        (self.operators.waves.len(), self.operators.table.knots())
+    }
+
+    /// Length of the period, m.
+    pub fn period(&self) -> f64 {
+        self.operators.period
+    }
+
+    /// Mean flux over the period, W/m2, of fluxes into the cells and of a cooling flux on all of the surface.
+    fn mean_flux(&self, flux: &[f64], cooling: f64) -> f64 {
+        let operators = &*self.operators;
+        flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>() / operators.period + cooling
+    }
+
+    /// Fills the scratch with the total fluxes into the cells in the first stage and, where given, at the end: of the
+    /// contact, less the cooling that does not act there, and the heat transfer given back.
+    fn effective(
+        &self,
+        scratch: &mut Scratch,
+        state: &[f64],
+        surroundings: &Surroundings,
+        first: &[f64],
+        end: Option<&[f64]>,
+    ) {
+        let operators = &*self.operators;
+        let uncooled = |target: &mut [f64], flux: &[f64]| {
+            target.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
+        };
+        uncooled(&mut scratch.first, first);
+        if let Some(end) = end {
+            uncooled(&mut scratch.end, end);
+        }
+        let Some(give_back) = &operators.give_back else { return };
+        let weights = &self.step.first;
+        self.wave_amplitudes(scratch, state, weights);
+        let mut level = give_back.project(operators, &scratch.amplitude);
+        level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, [0.0, 0.0], true);
+        give_back.add(&weights.closure, &level, surroundings.ambient, &mut scratch.first);
+        if end.is_some() {
+            let weights = &self.step.end;
+            self.wave_amplitudes(scratch, state, weights);
+            self.add_first_flux(scratch);
+            let mut level = give_back.project(operators, &scratch.amplitude);
+            let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
+            level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, fluxes, true);
+            give_back.add(&weights.closure, &level, surroundings.ambient, &mut scratch.end);
+        }
+    }
+
+    /// Surface amplitude of every wave at a stage, from the state alone.
+    fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
+        let operators = &*self.operators;
+        let (re, im) = operators.wave_states(state);
+        for (wave, range) in operators.ranges.iter().enumerate() {
+            let (mut sum, mut moved) = ([0.0; 2], [0.0; 2]);
+            for k in range.clone() {
+                let factor = weights.factor[k];
+                let turned = [factor.re * re[k] - factor.im * im[k], factor.re * im[k] + factor.im * re[k]];
+                for part in 0..2 {
+                    sum[part] += operators.temperature[k] * turned[part];
+                    moved[part] += operators.distortion[k] * turned[part];
+                }
+            }
+            scratch.amplitude[wave] = sum;
+            scratch.moved[wave] = moved;
+        }
+    }
+
+    /// Adds what the first stage's total flux leaves at the end of the step.
+    fn add_first_flux(&self, scratch: &mut Scratch) {
+        let operators = &*self.operators;
+        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        for wave in 0..operators.waves.len() {
+            let (heat, gain) = (scratch.heat[wave], self.step.end.carried[wave]);
+            scratch.amplitude[wave][0] += gain.re * heat[0] - gain.im * heat[1];
+            scratch.amplitude[wave][1] += gain.re * heat[1] + gain.im * heat[0];
+            if operators.expands {
+                let gain = self.step.end.carried_distortion[wave];
+                scratch.moved[wave][0] += gain.re * heat[0] - gain.im * heat[1];
+                scratch.moved[wave][1] += gain.re * heat[1] + gain.im * heat[0];
+            }
+        }
+    }
+
+    /// Surface temperature (`surface`), or mean temperature through the depth, of the mean wave at a stage with the mean
+    /// fluxes of both stages.
+    fn mean_level(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        weights: &StageWeights,
+        fluxes: [f64; 2],
+        surface: bool,
+    ) -> f64 {
+        let mean = &self.operators.mean;
+        let observed = if surface { &mean.contact_temperature } else { &mean.mean_temperature };
+        let own = if weights.at_end { 1 } else { 0 };
+        let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
+        let background = self.operators.background(state);
+        let mut sum = observed.direct[CONTACT] * (fluxes[own] + surroundings.cooling)
+            + observed.direct[AMBIENT] * surroundings.ambient
+            + observed.direct[BASE] * surroundings.far;
+        for k in 0..mean.count {
+            sum += observed.states[k] * self.mean_state(background, surroundings, weights, fluxes, k);
+        }
+        sum
+    }
+
+    /// State k of the mean wave at a stage.
+    fn mean_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        weights: &StageWeights,
+        fluxes: [f64; 2],
+        k: usize,
+    ) -> f64 {
+        let mean = &self.operators.mean;
+        let [falling, rising] = weights.mean_weight[k];
+        let constant = mean.input[CONTACT][k] * surroundings.cooling
+            + mean.input[AMBIENT][k] * surroundings.ambient
+            + mean.input[BASE][k] * surroundings.far;
+        weights.mean_factor[k] * state[k]
+            + mean.input[CONTACT][k] * (falling * fluxes[0] + rising * fluxes[1])
+            + (falling + rising) * constant
+    }
+
+    /// Mean flux into the period's surface with the state held (contact, cooling beside it, heat transfer given back), and
+    /// that given back alone, W/m2 of contact. Needs the waves' amplitudes in `scratch`.
+    fn held_fluxes(&self, scratch: &Scratch, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let operators = &*self.operators;
+        let given = self.mean_flux(flux, self.free_cooling(surroundings));
+        if operators.give_back.is_none() {
+            return [given, 0.0];
+        }
+        let observed = &operators.mean.contact_temperature;
+        let waves: f64 =
+            operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
+        let level = waves + self.held_background(observed, state, surroundings, given);
+        // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
+        let covered = 1.0 - operators.free_length() / operators.period;
+        let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
+        let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
+        [given + covered * returned, returned]
+    }
+
+    /// The same as the contact zone sees it: on fresh material without what the contact left behind.
+    fn held_background(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
+        let seen = if self.operators.fresh { surroundings.cooling } else { flux };
+        self.held_observation(observed, self.operators.background(state), surroundings, seen)
+    }
+
+    /// An observation of the mean wave with the state held and a mean flux.
+    fn held_observation(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
+        let count = self.operators.mean.count;
+        observed.of_states(&padded(state, count), count)
+            + observed.direct[CONTACT] * flux
+            + observed.direct[AMBIENT] * surroundings.ambient
+            + observed.direct[BASE] * surroundings.far
+    }
+
+    /// Cooling flux on the free surface as a mean over the period.
+    fn free_cooling(&self, surroundings: &Surroundings) -> f64 {
+        surroundings.cooling * self.operators.free_length() / self.operators.period
+    }
+
+    /// Amplitudes of the waves with the state held.
+    fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64]) {
+        let operators = &*self.operators;
+        let (re, im) = operators.wave_states(state);
+        for (wave, range) in operators.ranges.iter().enumerate() {
+            let sum = |weights: &[f64], part: &[f64]| -> f64 {
+                weights[range.clone()].iter().zip(&part[range.clone()]).map(|(w, x)| w * x).sum()
+            };
+            scratch.amplitude[wave] = [sum(&operators.temperature, re), sum(&operators.temperature, im)];
+            if operators.expands {
+                scratch.moved[wave] = [sum(&operators.distortion, re), sum(&operators.distortion, im)];
+            }
+        }
+    }
+
+    /// Adds the remainder's answer to `flux` at `velocity`.
+    fn add_remainder(&self, scratch: &mut Scratch, velocity: f64, flux: &[f64], distortion: bool, answer: &mut [f64]) {
+        let operators = &*self.operators;
+        operators.fold(flux, &mut scratch.fold);
+        scratch.answer.iter_mut().for_each(|part| part.fill(0.0));
+        let [even, odd] = &mut scratch.answer;
+        for (knot, weight, reversed) in operators.table.stencil(velocity) {
+            let blocks =
+                if distortion { operators.table.distortion(knot) } else { Some(operators.table.temperature(knot)) };
+            if let Some(blocks) = blocks {
+                blocks.add_product(weight, reversed, (&scratch.fold[0], &scratch.fold[1]), (even, odd));
+            }
+        }
+        operators.unfold_onto([even, odd], answer);
+    }
+}
+
+/// The mean wave's states as the observations of reduced bodies take them.
+fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
+    let mut states = [0.0; MAX_STATES];
+    states[..count].copy_from_slice(&state[..count]);
+    states
+}
+
+impl LineHeat for StripHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.mean_states() + 2 * self.operators.rate.len() + TAIL
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        state.fill(0.0);
+        let mean = &self.operators.mean;
+        // The modes are orthonormal with the capacity as weight: what a mode stores is its part of a uniform rise.
+        for k in 0..self.operators.mean_states() {
+            state[k] = mean.stored.states[k % mean.count] * rise;
+        }
+        // The account counts from states of 0, so the heat of the start has come from somewhere: through the contact.
+        let tail = state.len() - TAIL;
+        if self.operators.held {
+            state[tail + 3] = rise;
+        }
+        state[tail] = self.account(state).stored;
+    }
+
+    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare(&self.operators, step, velocity);
+    }
+
+    fn gains(&self, stage: Stage) -> &Gains {
+        &self.step.stage(stage).gains
+    }
+
+    fn base(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        first: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let operators = &*self.operators;
+        let scratch = &mut *self.scratch.borrow_mut();
+        let weights = self.step.stage(stage);
+        if stage == Stage::End {
+            self.effective(scratch, state, surroundings, first, None);
+        }
+        self.wave_amplitudes(scratch, state, weights);
+        let mut fluxes = [0.0, 0.0];
+        if stage == Stage::End {
+            self.add_first_flux(scratch);
+            fluxes[0] = self.mean_flux(&scratch.first, 0.0);
+        }
+        let level = self.mean_level(state, surroundings, weights, fluxes, true);
+        operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
+        if operators.expands {
+            let mean = operators.mean_distortion * self.mean_level(state, surroundings, weights, fluxes, false);
+            operators.observe(&scratch.moved, &mut scratch.answer, mean, distortion);
+        } else {
+            distortion.fill(0.0);
+        }
+        // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
+        if surroundings.cooling == 0.0 && operators.give_back.is_none() {
+            return;
+        }
+        scratch.end.fill(-surroundings.cooling);
+        if let Some(give_back) = &operators.give_back {
+            let mut projected = give_back.project(operators, &scratch.amplitude);
+            projected[0] += give_back.unit[0] * level;
+            give_back.add(&weights.closure, &projected, surroundings.ambient, &mut scratch.end);
+        }
+        for (gain, values) in [(&weights.slow, temperature), (&weights.slow_distortion, distortion)] {
+            for (j, &flux) in scratch.end.iter().enumerate() {
+                if gain.ncols() > 0 && flux != 0.0 {
+                    values.iter_mut().zip(gain.column(j).iter()).for_each(|(value, entry)| *value += entry * flux);
+                }
+            }
+        }
+    }
+
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let operators = &*self.operators;
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.effective(scratch, state, surroundings, first, Some(end));
+        let weights = &self.step.end;
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
+        self.keep_account(scratch, state, surroundings, [first, end], fluxes);
+        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
+        let (re, im) = operators.wave_states_mut(state);
+        for (wave, range) in operators.ranges.iter().enumerate() {
+            let (h1, h2) = (scratch.heat[wave], scratch.heat_end[wave]);
+            for k in range.clone() {
+                let (factor, [w1, w2]) = (weights.factor[k], weights.weight[k]);
+                let x = [re[k], im[k]];
+                re[k] =
+                    factor.re * x[0] - factor.im * x[1] + w1.re * h1[0] - w1.im * h1[1] + w2.re * h2[0] - w2.im * h2[1];
+                im[k] =
+                    factor.re * x[1] + factor.im * x[0] + w1.re * h1[1] + w1.im * h1[0] + w2.re * h2[1] + w2.im * h2[0];
+            }
+        }
+        let last = state.len() - 1;
+        state[last] = self.step.velocity[1];
+    }
+
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
+        let operators = &*self.operators;
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state);
+        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
+        operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
+        self.add_remainder(scratch, state[state.len() - 1], flux, false, temperature);
+    }
+
+    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]) {
+        let operators = &*self.operators;
+        distortion.fill(0.0);
+        if !operators.expands {
+            return;
+        }
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state);
+        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
+        operators.observe(&scratch.moved, &mut scratch.answer, operators.mean_distortion * level, distortion);
+        self.add_remainder(scratch, state[state.len() - 1], flux, true, distortion);
+    }
+
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+        let operators = &*self.operators;
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state);
+        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
+        let waves: f64 =
+            operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
+        let free = operators.free_length();
+        if operators.fresh {
+            return everywhere;
+        }
+        // The waves' mean over the period is 0: what they have under the contact they lack beside it.
+        if free > 1e-9 * operators.period { everywhere - waves * (operators.period - free) / free } else { everywhere }
+    }
+
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let operators = &*self.operators;
+        let mean = &operators.mean;
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state);
+        let [entering, returned] = self.held_fluxes(scratch, state, surroundings, flux);
+        let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
+        let width = operators.period - operators.free_length();
+        [flow(&mean.ambient_flow) - width * returned, flow(&mean.base_flow)]
+    }
+
+    fn mean_temperature(&self, state: &[f64]) -> f64 {
+        let mean = &self.operators.mean;
+        mean.mean_temperature.of_states(&padded(state, mean.count), mean.count)
+            + mean.mean_temperature.direct[BASE] * state[state.len() - TAIL + 3]
+    }
+
+    fn account(&self, state: &[f64]) -> Account {
+        let mean = &self.operators.mean;
+        let tail = &state[state.len() - TAIL..];
+        let held = mean.stored.direct[BASE] * tail[3];
+        let stored = self.operators.period * (mean.stored.of_states(&padded(state, mean.count), mean.count) + held);
+        Account { received: tail[0], stored, ambient: tail[1], far: tail[2] }
+    }
+
+    fn error(&self) -> f64 {
+        self.operators.error
+    }
+
+    fn boxed(&self) -> Box<dyn LineHeat> {
+        Box::new(self.clone())
+    }
+}

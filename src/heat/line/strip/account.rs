@@ -1,0 +1,58 @@
+//! Where the heat of a step goes.
+//!
+//! Only the mean wave holds heat. What enters over the step is known from the fluxes, what is stored from its states, what
+//! leaves to the air from their integrals; the base takes what the balance leaves.
+
+use super::step::Scratch;
+use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
+use crate::heat::line::{GAMMA, LineHeat, Surroundings};
+
+impl StripHeat {
+    /// Carries the mean wave and the account over the step; `effective` are its mean fluxes, contact and returned.
+    pub(super) fn keep_account(
+        &self,
+        scratch: &Scratch,
+        state: &mut [f64],
+        surroundings: &Surroundings,
+        contact: [&[f64]; 2],
+        effective: [f64; 2],
+    ) {
+        let operators = &*self.operators;
+        let mean = &operators.mean;
+        let weights = &self.step.end;
+        let step = self.step.length;
+        let over_step = |values: [f64; 2]| step * ((1.0 - GAMMA) * values[0] + GAMMA * values[1]);
+        let heat = |flux: &[f64]| flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>();
+        let received = over_step([heat(contact[0]), heat(contact[1])]);
+        let total = over_step([heat(&scratch.first), heat(&scratch.end)]);
+        // What the cells got besides the contact: the heat transfer given back, and the cooling that is not there.
+        let returned = total - received;
+        let before = self.account(state).stored;
+        let mut ambient = 0.0;
+        for k in 0..mean.count {
+            let old = state[k];
+            let new = self.mean_state(state, surroundings, weights, effective, k);
+            let source = mean.input[CONTACT][k] * (over_step(effective) + step * surroundings.cooling)
+                + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * surroundings.far);
+            if mean.rate[k] > 0.0 {
+                ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
+            }
+            state[k] = new;
+            if operators.fresh {
+                let alone = &state[mean.count..];
+                state[mean.count + k] = self.mean_state(alone, surroundings, weights, [0.0; 2], k);
+            }
+        }
+        ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * surroundings.cooling)
+            + step
+                * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient
+                    + mean.ambient_flow.direct[BASE] * surroundings.far);
+        let lost = operators.period * (ambient - step * surroundings.cooling) - returned;
+        let tail = state.len() - TAIL;
+        state[tail + 3] = surroundings.far;
+        let stored = self.account(state).stored - before;
+        state[tail] += received;
+        state[tail + 1] += lost;
+        state[tail + 2] += received - stored - lost;
+    }
+}

@@ -1,0 +1,315 @@
+//! What answers at once: everything that decays fast against the shortest step, as a function of the velocity.
+//!
+//! Two parts. Waves that have states lack the depth modes that were left out, which answer `Z - Z_reduced` at the
+//! frequency -i q v with which a wave at rest in the punch's frame turns over the material. Shorter waves have no states: on them
+//! the layer is a half-plane, whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less
+//! the integral up to the wave number (n + 1/2) 2 pi/L, with the first correction of Euler and Maclaurin.
+
+use super::depth::{Depth, DepthModes, Expansion};
+use super::moving_kernel::MovingSource;
+use super::operators::Forgetting;
+use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
+use crate::elastic::Cells;
+use crate::heat::slab::Slab;
+use nalgebra::{Complex, DMatrix};
+use std::f64::consts::PI;
+
+/// A translation-invariant response on symmetric cells, per heat (W/m) into a cell, split by parity.
+///
+/// Three blocks of ((N + 1)/2)^2 rows by rows: even answers to even heat, even to odd, odd to odd. Odd to even is minus the
+/// transpose of even to odd. Reversing the velocity changes the sign of the middle block.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Blocks {
+    half: usize,
+    /// The three blocks.
+    pub values: Vec<f64>,
+}
+
+impl Blocks {
+    /// No response.
+    pub fn zeros(half: usize) -> Blocks {
+        Blocks { half, values: vec![0.0; 3 * half * half] }
+    }
+
+    /// A place holder that answers nothing and takes no memory.
+    pub fn empty() -> Blocks {
+        Blocks { half: 0, values: Vec::new() }
+    }
+
+    /// Adds Re of `gain exp(iq(x - s))`.
+    pub fn add_wave(&mut self, gain: Complex<f64>, even: &[f64], odd: &[f64]) {
+        let size = self.half * self.half;
+        let (even_even, rest) = self.values.split_at_mut(size);
+        let (even_odd, odd_odd) = rest.split_at_mut(size);
+        for a in 0..self.half {
+            let row = a * self.half..(a + 1) * self.half;
+            let (ee, eo, oo) = (gain.re * even[a], gain.im * even[a], gain.re * odd[a]);
+            for (value, other) in even_even[row.clone()].iter_mut().zip(even) {
+                *value += ee * other;
+            }
+            for (value, other) in even_odd[row.clone()].iter_mut().zip(odd) {
+                *value += eo * other;
+            }
+            for (value, other) in odd_odd[row].iter_mut().zip(odd) {
+                *value += oo * other;
+            }
+        }
+    }
+
+    /// Adds a kernel given by its mean over pairs of cells (answering, heated).
+    pub fn add_kernel(&mut self, count: usize, kernel: impl Fn(usize, usize) -> f64) {
+        let size = self.half * self.half;
+        for a in 0..self.half {
+            for b in 0..self.half {
+                let (mirror_a, mirror_b) = (count - 1 - a, count - 1 - b);
+                let (k, l) = (kernel(a, b), kernel(a, mirror_b));
+                let (m, n) = (kernel(mirror_a, b), kernel(mirror_a, mirror_b));
+                let at = a * self.half + b;
+                self.values[at] += 0.25 * (k + l + m + n);
+                self.values[size + at] += 0.25 * (k - l + m - n);
+                self.values[2 * size + at] += 0.25 * (k - l - m + n);
+            }
+        }
+    }
+
+    /// Adds the response per flux (W/m2) to an N x N matrix.
+    pub fn add_to(&self, widths: &[f64], matrix: &mut DMatrix<f64>) {
+        let (half, size, count) = (self.half, self.half * self.half, widths.len());
+        for b in 0..half {
+            let (mirror_b, width) = (count - 1 - b, widths[b]);
+            for a in 0..half {
+                let at = a * half + b;
+                let (ee, eo, oo) = (self.values[at], self.values[size + at], self.values[2 * size + at]);
+                let oe = -self.values[size + b * half + a];
+                let mirror_a = count - 1 - a;
+                matrix[(a, b)] += width * (ee + eo + oe + oo);
+                if mirror_a != a {
+                    matrix[(mirror_a, b)] += width * (ee + eo - oe - oo);
+                }
+                if mirror_b != b {
+                    matrix[(a, mirror_b)] += width * (ee - eo + oe - oo);
+                    if mirror_a != a {
+                        matrix[(mirror_a, mirror_b)] += width * (ee - eo - oe + oo);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds `factor` times another response; `reversed`: at the opposite velocity.
+    pub fn add_scaled(&mut self, factor: f64, other: &Blocks, reversed: bool) {
+        let size = self.half * self.half;
+        for (block, (mine, its)) in self.values.chunks_exact_mut(size).zip(other.values.chunks_exact(size)).enumerate()
+        {
+            let factor = if reversed && block == 1 { -factor } else { factor };
+            mine.iter_mut().zip(its).for_each(|(value, other)| *value += factor * other);
+        }
+    }
+
+    /// Leaves out what depends on the direction of sliding.
+    pub fn make_symmetric(&mut self) {
+        let size = self.half * self.half;
+        self.values[size..2 * size].fill(0.0);
+    }
+
+    /// Adds `factor` times the response to the even and odd parts of heat to the even and odd parts of the answer.
+    pub fn add_product(&self, factor: f64, reversed: bool, heat: (&[f64], &[f64]), answer: (&mut [f64], &mut [f64])) {
+        let (half, size) = (self.half, self.half * self.half);
+        let mixed = if reversed { -factor } else { factor };
+        let dot = |left: &[f64], right: &[f64]| left.iter().zip(right).map(|(l, r)| l * r).sum::<f64>();
+        for a in 0..half {
+            let row = |block: usize| &self.values[block * size + a * half..block * size + (a + 1) * half];
+            answer.0[a] += factor * dot(row(0), heat.0) + mixed * dot(row(1), heat.1);
+            answer.1[a] += factor * dot(row(2), heat.1);
+        }
+        for a in 0..half {
+            let row = &self.values[size + a * half..size + (a + 1) * half];
+            answer.1.iter_mut().zip(row).for_each(|(value, entry)| *value -= mixed * entry * heat.0[a]);
+        }
+    }
+
+    /// Sets everything to 0.
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+}
+
+/// What the sums of the remainder are made of.
+pub struct Remainder<'a> {
+    pub cells: &'a Cells,
+    /// The layer with and without heat transfer on its surface.
+    pub slab: &'a Slab,
+    pub bare: &'a Slab,
+    pub expansion: Option<&'a Expansion>,
+    pub period: f64,
+    /// Number of the last harmonic that has states.
+    pub last: usize,
+    pub waves: &'a [Wave],
+    pub shapes: &'a Shapes,
+    pub modes: &'a [DepthModes],
+    /// On fresh material: frequency below which nothing counts as steady, 1/s, and how the states forget.
+    pub fresh: Option<(f64, Forgetting)>,
+}
+
+/// Beyond this part of the period the nearest images of the contact are taken one by one.
+const NEAR_IMAGES: f64 = 0.3;
+/// Beyond this q h a layer is a half-plane: 2 exp(-2 q h) = 5e-16.
+const HALF_PLANE: f64 = 18.0;
+/// Wave number, in units of the contact's width, below which the endless path's integral has no structure left.
+const SLOWEST_WAVE: f64 = 1e-7;
+/// The distortion's sum, which falls like 1/q^2, goes on to this multiple of the last wave number with states.
+const DISTORTION_REACH: f64 = 4.0;
+
+/// Waves of the integrals, with their shapes: prepared once for all velocities.
+pub struct Integrals {
+    removed: Vec<Wave>,
+    removed_shapes: Shapes,
+    beyond: Vec<Wave>,
+    beyond_shapes: Shapes,
+    images: bool,
+}
+
+impl Remainder<'_> {
+    fn spacing(&self) -> f64 {
+        2.0 * PI / self.period
+    }
+
+    /// See [`Integrals`].
+    pub fn integrals(&self) -> Integrals {
+        let width = 2.0 * self.cells.half_width();
+        let images = width > NEAR_IMAGES * self.period;
+        let reach = if images { width + self.period } else { width };
+        let last = (self.last as f64 + 0.5) * self.spacing();
+        if self.fresh.is_some() {
+            let mut end = (HALF_PLANE / self.slab.height).max(last);
+            if self.expansion.is_some() {
+                end = end.max(DISTORTION_REACH * last);
+            }
+            let removed = continuous(SLOWEST_WAVE / width, end, width);
+            return Integrals {
+                removed_shapes: Shapes::new(self.cells, &removed),
+                beyond_shapes: Shapes::new(self.cells, &[]),
+                removed,
+                beyond: Vec::new(),
+                images: false,
+            };
+        }
+        let removed = continuous(1e-6 / width, last, reach);
+        let mut beyond = Vec::new();
+        let mut end = HALF_PLANE / self.slab.height;
+        if self.expansion.is_some() {
+            end = end.max(DISTORTION_REACH * last);
+        }
+        if end > last {
+            beyond = continuous(last, end, reach).split_off(CONTINUOUS);
+        }
+        Integrals {
+            removed_shapes: Shapes::new(self.cells, &removed),
+            beyond_shapes: Shapes::new(self.cells, &beyond),
+            removed,
+            beyond,
+            images,
+        }
+    }
+
+    /// Temperature and distortion per heat at the velocity `velocity` >= 0.
+    pub fn at(&self, velocity: f64, integrals: &Integrals, temperature: &mut Blocks, distortion: &mut Blocks) {
+        let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        temperature.clear();
+        distortion.clear();
+        // At rest the half-plane's own sum has no end at q = 0; so slow a motion is rest for every wave that is left.
+        let slow = 1e-4 * diffusivity / self.cells.half_width();
+        let moving = velocity.max(slow);
+        let turning = |q: f64| Complex::new(0.0, -q * moving);
+        let half_plane = |q: f64| ((q * q + turning(q) / diffusivity).sqrt() * conductivity).inv();
+        if let Some(fresh) = self.fresh {
+            self.add_fresh(velocity, moving, fresh, integrals, [temperature, distortion]);
+            return;
+        }
+        for (index, (wave, modes)) in self.waves.iter().zip(self.modes).enumerate() {
+            let (even, odd) = self.shapes.rows(index);
+            let s = Complex::new(0.0, -wave.number * velocity);
+            let depth = Depth::new(self.slab, self.expansion, wave.number);
+            let weight = 2.0 * wave.count / self.period;
+            temperature.add_wave((depth.impedance(s) - modes.impedance(s)) * weight, even, odd);
+            if self.expansion.is_some() {
+                distortion.add_wave((depth.distortion(s) - modes.distortion(s)) * weight, even, odd);
+            }
+        }
+        let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
+        for shift in shifts {
+            let source = MovingSource::new(self.cells, shift * self.period, 0.5 * moving / diffusivity);
+            temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
+        }
+        let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
+        for (index, wave) in integrals.removed.iter().enumerate() {
+            let (even, odd) = integrals.removed_shapes.rows(index);
+            let weight = wave.count * copies(wave.number) / PI;
+            temperature.add_wave(-half_plane(wave.number) * weight, even, odd);
+        }
+        for (index, wave) in integrals.beyond.iter().enumerate() {
+            let (even, odd) = integrals.beyond_shapes.rows(index);
+            let weight = wave.count * copies(wave.number) / PI;
+            let depth = Depth::new(self.bare, self.expansion, wave.number);
+            if wave.number * self.bare.height < HALF_PLANE {
+                let gain = depth.impedance(turning(wave.number)) - half_plane(wave.number);
+                temperature.add_wave(gain * weight, even, odd);
+            }
+            if self.expansion.is_some() {
+                distortion.add_wave(depth.distortion(turning(wave.number)) * weight, even, odd);
+            }
+        }
+        self.correct_ends(integrals.images, &half_plane, temperature);
+    }
+
+    /// The endless path's whole response, in real space for the half-plane and as an integral over the wave number for what
+    /// the layer differs from it, less what the states answer.
+    fn add_fresh(
+        &self,
+        velocity: f64,
+        moving: f64,
+        (slowest, forgetting): (f64, Forgetting),
+        integrals: &Integrals,
+        [temperature, distortion]: [&mut Blocks; 2],
+    ) {
+        let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
+        let forgotten = forgetting.rate(velocity);
+        let share = slowest / (slowest + forgotten);
+        let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
+        let (lasting, still) = ((slowest * share).max(resolved), slowest * share.powi(3));
+        let source = MovingSource::new(self.cells, 0.0, 0.5 * moving / diffusivity);
+        temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
+        for (index, wave) in integrals.removed.iter().enumerate() {
+            let (even, odd) = integrals.removed_shapes.rows(index);
+            let q = wave.number;
+            let depth = Depth::new(self.slab, self.expansion, q);
+            let s = Complex::new(lasting, -q * moving);
+            let half_plane = (Complex::new(q * q, -q * moving / diffusivity).sqrt() * conductivity).inv();
+            temperature.add_wave((depth.impedance(s) - half_plane) * (wave.count / PI), even, odd);
+            if self.expansion.is_some() {
+                distortion.add_wave(depth.distortion(s) * (wave.count / PI), even, odd);
+            }
+        }
+        for (index, (wave, modes)) in self.waves.iter().zip(self.modes).enumerate() {
+            let (even, odd) = self.shapes.rows(index);
+            let s = Complex::new(forgotten + still, -wave.number * velocity);
+            let weight = 2.0 * wave.count / self.period;
+            temperature.add_wave(-modes.impedance(s) * weight, even, odd);
+            if self.expansion.is_some() {
+                distortion.add_wave(-modes.distortion(s) * weight, even, odd);
+            }
+        }
+    }
+
+    /// f'/24 at the first harmonic left to the integral; the nearest images have their part of it already.
+    fn correct_ends(&self, images: bool, response: &dyn Fn(f64) -> Complex<f64>, blocks: &mut Blocks) {
+        let part = if images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
+        for (harmonic, sign) in [(self.last, -1.0), (self.last + 1, 1.0)] {
+            let wave = Wave { number: self.spacing() * harmonic as f64, count: 1.0 };
+            let shapes = Shapes::new(self.cells, &[wave]);
+            let (even, odd) = shapes.rows(0);
+            blocks.add_wave(response(wave.number) * (sign * part * 2.0 / (24.0 * self.period)), even, odd);
+        }
+    }
+}

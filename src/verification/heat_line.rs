@@ -1,0 +1,232 @@
+//! The strip along the contact line: moving bands cell by cell against Jaeger, image sums and plain Fourier sums.
+
+use super::reference::{ClosedPath, LayerBase, band_mean};
+use super::{Problem, known};
+use crate::elastic::{self, Cells, Material};
+use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
+use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::slab::Base;
+use std::f64::consts::PI;
+
+/// Steps longer than any memory: the response is the steady one.
+const FOR_EVER: f64 = 1e12;
+
+fn refused(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+/// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
+fn unit(height: f64, base: Base, path: Path) -> StripProperties {
+    StripProperties { height, conductivity: 1.0, capacity: 1.0, convection: 0.0, base, path, expansion: None }
+}
+
+fn base_of(base: LayerBase) -> Base {
+    match base {
+        LayerBase::Held => Base::Held,
+        LayerBase::Insulated => Base::Insulated,
+    }
+}
+
+/// Cells, and their steady temperatures under a uniform flux 1 at `velocity`.
+fn steady(
+    properties: &StripProperties,
+    cells: usize,
+    half_width: f64,
+    resolution: Resolution,
+    velocity: f64,
+) -> Result<(Cells, Vec<f64>), String> {
+    let cells = Cells::graded(half_width, cells).map_err(refused)?;
+    let mut body = StripHeat::new(properties, &cells, &resolution).map_err(refused)?;
+    body.prepare(FOR_EVER, [velocity; 2]);
+    let gains = &body.gains(Stage::End).temperature;
+    let answer = (0..cells.count()).map(|i| gains.row(i).sum()).collect();
+    Ok((cells, answer))
+}
+
+fn mean(cells: &Cells, values: &[f64]) -> f64 {
+    cells.integral(values) / (2.0 * cells.half_width())
+}
+
+/// Largest value over the contact and where it is.
+fn maximum(cells: &Cells, values: &[f64]) -> (f64, f64) {
+    let points = (0..=20_000).map(|k| -1.0 + 1e-4 * f64::from(k));
+    points
+        .map(|x| (cells.point_value(values, x), x))
+        .fold((0.0, 0.0), |best, here| if here.0 > best.0 { here } else { best })
+}
+
+pub(super) fn problems() -> Vec<Problem> {
+    let mut all = Vec::new();
+    jaeger(&mut all);
+    one_way(&mut all);
+    closed_paths(&mut all);
+    oscillating(&mut all);
+    distortion(&mut all);
+    all
+}
+
+const SLOW: Resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
+
+/// Jaeger (1942) on a path so long, and a layer so high, that the band is alone on a half-plane.
+fn jaeger(all: &mut Vec<Problem>) {
+    for (peclet, height, max, at, bound) in
+        [(0.1, 38.0, 2.20033, -0.2435, 3e-4), (1.0, 12.0, 0.99185, -0.6664, 1e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
+    {
+        let solve = move || steady(&unit(height, Base::Held, Path::Closed(2000.0)), 65, 1.0, SLOW, 2.0 * peclet);
+        let reason = "the layer's base, and the printed digits";
+        all.push(Problem {
+            name: format!("moving band by cells, closed path, Jaeger's value, Pe = {peclet}"),
+            quantity: "max T k/(q l)",
+            exact: known(max),
+            scale: None,
+            compute: Box::new(move || solve().map(|(cells, values)| maximum(&cells, &values).0)),
+            bound,
+            reason,
+        });
+        all.push(Problem {
+            name: format!("moving band by cells, closed path, Jaeger's value, Pe = {peclet}"),
+            quantity: "place of the maximum x/l",
+            exact: known(at),
+            scale: Some(1.0),
+            compute: Box::new(move || solve().map(|(cells, values)| maximum(&cells, &values).1)),
+            bound: 3e-4,
+            reason: "flat at the maximum; the printed digits",
+        });
+        all.push(Problem {
+            name: format!("moving band by cells, closed path, image sum, Pe = {peclet}"),
+            quantity: "mean T k/(q l)",
+            exact: Box::new(move || Ok(band_mean(peclet, Some((height, LayerBase::Held))))),
+            scale: None,
+            compute: Box::new(move || solve().map(|(cells, values)| mean(&cells, &values))),
+            bound: 1e-4,
+            reason: "reduction and table over the velocity",
+        });
+    }
+}
+
+/// Fresh material: the image sum, at every speed.
+fn one_way(all: &mut Vec<Problem>) {
+    for (base, label, height) in
+        [(LayerBase::Held, "held", 0.4), (LayerBase::Held, "held", 40.0), (LayerBase::Insulated, "insulated", 2.0)]
+    {
+        for peclet in [1.0, 100.0, 1e6] {
+            all.push(Problem {
+                name: format!("moving band by cells, one way, layer of {height} l, {label} base, Pe = {peclet}"),
+                quantity: "mean T k/(q l)",
+                exact: Box::new(move || Ok(band_mean(peclet, Some((height, base))))),
+                scale: None,
+                compute: Box::new(move || {
+                    let properties = unit(height, base_of(base), Path::OneWay);
+                    let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+                    let (cells, values) = steady(&properties, 33, 1.0, resolution, 2.0 * peclet)?;
+                    Ok(mean(&cells, &values))
+                }),
+                bound: 1e-4,
+                reason: "reduction and table over the velocity",
+            });
+        }
+    }
+}
+
+/// Brake disc: what the contact is hotter than the disc's mean, against the plain Fourier sum.
+fn closed_paths(all: &mut Vec<Problem>) {
+    let (conductivity, capacity) = (54.0, 7200.0 * 460.0);
+    for velocity in [0.01, 1.0, -1.0, 30.0] {
+        let path = ClosedPath {
+            length: 0.74,
+            half_length: 0.0475,
+            height: 0.011,
+            conductivity,
+            diffusivity: conductivity / capacity,
+            base: LayerBase::Held,
+        };
+        // The mean wave's own part is the flux over the period through the layer.
+        let uniform = 2.0 * path.half_length / path.length * path.height / conductivity;
+        all.push(Problem {
+            name: format!("brake disc by cells, held base, plain Fourier sum, {velocity} m/s"),
+            quantity: "steady mean, K.m2/W",
+            exact: Box::new(move || Ok(path.steady_mean(velocity, 200_000) + uniform)),
+            scale: None,
+            compute: Box::new(move || {
+                let properties = StripProperties {
+                    height: path.height,
+                    conductivity,
+                    capacity,
+                    convection: 0.0,
+                    base: Base::Held,
+                    path: Path::Closed(path.length),
+                    expansion: None,
+                };
+                let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3 };
+                let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
+                Ok(mean(&cells, &values))
+            }),
+            bound: 1e-4,
+            reason: "reduction and table over the velocity",
+        });
+    }
+}
+
+/// A band that oscillates by half of its half-width: temperature at its centre after 20, 40 and 80 periods.
+fn oscillating(all: &mut Vec<Problem>) {
+    for (periods, exact) in [(20, 2.41276), (40, 2.63325), (80, 2.85382)] {
+        all.push(Problem {
+            name: format!("oscillating band on a half-plane, {periods} periods"),
+            quantity: "T k/(q l) at the centre",
+            exact: known(exact),
+            scale: None,
+            compute: Box::new(move || {
+                let cells = Cells::graded(1.0, 33).map_err(refused)?;
+                let properties = unit(150.0, Base::Held, Path::Stroke { stroke: 1.0, length: 0.0 });
+                let step = 2.0 * PI / 64.0;
+                let resolution = Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4 };
+                let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
+                let mut state = vec![0.0; body.states()];
+                let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
+                let velocity = |index: i32| 0.5 * (f64::from(index) * step).cos();
+                for index in 0..64 * periods {
+                    body.prepare(step, [velocity(index), velocity(index + 1)]);
+                    body.advance(&mut state, &air, &flux, &flux);
+                }
+                let mut temperature = vec![0.0; cells.count()];
+                body.held(&state, &air, &flux, &mut temperature);
+                Ok(cells.point_value(&temperature, 0.0))
+            }),
+            bound: 1e-4,
+            reason: "reduction, and a velocity that is linear in each of 64 steps a period",
+        });
+    }
+}
+
+/// A steadily heated half-plane curves by alpha (1+nu) q/K.
+fn distortion(all: &mut Vec<Problem>) {
+    all.push(Problem {
+        name: "thermal distortion of a half-plane under a uniform flux at rest".into(),
+        quantity: "curvature per flux, 1/(W/m)",
+        exact: known(1.1e-5 * 1.3 / 55.0),
+        scale: None,
+        compute: Box::new(|| {
+            let material = Material::new(200e9, 0.3).map_err(refused)?;
+            let expansion = Expansion { material, coefficient: 1.1e-5, base: elastic::Base::Smooth };
+            let properties = StripProperties {
+                height: 100.0,
+                conductivity: 55.0,
+                capacity: 7800.0 * 460.0,
+                convection: 0.0,
+                base: Base::Held,
+                path: Path::Stroke { stroke: 0.01, length: 0.0 },
+                expansion: Some(expansion),
+            };
+            let cells = Cells::graded(0.1, 33).map_err(refused)?;
+            let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3 };
+            let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
+            body.prepare(1e14, [0.0; 2]);
+            let gains = &body.gains(Stage::End).distortion;
+            let moved: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
+            let at = |x: f64| cells.point_value(&moved, x);
+            Ok((at(0.05) + at(-0.05) - 2.0 * at(0.0)) / 0.05f64.powi(2))
+        }),
+        bound: 2e-3,
+        reason: "second difference of the cells; waves shorter than a quarter of the shortest with states are left out",
+    });
+}
