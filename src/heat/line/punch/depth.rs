@@ -334,6 +334,10 @@ impl Basis {
         // Under an insulated top the uniform temperature does not decay at all.
         let apart = usize::from(self.has_uniform && transfer == 0.0);
         let rest = self.stiffness.view((apart, apart), (last + 1 - apart, last + 1 - apart)).into_owned();
+        if rest.is_empty() {
+            (self.rates, self.vectors) = (vec![0.0], DMatrix::identity(1, 1));
+            return;
+        }
         let eigen = SymmetricEigen::new(rest.clone());
         let mut order: Vec<usize> = (0..last + 1 - apart).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
@@ -398,5 +402,58 @@ impl Basis {
                 }
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steady_profiles_satisfy_their_equations() {
+        for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
+            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top };
+            for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0, 1e5] {
+                if !depth.has_steady_state(decay) {
+                    continue;
+                }
+                let rule = crate::elastic::block::lobatto::gauss_legendre(40);
+                let edges = [0.0, 1e-4, 1e-3, 0.01, 0.05, 0.1];
+                let integral = |f: &dyn Fn(f64) -> f64| -> f64 {
+                    (edges.windows(2))
+                        .flat_map(|pair| {
+                            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+                            rule.iter().map(move |&(node, weight)| half * weight * f(middle + half * node))
+                        })
+                        .sum()
+                };
+                // Balance of the response to the contact: what enters is lost on the way or leaves at the top.
+                let response = integral(&|z| depth.response(decay, z).0);
+                let loss = 55.0 * decay * decay * response - 55.0 * depth.response(decay, 0.1).1;
+                assert!((loss - 1.0).abs() < 1e-9, "{top:?} {decay}: {loss}");
+                assert!((response / depth.steady_integral(decay) - 1.0).abs() < 1e-9, "{top:?} {decay}");
+                let sourced = integral(&|z| depth.sourced(decay, z));
+                assert!((sourced / depth.sourced_integral(decay) - 1.0).abs() < 1e-9, "{top:?} {decay}");
+                if decay > 1e-3 {
+                    let exact = depth.impedance(Complex::from(decay)).re;
+                    assert!((depth.steady_impedance(decay) / exact - 1.0).abs() < 1e-9, "{top:?} {decay}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slowest_rate_keeps_its_digits() {
+        // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
+        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6) };
+        let points = Points::new(0.1, 1e5, &[]);
+        let mut basis = Basis::new(depth, 0.0);
+        basis.add_means(&points);
+        for rate in [0.0, 0.01, 1.0, 1e2, 1e4] {
+            basis.add_response(&points, rate);
+        }
+        let slowest = basis.shapes(&points)[0].rate;
+        let expected = 1e-6 / (3.6e6 * 0.1);
+        assert!((slowest / expected - 1.0).abs() < 1e-8, "{slowest:e} {expected:e}");
     }
 }
