@@ -413,7 +413,7 @@ mod tests {
     fn steady_profiles_satisfy_their_equations() {
         for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
             let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top };
-            for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0, 1e5] {
+            for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0] {
                 if !depth.has_steady_state(decay) {
                     continue;
                 }

@@ -203,3 +203,25 @@ impl LayerDilatation {
         self.falling * (-q * z).exp() + self.rising * (-q * (self.height - z)).exp()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::{Base, StripKernel};
+
+    #[test]
+    fn dilatation_belongs_to_the_displacement_of_a_bonded_layer() {
+        // Without shear at the surface its displacement under the pressure is, in these potentials, the difference of
+        // the two parts of the dilatation there.
+        for nu in [0.0, 0.3, 0.49] {
+            for u in [0.05, 0.7, 3.0, 30.0, 900.0] {
+                let layer = LayerDilatation::new(u / 0.2, 0.2, nu);
+                let found = layer.falling - (-u as f64).exp() * layer.rising;
+                let expected = StripKernel::new(Base::Bonded, nu).normal(u);
+                assert!((found / expected - 1.0).abs() < 1e-8, "{nu} {u}: {found} {expected}");
+            }
+        }
+        let deep = LayerDilatation::new(100.0, 1.0, 0.3);
+        assert!((deep.at(0.01) - (-1.0f64).exp()).abs() < 1e-12);
+    }
+}

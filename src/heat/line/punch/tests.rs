@@ -76,7 +76,9 @@ impl Unreduced {
     fn new(scene: &Scene, cells: &Cells) -> Unreduced {
         let (body, width) = (&scene.punch, 2.0 * cells.half_width());
         let boundaries = cells.edges().to_vec();
-        let discretization = Discretization::for_cells(width, body.height, &boundaries, 1e-4);
+        // The mean temperature of an edge cell needs elements that are small against it.
+        let coarse = Discretization::for_cells(width, body.height, &boundaries, 1e-4);
+        let discretization = Discretization { contact_layers: coarse.contact_layers + 3, ..coarse };
         let properties = ThermalProperties {
             width,
             height: body.height,
@@ -268,6 +270,14 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
         assert!(largest_difference(&held_distortion, &run.distortion) < 1e-12 * largest(&held_distortion));
     }
+    // The exact response, which the states and their remainder share out between them.
+    let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
+    exact.heat.prepare(1e12, [0.0; 2]);
+    let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
+    let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 7800.0 * 460.0, top: Top::Held };
+    let expected = steady::steady_beyond(&across, &depth, &cells, 0);
+    let error = (&exact.heat.gains(Stage::End).temperature - &expected).amax() / expected.amax();
+    assert!(error < 1e-8, "{error:e}");
     // Insulated sides and a held top: the conduction of a slab, whatever the mean flux does in time.
     let mut slab = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
     slab.step(1e12, &[2.0; 17], &[2.0; 17]);
@@ -277,6 +287,8 @@ fn steady_states_are_those_of_the_unreduced_punch() {
 #[test]
 fn short_times_are_those_of_the_half_space() {
     let mut run = Run::new(&scene(&[]), &cells(33), TOLERANCE, 1.0);
+    let bound = run.heat.error();
+    assert!(bound < 5e-3, "{bound:e}");
     let expected = |time: f64| 2.0 * (time / (std::f64::consts::PI * 55.0 * 7800.0 * 460.0)).sqrt();
     // Any number of steps: the states follow a constant flux exactly.
     for count in [1, 10] {
@@ -284,11 +296,11 @@ fn short_times_are_those_of_the_half_space() {
         for _ in 0..count {
             run.step(1.0 / f64::from(count), &[1.0; 33], &[1.0; 33]);
         }
-        assert!(run.temperature.iter().all(|t| (t / expected(1.0) - 1.0).abs() < TOLERANCE));
+        assert!(run.temperature.iter().all(|t| (t / expected(1.0) - 1.0).abs() < bound));
     }
     run.state.fill(0.0);
     run.step(1e-3, &[1.0; 33], &[1.0; 33]);
-    assert!(run.temperature.iter().all(|t| (t - expected(1e-3)).abs() < TOLERANCE * expected(1.0)));
+    assert!(run.temperature.iter().all(|t| (t - expected(1e-3)).abs() < bound * expected(1.0)));
 }
 
 #[test]
@@ -332,7 +344,7 @@ fn heat_is_accounted_for() {
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The account follows the flows.
         let flux = [1e4; 9];
-        run.step(1e-6, &flux, &flux);
+        run.step(10.0, &flux, &flux);
         let before = run.heat.account(&run.state);
         let flows = run.heat.flows(&run.state, &run.surroundings, &flux);
         run.step(1e-6, &flux, &flux);
@@ -357,7 +369,7 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
         for _ in 0..10 {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
         }
-        assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 1e-5), "{changes:?}: {:?}", run.temperature);
+        assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
         let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
         // Free expansion of all but what the holder restrains: that of the elastic block.
@@ -412,6 +424,44 @@ fn gains_do_not_depend_on_what_came_before() {
 }
 
 #[test]
+fn first_stage_is_a_shorter_step_of_constant_flux() {
+    let cells = cells(9);
+    let scene = scene(&[("punch.convection", 300.0)]);
+    let (mut run, mut short) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
+    let flux: Vec<f64> = (0..9).map(|j| 1.0 + f64::from(j)).collect();
+    for run in [&mut run, &mut short] {
+        run.surroundings = Surroundings { cooling: 1.0, ambient: 2.0, far: 3.0 };
+        run.step(2.0, &flux, &[0.0; 9]);
+    }
+    let step = 5.0;
+    run.heat.prepare(step, [0.0; 2]);
+    let (mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9]);
+    run.heat.base(&run.state, &run.surroundings, Stage::First, &[f64::NAN; 9], &mut temperature, &mut distortion);
+    let gains = run.heat.gains(Stage::First);
+    for i in 0..9 {
+        temperature[i] += (0..9).map(|j| gains.temperature[(i, j)] * flux[j]).sum::<f64>();
+        distortion[i] += (0..9).map(|j| gains.distortion[(i, j)] * flux[j]).sum::<f64>();
+    }
+    short.step(GAMMA * step, &flux, &flux);
+    assert!(largest_difference(&temperature, &short.temperature) < 1e-12 * largest(&temperature));
+    assert!(largest_difference(&distortion, &short.distortion) < 1e-12 * largest(&distortion));
+    // A flux that is linear over the step, against many short steps that follow it.
+    let (first, end) = (vec![1.0; 9], flux);
+    let at = |time: f64| -> Vec<f64> {
+        let part = (time / step - GAMMA) / (1.0 - GAMMA);
+        first.iter().zip(&end).map(|(first, end)| first + part * (end - first)).collect()
+    };
+    let mut fine = Run { heat: run.heat.clone(), state: run.state.clone(), ..short };
+    run.step(step, &first, &end);
+    for i in 0..50 {
+        let start = step * f64::from(i) / 50.0;
+        fine.step(step / 50.0, &at(start + GAMMA * step / 50.0), &at(start + step / 50.0));
+    }
+    assert!(largest_difference(&run.temperature, &fine.temperature) < 1e-10 * largest(&run.temperature));
+    assert!(largest_difference(&run.state, &fine.state) < 1e-10 * largest(&run.state));
+}
+
+#[test]
 fn a_ring_is_a_layer_of_sinusoidal_modes() {
     // Five waves around a ring that is deep against them: T = q/(k m), bent by alpha (1 + nu) q/k, at rest.
     let count = 120;
@@ -427,8 +477,7 @@ fn a_ring_is_a_layer_of_sinusoidal_modes() {
         run.step(1e9, &flux, &flux);
         // Cell means of a flux of cell means.
         let temperature = (half.sin() / half).powi(2) / (55.0 * wave_number);
-        let factor = if body == 2.0 { 1.0 } else { 1.0 };
-        let distortion = -factor * 1.1e-5 * (1.0 + poissons_ratio) * temperature / wave_number;
+        let distortion = -1.1e-5 * (1.0 + poissons_ratio) * temperature / wave_number;
         for (i, flux) in flux.iter().enumerate() {
             assert!((run.temperature[i] - flux * temperature).abs() < 1e-2 * temperature, "{i}");
             let error = (run.distortion[i] - flux * distortion).abs();
