@@ -313,6 +313,37 @@ mod tests {
     }
 
     #[test]
+    fn products_are_distorted_as_the_same_fields_of_elements() {
+        let (block, thermal) = pair(2.0, 0.3);
+        let boundaries = [-1.0, -0.3, 0.4, 0.9, 1.0];
+        // T = 1 everywhere; T = 1 - z by a uniform flux; T = x (1 - z), which the elements hold by its values at vertices.
+        let points = block.depth_points();
+        let one = vec![1.0; points.len()];
+        let falling: Vec<f64> = points.iter().map(|point| 1.0 - point.z).collect();
+        let across = |index: usize, x: f64| if index == 0 { 1.0 } else { x };
+        let fields = [(0, &one[..]), (0, &falling[..]), (1, &falling[..])];
+        let found = block.product_distortion(&boundaries, 2, 0.0, across, &fields).unwrap();
+        let mut elements = Mat::zeros(thermal.degrees(), 2);
+        for entity in &thermal.mesh.entities[..thermal.mesh.free_entities] {
+            if let Some((x, z)) = thermal.mesh.vertex(entity) {
+                elements[(entity.first, 0)] = 1.0 - z;
+                elements[(entity.first, 1)] = x * (1.0 - z);
+            }
+        }
+        let uniform = block.uniform_distortion(&boundaries).unwrap();
+        let others = block.thermal_distortion(&thermal, &elements, &boundaries).unwrap();
+        for i in 0..4 {
+            for (column, expected) in [uniform[(i, 0)], others[(i, 0)], others[(i, 1)]].into_iter().enumerate() {
+                assert!(
+                    (found[(i, column)] - expected).abs() < 1e-9,
+                    "{i} {column}: {} {expected}",
+                    found[(i, column)]
+                );
+            }
+        }
+    }
+
+    #[test]
     fn distortion_is_reciprocal_to_the_dilatation_by_pressure() {
         // Betti: sum over cells of width times u_T = -(3 lambda + 2 G) alpha int T e, with e the dilatation by unit
         // pressure on the whole contact; for uniform T the integral of e is minus the lost volume, known from the
