@@ -11,12 +11,25 @@
 
 use super::BlockError;
 use super::boundary::{contact_cells, contact_integrals};
-use super::element::{Shape, dilatation};
-use super::lobatto::ReferenceMatrices;
+use super::element::{Shape, dilatation, local_functions};
+use super::lobatto::{ReferenceMatrices, gauss_legendre, shape_derivatives, shape_values};
 use super::mechanical::Block;
 use super::thermal::ThermalBlock;
 use faer::Mat;
 use nalgebra::DMatrix;
+
+/// A quadrature point through the height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthPoint {
+    /// Distance from the contact [m].
+    pub z: f64,
+    /// Weight of the quadrature [m].
+    pub weight: f64,
+    /// Row of elements.
+    row: usize,
+    /// Part of the row's height that lies below.
+    reference: f64,
+}
 
 impl Block {
     /// Mean normal displacement over each cell per unit thermal expansion coefficient by each column of `fields`
@@ -66,6 +79,152 @@ impl Block {
             let sum: f64 = integrals[i].iter().map(|&(degree, integral)| integral * loads[(2 * degree + 1, k)]).sum();
             sum / (cells[i].1 - cells[i].0)
         }))
+    }
+
+    /// Points through the height where [`Self::product_distortion`] wants the profiles of its fields.
+    pub fn depth_points(&self) -> Vec<DepthPoint> {
+        let rule = gauss_legendre(self.order + 4);
+        let mut points = Vec::new();
+        for row in 0..self.mesh.z.intervals() {
+            let (start, size) = (self.mesh.z.points[row], self.mesh.z.size(row));
+            // Young temperature fields decay within the first elements.
+            let parts: &[f64] = if row == 0 { &[0.0, 0.001, 0.01, 0.1, 1.0] } else { &[0.0, 1.0] };
+            for part in parts.windows(2) {
+                let (middle, half) = (0.5 * (part[0] + part[1]), 0.5 * (part[1] - part[0]));
+                points.extend(rule.iter().map(|&(node, weight)| {
+                    let reference = middle + half * node;
+                    DepthPoint { row, reference, z: start + size * reference, weight: size * half * weight }
+                }));
+            }
+        }
+        points
+    }
+
+    /// Mean normal displacement over each cell per unit thermal expansion coefficient by temperature fields that are
+    /// products, N x fields [m/K].
+    ///
+    /// `fields` name one of the `count` functions `across(index, x)`, which vary no faster than cos(`steepest` x), and
+    /// give the profile at the [`Self::depth_points`]. By Betti's theorem the displacement of a cell is the thermal
+    /// stress times the dilatation under unit pressure on that cell: one elastic solution per cell, whatever the number of
+    /// fields, and the fields need not be polynomials.
+    ///
+    /// # Errors
+    /// Boundaries that do not ascend or do not span the contact.
+    pub fn product_distortion(
+        &self,
+        boundaries: &[f64],
+        count: usize,
+        steepest: f64,
+        across: impl Fn(usize, f64) -> f64,
+        fields: &[(usize, &[f64])],
+    ) -> Result<DMatrix<f64>, BlockError> {
+        let cells = contact_cells(self.properties.width, boundaries)?;
+        let mut pressed = Mat::zeros(self.degrees(), cells.len());
+        for (cell, integrals) in contact_integrals(&self.mesh, &cells).into_iter().enumerate() {
+            for (degree, integral) in integrals {
+                pressed[(2 * degree + 1, cell)] += integral;
+            }
+        }
+        self.solve_in_place(&mut pressed)?;
+        let along: Vec<[DMatrix<f64>; 2]> =
+            (0..self.mesh.x.intervals()).map(|column| self.moments_across(column, count, steepest, &across)).collect();
+        let up = self.moments_of_profiles(fields);
+        let mut result = DMatrix::zeros(cells.len(), fields.len());
+        for element in 0..self.mesh.elements() {
+            let (column, row) = self.mesh.column_and_row(element);
+            let [along_x, along_z] = self.local_displacements(element, &pressed);
+            // int T div u = sum over the functions a, b of u_x int X N_a' int Z N_b + u_z int X N_a int Z N_b'.
+            let [values, slopes] = &along[column];
+            let (along_x, along_z) = (along_x * slopes, along_z * values);
+            let [up_values, up_slopes] = &up[row];
+            for (field, &(index, _)) in fields.iter().enumerate() {
+                let mut sums = result.column_mut(field);
+                for b in 0..up_values.nrows() {
+                    let first = b * cells.len();
+                    sums.axpy(up_values[(b, field)], &along_x.column(index).rows(first, cells.len()), 1.0);
+                    sums.axpy(up_slopes[(b, field)], &along_z.column(index).rows(first, cells.len()), 1.0);
+                }
+            }
+        }
+        let factor = 3.0 * self.properties.lambda_over_shear() + 2.0;
+        for (mut row, cell) in result.row_iter_mut().zip(&cells) {
+            row *= factor / (cell.1 - cell.0);
+        }
+        Ok(result)
+    }
+
+    /// Integrals over a column of elements of the functions across times the shape functions (rows) and their slopes.
+    fn moments_across(
+        &self,
+        column: usize,
+        count: usize,
+        steepest: f64,
+        across: impl Fn(usize, f64) -> f64,
+    ) -> [DMatrix<f64>; 2] {
+        let (start, size) = (self.mesh.x.points[column], self.mesh.x.size(column));
+        let functions = self.mesh.x.orders[column] + 1;
+        let (mut shape, mut slope) = (vec![0.0; functions], vec![0.0; functions]);
+        let mut moments = [DMatrix::zeros(functions, count), DMatrix::zeros(functions, count)];
+        for (xi, weight) in gauss_legendre(functions + 4 + (0.5 * steepest * size).ceil() as usize) {
+            shape_values(xi, &mut shape);
+            shape_derivatives(xi, &mut slope);
+            for index in 0..count {
+                let value = weight * across(index, start + 0.5 * size * (1.0 + xi));
+                for a in 0..functions {
+                    moments[0][(a, index)] += 0.5 * size * value * shape[a];
+                    moments[1][(a, index)] += value * slope[a];
+                }
+            }
+        }
+        moments
+    }
+
+    /// The same through the height for every row of elements and every field.
+    fn moments_of_profiles(&self, fields: &[(usize, &[f64])]) -> Vec<[DMatrix<f64>; 2]> {
+        let functions = |row: usize| self.mesh.z.orders[row] + 1;
+        let mut moments: Vec<[DMatrix<f64>; 2]> = (0..self.mesh.z.intervals())
+            .map(|row| [(); 2].map(|()| DMatrix::zeros(functions(row), fields.len())))
+            .collect();
+        for (at, point) in self.depth_points().into_iter().enumerate() {
+            let (mut shape, mut slope) = (vec![0.0; functions(point.row)], vec![0.0; functions(point.row)]);
+            shape_values(2.0 * point.reference - 1.0, &mut shape);
+            shape_derivatives(2.0 * point.reference - 1.0, &mut slope);
+            let [values, slopes] = &mut moments[point.row];
+            for (field, &(_, profile)) in fields.iter().enumerate() {
+                for b in 0..shape.len() {
+                    values[(b, field)] += point.weight * profile[at] * shape[b];
+                    slopes[(b, field)] += point.weight * profile[at] * slope[b] * 2.0 / self.mesh.z.size(point.row);
+                }
+            }
+        }
+        moments
+    }
+
+    /// Both components of the displacements `solutions` (columns) in an element: rows by function b through the height,
+    /// then solution; columns by function a across.
+    fn local_displacements(&self, element: usize, solutions: &Mat<f64>) -> [DMatrix<f64>; 2] {
+        let (column, row) = self.mesh.column_and_row(element);
+        let Shape { order_x, order_z, .. } = self.mesh.shape(element);
+        let degrees = self.mesh.element_degrees(column, row);
+        let skeleton = DMatrix::from_fn(2 * degrees.len(), solutions.ncols(), |i, k| {
+            if degrees[i / 2] < self.mesh.free { solutions[(2 * degrees[i / 2] + i % 2, k)] } else { 0.0 }
+        });
+        let (functions, _) = local_functions(order_x, order_z);
+        let mut interior = DMatrix::zeros(2 * (functions.len() - degrees.len()), solutions.ncols());
+        self.elements[self.kind[element]].recover(&skeleton, &mut interior);
+        let mut components = [(); 2].map(|()| DMatrix::zeros((order_z + 1) * solutions.ncols(), order_x + 1));
+        for (i, &(a, b)) in functions.iter().enumerate() {
+            for (component, matrix) in components.iter_mut().enumerate() {
+                for k in 0..solutions.ncols() {
+                    matrix[(b * solutions.ncols() + k, a)] = if i < degrees.len() {
+                        skeleton[(2 * i + component, k)]
+                    } else {
+                        interior[(2 * (i - degrees.len()) + component, k)]
+                    };
+                }
+            }
+        }
+        components
     }
 
     /// Loads on the free skeleton of the thermal stress over shear modulus and expansion coefficient, for the
@@ -151,6 +310,37 @@ mod tests {
         let linear = block.thermal_distortion(&thermal, &field, &boundaries).unwrap();
         assert!((linear[(7, 0)] - 0.5 * expected).abs() < 1e-5, "{}", linear[(7, 0)]);
         assert_eq!(linear.shape(), (15, 1));
+    }
+
+    #[test]
+    fn products_are_distorted_as_the_same_fields_of_elements() {
+        let (block, thermal) = pair(2.0, 0.3);
+        let boundaries = [-1.0, -0.3, 0.4, 0.9, 1.0];
+        // T = 1 everywhere; T = 1 - z by a uniform flux; T = x (1 - z), which the elements hold by its values at vertices.
+        let points = block.depth_points();
+        let one = vec![1.0; points.len()];
+        let falling: Vec<f64> = points.iter().map(|point| 1.0 - point.z).collect();
+        let across = |index: usize, x: f64| if index == 0 { 1.0 } else { x };
+        let fields = [(0, &one[..]), (0, &falling[..]), (1, &falling[..])];
+        let found = block.product_distortion(&boundaries, 2, 0.0, across, &fields).unwrap();
+        let mut elements = Mat::zeros(thermal.degrees(), 2);
+        for entity in &thermal.mesh.entities[..thermal.mesh.free_entities] {
+            if let Some((x, z)) = thermal.mesh.vertex(entity) {
+                elements[(entity.first, 0)] = 1.0 - z;
+                elements[(entity.first, 1)] = x * (1.0 - z);
+            }
+        }
+        let uniform = block.uniform_distortion(&boundaries).unwrap();
+        let others = block.thermal_distortion(&thermal, &elements, &boundaries).unwrap();
+        for i in 0..4 {
+            for (column, expected) in [uniform[(i, 0)], others[(i, 0)], others[(i, 1)]].into_iter().enumerate() {
+                assert!(
+                    (found[(i, column)] - expected).abs() < 1e-9,
+                    "{i} {column}: {} {expected}",
+                    found[(i, column)]
+                );
+            }
+        }
     }
 
     #[test]

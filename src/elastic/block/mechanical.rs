@@ -62,7 +62,7 @@ pub struct Compliance {
 #[derive(Debug)]
 pub struct Block {
     pub(super) properties: BlockProperties,
-    order: usize,
+    pub(super) order: usize,
     pub(super) mesh: Mesh,
     pub(super) pattern: Pattern,
     pub(super) elements: Vec<CondensedElement>,

@@ -1,0 +1,232 @@
+//! How the contact line of the punch moves by the temperature fields of its modes.
+//!
+//! The surface of a body that is free there is distorted by heat whatever its stiffness, so E does not enter. A `rigid`
+//! punch does not yield to stress but does expand; it and the `half_plane`, which conduct as blocks of their own height,
+//! are distorted as the elastic block is. The columns of a `winkler` punch expand independently, by alpha (1 + nu) times
+//! the integral of the temperature over the height, as in the mean of a block that is free at its sides. The ring is a
+//! layer bonded at its top, and for `half_plane` a half-plane.
+
+use super::across::{Across, Wave};
+use super::depth::Shape;
+use crate::elastic::Cells;
+use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization};
+use crate::scene::{Geometry, MechanicalBody, Scene};
+use nalgebra::{DMatrix, Matrix4, Vector4};
+
+/// Which law holds.
+#[derive(Debug)]
+enum Kind {
+    Columns,
+    Block(Box<Block>),
+    Layer { deep: bool },
+}
+
+/// The law, and the points through the height where it wants the profiles of the fields.
+#[derive(Debug)]
+pub(super) struct Distortion {
+    kind: Kind,
+    /// Thermal expansion coefficient, 1/K.
+    expansion: f64,
+    poissons_ratio: f64,
+    height: f64,
+    /// Positions and weights.
+    points: Vec<(f64, f64)>,
+}
+
+/// Order and layers of the elements: fields of temperature are smooth, so only the corners ask for layers. One order and
+/// one layer more change the distortion by less than 1e-6 of its largest value.
+const DISCRETIZATION: Discretization =
+    Discretization { order: 6, contact_layers: 4, top_layers: 4, grading: Discretization::CORNER_GRADING };
+
+impl Distortion {
+    /// None where nothing expands.
+    pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
+        let body = &scene.punch;
+        if body.thermal_expansion == 0.0 {
+            return Ok(None);
+        }
+        let (poissons_ratio, height) = (body.poissons_ratio, body.height);
+        let kind = if body.mechanical == MechanicalBody::Winkler {
+            Kind::Columns
+        } else if scene.geometry == Geometry::Periodic {
+            Kind::Layer { deep: body.mechanical == MechanicalBody::HalfPlane }
+        } else {
+            let width = 2.0 * cells.half_width();
+            let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio };
+            Kind::Block(Box::new(Block::new(properties, DISCRETIZATION)?))
+        };
+        let points = match &kind {
+            Kind::Block(block) => block.depth_points().into_iter().map(|point| (point.z, point.weight)).collect(),
+            Kind::Columns | Kind::Layer { .. } => Vec::new(),
+        };
+        Ok(Some(Distortion { kind, expansion: body.thermal_expansion, poissons_ratio, height, points }))
+    }
+
+    /// Refines the points for fields that decay as fast as `steepest`, 1/m.
+    pub fn resolve(&mut self, steepest: f64) {
+        if let Kind::Layer { .. } = self.kind {
+            let mut edges = vec![0.0];
+            let mut edge = (1.0 / steepest).min(self.height);
+            while edge < 0.5 * self.height {
+                edges.push(edge);
+                edge *= 2.0;
+            }
+            edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * self.height));
+            let rule = crate::elastic::block::lobatto::gauss_legendre(12);
+            self.points = (edges.windows(2))
+                .flat_map(|pair| {
+                    let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+                    rule.iter().map(move |&(node, weight)| (middle + half * node, half * weight))
+                })
+                .collect();
+        }
+    }
+
+    /// Distances from the contact at which profiles are given.
+    pub fn positions(&self) -> Vec<f64> {
+        self.points.iter().map(|point| point.0).collect()
+    }
+
+    /// Mean displacement of the cells into the body by fields of 1 K, N x fields [m/K].
+    pub fn of(&self, across: &Across, cells: &Cells, fields: &[Field]) -> Result<DMatrix<f64>, BlockError> {
+        let count = fields.iter().map(|field| field.mode + 1).max().unwrap_or(0);
+        let waves: Vec<Wave> = (0..count).map(|m| across.wave(m)).collect();
+        if let Kind::Block(block) = &self.kind {
+            let products: Vec<(usize, &[f64])> = fields.iter().map(|field| (field.mode, &field.profile[..])).collect();
+            let steepest = waves.last().map_or(0.0, |wave| wave.wave_number);
+            let value = |m: usize, x: f64| waves[m].value(x);
+            return Ok(block.product_distortion(cells.edges(), count, steepest, value, &products)? * self.expansion);
+        }
+        let mut result = DMatrix::zeros(cells.count(), fields.len());
+        for (column, field) in fields.iter().enumerate() {
+            let wave = &waves[field.mode];
+            let displacement = self.expansion * self.per_wave(wave.wave_number, field);
+            for (row, (integral, width)) in wave.cell_integrals(cells).iter().zip(cells.widths()).enumerate() {
+                result[(row, column)] = displacement * integral / width;
+            }
+        }
+        Ok(result)
+    }
+
+    /// Displacement times wave number by a steady field of unit amplitude at the surface, whose wave is short, 1/K.
+    pub fn by_short_wave(&self) -> f64 {
+        -self.expansion * (1.0 + self.poissons_ratio)
+    }
+
+    /// Mean displacement of the cells by 1 K everywhere, m/K.
+    pub fn uniform(&self, cells: &Cells) -> Result<Vec<f64>, BlockError> {
+        let nu = self.poissons_ratio;
+        Ok(match &self.kind {
+            Kind::Block(block) => {
+                (block.uniform_distortion(cells.edges())? * self.expansion).column(0).iter().copied().collect()
+            }
+            Kind::Columns => vec![-self.expansion * (1.0 + nu) * self.height; cells.count()],
+            Kind::Layer { .. } => vec![-self.expansion * (1.0 + nu) / (1.0 - nu) * self.height; cells.count()],
+        })
+    }
+
+    /// Displacement amplitude per unit expansion coefficient of a sinusoidal field of columns or of a layer.
+    fn per_wave(&self, wave_number: f64, field: &Field) -> f64 {
+        let nu = self.poissons_ratio;
+        match self.kind {
+            Kind::Layer { .. } if wave_number == 0.0 => -(1.0 + nu) / (1.0 - nu) * field.integral,
+            Kind::Layer { deep } => {
+                let dilatation = |z: f64| (-wave_number * z).exp();
+                let bonded = LayerDilatation::new(wave_number, self.height, nu);
+                let sum: f64 = (self.points.iter().zip(&field.profile))
+                    .map(|(&(z, weight), value)| weight * value * if deep { dilatation(z) } else { bonded.at(z) })
+                    .sum();
+                -2.0 * (1.0 + nu) * sum
+            }
+            _ => -(1.0 + nu) * field.integral,
+        }
+    }
+}
+
+/// A temperature field X_m(x) Z(z).
+#[derive(Clone, Debug)]
+pub(super) struct Field {
+    pub mode: usize,
+    /// Integral of Z over the height, K m.
+    pub integral: f64,
+    /// Z at the points.
+    pub profile: Vec<f64>,
+}
+
+impl Field {
+    /// The field of a state of 1.
+    pub fn of(mode: usize, shape: &Shape) -> Field {
+        Field { mode, integral: shape.integral, profile: shape.extra.clone() }
+    }
+}
+
+/// Dilatation in a layer bonded at z = h under the pressure cos(q x) at z = 0, over -(1 - 2 nu)/G.
+///
+/// Displacements grad(f + z g) - 4 (1 - nu) g e_z with harmonic f, g = cos(q x) times sums of exp(-q z) and
+/// exp(-q (h - z)) (Papkovich, Neuber), times 2 G; the dilatation is -2 (1 - 2 nu) dg/dz over 2 G. exp(-q z) for a
+/// half-plane.
+struct LayerDilatation {
+    wave_number: f64,
+    height: f64,
+    falling: f64,
+    rising: f64,
+}
+
+impl LayerDilatation {
+    fn new(wave_number: f64, height: f64, poissons_ratio: f64) -> Self {
+        let (u, nu) = (wave_number * height, poissons_ratio);
+        let e = (-u).exp();
+        // Unknowns: q^2 f and q g, falling and rising. Rows: pressure 1 and no shear at the contact; no displacement
+        // along and across at the base.
+        let two = 2.0 * (1.0 - nu);
+        let shear = 1.0 - 2.0 * nu;
+        let kappa = 3.0 - 4.0 * nu;
+        let matrix = Matrix4::new(
+            1.0,
+            e,
+            two,
+            -two * e, //
+            -1.0,
+            e,
+            -shear,
+            -shear * e, //
+            e,
+            1.0,
+            u * e,
+            u, //
+            -e,
+            1.0,
+            -(u + kappa) * e,
+            u - kappa,
+        );
+        let solution = matrix.lu().solve(&Vector4::new(-1.0, 0.0, 0.0, 0.0)).unwrap_or_else(Vector4::zeros);
+        Self { wave_number, height, falling: -solution[2], rising: solution[3] }
+    }
+
+    fn at(&self, z: f64) -> f64 {
+        let q = self.wave_number;
+        self.falling * (-q * z).exp() + self.rising * (-q * (self.height - z)).exp()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::{Base, StripKernel};
+
+    #[test]
+    fn dilatation_belongs_to_the_displacement_of_a_bonded_layer() {
+        // Without shear at the surface its displacement under the pressure is, in these potentials, the difference of
+        // the two parts of the dilatation there.
+        for nu in [0.0, 0.3, 0.49] {
+            for u in [0.05, 0.7, 3.0, 30.0, 900.0] {
+                let layer = LayerDilatation::new(u / 0.2, 0.2, nu);
+                let found = layer.falling - (-u as f64).exp() * layer.rising;
+                let expected = StripKernel::new(Base::Bonded, nu).normal(u);
+                assert!((found / expected - 1.0).abs() < 1e-8, "{nu} {u}: {found} {expected}");
+            }
+        }
+        let deep = LayerDilatation::new(100.0, 1.0, 0.3);
+        assert!((deep.at(0.01) - (-1.0f64).exp()).abs() < 1e-12);
+    }
+}

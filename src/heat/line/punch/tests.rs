@@ -1,0 +1,500 @@
+use super::super::{Account, GAMMA, LineHeat, Stage, Surroundings};
+use super::*;
+use crate::elastic::block::{Block, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition};
+use crate::variables::{STARTS, reference};
+use faer::Mat;
+
+const TOLERANCE: f64 = 1e-4;
+
+/// Steel punch, 60 mm x 100 mm x 10 mm, with changed parameters.
+fn scene(changes: &[(&str, f64)]) -> Scene {
+    let mut values = STARTS;
+    let steel = [
+        ("punch.width", 0.06),
+        ("punch.height", 0.1),
+        ("depth", 0.01),
+        ("punch.conductivity", 55.0),
+        ("punch.density", 7800.0),
+        ("punch.specific_heat", 460.0),
+        ("punch.thermal_expansion", 1.1e-5),
+        ("punch.poissons_ratio", 0.3),
+        ("punch.convection", 0.0),
+        ("punch.top_thermal", 1.0),
+    ];
+    for (name, value) in steel.iter().chain(changes) {
+        values[reference(name) as usize] = *value;
+    }
+    Scene::new(&values, None).unwrap()
+}
+
+fn cells(count: usize) -> Cells {
+    Cells::graded(0.03, count).unwrap()
+}
+
+/// Reduced punch with the temperatures of the last step.
+struct Run {
+    heat: ReducedHeat,
+    state: Vec<f64>,
+    surroundings: Surroundings,
+    temperature: Vec<f64>,
+    distortion: Vec<f64>,
+}
+
+impl Run {
+    fn new(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Run {
+        let heat = reduce(scene, cells, tolerance, duration).unwrap().unwrap();
+        let (state, n) = (vec![0.0; heat.states()], heat.cells());
+        let surroundings = Surroundings::default();
+        Run { heat, state, surroundings, temperature: vec![0.0; n], distortion: vec![0.0; n] }
+    }
+
+    fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
+        self.heat.prepare(step, [0.0; 2]);
+        let (temperature, distortion) = (&mut self.temperature, &mut self.distortion);
+        self.heat.base(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
+        let gains = self.heat.gains(Stage::End);
+        for (i, (temperature, distortion)) in temperature.iter_mut().zip(distortion).enumerate() {
+            *temperature += (0..end.len()).map(|j| gains.temperature[(i, j)] * end[j]).sum::<f64>();
+            *distortion += (0..end.len()).map(|j| gains.distortion[(i, j)] * end[j]).sum::<f64>();
+        }
+        self.heat.advance(&mut self.state, &self.surroundings, first, end);
+    }
+}
+
+/// The same punch by finite elements and small steps.
+struct Unreduced {
+    block: ThermalBlock,
+    elastic: Block,
+    expansion: f64,
+    boundaries: Vec<f64>,
+    loads: Mat<f64>,
+    unresolved: DMatrix<f64>,
+    field: Mat<f64>,
+}
+
+impl Unreduced {
+    fn new(scene: &Scene, cells: &Cells) -> Unreduced {
+        let (body, width) = (&scene.punch, 2.0 * cells.half_width());
+        let boundaries = cells.edges().to_vec();
+        // The mean temperature of an edge cell needs elements that are small against it, the distortion of the whole
+        // contact more layers at the holder than pressures do.
+        let coarse = Discretization::for_cells(width, body.height, &boundaries, 1e-4);
+        let (contact_layers, top_layers) = (coarse.contact_layers + 3, coarse.top_layers + 4);
+        let discretization = Discretization { contact_layers, top_layers, ..coarse };
+        let properties = ThermalProperties {
+            width,
+            height: body.height,
+            conductivity: body.conductivity,
+            volumetric_heat_capacity: body.capacity(),
+            side_convection: body.convection,
+            top: match body.far_thermal {
+                ThermalBoundary::Held | ThermalBoundary::External => TopCondition::Held,
+                ThermalBoundary::Convecting => TopCondition::Convecting(body.convection),
+                ThermalBoundary::Insulated => TopCondition::Convecting(0.0),
+            },
+        };
+        let mechanical = BlockProperties {
+            width,
+            height: body.height,
+            youngs_modulus: body.youngs_modulus,
+            poissons_ratio: body.poissons_ratio,
+        };
+        let block = ThermalBlock::new(properties, discretization).unwrap();
+        let loads = block.flux_loads(&boundaries).unwrap();
+        let unresolved = block.unresolved_response(&boundaries).unwrap();
+        let field = Mat::zeros(block.degrees(), 1);
+        let elastic = Block::new(mechanical, discretization).unwrap();
+        Unreduced { block, elastic, expansion: body.thermal_expansion, boundaries, loads, unresolved, field }
+    }
+
+    fn load(&self, flux: &[f64]) -> Mat<f64> {
+        Mat::from_fn(self.block.degrees(), 1, |i, _| (0..flux.len()).map(|j| self.loads[(i, j)] * flux[j]).sum())
+    }
+
+    /// `count` steps of the two-stage method of the same abscissae, with the flux at any time.
+    fn run(&mut self, start: f64, step: f64, count: usize, flux: impl Fn(f64) -> Vec<f64>) {
+        let shift = 1.0 / (GAMMA * step);
+        let factor = self.block.factorize(shift).unwrap();
+        for i in 0..count {
+            let time = start + step * i as f64;
+            let kept = self.block.apply_capacity(&self.field) * faer::Scale(shift);
+            let mut first = &kept + self.load(&flux(time + GAMMA * step));
+            self.block.solve_in_place(&factor, &mut first).unwrap();
+            // T_end = T + (1 - gamma)/gamma (T_first - T) + gamma h dT_end/dt.
+            let part = (1.0 - GAMMA) / GAMMA;
+            let start = &self.field + (&first - &self.field) * faer::Scale(part);
+            let mut end = self.block.apply_capacity(&start) * faer::Scale(shift) + self.load(&flux(time + step));
+            self.block.solve_in_place(&factor, &mut end).unwrap();
+            self.field = end;
+        }
+    }
+
+    fn rest(&mut self, flux: &[f64]) {
+        self.field = self.load(flux);
+        self.block.solve_in_place(&self.block.factorize(0.0).unwrap(), &mut self.field).unwrap();
+    }
+
+    fn temperature(&self, flux: &[f64]) -> Vec<f64> {
+        let means = self.block.contact_temperatures(&self.boundaries, &self.field).unwrap();
+        (0..flux.len())
+            .map(|i| means[(i, 0)] + (0..flux.len()).map(|j| self.unresolved[(i, j)] * flux[j]).sum::<f64>())
+            .collect()
+    }
+
+    fn distortion(&self) -> Vec<f64> {
+        let means = self.elastic.thermal_distortion(&self.block, &self.field, &self.boundaries).unwrap();
+        means.iter().map(|mean| self.expansion * mean).collect()
+    }
+}
+
+fn largest_difference(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| (left - right).abs()).fold(0.0, f64::max)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+/// A flux that leans, of 1 W/m2 at most.
+fn leaning(cells: &Cells) -> Vec<f64> {
+    cells.centres().iter().map(|x| 0.7 + 0.3 * x / 0.03).collect()
+}
+
+#[test]
+fn states_and_error_at_the_finest_tolerance() {
+    for (changes, count) in [
+        (&[][..], 33),
+        (&[("punch.top_thermal", 3.0)], 33),
+        (&[("punch.top_thermal", 2.0), ("punch.convection", 20.0)], 33),
+        (&[("punch.top_thermal", 3.0), ("punch.convection", 20.0)], 129),
+    ] {
+        let cells = cells(count);
+        let start = std::time::Instant::now();
+        let heat = reduce(&scene(changes), &cells, TOLERANCE, 1000.0).unwrap().unwrap();
+        let time = start.elapsed();
+        println!("{changes:?} {count}: {} states, error {:.2e}, {time:?}", heat.decaying_states(), heat.error());
+        assert!(heat.decaying_states() <= 100 && heat.error() <= TOLERANCE);
+    }
+    // A brake pad, of a material that conducts badly, over a stop.
+    let pad = scene(&[
+        ("punch.conductivity", 1.2),
+        ("punch.density", 2500.0),
+        ("punch.specific_heat", 1000.0),
+        ("punch.height", 0.015),
+        ("punch.top_thermal", 3.0),
+    ]);
+    let heat = reduce(&pad, &cells(33), 1e-3, 10.0).unwrap().unwrap();
+    println!("pad: {} states, error {:.2e}", heat.decaying_states(), heat.error());
+    assert!(heat.decaying_states() <= MAXIMUM_STATES && heat.error() <= 1e-3);
+    // Where the states do not suffice, the error that is left is said.
+    let heat = reduce(&scene(&[]), &cells(33), TOLERANCE, 1.0).unwrap().unwrap();
+    println!("1 s: {} states, error {:.2e}", heat.decaying_states(), heat.error());
+    assert!(heat.decaying_states() == MAXIMUM_STATES && heat.error() > TOLERANCE && heat.error() < 2e-3);
+}
+
+#[test]
+fn step_and_ramp_follow_the_unreduced_punch() {
+    let cells = cells(33);
+    let shape = leaning(&cells);
+    let scene = scene(&[("punch.top_thermal", 2.0), ("punch.convection", 300.0)]);
+    for ramp in [false, true] {
+        let flux = |time: f64| -> Vec<f64> {
+            shape.iter().map(|shape| shape * if ramp { time / 24.0 } else { 1.0 }).collect()
+        };
+        let mut run = Run::new(&scene, &cells, TOLERANCE, 1000.0);
+        let mut unreduced = Unreduced::new(&scene, &cells);
+        // Temperature by a uniform flux of 1 over the duration: what the error is relative to.
+        let mut rise = Run::new(&scene, &cells, TOLERANCE, 1000.0);
+        rise.step(1000.0, &[1.0; 33], &[1.0; 33]);
+        let (rise, widest) = (largest(&rise.temperature), largest(&rise.distortion));
+        let mut time = 0.0;
+        for step in [1e-3, 1e-2, 0.1, 0.5] {
+            unreduced.run(time, step, 40, flux);
+            for i in 0..40 {
+                let before = time + step * f64::from(i);
+                // The stage's constant flux is that of a step; a ramp goes through its start and end.
+                run.step(step, &flux(before + GAMMA * step), &flux(before + step));
+            }
+            time += 40.0 * step;
+            let error = largest_difference(&run.temperature, &unreduced.temperature(&flux(time))) / rise;
+            let bent = largest_difference(&run.distortion, &unreduced.distortion()) / widest;
+            println!("ramp {ramp}, {time} s: temperature {error:.2e}, distortion {bent:.2e}");
+            assert!(error < TOLERANCE && bent < TOLERANCE, "{time} s: {error:e} {bent:e}");
+        }
+    }
+}
+
+#[test]
+fn fast_alternation_follows_the_unreduced_punch() {
+    let cells = cells(33);
+    let shape = leaning(&cells);
+    let scene = scene(&[]);
+    let flux = |time: f64| -> Vec<f64> {
+        shape.iter().map(|shape| shape * (20.0 * std::f64::consts::PI * time).sin()).collect()
+    };
+    let mut run = Run::new(&scene, &cells, TOLERANCE, 1000.0);
+    let mut unreduced = Unreduced::new(&scene, &cells);
+    let (step, mut worst) = (1e-3, 0.0f64);
+    for part in 0..8 {
+        let start = 0.025 * f64::from(part);
+        unreduced.run(start, step, 25, flux);
+        for i in 0..25 {
+            let before = start + step * f64::from(i);
+            run.step(step, &flux(before + GAMMA * step), &flux(before + step));
+        }
+        let expected = unreduced.temperature(&flux(start + 0.025));
+        worst = worst.max(largest_difference(&run.temperature, &expected));
+    }
+    let relative = worst / (0.1 / 55.0);
+    println!("10 Hz: {relative:.2e}");
+    assert!(relative < TOLERANCE, "{relative:e}");
+}
+
+#[test]
+fn steady_states_are_those_of_the_unreduced_punch() {
+    let cells = cells(17);
+    let spiked: Vec<f64> = (0..17).map(|j| if j % 5 == 2 { 1.0 } else { 0.2 }).collect();
+    for changes in [
+        &[][..],
+        &[("punch.convection", 300.0)],
+        &[("punch.top_thermal", 2.0), ("punch.convection", 4000.0)],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
+    ] {
+        let scene = scene(changes);
+        let mut run = Run::new(&scene, &cells, 1e-3, 1000.0);
+        let mut unreduced = Unreduced::new(&scene, &cells);
+        for _ in 0..2 {
+            run.step(1e9, &spiked, &spiked);
+        }
+        unreduced.rest(&spiked);
+        let expected = unreduced.temperature(&spiked);
+        let error = largest_difference(&run.temperature, &expected) / largest(&expected);
+        let bent = unreduced.distortion();
+        let distortion = largest_difference(&run.distortion, &bent) / largest(&bent);
+        println!("{changes:?}: temperature {error:.2e}, distortion {distortion:.2e}");
+        assert!(error < 3e-5 && distortion < 1e-4, "{changes:?}: {error:e} {distortion:e}");
+        let entered: f64 = spiked.iter().zip(cells.widths()).map(|(flux, width)| flux * width).sum();
+        let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
+        assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
+        // What is held between steps is what the step ended with.
+        let (mut held, mut held_distortion) = (vec![0.0; 17], vec![0.0; 17]);
+        run.heat.held(&run.state, &run.surroundings, &spiked, &mut held);
+        run.heat.held_distortion(&run.state, &run.surroundings, &spiked, &mut held_distortion);
+        assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
+        assert!(largest_difference(&held_distortion, &run.distortion) < 1e-12 * largest(&held_distortion));
+    }
+    // The exact response, which the states and their remainder share out between them.
+    let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
+    exact.heat.prepare(1e12, [0.0; 2]);
+    let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
+    let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 7800.0 * 460.0, top: Top::Held };
+    let expected = steady::steady_beyond(&across, &depth, &cells, 0);
+    let error = (&exact.heat.gains(Stage::End).temperature - &expected).amax() / expected.amax();
+    assert!(error < 1e-8, "{error:e}");
+    // Insulated sides and a held top: the conduction of a slab, whatever the mean flux does in time.
+    let mut slab = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
+    slab.step(1e12, &[2.0; 17], &[2.0; 17]);
+    assert!(slab.temperature.iter().all(|t| (t / (2.0 * 0.1 / 55.0) - 1.0).abs() < 1e-10), "{:?}", slab.temperature);
+}
+
+#[test]
+fn short_times_are_those_of_the_half_space() {
+    let mut run = Run::new(&scene(&[]), &cells(33), TOLERANCE, 1.0);
+    let bound = run.heat.error();
+    assert!(bound < 5e-3, "{bound:e}");
+    let expected = |time: f64| 2.0 * (time / (std::f64::consts::PI * 55.0 * 7800.0 * 460.0)).sqrt();
+    // Any number of steps: the states follow a constant flux exactly.
+    for count in [1, 10] {
+        run.state.fill(0.0);
+        for _ in 0..count {
+            run.step(1.0 / f64::from(count), &[1.0; 33], &[1.0; 33]);
+        }
+        assert!(run.temperature.iter().all(|t| (t / expected(1.0) - 1.0).abs() < bound));
+    }
+    run.state.fill(0.0);
+    run.step(1e-3, &[1.0; 33], &[1.0; 33]);
+    assert!(run.temperature.iter().all(|t| (t - expected(1e-3)).abs() < bound * expected(1.0)));
+}
+
+#[test]
+fn heat_is_accounted_for() {
+    let cells = cells(9);
+    for changes in [
+        &[("punch.top_thermal", 3.0)][..],
+        &[],
+        &[("punch.convection", 300.0)],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 1e-7)],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
+        &[("punch.top_thermal", 2.0), ("punch.convection", 30.0)],
+    ] {
+        let scene = scene(changes);
+        let mut run = Run::new(&scene, &cells, 1e-3, 100.0);
+        run.heat.uniform(5.0, &mut run.state);
+        let start = run.heat.account(&run.state);
+        assert!(
+            (run.heat.mean_temperature(&run.state) - 5.0).abs() < 1e-4,
+            "{}",
+            run.heat.mean_temperature(&run.state)
+        );
+        let mut entered = 0.0;
+        for i in 0..300 {
+            let flux =
+                |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
+            let (first, end) = (flux(i), flux(i + 1));
+            run.surroundings =
+                Surroundings { cooling: -20.0, ambient: 3.0, far: if i % 50 < 25 { -10.0 } else { 4.0 } };
+            let step = [1e-3, 0.7, 40.0][i as usize % 3];
+            run.step(step, &first, &end);
+            entered += step
+                * (first.iter().zip(&end).zip(cells.widths()))
+                    .map(|((first, end), width)| ((1.0 - GAMMA) * first + GAMMA * end) * width)
+                    .sum::<f64>();
+        }
+        let end = run.heat.account(&run.state);
+        let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
+        assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
+        let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
+        assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
+        // The account follows the flows.
+        let flux = [1e4; 9];
+        run.step(10.0, &flux, &flux);
+        let before = run.heat.account(&run.state);
+        let flows = run.heat.flows(&run.state, &run.surroundings, &flux);
+        run.step(1e-6, &flux, &flux);
+        let after = run.heat.account(&run.state);
+        let cooling = 20.0 * 0.2;
+        for (flow, booked) in
+            flows.iter().zip([1e6 * (after.ambient - before.ambient) - cooling, 1e6 * (after.far - before.far)])
+        {
+            assert!((flow - booked).abs() < 1e-3 * flow.abs() + 0.1, "{changes:?}: {flow} {booked}");
+        }
+    }
+}
+
+#[test]
+fn a_body_as_warm_as_all_around_it_stays_so() {
+    let cells = cells(9);
+    for changes in [&[][..], &[("punch.convection", 300.0)], &[("punch.top_thermal", 2.0), ("punch.convection", 300.0)]]
+    {
+        let mut run = Run::new(&scene(changes), &cells, 1e-3, 100.0);
+        run.surroundings = Surroundings { cooling: 0.0, ambient: 7.0, far: 7.0 };
+        run.heat.uniform(7.0, &mut run.state);
+        for _ in 0..10 {
+            run.step(3.0, &[0.0; 9], &[0.0; 9]);
+        }
+        assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
+        let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
+        assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
+        // Free expansion of all but what the holder restrains: that of the elastic block.
+        let unreduced = Unreduced::new(&scene(changes), &cells);
+        let expected = unreduced.elastic.uniform_distortion(cells.edges()).unwrap() * (7.0 * 1.1e-5);
+        let error = largest_difference(&run.distortion, expected.as_slice());
+        assert!(error < 1e-4 * expected.amax(), "{changes:?}: {error:e} of {}", expected.amax());
+        assert!(run.distortion.iter().all(|u| *u < 0.0));
+    }
+}
+
+#[test]
+fn forced_cooling_takes_the_heat_of_the_sides() {
+    // A constant flux into the sides of an otherwise closed block warms it by what enters.
+    let cells = cells(9);
+    let mut run = Run::new(&scene(&[("punch.top_thermal", 3.0)]), &cells, 1e-3, 100.0);
+    run.surroundings.cooling = 500.0;
+    run.step(50.0, &[0.0; 9], &[0.0; 9]);
+    let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
+    assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
+    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
+    assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
+}
+
+#[test]
+fn linear_field_bends_the_contact_line() {
+    // A slender block, held in temperature at its top: a linear field, free of stress far from the top, that bends the
+    // contact with the curvature alpha (1 + nu) q/k.
+    let cells = Cells::uniform(0.03, 9).unwrap();
+    let mut run = Run::new(&scene(&[("punch.height", 0.3)]), &cells, 1e-3, 1000.0);
+    run.step(1e9, &[1e5; 9], &[1e5; 9]);
+    let spacing = 0.06 / 9.0;
+    for i in 1..8 {
+        let bend = (run.distortion[i - 1] - 2.0 * run.distortion[i] + run.distortion[i + 1]) / (spacing * spacing);
+        let expected = 1.1e-5 * 1.3 * 1e5 / 55.0;
+        assert!((bend / expected - 1.0).abs() < 1e-3, "{i}: {bend} {expected}");
+    }
+}
+
+#[test]
+fn gains_do_not_depend_on_what_came_before() {
+    let cells = cells(9);
+    let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
+    let mut fresh = run.heat.boxed();
+    for step in [1.0, 0.3, 7.0, 0.01, 2.0, 0.3] {
+        run.heat.prepare(step, [1.0, -1.0]);
+    }
+    fresh.prepare(0.3, [0.0; 2]);
+    for stage in [Stage::First, Stage::End] {
+        assert_eq!(run.heat.gains(stage), fresh.gains(stage));
+    }
+}
+
+#[test]
+fn first_stage_is_a_shorter_step_of_constant_flux() {
+    let cells = cells(9);
+    let scene = scene(&[("punch.convection", 300.0)]);
+    let (mut run, mut short) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
+    let flux: Vec<f64> = (0..9).map(|j| 1.0 + f64::from(j)).collect();
+    for run in [&mut run, &mut short] {
+        run.surroundings = Surroundings { cooling: 1.0, ambient: 2.0, far: 3.0 };
+        run.step(2.0, &flux, &[0.0; 9]);
+    }
+    let step = 5.0;
+    run.heat.prepare(step, [0.0; 2]);
+    let (mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9]);
+    run.heat.base(&run.state, &run.surroundings, Stage::First, &[f64::NAN; 9], &mut temperature, &mut distortion);
+    let gains = run.heat.gains(Stage::First);
+    for i in 0..9 {
+        temperature[i] += (0..9).map(|j| gains.temperature[(i, j)] * flux[j]).sum::<f64>();
+        distortion[i] += (0..9).map(|j| gains.distortion[(i, j)] * flux[j]).sum::<f64>();
+    }
+    short.step(GAMMA * step, &flux, &flux);
+    assert!(largest_difference(&temperature, &short.temperature) < 1e-12 * largest(&temperature));
+    assert!(largest_difference(&distortion, &short.distortion) < 1e-12 * largest(&distortion));
+    // A flux that is linear over the step, against many short steps that follow it.
+    let (first, end) = (vec![1.0; 9], flux);
+    let at = |time: f64| -> Vec<f64> {
+        let part = (time / step - GAMMA) / (1.0 - GAMMA);
+        first.iter().zip(&end).map(|(first, end)| first + part * (end - first)).collect()
+    };
+    let mut fine = Run { heat: run.heat.clone(), state: run.state.clone(), ..short };
+    run.step(step, &first, &end);
+    for i in 0..50 {
+        let start = step * f64::from(i) / 50.0;
+        fine.step(step / 50.0, &at(start + GAMMA * step / 50.0), &at(start + step / 50.0));
+    }
+    assert!(largest_difference(&run.temperature, &fine.temperature) < 1e-10 * largest(&run.temperature));
+    assert!(largest_difference(&run.state, &fine.state) < 1e-10 * largest(&run.state));
+}
+
+#[test]
+fn a_ring_is_a_layer_of_sinusoidal_modes() {
+    // Five waves around a ring that is deep against them: T = q/(k m), bent by alpha (1 + nu) q/k, at rest.
+    let count = 120;
+    let cells = Cells::uniform(0.03, count).unwrap();
+    let wave_number = 5.0 * 2.0 * std::f64::consts::PI / 0.06;
+    let ring =
+        [("contact.geometry", 3.0), ("strip.path", 2.0), ("strip.length", 0.06), ("contact.friction_coefficient", 0.0)];
+    for (poissons_ratio, body) in [(0.3, 4.0), (0.45, 4.0), (0.3, 3.0), (0.3, 2.0)] {
+        let scene = scene(&[&ring[..], &[("punch.poissons_ratio", poissons_ratio), ("punch.body", body)]].concat());
+        let mut run = Run::new(&scene, &cells, 1e-3, 1000.0);
+        let half = 0.5 * wave_number * 0.06 / count as f64;
+        let flux: Vec<f64> = cells.centres().iter().map(|x| (wave_number * x + 0.4).cos()).collect();
+        run.step(1e9, &flux, &flux);
+        // Cell means of a flux of cell means.
+        let temperature = (half.sin() / half).powi(2) / (55.0 * wave_number);
+        let distortion = -1.1e-5 * (1.0 + poissons_ratio) * temperature / wave_number;
+        for (i, flux) in flux.iter().enumerate() {
+            assert!((run.temperature[i] - flux * temperature).abs() < 1e-2 * temperature, "{i}");
+            let error = (run.distortion[i] - flux * distortion).abs();
+            assert!(error < 1e-2 * distortion.abs(), "{body} {i}: {} {}", run.distortion[i], flux * distortion);
+        }
+    }
+}

@@ -1,0 +1,463 @@
+//! A body at rest under the contact, reduced to states that decay independently.
+//!
+//! Temperatures are sums of products `X_m(x) Z_k(z)` with one state `a_k` each:
+//!
+//! ```text
+//! da_k/dt = -rate_k a_k + Z_k(0) sum_j F_mj q_j + sum_p input_pk u_p,   F_mj = integral of X_m over cell j
+//! T_i = sum_k (F_mi/c_i) Z_k(0) a_k + (D q)_i + (d_p u_p)_i,              c_i: width of cell i
+//! ```
+//!
+//! with the fluxes q, the surroundings u (cooling, ambient, far) and the static remainders D and d. Distortions, flows and
+//! the stored heat are sums over the same states. Each state follows its fluxes without error, at any rate and step, so
+//! the response of a stage is a weight per state: N^2 products per mode across for a new step.
+
+use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use nalgebra::DMatrix;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Number of inputs besides the fluxes.
+pub(super) const PORTS: usize = 3;
+
+/// Steps whose weights are kept: the one at hand and those of a step control that hesitates.
+const KEPT_STEPS: usize = 3;
+
+impl Surroundings {
+    /// Cooling, ambient, far: the order of all ports.
+    fn ports(&self) -> [f64; PORTS] {
+        [self.cooling, self.ambient, self.far]
+    }
+}
+
+/// A number observed: weights of the states, of the N fluxes and of the ports.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Observation {
+    pub states: Vec<f64>,
+    pub fluxes: Vec<f64>,
+    pub ports: [f64; PORTS],
+}
+
+impl Observation {
+    /// Nothing of `states` states and `cells` fluxes.
+    pub fn none(states: usize, cells: usize) -> Self {
+        Self { states: vec![0.0; states], fluxes: vec![0.0; cells], ports: [0.0; PORTS] }
+    }
+
+    fn of(&self, states: &[f64], fluxes: &[f64], ports: &[f64; PORTS]) -> f64 {
+        dot(&self.states, states) + dot(&self.fluxes, fluxes) + dot(&self.ports, ports)
+    }
+}
+
+/// A mode across and the states that share it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ModeStates {
+    pub states: Range<usize>,
+    /// F: integrals of the mode over the cells, m^(1/2).
+    pub integrals: Vec<f64>,
+    /// F over the widths of the cells.
+    pub means: Vec<f64>,
+}
+
+/// What a reduced body is made of. Vectors by state unless said.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Operators {
+    /// Widths of the N cells, m.
+    pub widths: Vec<f64>,
+    pub modes: Vec<ModeStates>,
+    /// Decay rates, 1/s, >= 0.
+    pub rate: Vec<f64>,
+    /// Z at the contact.
+    pub contact: Vec<f64>,
+    /// Distortion of the N cells by each state, state by state.
+    pub distortion: Vec<f64>,
+    /// By port.
+    pub input: [Vec<f64>; PORTS],
+    /// D, N x N, K m2/W.
+    pub temperature_by_flux: DMatrix<f64>,
+    /// d: temperatures of the cells by port.
+    pub temperature_by_port: [Vec<f64>; PORTS],
+    /// The same for the distortion, m3/W and m per unit of the port.
+    pub distortion_by_flux: DMatrix<f64>,
+    pub distortion_by_port: [Vec<f64>; PORTS],
+    /// Mean temperature of the cooled surface.
+    pub cooled: Observation,
+    /// Heat flow to the air by the constant convection, W/m.
+    pub ambient_flow: Observation,
+    /// Heat flow out of the far face, W/m.
+    pub far_flow: Observation,
+    /// Of ambient and far flow, see `Operators::passed`.
+    pub passed: [Observation; 2],
+    /// Heat flow that enters through the cooled surface per unit of `cooling`, m.
+    pub cooled_length: f64,
+    /// Heat stored, J/m.
+    pub stored: Vec<f64>,
+    /// Heat stored beyond the states per kelvin of the far face, J/(m K).
+    pub stored_by_far: f64,
+    /// States of the uniform temperature 1 K.
+    pub uniform: Vec<f64>,
+    /// Heat capacity of the whole body, J/(m K).
+    pub heat_capacity: f64,
+    /// See [`LineHeat::error`].
+    pub error: f64,
+}
+
+/// Weights of the states and responses of the cells for one step.
+#[derive(Clone, Debug)]
+struct Weights {
+    step: f64,
+    last_used: u64,
+    stages: [StageWeights; 2],
+}
+
+/// How a stage's states follow from those at the start of the step.
+#[derive(Clone, Debug)]
+struct StageWeights {
+    /// Of the state at the start.
+    decay: Vec<f64>,
+    /// Of inputs that are constant from the start to the stage, s.
+    constant: Vec<f64>,
+    /// Of the fluxes of the first stage, at the end of the step, s.
+    first: Vec<f64>,
+    /// Of the fluxes of the stage itself, s.
+    own: Vec<f64>,
+    gains: Gains,
+}
+
+/// A reduced body with the weights of its last steps.
+#[derive(Clone, Debug)]
+pub struct ReducedHeat {
+    operators: Arc<Operators>,
+    /// For the gains; lives here so that no step allocates.
+    scratch: Vec<f64>,
+    kept: Vec<Weights>,
+    current: usize,
+    clock: u64,
+}
+
+impl ReducedHeat {
+    pub(super) fn new(mut operators: Operators) -> Self {
+        operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
+        let scratch = vec![0.0; operators.widths.len()];
+        Self { operators: Arc::new(operators), scratch, kept: Vec::new(), current: 0, clock: 0 }
+    }
+
+    /// Number of states that decay; the state vector holds four entries more, for the account.
+    pub fn decaying_states(&self) -> usize {
+        self.operators.rate.len()
+    }
+
+    fn stage(&self, stage: Stage) -> &StageWeights {
+        &self.kept.get(self.current).expect("prepare comes before any step").stages[stage as usize]
+    }
+}
+
+/// Entries of the state vector behind the decaying states: what went in and out until now, J/m, and the temperature of
+/// the far face that the stored heat includes.
+#[derive(Clone, Copy)]
+enum Tally {
+    Received,
+    Ambient,
+    Far,
+    FarTemperature,
+}
+
+const TALLIES: usize = 4;
+
+impl Operators {
+    fn states(&self) -> usize {
+        self.rate.len()
+    }
+
+    /// What a flow passes on of its inputs without ever giving it to the states, and the weights of the states in its
+    /// integral over time: that of a state is (what entered it less what it gained) over its rate.
+    fn passed(&self, flow: &Observation) -> Observation {
+        let over_rate = |(flow, &rate): (&f64, &f64)| if rate > 0.0 { flow / rate } else { 0.0 };
+        let states: Vec<f64> = flow.states.iter().zip(&self.rate).map(over_rate).collect();
+        let mut passed = Observation { states, ..flow.clone() };
+        for mode in &self.modes {
+            let weight: f64 = mode.states.clone().map(|k| passed.states[k] * self.contact[k]).sum();
+            add(&mut passed.fluxes, weight, &mode.integrals);
+        }
+        for (port, input) in passed.ports.iter_mut().zip(&self.input) {
+            *port += dot(&passed.states, input);
+        }
+        passed
+    }
+
+    fn input_of(&self, state: usize, ports: &[f64; PORTS]) -> f64 {
+        self.input[0][state] * ports[0] + self.input[1][state] * ports[1] + self.input[2][state] * ports[2]
+    }
+
+    /// Temperatures or distortions, or both, of the cells by the ports and the states `value(k, flux into the mode)`.
+    fn observe(
+        &self,
+        mut temperature: Option<&mut [f64]>,
+        mut distortion: Option<&mut [f64]>,
+        ports: &[f64; PORTS],
+        flux: Option<&[f64]>,
+        value: impl Fn(usize, f64) -> f64,
+    ) {
+        if let Some(temperature) = temperature.as_deref_mut() {
+            combine(&self.temperature_by_port, ports, temperature);
+        }
+        if let Some(distortion) = distortion.as_deref_mut() {
+            combine(&self.distortion_by_port, ports, distortion);
+        }
+        let cells = self.widths.len();
+        for mode in &self.modes {
+            let flux = flux.map_or(0.0, |flux| dot(&mode.integrals, flux));
+            let mut surface = 0.0;
+            for k in mode.states.clone() {
+                let state = value(k, flux);
+                surface += self.contact[k] * state;
+                if let Some(distortion) = distortion.as_deref_mut() {
+                    add(distortion, state, &self.distortion[k * cells..(k + 1) * cells]);
+                }
+            }
+            if let Some(temperature) = temperature.as_deref_mut() {
+                add(temperature, surface, &mode.means);
+            }
+        }
+    }
+
+    fn allocate(&self) -> Weights {
+        let states = || vec![0.0; self.states()];
+        let cells = self.widths.len();
+        let stage = || StageWeights {
+            decay: states(),
+            constant: states(),
+            first: states(),
+            own: states(),
+            gains: Gains { temperature: DMatrix::zeros(cells, cells), distortion: DMatrix::zeros(cells, cells) },
+        };
+        Weights { step: f64::NAN, last_used: 0, stages: [stage(), stage()] }
+    }
+
+    fn fill(&self, weights: &mut Weights, step: f64, scratch: &mut [f64]) {
+        weights.step = step;
+        let [first, end] = &mut weights.stages;
+        for (k, &rate) in self.rate.iter().enumerate() {
+            let (early, whole) = (rate * GAMMA * step, rate * step);
+            first.decay[k] = (-early).exp();
+            first.constant[k] = GAMMA * step * mean_decay(early);
+            first.own[k] = first.constant[k];
+            end.decay[k] = (-whole).exp();
+            end.constant[k] = step * mean_decay(whole);
+            // Flux q2 + (q2 - q1) (t - h)/((1 - gamma) h).
+            end.first[k] = step * first_moment(whole) / (1.0 - GAMMA);
+            end.own[k] = end.constant[k] - end.first[k];
+        }
+        for stage in [first, end] {
+            self.fill_gains(&stage.own, &mut stage.gains, scratch);
+        }
+    }
+
+    fn fill_gains(&self, own: &[f64], gains: &mut Gains, scratch: &mut [f64]) {
+        gains.temperature.copy_from(&self.temperature_by_flux);
+        gains.distortion.copy_from(&self.distortion_by_flux);
+        let cells = self.widths.len();
+        let distorts = !self.distortion.is_empty();
+        for mode in &self.modes {
+            let surface: f64 = mode.states.clone().map(|k| self.contact[k] * self.contact[k] * own[k]).sum();
+            for (column, integral) in gains.temperature.as_mut_slice().chunks_exact_mut(cells).zip(&mode.integrals) {
+                add(column, surface * integral, &mode.means);
+            }
+            if distorts {
+                scratch.fill(0.0);
+                for k in mode.states.clone() {
+                    add(scratch, self.contact[k] * own[k], &self.distortion[k * cells..(k + 1) * cells]);
+                }
+                for (column, integral) in gains.distortion.as_mut_slice().chunks_exact_mut(cells).zip(&mode.integrals) {
+                    add(column, *integral, scratch);
+                }
+            }
+        }
+    }
+}
+
+impl LineHeat for ReducedHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.states() + TALLIES
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (states, tallies) = state.split_at_mut(self.operators.states());
+        for (state, uniform) in states.iter_mut().zip(&self.operators.uniform) {
+            *state = rise * uniform;
+        }
+        tallies.fill(0.0);
+        tallies[Tally::FarTemperature as usize] = rise;
+    }
+
+    fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
+        if self.kept.is_empty() {
+            self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
+        }
+        self.clock += 1;
+        let known = self.kept.iter().position(|weights| weights.step == step);
+        self.current = known.unwrap_or_else(|| {
+            let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            self.operators.fill(&mut self.kept[oldest], step, &mut self.scratch);
+            oldest
+        });
+        self.kept[self.current].last_used = self.clock;
+    }
+
+    fn gains(&self, stage: Stage) -> &Gains {
+        &self.stage(stage).gains
+    }
+
+    fn base(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        first: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let (operators, weights) = (&*self.operators, self.stage(stage));
+        let ports = surroundings.ports();
+        let first = (stage == Stage::End).then_some(first);
+        distortion.fill(0.0);
+        let distortion = (!operators.distortion.is_empty()).then_some(distortion);
+        operators.observe(Some(temperature), distortion, &ports, first, |k, flux| {
+            weights.decay[k] * state[k]
+                + weights.constant[k] * operators.input_of(k, &ports)
+                + weights.first[k] * operators.contact[k] * flux
+        });
+    }
+
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let (operators, weights) = (&*self.operators, self.stage(Stage::End));
+        let ports = surroundings.ports();
+        let step = self.kept[self.current].step;
+        let (states, tallies) = state.split_at_mut(operators.states());
+        for mode in &operators.modes {
+            let (before, after) = (dot(&mode.integrals, first), dot(&mode.integrals, end));
+            for k in mode.states.clone() {
+                states[k] = weights.decay[k] * states[k]
+                    + weights.constant[k] * operators.input_of(k, &ports)
+                    + operators.contact[k] * (weights.first[k] * before + weights.own[k] * after);
+            }
+        }
+        // What enters over the step, with the weights of both stages.
+        let over_step = |weights: &[f64]| (1.0 - GAMMA) * dot(weights, first) + GAMMA * dot(weights, end);
+        tallies[Tally::Received as usize] += step * over_step(&operators.widths);
+        for (tally, passed) in [Tally::Ambient, Tally::Far].into_iter().zip(&operators.passed) {
+            tallies[tally as usize] += step * (over_step(&passed.fluxes) + dot(&passed.ports, &ports));
+        }
+        // The flux into the cooled surface is heat from the air.
+        tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.cooling;
+        tallies[Tally::FarTemperature as usize] = surroundings.far;
+    }
+
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
+        let operators = &*self.operators;
+        operators.observe(Some(temperature), None, &surroundings.ports(), None, |k, _| state[k]);
+        multiply_add(&operators.temperature_by_flux, flux, temperature);
+    }
+
+    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]) {
+        let operators = &*self.operators;
+        distortion.fill(0.0);
+        if !operators.distortion.is_empty() {
+            operators.observe(None, Some(distortion), &surroundings.ports(), None, |k, _| state[k]);
+            multiply_add(&operators.distortion_by_flux, flux, distortion);
+        }
+    }
+
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+        self.operators.cooled.of(&state[..self.operators.states()], flux, &surroundings.ports())
+    }
+
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let (operators, ports) = (&*self.operators, surroundings.ports());
+        let states = &state[..operators.states()];
+        [operators.ambient_flow.of(states, flux, &ports), operators.far_flow.of(states, flux, &ports)]
+    }
+
+    fn mean_temperature(&self, state: &[f64]) -> f64 {
+        let operators = &*self.operators;
+        let (states, tallies) = state.split_at(operators.states());
+        let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
+        (dot(&operators.uniform, states) + beyond) / operators.heat_capacity
+    }
+
+    fn account(&self, state: &[f64]) -> Account {
+        let operators = &*self.operators;
+        let (states, tallies) = state.split_at(operators.states());
+        // What the field of the far face holds beyond the states came and went through that face.
+        let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
+        Account {
+            received: tallies[Tally::Received as usize],
+            stored: dot(&operators.stored, states) + beyond,
+            ambient: tallies[Tally::Ambient as usize] - dot(&operators.passed[0].states, states),
+            far: tallies[Tally::Far as usize] - dot(&operators.passed[1].states, states) - beyond,
+        }
+    }
+
+    fn error(&self) -> f64 {
+        self.operators.error
+    }
+
+    fn boxed(&self) -> Box<dyn LineHeat> {
+        Box::new(self.clone())
+    }
+}
+
+/// Sum of products, in an order that is the same everywhere.
+fn dot(left: &[f64], right: &[f64]) -> f64 {
+    let (left_fours, left_rest) = left.as_chunks::<4>();
+    let (right_fours, right_rest) = right.as_chunks::<4>();
+    let mut sum = [0.0; 4];
+    for (left, right) in left_fours.iter().zip(right_fours) {
+        for lane in 0..4 {
+            sum[lane] += left[lane] * right[lane];
+        }
+    }
+    let rest: f64 = left_rest.iter().zip(right_rest).map(|(left, right)| left * right).sum();
+    (sum[0] + sum[2]) + (sum[1] + sum[3]) + rest
+}
+
+fn add(sum: &mut [f64], factor: f64, vector: &[f64]) {
+    for (sum, value) in sum.iter_mut().zip(vector) {
+        *sum += factor * value;
+    }
+}
+
+fn combine(vectors: &[Vec<f64>; PORTS], factors: &[f64; PORTS], sum: &mut [f64]) {
+    sum.fill(0.0);
+    for (vector, &factor) in vectors.iter().zip(factors) {
+        if factor != 0.0 {
+            add(sum, factor, vector);
+        }
+    }
+}
+
+fn multiply_add(matrix: &DMatrix<f64>, vector: &[f64], sum: &mut [f64]) {
+    for (column, &factor) in matrix.as_slice().chunks_exact(sum.len()).zip(vector) {
+        add(sum, factor, column);
+    }
+}
+
+/// Mean of exp(-x t) for t from 0 to 1.
+fn mean_decay(x: f64) -> f64 {
+    if x < 1e-5 { 1.0 - 0.5 * x * (1.0 - x / 3.0) } else { -(-x).exp_m1() / x }
+}
+
+/// Integral of t exp(-x t) for t from 0 to 1.
+fn first_moment(x: f64) -> f64 {
+    if x > 0.5 {
+        return (mean_decay(x) - (-x).exp()) / x;
+    }
+    // sum (-x)^n / (n! (n + 2)), by Horner's rule.
+    (0..14).rev().fold(0.0, |sum, n| {
+        let n = f64::from(n);
+        (n + 2.0).recip() - x / (n + 1.0) * sum
+    })
+}
