@@ -26,8 +26,9 @@ pub enum State {
     Line(lumped::state::State, Vec<f64>),
 }
 
-/// A scene at its level.
+/// A scene at its level. The common one is stored in place, so that its step follows no pointer.
 #[derive(Clone, Debug)]
+#[allow(clippy::large_enum_variant, reason = "see above")]
 pub enum Model {
     /// Uniform pressure.
     Lumped(Lumped),

@@ -108,7 +108,7 @@ fn half_planes(all: &mut Vec<Problem>) {
                 Ok(cells.edges()[cells.count() - clipped])
             }),
             bound: match pivot_height {
-                Some(height) if height == 1.0 => 0.0255,
+                Some(1.0) => 0.0255,
                 Some(_) => 0.01,
                 None => 0.0066,
             },
