@@ -160,7 +160,6 @@ const CASES: &[Case] = &[
     (STE, "output derivative of order 2", |x| x.output_derivative("wear_depth", 2), ERROR, "not 2"),
     (STE, "output derivative of an input", |x| x.output_derivative("normal_load", 1), ERROR, "not an output"),
     (STE, "output derivative of an integer", |x| x.output_derivative("limit_reached", 1), ERROR, "limit"),
-    (INS, "output derivative before a step", |x| x.output_derivative("wear_depth", 1), ERROR, ""),
     (
         STE,
         "no output derivatives",

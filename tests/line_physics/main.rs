@@ -3,6 +3,8 @@
 
 // The example scenes are files.
 #![cfg(feature = "scene-file")]
+// Stations and cells read as the formulas they are when they are written with indices.
+#![allow(clippy::needless_range_loop)]
 
 #[path = "../lumped_physics/drive.rs"]
 #[allow(dead_code, reason = "shared with the tests of the lumped level, which use all of it")]

@@ -55,7 +55,7 @@ impl Line {
         let state = State::new(&operators);
         Line {
             backup: (mean.state().clone(), state.clone()),
-            contact: operators.contact.clone(),
+            contact: operators.contact(),
             conditions: operators.conditions(),
             work: Work::new(&operators),
             shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),

@@ -9,6 +9,7 @@ use crate::scene::{Constraint, Geometry, InitialShape, Path, Scene};
 use crate::steady;
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
 use crate::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
+use nalgebra::DMatrix;
 use std::sync::Arc;
 
 /// Cells where the scene leaves the choice: pressure to about 1e-3 away from the edges.
@@ -44,8 +45,9 @@ pub struct Operators {
     pub radial: [Vec<f64>; 2],
     /// Gap of the unworn bodies, N cell means, m.
     pub initial_gap: Vec<f64>,
-    /// The contact as it is before the first step.
-    pub contact: WearingContact,
+    /// Normal compliance of both bodies and shear coupling (strip less punch), N x N, m/Pa.
+    normal: DMatrix<f64>,
+    shear: DMatrix<f64>,
     /// Displacement scale per mean pressure (m/Pa): what the error of a worn shape is measured against.
     pub displacement_scale: f64,
     /// Wear laws of punch and strip, with the factor of the mean over the path.
@@ -91,7 +93,8 @@ impl Operators {
         });
         let displacement: Vec<f64> = (&normal * profile_pressure).iter().map(|u| u * u).collect();
         let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
-        let contact = WearingContact::new(&cells, &weights, normal, shear, initial_gap.clone())
+        // What can be wrong with the matrices is found here, once.
+        WearingContact::new(&cells, &weights, normal.clone(), shear.clone(), initial_gap.clone())
             .map_err(|error| error.to_string())?;
         let law = |body: &crate::scene::Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
         let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
@@ -117,7 +120,8 @@ impl Operators {
             radius_ratio,
             radial,
             initial_gap,
-            contact,
+            normal,
+            shear,
             displacement_scale,
             strip_wear,
             rotates,
@@ -127,6 +131,13 @@ impl Operators {
     /// N.
     pub fn count(&self) -> usize {
         self.cells.count()
+    }
+
+    /// The contact as it is before the first step, with memory of its own.
+    pub fn contact(&self) -> WearingContact {
+        let (normal, shear) = (self.normal.clone(), self.shear.clone());
+        WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
+            .expect("the same matrices were accepted when the operators were made")
     }
 
     /// Conditions of a contact under no load, with a term for every body that reshapes the contact.

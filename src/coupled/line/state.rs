@@ -60,7 +60,7 @@ impl State {
             current: false,
             end_inputs: [f64::NAN; INPUTS],
             carried: 0.0,
-            status: operators.contact.status().clone(),
+            status: Status::new(operators.count()),
             refinement: 0,
             limits: 0,
             error: 0.0,

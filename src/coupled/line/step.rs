@@ -78,7 +78,7 @@ impl Work {
             shown: ContactState::new(count),
             rate: ContactRate::new(count),
             still: zeros(),
-            status: operators.contact.status().clone(),
+            status: Status::new(operators.count()),
             reference: (f64::NAN, 0.0),
             mean: lumped::state::State::empty(),
         }

@@ -219,7 +219,7 @@ mod tests {
         // Without shear at the surface its displacement under the pressure is, in these potentials, the difference of
         // the two parts of the dilatation there.
         for nu in [0.0, 0.3, 0.49] {
-            for u in [0.05, 0.7, 3.0, 30.0, 900.0] {
+            for u in [0.05f64, 0.7, 3.0, 30.0, 900.0] {
                 let layer = LayerDilatation::new(u / 0.2, 0.2, nu);
                 let found = layer.falling - (-u).exp() * layer.rising;
                 let expected = StripKernel::new(Base::Bonded, nu).normal(u);

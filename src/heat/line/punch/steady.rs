@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn closed_sums_are_those_of_the_series() {
-        for angle in [0.0f64, 1e-3, 0.4, 2.0, 3.1, 4.0, 6.3, 7.0, -1.0] {
+        for angle in [0.0f64, 1e-3, 0.4, 2.0, 3.1, 4.0, 6.2, 7.0, -1.0] {
             let series: f64 = (1..40_000).rev().map(|m| (f64::from(m) * angle).cos() / f64::from(m).powi(3)).sum();
             let error = (cubic_cosine_sum(angle) - series).abs();
             assert!(error < 1e-9, "{angle}: {error:e}");

@@ -76,11 +76,9 @@ impl Unreduced {
     fn new(scene: &Scene, cells: &Cells) -> Unreduced {
         let (body, width) = (&scene.punch, 2.0 * cells.half_width());
         let boundaries = cells.edges().to_vec();
-        // The mean temperature of an edge cell needs elements that are small against it, the distortion of the whole
-        // contact more layers at the holder than pressures do.
+        // The mean temperature of an edge cell needs elements that are small against it.
         let coarse = Discretization::for_cells(width, body.height, &boundaries, 1e-4);
-        let (contact_layers, top_layers) = (coarse.contact_layers + 3, coarse.top_layers + 4);
-        let discretization = Discretization { contact_layers, top_layers, ..coarse };
+        let discretization = Discretization { contact_layers: coarse.contact_layers + 3, ..coarse };
         let properties = ThermalProperties {
             width,
             height: body.height,
@@ -269,10 +267,16 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         unreduced.rest(&spiked);
         let expected = unreduced.temperature(&spiked);
         let error = largest_difference(&run.temperature, &expected) / largest(&expected);
+        // The elements lack the local field of a flux that jumps; what they add to temperatures has no distortion. A
+        // smooth flux then.
+        let smooth = leaning(&cells);
+        let mut bending = Run::new(&scene, &cells, 1e-3, 1000.0);
+        bending.step(1e9, &smooth, &smooth);
+        unreduced.rest(&smooth);
         let bent = unreduced.distortion();
-        let distortion = largest_difference(&run.distortion, &bent) / largest(&bent);
+        let distortion = largest_difference(&bending.distortion, &bent) / largest(&bent);
         println!("{changes:?}: temperature {error:.2e}, distortion {distortion:.2e}");
-        assert!(error < 3e-5 && distortion < 1e-4, "{changes:?}: {error:e} {distortion:e}");
+        assert!(error < 3e-5 && distortion < 1e-5, "{changes:?}: {error:e} {distortion:e}");
         let entered: f64 = spiked.iter().zip(cells.widths()).map(|(flux, width)| flux * width).sum();
         let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
