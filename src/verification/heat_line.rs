@@ -84,7 +84,7 @@ fn jaeger(all: &mut Vec<Problem>) {
             reason,
         });
         all.push(Problem {
-            name: format!("moving band by cells, closed path, Jaeger's value, Pe = {peclet}"),
+            name: format!("moving band by cells, closed path, Jaeger's place of the maximum, Pe = {peclet}"),
             quantity: "place of the maximum x/l",
             exact: known(at),
             scale: Some(1.0),

@@ -13,6 +13,11 @@
 //! has states; fast turning is not decay. The rest answers at once, as a matrix that depends on the velocity
 //! ([`remainder`]), so that steady sliding is exact for every velocity and every cell, however small.
 //!
+//! A contact that slides one way meets fresh material: the endless path is sampled at the odd multiples of pi/L, whose
+//! states forget what lies a period behind, and the remainder makes the steady response that of the endless path, from the
+//! moving source in real space. Between start and steady state the error of forgetting is 1 to 2 per cent of the steady
+//! temperature at a Peclet number of 1, less on both sides.
+//!
 //! Heat transfer on the top acts on the whole surface in the waves; the contact zone gets it back through fluxes
 //! ([`give_back`]).
 

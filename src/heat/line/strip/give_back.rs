@@ -10,7 +10,7 @@
 //! ```
 
 use super::operators::Operators;
-use crate::elastic::Cells;
+use crate::elastic::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 
 /// Largest dimension of the space.
@@ -131,16 +131,21 @@ impl GiveBack {
     /// Adds to `gains` (N x N) the response by way of the fluxes given back, `response V solution V'W G`.
     pub fn add_gains(&self, closure: &Closure, response: &DMatrix<f64>, gains: &mut DMatrix<f64>) {
         let count = self.widths.len();
-        for i in 0..count {
-            let mut lifted = [0.0; RANK];
-            for (value, polynomial) in lifted.iter_mut().zip(&self.polynomials) {
-                *value = (0..count).map(|j| response[(i, j)] * polynomial[j]).sum();
+        // Column by column, as the matrices lie in memory.
+        let mut lifted = [[0.0; RANK]; MAXIMUM_CELLS];
+        let lifted = &mut lifted[..count];
+        for j in 0..count {
+            let shape: [f64; RANK] = std::array::from_fn(|a| self.polynomials.get(a).map_or(0.0, |row| row[j]));
+            for (row, entry) in lifted.iter_mut().zip(response.column(j).iter()) {
+                row.iter_mut().zip(&shape).for_each(|(value, v)| *value += entry * v);
             }
-            for b in 0..self.rank {
-                let factor: f64 = (0..self.rank).map(|a| lifted[a] * closure.solution[a][b]).sum();
-                for (j, answer) in closure.response[b].iter().enumerate() {
-                    gains[(i, j)] += factor * answer;
-                }
+        }
+        for j in 0..count {
+            let answer: [f64; RANK] = std::array::from_fn(|b| closure.response.get(b).map_or(0.0, |row| row[j]));
+            let returned: [f64; RANK] =
+                std::array::from_fn(|a| (0..RANK).map(|b| closure.solution[a][b] * answer[b]).sum());
+            for (gain, row) in gains.column_mut(j).iter_mut().zip(lifted.iter()) {
+                *gain += row.iter().zip(&returned).map(|(l, r)| l * r).sum::<f64>();
             }
         }
     }

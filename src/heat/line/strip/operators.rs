@@ -107,6 +107,9 @@ pub struct Operators {
     /// The material under the contact has never been there before: heat received does not come back.
     pub fresh: bool,
     pub forgetting: Forgetting,
+    /// Largest `q dv h/8` of the shortest wave at which the gains are those of the mean velocity. Such waves are less than one
+    /// in a hundred of the temperature.
+    pub steady: f64,
     pub table: VelocityTable,
     pub give_back: Option<GiveBack>,
     /// Mean over the contact of a wave's real amplitude.
@@ -267,6 +270,7 @@ impl Operators {
             held: properties.base == Base::Held,
             fresh,
             forgetting,
+            steady: 10.0 * tolerance.min(1e-3),
             table,
             give_back: None,
             contact_mean: Vec::new(),

@@ -50,9 +50,6 @@ const SLOTS: i64 = 8;
 /// Turn of the shortest wave from knot to knot, rad: the cubic through four knots is off by .023 of its fourth power for that
 /// wave, and by less with the fourth power of the wave number for longer ones.
 const KNOT_TURN: f64 = 0.5;
-/// Largest `q dv h/8` of the shortest wave at which the gains are those of the mean velocity.
-const STEADY: f64 = 1e-3;
-
 /// The prepared step.
 #[derive(Clone, Debug)]
 pub struct Step {
@@ -158,7 +155,7 @@ impl StageWeights {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
         let drift = Motion { turning: velocity.map(|v| shortest * v), step: length }.drift();
         // A constant velocity is worth its own gains; one that changes slowly takes them from its neighbours.
-        let between = velocity[0] != velocity[1] && drift < STEADY;
+        let between = velocity[0] != velocity[1] && drift < operators.steady;
         let [warm, moved] = blocks;
         warm.clear();
         moved.clear();
