@@ -170,8 +170,8 @@ fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
     let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3, COUNT);
     let (mut worn, mut found) = (vec![0.0; COUNT], ContactState::new(COUNT));
     let begin = Instant::now();
-    let (mut cycles, mut last) = (0, 0.0);
-    loop {
+    let mut cycles = 0;
+    let last = loop {
         cycles += 1;
         let mut error = 0.0f64;
         for (stroke, sign) in direct.strokes.iter().zip([1.0, -1.0]) {
@@ -192,11 +192,10 @@ fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
                 (0..COUNT).map(|i| ((worn[i] - before[i]) / (1.5e-13 * 3e-3) - stroke.pressure[i]).powi(2)).collect();
             error = error.max((cells.integral(&square) / 0.06).sqrt() / mean);
         }
-        last = error;
         if error < 1e-3 || cycles == 3000 {
-            break;
+            break error;
         }
-    }
+    };
     let stepped_cost = begin.elapsed().as_secs_f64();
     let ratio = stepped_cost / direct_cost;
     println!(
