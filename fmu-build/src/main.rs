@@ -3,6 +3,7 @@
 mod batch;
 mod bench;
 mod package;
+#[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
 mod plot;
 mod project;
 mod python;

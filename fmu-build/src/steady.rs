@@ -256,16 +256,16 @@ impl Solved {
                 self.cells.count()
             ),
             format!(
-                "wear rate of the punch {:.3e} nm/s, wear dissipation power {:.3e} W, friction power {:.4} W",
-                1e9 * self.state.punch_wear_rate,
-                self.state.dissipation_power,
-                self.state.friction_power
+                "wear rate of the punch {} nm/s, wear dissipation power {} W, friction power {} W",
+                number(1e9 * self.state.punch_wear_rate),
+                number(self.state.dissipation_power),
+                number(self.state.friction_power)
             ),
         ];
         let shape_axis = Axis::new("depth of the unloaded surface, um");
         let panels = vec![
             Panel::new("Pressure", axis(), pressure, pressures).with_legend(Legend::Bottom),
-            Panel::new("Worn shape", axis(), shape_axis, shapes).with_legend(Legend::Bottom),
+            Panel::new("Worn shape", axis(), shape_axis, shapes).with_legend(Legend::Top),
         ];
         Figure::new(format!("Steady state of {}", self.name), panels).with_header(header)
     }
