@@ -136,8 +136,13 @@ impl Operators {
     /// The contact as it is before the first step, with memory of its own.
     pub fn contact(&self) -> WearingContact {
         let (normal, shear) = (self.normal.clone(), self.shear.clone());
-        WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
-            .expect("the same matrices were accepted when the operators were made")
+        let mut contact = WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
+            .expect("the same matrices were accepted when the operators were made");
+        if self.strip_wear == StripWear::Track {
+            // The first operator makes room for all that follow.
+            contact.set_operator(Some(&DMatrix::identity(self.count(), self.count())));
+        }
+        contact
     }
 
     /// Conditions of a contact under no load, with a term for every body that reshapes the contact.
