@@ -4,6 +4,7 @@
 //! both are timed in turns, so that a slower moment of the machine meets both, and the fastest turn counts: nothing
 //! can make a turn faster than the code is.
 
+mod level;
 mod line;
 mod native;
 
@@ -80,7 +81,9 @@ impl fmt::Display for Cost {
 /// Where something cannot be built or loaded, or a cost exceeds its limit with the allowance.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let costs = if arguments.line {
-        line::measure()?
+        let mut costs = line::measure()?;
+        costs.extend(level::measure()?);
+        costs
     } else {
         measure(&package::build(arguments.scene.as_deref(), &package::Options::default())?)?
     };

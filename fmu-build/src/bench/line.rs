@@ -208,7 +208,7 @@ impl Line {
 }
 
 /// The unit: one solution with kept factors.
-struct Solution {
+pub(super) struct Solution {
     factors: Mat<f64>,
     forward: Vec<usize>,
     inverse: Vec<usize>,
@@ -217,7 +217,7 @@ struct Solution {
 }
 
 impl Solution {
-    fn new(count: usize) -> Self {
+    pub(super) fn new(count: usize) -> Self {
         let entry = |i: usize, j: usize| if i == j { 4.0 } else { 1.0 / (1.0 + i.abs_diff(j) as f64) };
         let mut factors = Mat::from_fn(count, count, entry);
         let (mut forward, mut inverse) = (vec![0; count], vec![0; count]);
@@ -238,7 +238,7 @@ impl Solution {
     }
 
     /// Seconds per solution.
-    fn seconds(&mut self) -> f64 {
+    pub(super) fn seconds(&mut self) -> f64 {
         let count = self.factors.nrows();
         let exchange = PermRef::new_checked(&self.forward, &self.inverse, count);
         let begin = Instant::now();
