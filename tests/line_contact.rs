@@ -143,7 +143,7 @@ fn wearing(count: usize) -> WearingContact {
 /// Strokes to and fro of five steps, with a friction coefficient, speed and load that keep changing.
 fn drive(step: usize, conditions: &mut Conditions) {
     let n = step as f64;
-    let friction = (0.3 + 0.05 * (0.7 * n).sin()) * if step / 5 % 2 == 0 { 1.0 } else { -1.0 };
+    let friction = (0.3 + 0.05 * (0.7 * n).sin()) * if (step / 5).is_multiple_of(2) { 1.0 } else { -1.0 };
     conditions.signed_friction = friction;
     conditions.normal = Normal::Load(1.0 + 0.8 * (0.4 * n).sin());
     conditions.tilt = Tilt::ResultantAt(0.3 * friction);

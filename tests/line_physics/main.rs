@@ -12,5 +12,6 @@ mod drive;
 
 mod contact;
 mod derivatives;
+mod hard;
 mod states;
 mod wear;

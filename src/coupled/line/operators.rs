@@ -1,14 +1,15 @@
 //! What the contact line is made of, built once from the scene and shared by every state.
 
 use super::profile::{Profile, cell_means};
-use crate::contact::{Normal, Tilt};
+use crate::contact::{ContactState, Normal, Tilt};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
-use crate::scene::{Constraint, Geometry, InitialShape, Path, Scene};
-use crate::steady;
+use crate::scene::{Constraint, Geometry, InitialShape, Path, Scene, Scheme};
+use crate::steady::rocking_limit;
+use crate::steady::scene::run_in_shape;
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
-use crate::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
+use crate::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -82,7 +83,7 @@ impl Operators {
             InitialShape::Tabulated(values) => cell_means(&cells, values),
         };
         if scene.initial_shape == InitialShape::RunIn {
-            initial_gap = steady::scene::run_in_shape(scene, &cells, &bodies)
+            initial_gap = run_in_shape(scene, &cells, &bodies)
                 .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
         let normal = &punch.normal + &strip.normal;
@@ -172,7 +173,38 @@ impl Operators {
             StripWear::Track => "keeps its worn track",
         };
         let chosen = if self.scene.cells == 0 { " (chosen)" } else { "" };
-        format!("{} cells{chosen}; the strip {strip}; heat by its mean, without distortion of the shape", self.count())
+        let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
+        format!(
+            "{} cells{chosen}; the strip {strip}; heat by its mean, without distortion of the shape{bound}",
+            self.count()
+        )
+    }
+
+    /// The longest stable explicit step at nominal conditions, for the log.
+    fn explicit_bound(&self) -> String {
+        let scene = &self.scene;
+        let (mut contact, mut conditions) = (self.contact(), self.conditions());
+        conditions.normal = Normal::Load(scene.nominal_load / self.shared_depth);
+        if self.rotates {
+            conditions.tilt = Tilt::ResultantAt(0.0);
+        }
+        let laws = self.coefficients(
+            scene.nominal_velocity,
+            scene.friction_coefficient,
+            scene.ambient_temperature,
+            scene.wear_acceleration,
+        );
+        for (term, body) in (0..2).filter(|&body| self.reshapes(body)).enumerate() {
+            conditions.rate.terms[term].coefficient = laws[body].into();
+        }
+        let mut state = ContactState::new(self.count());
+        match contact.stage_into(&self.initial_gap, 0.0, &conditions, &mut state) {
+            Ok(()) => format!(
+                "; explicit wear is stable for steps below {:e} s at nominal load and speed",
+                explicit_limit(&mut contact, &conditions, &state.pressure)
+            ),
+            Err(error) => format!("; explicit wear: {error}"),
+        }
     }
 
     /// What a user should know before the scene runs.
@@ -186,18 +218,16 @@ impl Operators {
                     .into(),
             );
         }
-        let half_width = 0.5 * scene.width;
+        let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
         if let Some(height) = self.pivot
             && scene.nominal_stroke > 0.0
             && scene.punch.wear_coefficient > 0.0
-            && scene.friction_coefficient * height >= 0.5 * half_width
-            && scene.punch.wear_pressure_exponent == 1.0
+            && scene.friction_coefficient * height >= limit
         {
             warnings.push(format!(
                 "sliding to and fro, the punch rocks itself round: contact.friction_coefficient x holder.pivot_height = {} m \
-                 is not below a quarter of punch.width = {} m, so no steady cycle exists",
-                scene.friction_coefficient * height,
-                0.5 * half_width
+                 is not below {limit} m, so no steady cycle exists",
+                scene.friction_coefficient * height
             ));
         }
         warnings
