@@ -1,8 +1,9 @@
 //! `cargo fmu run`: the FMU of a disc brake through a real drive cycle, driven from fmpy; also the coupled examples, in
-//! which the FMU's force decides the speed that is its input.
+//! which the FMU's force decides the speed that is its input, and the reciprocating punch beside its steady states.
 
-use crate::{package, project, python};
+use crate::{package, project, python, steady};
 use anyhow::{Context, Result, bail};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -45,6 +46,8 @@ enum Example {
     VehicleBrake,
     /// Engine, clutch and vehicle: engagement with stick under explicit and implicit masters, a hill, judder.
     Clutch,
+    /// A punch sliding to and fro until its wear is steady, in two holders, beside the direct steady states.
+    ReciprocatingPunch,
 }
 
 impl Example {
@@ -54,6 +57,7 @@ impl Example {
             Example::DiscBrake => "disc_brake",
             Example::VehicleBrake => "vehicle_brake",
             Example::Clutch => "clutch",
+            Example::ReciprocatingPunch => "reciprocating_punch",
         }
     }
 
@@ -62,6 +66,7 @@ impl Example {
         match self {
             Example::DiscBrake | Example::VehicleBrake => "disc_brake",
             Example::Clutch => "clutch",
+            Example::ReciprocatingPunch => "reciprocating_punch",
         }
     }
 
@@ -71,6 +76,15 @@ impl Example {
         if self == Example::DiscBrake { run } else { run.join(self.folder()) }
     }
 }
+
+/// Cells of the reciprocating punch's contact line.
+const PUNCH_CELLS: u16 = 33;
+/// Its holders: name and what they set in the scene. At a pivot 30 mm high mu H is a quarter of the half-width, half of
+/// what a steady cycle can bear.
+const HOLDERS: [(&str, &[&str]); 2] = [
+    ("translate", &["holder.constraint=translate"]),
+    ("rotate", &["holder.constraint=translate_and_rotate", "holder.pivot_height=30 mm"]),
+];
 
 /// Runs the command.
 ///
@@ -90,12 +104,15 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     };
     let output = arguments.output.clone().unwrap_or_else(|| example.output());
     let mut command = script(example, &python, &fmu, &output);
-    if example != Example::Clutch {
-        command.arg("--cycle").arg(&cycle);
-    }
-    if example == Example::DiscBrake {
-        command.arg("--step").arg(arguments.step.to_string());
-    }
+    match example {
+        Example::DiscBrake => command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.to_string()),
+        Example::VehicleBrake => command.arg("--cycle").arg(&cycle),
+        Example::Clutch => &mut command,
+        Example::ReciprocatingPunch => {
+            let scene = arguments.scene.as_deref().unwrap_or(example.scene());
+            command.arg("--steady").args(steady_states(scene, &output)?)
+        }
+    };
     if arguments.json {
         command.arg("--json");
     }
@@ -104,6 +121,18 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("the drive did not finish ({status})");
     }
     Ok(())
+}
+
+/// Writes the punch's direct steady state in every holder as JSON into `folder` and returns the files.
+fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
+    let write = |&(name, set): &(&str, &[&str])| {
+        let path = folder.join(format!("steady_{name}.json"));
+        let state = steady::record(scene, PUNCH_CELLS, set)?;
+        fs::write(&path, format!("{state:#}\n")).with_context(|| format!("writing {}", path.display()))?;
+        Ok(path)
+    };
+    HOLDERS.iter().map(write).collect()
 }
 
 /// Drives an .fmu through the UDDS without printing anything and returns the recording.

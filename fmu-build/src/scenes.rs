@@ -23,6 +23,32 @@ pub fn load(scene: Option<&str>) -> Result<SceneFile> {
     file::read(&path).with_context(|| format!("the scene {}", path.display()))
 }
 
+/// Gives one variable of a scene another start value: `assignment` is a line of a scene file, `key = value`, in which
+/// text may stand without its quotes (`holder.pivot_height = 30 mm`).
+///
+/// # Errors
+/// Where it is no assignment, or what a scene file with that line would be refused for.
+pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
+    let Some((key, value)) = assignment.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
+        bail!("{assignment:?} must be KEY=VALUE, as holder.pivot_height=\"30 mm\"");
+    };
+    let as_it_is =
+        value.parse::<f64>().is_ok() || value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value);
+    let value = if as_it_is { value.to_owned() } else { format!("\"{value}\"") };
+    let line = file::parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
+        .with_context(|| format!("setting {assignment}"))?;
+    if line.given.is_empty() {
+        bail!("{key} is no variable of the scene");
+    }
+    for &reference in &line.given {
+        scene.packaged.starts[reference as usize] = line.packaged.starts[reference as usize];
+    }
+    scene.given.extend(line.given);
+    scene.given.sort_unstable();
+    scene.given.dedup();
+    Ok(())
+}
+
 fn locate(scene: &str) -> Result<PathBuf> {
     let given = Path::new(scene);
     if given.is_file() || given.components().count() > 1 || given.extension().is_some_and(|kind| kind == "toml") {
@@ -64,6 +90,34 @@ mod tests {
             assert_eq!(scene.packaged.name, name);
             assert!(!scene.description.is_empty(), "{name} has no description");
             assert!(!scene.given.is_empty());
+        }
+    }
+
+    #[test]
+    fn an_assignment_is_a_line_of_a_scene_file() {
+        let mut scene = load(Some("reciprocating_punch")).unwrap();
+        let before = scene.clone();
+        for assignment in
+            ["holder.pivot_height=30 mm", "holder.constraint = translate_and_rotate", "wear_acceleration=10"]
+        {
+            assign(&mut scene, assignment).unwrap();
+        }
+        let starts = |name: &str| {
+            let reference = sliding_contact::variables::find(name).unwrap() as usize;
+            [before.packaged.starts[reference], scene.packaged.starts[reference]]
+        };
+        assert_eq!(starts("holder.pivot_height"), [0.0, 0.03]);
+        assert_eq!(starts("holder.constraint"), [1.0, 2.0]);
+        assert_eq!(starts("wear_acceleration"), [1.0, 10.0]);
+        assert_eq!(starts("punch.height"), [0.1, 0.1]);
+        for (wrong, reason) in [
+            ("holder.pivot_height", "must be KEY=VALUE"),
+            ("holder.pivot_heigth=1", "holder.pivot_height"),
+            ("holder.pivot_height=-30 mm", "holder.pivot_height"),
+            ("experiment.stop=1", "is no variable"),
+        ] {
+            let error = format!("{:#}", assign(&mut scene, wrong).unwrap_err());
+            assert!(error.contains(reason), "{wrong}: {error}");
         }
     }
 

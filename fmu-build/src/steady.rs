@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use sliding_contact::elastic::Cells;
 use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::scene::Scene;
+use sliding_contact::scene::{Constraint, Scene};
 use sliding_contact::steady::relative_velocity::{RelativeVelocity, assess};
 use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
 
@@ -34,6 +34,9 @@ pub struct Arguments {
     /// Speed of the backward half-stroke, in m/s, where it is not the nominal velocity.
     #[arg(long, value_name = "M_PER_S")]
     return_speed: Option<f64>,
+    /// Give a variable of the scene another value, as holder.pivot_height="30 mm"; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
     /// Draw pressure and shape as SVG into this file.
     #[arg(short, long, value_name = "FILE.svg")]
     output: Option<PathBuf>,
@@ -68,8 +71,23 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// The steady state of a scene with some of its variables set, as `--json` prints it.
+///
+/// # Errors
+/// As [`execute`].
+pub fn record(scene: &str, cells: u16, set: &[&str]) -> Result<Value> {
+    let set = set.iter().map(|&assignment| assignment.to_owned()).collect();
+    let scene = Some(scene.to_owned());
+    let arguments = Arguments { scene, json: true, cells: Some(cells), return_speed: None, set, output: None };
+    Ok(solve(&arguments)?.record())
+}
+
 fn solve(arguments: &Arguments) -> Result<Solved> {
-    let packaged = scenes::load(arguments.scene.as_deref())?.packaged;
+    let mut scene = scenes::load(arguments.scene.as_deref())?;
+    for assignment in &arguments.set {
+        scenes::assign(&mut scene, assignment)?;
+    }
+    let packaged = scene.packaged;
     let scene = Scene::new(&packaged.starts, None)?;
     let own = if scene.cells > 0 { scene.cells } else { CELLS };
     let cells = cells_for(&scene, arguments.cells.map_or(own, usize::from))?;
@@ -124,6 +142,13 @@ impl Solved {
         })
     }
 
+    /// The holder by the names of its parameters.
+    fn holder(&self) -> Value {
+        let rotates = self.scene.constraint == Constraint::TranslateAndRotate;
+        let constraint = if rotates { "translate_and_rotate" } else { "translate" };
+        json!({ "constraint": constraint, "pivot_height": self.scene.pivot_height })
+    }
+
     fn record(&self) -> Value {
         let stroke = |stroke: &SteadyStroke| {
             json!({
@@ -151,6 +176,8 @@ impl Solved {
         json!({
             "scene": self.name,
             "kind": self.kind(),
+            "holder": self.holder(),
+            "stroke": self.scene.nominal_stroke,
             "load": self.scene.nominal_load,
             "pressure_mean": self.mean_pressure(),
             "x": self.cells.centres(),
@@ -276,7 +303,14 @@ mod tests {
     use super::*;
 
     fn arguments(scene: &str) -> Arguments {
-        Arguments { scene: Some(scene.to_owned()), json: false, cells: Some(33), return_speed: None, output: None }
+        Arguments {
+            scene: Some(scene.to_owned()),
+            json: false,
+            cells: Some(33),
+            return_speed: None,
+            set: Vec::new(),
+            output: None,
+        }
     }
 
     #[test]
@@ -292,6 +326,21 @@ mod tests {
         assert!(record["relative_velocity"]["elastic"]["reversal"].as_f64().unwrap() > 0.0);
         let drawing = solved.figure().svg().unwrap();
         assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
+    }
+
+    #[test]
+    fn a_variable_that_is_set_changes_the_state() {
+        let rotating = ["holder.constraint=translate_and_rotate", "holder.pivot_height=30 mm"];
+        let record = record("reciprocating_punch", 33, &rotating).unwrap();
+        assert_eq!(record["holder"]["constraint"], "translate_and_rotate");
+        assert_eq!(record["holder"]["pivot_height"], 0.03);
+        // Moment balance about the pivot: the pressure's resultant stands mu H before the middle.
+        let values = |value: &Value| value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect::<Vec<_>>();
+        let (x, widths) = (values(&record["x"]), values(&record["widths"]));
+        let pressure = values(&record["strokes"][0]["pressure"]);
+        let moment: f64 = (0..33).map(|i| widths[i] * pressure[i] * x[i]).sum();
+        let force: f64 = (0..33).map(|i| widths[i] * pressure[i]).sum();
+        assert!((moment / force - 0.25 * 0.03).abs() < 1e-9, "{}", moment / force);
     }
 
     #[test]
