@@ -78,7 +78,7 @@ impl Example {
 }
 
 /// Cells of the reciprocating punch's contact line.
-const PUNCH_CELLS: u16 = 33;
+const PUNCH_CELLS: u16 = 65;
 /// Its holders: name and what they set in the scene. At a pivot 30 mm high mu H is a quarter of the half-width, half of
 /// what a steady cycle can bear.
 const HOLDERS: [(&str, &[&str]); 2] = [

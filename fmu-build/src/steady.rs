@@ -4,9 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use serde_json::{Value, json};
+use sliding_contact::coupled::line::profile::Profile;
 use sliding_contact::elastic::Cells;
 use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::scene::{Constraint, Scene};
+use sliding_contact::scene::{Constraint, STATIONS, Scene};
 use sliding_contact::steady::relative_velocity::{RelativeVelocity, assess};
 use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
 
@@ -25,7 +26,7 @@ const CELLS: usize = 65;
 pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
-    /// Print the state as JSON instead of a table.
+    /// Print the state as JSON instead of a table: at the cells, and at the stations of the FMU's profiles.
     #[arg(long)]
     json: bool,
     /// Cells of the contact line; by default the scene's, or 65.
@@ -150,13 +151,17 @@ impl Solved {
     }
 
     fn record(&self) -> Value {
+        let profile = Profile::new(&self.cells);
         let stroke = |stroke: &SteadyStroke| {
+            let mut stations = [0.0; STATIONS];
+            profile.fill(&stroke.pressure, &mut stations);
             json!({
                 "direction": direction(stroke),
                 "velocity": stroke.velocity,
                 "duration": stroke.duration,
                 "friction": stroke.friction,
                 "pressure": stroke.pressure,
+                "profile_pressure": stations.to_vec(),
                 "pressure_max": largest(&stroke.pressure),
                 "pressure_edges": self.edges(stroke),
                 "approach": stroke.approach,
@@ -181,6 +186,7 @@ impl Solved {
             "load": self.scene.nominal_load,
             "pressure_mean": self.mean_pressure(),
             "x": self.cells.centres(),
+            "profile_x": profile.positions().to_vec(),
             "widths": self.cells.widths(),
             "strokes": self.state.strokes.iter().map(stroke).collect::<Vec<_>>(),
             "shape": self.state.shape,

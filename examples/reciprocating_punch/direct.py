@@ -1,0 +1,63 @@
+"""The direct steady state as `cargo fmu steady --json` prints it."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Steady cycle of one holder, computed without time integration."""
+
+    name: str  # translate or rotate
+    parameters: dict  # of the FMU: holder and cells
+    load: float  # [N]
+    half_width: float  # [m]
+    stroke: float  # [m]
+    x: np.ndarray  # stations of the FMU's profiles [m]
+    pressure: dict  # at the stations, forward (1) and backward (-1) [Pa]
+    tilt: dict  # [rad]
+    approach: dict  # [m]
+    shape_x: np.ndarray  # cell centres [m]
+    shape: np.ndarray  # worn shape of the punch, without its rigid motion [m]
+
+
+def read(path):
+    """The direct steady state in a file."""
+    state = json.loads(Path(path).read_text(encoding="utf-8"))
+    strokes = {1 if stroke["direction"] == "forward" else -1: stroke for stroke in state["strokes"]}
+    if set(strokes) != {1, -1}:
+        raise ValueError(f"{path}: {state['scene']} does not slide to and fro: its nominal.stroke is {state['stroke']} m")
+    holder = state["holder"]
+    return Direct(
+        name="translate" if holder["constraint"] == "translate" else "rotate",
+        parameters={
+            "holder.constraint": holder["constraint"],
+            "holder.pivot_height": holder["pivot_height"],
+            "solver.cells": len(state["x"]),
+        },
+        load=state["load"],
+        half_width=-state["profile_x"][0],
+        stroke=state["stroke"],
+        x=np.array(state["profile_x"]),
+        pressure={sign: np.array(stroke["profile_pressure"]) for sign, stroke in strokes.items()},
+        tilt={sign: stroke["tilt"] for sign, stroke in strokes.items()},
+        approach={sign: stroke["approach"] for sign, stroke in strokes.items()},
+        shape_x=np.array(state["x"]),
+        shape=np.array(state["shape"]),
+    )
+
+
+def without_rigid_motion(x, depth, name):
+    """A worn depth less the motion that reshapes nothing: a constant, and a line where the punch can rotate."""
+    rigid = np.polynomial.Polynomial.fit(x, depth, 0 if name == "translate" else 1)
+    return depth - rigid(x)
+
+
+def shape_at_stations(state):
+    """The direct shape without its rigid motion at the stations but the outermost two on each side, where the shape
+    turns within one interval."""
+    inner = state.x[2:-2]
+    return without_rigid_motion(inner, np.interp(inner, state.shape_x, state.shape), state.name)
