@@ -20,8 +20,7 @@ class Direct:
     pressure: dict  # at the stations, forward (1) and backward (-1) [Pa]
     tilt: dict  # [rad]
     approach: dict  # [m]
-    shape_x: np.ndarray  # cell centres [m]
-    shape: np.ndarray  # worn shape of the punch, without its rigid motion [m]
+    shape: np.ndarray  # worn depth of the punch at the stations, less its rigid motion [m]
 
 
 def read(path):
@@ -31,22 +30,23 @@ def read(path):
     if set(strokes) != {1, -1}:
         raise ValueError(f"{path}: {state['scene']} does not slide to and fro: its nominal.stroke is {state['stroke']} m")
     holder = state["holder"]
+    name = "translate" if holder["constraint"] == "translate" else "rotate"
+    x = np.array(state["profile_x"])
     return Direct(
-        name="translate" if holder["constraint"] == "translate" else "rotate",
+        name=name,
         parameters={
             "holder.constraint": holder["constraint"],
             "holder.pivot_height": holder["pivot_height"],
             "solver.cells": len(state["x"]),
         },
         load=state["load"],
-        half_width=-state["profile_x"][0],
+        half_width=x[-1],
         stroke=state["stroke"],
-        x=np.array(state["profile_x"]),
+        x=x,
         pressure={sign: np.array(stroke["profile_pressure"]) for sign, stroke in strokes.items()},
         tilt={sign: stroke["tilt"] for sign, stroke in strokes.items()},
         approach={sign: stroke["approach"] for sign, stroke in strokes.items()},
-        shape_x=np.array(state["x"]),
-        shape=np.array(state["shape"]),
+        shape=without_rigid_motion(x, np.array(state["profile_shape"]), name),
     )
 
 
@@ -54,10 +54,3 @@ def without_rigid_motion(x, depth, name):
     """A worn depth less the motion that reshapes nothing: a constant, and a line where the punch can rotate."""
     rigid = np.polynomial.Polynomial.fit(x, depth, 0 if name == "translate" else 1)
     return depth - rigid(x)
-
-
-def shape_at_stations(state):
-    """The direct shape without its rigid motion at the stations but the outermost two on each side, where the shape
-    turns within one interval."""
-    inner = state.x[2:-2]
-    return without_rigid_motion(inner, np.interp(inner, state.shape_x, state.shape), state.name)

@@ -25,13 +25,15 @@ plt.rcParams.update(
 )
 DPI = 100
 TITLES = {"translate": "punch only translates", "rotate": "punch also rotates about a pivot"}
+OPEN = {"linestyle": "", "marker": "o", "markersize": 4, "markerfacecolor": "none", "markevery": 3}
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "#888888"
 
 
 def shown(history, count=6):
     """Rows of forward half-strokes to show: the first and the last, the rest spread over the logarithm between."""
     forward = np.flatnonzero(history.half_strokes % 2 == 1)
-    wanted = np.geomspace(1, history.half_strokes[forward[-1]], count)
+    last = history.half_strokes[forward[-1]]
+    wanted = [1, *np.geomspace(min(40, last), last, count - 1)]
     nearest = [forward[np.argmin(np.abs(np.log(history.half_strokes[forward] / w)))] for w in wanted]
     return list(dict.fromkeys(nearest))
 
@@ -71,7 +73,6 @@ def pressures(histories, states, path):
             axis.set_ylim(-0.1, 5.2)
             axis.legend(loc="upper left" if sign > 0 else "upper right")
         row[0].set_ylabel("contact pressure over mean $p/p_m$ [1]")
-        # v > 0 carries the resultant towards +x, v < 0 towards -x.
     for axis in np.atleast_2d(axes)[-1]:
         axis.set_xlabel("position on the punch x [mm]")
     mean = next(iter(histories.values())).mean
@@ -86,9 +87,9 @@ def edges(histories, path):
         levels(axis)
         forward = history.half_strokes % 2 == 1
         for station, edge, colour in ((0, "x = -a", BLUE), (-1, "x = +a", ORANGE)):
-            for mask, style, way in ((forward, "-", "v > 0"), (~forward, "--", "v < 0")):
+            for mask, style, way in ((forward, {"linestyle": "-"}, "v > 0"), (~forward, OPEN, "v < 0")):
                 ratio = history.pressure[mask, station] / history.mean
-                axis.semilogx(np.ceil(history.cycles[mask]), ratio, style, color=colour, label=f"{edge}, {way}")
+                axis.semilogx(np.ceil(history.cycles[mask]), ratio, color=colour, label=f"{edge}, {way}", **style)
         axis.set_xlabel("cycle [1]")
         axis.set_title(TITLES[name], fontsize=9)
         axis.legend()
@@ -100,18 +101,16 @@ def edges(histories, path):
 def shapes(histories, states, path):
     """Worn depth less its rigid motion, which reshapes nothing."""
     figure, axes = plt.subplots(1, len(histories), figsize=(8.8, 3.6), sharey=True, layout="constrained")
-    inner = slice(2, -2)
     for axis, (name, history) in zip(np.atleast_1d(axes), histories.items(), strict=True):
         rows = shown(history)
-        x = 1e3 * history.x[inner]
+        x = 1e3 * history.x
         for row, colour in zip(rows, palette(rows), strict=True):
-            worn = direct.without_rigid_motion(history.x[inner], history.worn[row][inner], name)
+            worn = direct.without_rigid_motion(history.x, history.worn[row], name)
             axis.plot(x, 1e6 * worn, color=colour, label=f"cycle {(history.half_strokes[row] + 1) // 2}")
-        axis.plot(x, 1e6 * direct.shape_at_stations(states[name]), "k--", linewidth=1.0, label="direct steady state")
+        axis.plot(x, 1e6 * states[name].shape, "k--", linewidth=1.0, label="direct steady state")
         axis.set_xlabel("position on the punch x [mm]")
         axis.set_title(TITLES[name], fontsize=9)
         axis.legend()
-    # Worn away is up, into the punch.
     np.atleast_1d(axes)[0].set_ylabel("worn depth less rigid motion [um]")
     figure.suptitle("Worn shape of the punch", fontsize=10)
     return written(figure, path)

@@ -26,8 +26,7 @@ def figures(history, state):
     distance = distances(history, state)
     edges = history.pressure[-2:, [0, -1]] / history.mean
     steady = history.cycles[distance < CLOSE]
-    inner = slice(2, -2)
-    worn = direct.without_rigid_motion(history.x[inner], history.worn[-1][inner], state.name)
+    worn = direct.without_rigid_motion(history.x, history.worn[-1], state.name)
     (pressure_before, worn_before), (pressure_after, worn_after) = history.reversal["before"], history.reversal["after"]
     sums = (history.means[1] + history.means[-1]) / history.mean
     return {
@@ -44,8 +43,8 @@ def figures(history, state):
         "tilt forward, urad": 1e6 * history.tilt[-2],
         "jump of the tilt at reversal, urad": 1e6 * (history.tilt[-2] - history.tilt[-1]),
         "the same, direct, urad": 1e6 * (state.tilt[1] - state.tilt[-1]),
-        "worn shape less the direct one, most, nm": 1e9 * np.abs(worn - direct.shape_at_stations(state)).max(),
-        "range of the worn shape, nm": 1e9 * np.ptp(history.worn[-1]),
+        "worn shape less the direct one, most, nm": 1e9 * np.abs(worn - state.shape).max(),
+        "range of the worn shape, nm": 1e9 * np.ptp(worn),
         "jump of the pressure at reversal, most, over p_m": np.abs(pressure_after - pressure_before).max() / history.mean,
         "jump of the worn shape at reversal, nm": 1e9 * np.abs(worn_after - worn_before).max(),
         "steps_per_second": history.steps / history.seconds,

@@ -95,7 +95,7 @@ class History:
     tilt: np.ndarray  # [rad]
     approach: np.ndarray  # [m]
     mean: float  # mean pressure [Pa]
-    means: dict  # means over the last half-stroke forward (1) and backward (-1), by station [Pa]
+    means: dict  # over the last half-stroke forward (1) and backward (-1), by station [Pa]
     reversal: dict  # pressure and worn depth at the stations just before and after the last reversal [Pa, m]
     acceleration: float  # of the wear
     seconds: float  # wall time
@@ -129,26 +129,29 @@ def slide(unpacked, parameters, load, cycles, acceleration=1.0):
     watched = unpacked.references(
         *(f"profile.{name}[{station + 1}]" for name in PROFILES for station in range(STATIONS)), *SCALARS
     )
-    means = {1: np.zeros(STATIONS), -1: np.zeros(STATIONS)}
     with Punch(unpacked, {**parameters, "wear_acceleration": acceleration}, load) as punch:
         x = punch.profile("x")
         begin = time.perf_counter()
         for cycle in range(1, cycles + 1):
+            if cycle == cycles:
+                depths = [punch.profile("wear_punch")]
             for direction in (1, -1):
                 for part, speed in enumerate(speeds):
                     punch.step(direction * speed, length)
                     if part + 1 == STEPS // 2 and cycle in chosen:
                         rows.append(punch.slave.getReal(watched))
                         numbers.append(2 * cycle - (direction > 0))
-                    if cycle == cycles:
-                        # By distance, as wear takes it.
-                        means[direction] += punch.profile("pressure") * speed * length / (2.0 * AMPLITUDE)
+                if cycle == cycles:
+                    depths.append(punch.profile("wear_punch"))
         seconds = time.perf_counter() - begin
         reversal = {"before": (punch.profile("pressure"), punch.profile("wear_punch"))}
         # The outputs follow the input: the pressure under friction forward, nothing moved yet.
         punch.slave.setReal(punch.velocity, [speeds[0]])
         reversal["after"] = (punch.profile("pressure"), punch.profile("wear_punch"))
     values = np.array(rows)
+    # The wear law with both exponents 1 read backwards: depth = k p s.
+    wear_of_unit_pressure = unpacked.start("punch.wear_coefficient") * 2.0 * AMPLITUDE * acceleration
+    forward, backward = np.diff(depths, axis=0) / wear_of_unit_pressure
     return History(
         x=x,
         half_strokes=np.array(numbers),
@@ -157,7 +160,7 @@ def slide(unpacked, parameters, load, cycles, acceleration=1.0):
         tilt=values[:, -2],
         approach=values[:, -1],
         mean=load / ((x[-1] - x[0]) * unpacked.start("depth")),
-        means=means,
+        means={1: forward, -1: backward},
         reversal=reversal,
         acceleration=acceleration,
         seconds=seconds,

@@ -168,6 +168,11 @@ impl Solved {
                 "tilt": stroke.tilt,
             })
         };
+        // The profiles' interpolation is for depths from 0.
+        let highest = self.state.shape.iter().copied().fold(f64::INFINITY, f64::min);
+        let depths: Vec<f64> = self.state.shape.iter().map(|depth| depth - highest).collect();
+        let mut shape = [0.0; STATIONS];
+        profile.fill(&depths, &mut shape);
         let elastic = self.velocity.elastic.as_ref().map(|elastic| {
             json!({
                 "mean_strain": elastic.mean_strain,
@@ -190,6 +195,7 @@ impl Solved {
             "widths": self.cells.widths(),
             "strokes": self.state.strokes.iter().map(stroke).collect::<Vec<_>>(),
             "shape": self.state.shape,
+            "profile_shape": shape.to_vec(),
             "groove": self.state.groove,
             "punch_wear_rate": self.state.punch_wear_rate,
             "volume_rates": self.state.volume_rates,

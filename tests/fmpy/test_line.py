@@ -1,0 +1,197 @@
+"""The level of the contact line through fmpy: load balance, state, explicit scheme, run-in start, derivatives."""
+
+import re
+import time
+
+import numpy as np
+import pytest
+from component import ERROR, OK, Component, status_of
+
+LOAD = 1e4
+STATIONS = 33
+
+
+def stations(name):
+    return [f"profile.{name}[{station + 1}]" for station in range(STATIONS)]
+
+
+PRESSURE = stations("pressure")
+CHECKED = [*PRESSURE, *stations("wear_punch"), "approach", "tilt", "contact_temperature", "friction_force", "wear_depth"]
+
+
+@pytest.fixture
+def line(fmus):
+    """Instances of the reciprocating punch at the level of the line, initialised with what they are asked for."""
+    made = []
+
+    def initialise(values=(), velocity=1e-2, load=LOAD):
+        component = Component(fmus("reciprocating_punch"))
+        made.append(component)
+        inputs = {"sliding_velocity": velocity, "normal_load": load}
+        return component.initialise({"solver.fidelity": "line", **dict(values), **inputs})
+
+    yield initialise
+    for component in made:
+        component.slave.freeInstance()
+
+
+def to_and_fro(count):
+    """Inputs of `count` steps: sliding to and fro under a load that comes and goes."""
+    phase = np.arange(count)
+    return np.column_stack([1.5e-2 * np.sin(0.21 * phase), np.maximum(LOAD * np.cos(0.037 * phase), 0.0)])
+
+
+def trapezoid(values, x):
+    return float(np.sum(0.5 * (values[1:] + values[:-1]) * np.diff(x)))
+
+
+@pytest.mark.parametrize("cells", [9, 33, 34, 129])
+def test_the_trapezoid_sum_of_the_pressure_is_the_load(line, cells):
+    rotating = {"holder.constraint": "translate_and_rotate", "holder.pivot_height": 0.03}
+    component = line({"solver.cells": cells, "wear_acceleration": 1000.0, **rotating})
+    x, depth = component.get(*stations("x")), component.fmu.start("depth")
+    shapes = []
+    for velocity, load in to_and_fro(40):
+        component.set(sliding_velocity=velocity, normal_load=load)
+        component.step(0.05)
+        pressure = component.get(*PRESSURE)
+        assert abs(depth * trapezoid(pressure, x) - load) <= 1e-12 * LOAD
+        assert pressure.min() >= 0.0
+        shapes.append(pressure / max(load, 1.0))
+    # It is not the same pressure all the time.
+    assert np.ptp(shapes, axis=0).max() > 10.0
+
+
+def test_replay_of_a_serialised_state_is_bit_identical(line):
+    values = {"solver.cells": 129, "wear_acceleration": 100.0}
+    component = line(values)
+    inputs = to_and_fro(60)
+    component.run(inputs[:30], 0.05, CHECKED)
+    state = component.slave.getFMUstate()
+    data = component.slave.serializeFMUstate(state)
+    assert len(data) <= 256 * 1024
+    kept = component.time
+    first = component.run(inputs[30:], 0.05, CHECKED)
+    assert np.ptp(first[:, 0]) > 0.0
+
+    component.slave.setFMUstate(state)
+    component.slave.freeFMUstate(state)
+    component.time = kept
+    np.testing.assert_array_equal(component.run(inputs[30:], 0.05, CHECKED), first)
+
+    # Carried to an instance that knows nothing of it: another number of cells, another holder.
+    other = line({"solver.cells": 17, "holder.constraint": "translate_and_rotate", "holder.pivot_height": 0.03})
+    copy = other.slave.deSerializeFMUstate(data)
+    other.slave.setFMUstate(copy)
+    other.slave.freeFMUstate(copy)
+    other.time = kept
+    np.testing.assert_array_equal(other.run(inputs[30:], 0.05, CHECKED), first)
+
+
+def test_a_damaged_state_is_refused_and_changes_nothing(line):
+    component = line({"solver.cells": 33})
+    component.step(0.1)
+    state = component.slave.getFMUstate()
+    data = bytearray(component.slave.serializeFMUstate(state))
+    component.slave.freeFMUstate(state)
+    before = component.get(*CHECKED)
+    for place in (0, len(data) // 2, len(data) - 1):
+        data[place] ^= 1
+        assert status_of(component.slave.deSerializeFMUstate, bytes(data)) == ERROR
+        data[place] ^= 1
+    np.testing.assert_array_equal(component.get(*CHECKED), before)
+    assert component.try_step(0.1) == OK
+
+
+def test_keeping_and_restoring_a_state_takes_well_under_a_millisecond(line):
+    component = line({"solver.cells": 129})
+    component.step(0.1)
+    times = []
+    for _ in range(50):
+        begin = time.perf_counter()
+        state = component.slave.getFMUstate()
+        component.slave.setFMUstate(state)
+        component.slave.freeFMUstate(state)
+        times.append(time.perf_counter() - begin)
+    # The least: other processes may be running.
+    assert min(times) < 0.5e-3
+
+
+def bound_of_the_refusal(component, step):
+    """The stability bound that a refused step names."""
+    assert component.try_step(step) == ERROR
+    text = component.messages[-1].text
+    found = re.search(r"solver\.scheme = explicit is stable only for steps below (\S+) s", text)
+    assert found and "sliding velocity 0.01 m/s" in text and "normal load 10000 N" in text, text
+    return float(found.group(1))
+
+
+def test_explicit_wear_is_refused_beyond_its_bound(line):
+    explicit = {"solver.cells": 33, "solver.scheme": "explicit"}
+    bound = bound_of_the_refusal(line(explicit), 1e4)
+    assert line(explicit).try_step(1.001 * bound) == ERROR
+    below = line(explicit)
+    # Below its bound it follows the default scheme: less wear to come in every step, first order.
+    assert below.try_step(0.5 * bound) == OK
+    default = line({"solver.cells": 33})
+    default.step(0.5 * bound)
+    np.testing.assert_allclose(below.get(*PRESSURE), default.get(*PRESSURE), atol=2e-2 * LOAD / 6e-4)
+    # The bound falls with the wear rate, and the default scheme has none.
+    faster = bound_of_the_refusal(line({**explicit, "wear_acceleration": 20.0}), 1e4)
+    assert faster == pytest.approx(bound / 20.0, rel=1e-9)
+    assert line({"solver.cells": 33}).try_step(100.0 * bound) == OK
+
+
+def test_a_refused_step_is_recovered_from_by_a_kept_state(line):
+    component = line({"solver.cells": 33, "solver.scheme": "explicit"})
+    component.step(0.1)
+    state, before = component.slave.getFMUstate(), component.get(*CHECKED)
+    bound_of_the_refusal(component, 1e4)
+    assert component.try_step(0.1) == ERROR, "an instance in error does not step"
+    component.slave.setFMUstate(state)
+    component.slave.freeFMUstate(state)
+    np.testing.assert_array_equal(component.get(*CHECKED), before)
+    assert component.try_step(0.1) == OK
+
+
+def test_a_run_in_start_has_the_steady_pressure_and_no_wear(line):
+    flat, run_in = (line({"solver.cells": 65, "contact.initial_shape": shape}) for shape in ("flat", "run_in"))
+    mean = LOAD / 6e-4
+    assert flat.get(*PRESSURE)[-1] > 4.0 * mean
+    pressure = {}
+    for sign in (1, -1):
+        run_in.set(sliding_velocity=sign * 1e-2)
+        pressure[sign] = run_in.get(*PRESSURE)
+        assert pressure[sign].max() <= 2.0 * mean * (1.0 + 1e-3)
+    np.testing.assert_allclose((pressure[1] + pressure[-1]) / mean, 2.0, atol=1e-2)
+    np.testing.assert_allclose(pressure[1][[0, -1]] / mean, [0.0, 2.0], atol=1e-6)
+    assert run_in.get("wear_depth") == 0.0
+    np.testing.assert_array_equal(run_in.get(*stations("wear_punch")), 0.0)
+
+
+@pytest.mark.parametrize("holder", ["translate", "translate_and_rotate"])
+def test_directional_derivatives_agree_with_differences(line, holder):
+    outputs = ("pressure_max", "pressure_mean", "approach", "tilt", "friction_force", "contact_fraction")
+    values = {"solver.cells": 33, "holder.constraint": holder, "wear_acceleration": 100.0}
+    if holder != "translate":
+        values["holder.pivot_height"] = 0.03
+    component = line(values)
+    for _ in range(20):
+        component.step(0.5)
+    references = [component.fmu.variables[name].valueReference for name in outputs]
+    # The worn edge has let go: under another load another part of the shape touches.
+    assert component.get("contact_fraction") < 1.0
+    for known in ("normal_load", "sliding_velocity"):
+        reference = component.fmu.variables[known].valueReference
+        exact = np.array(component.slave.getDirectionalDerivative(references, [reference], [1.0]))
+        at = component.get(known)
+        step, around = 1e-5 * at, []
+        for sign in (1.0, -1.0):
+            component.set({known: at + sign * step})
+            around.append(component.get(*outputs))
+        component.set({known: at})
+        differences = (around[0] - around[1]) / (2.0 * step)
+        rounding = 1e-7 * np.abs(component.get(*outputs)) / at
+        assert np.all(np.abs(exact - differences) <= 1e-5 * np.abs(exact) + rounding), (exact, differences)
+        if known == "normal_load":
+            assert np.all(exact[:3] > 0.0)
