@@ -38,7 +38,7 @@ def line(fmus):
 def to_and_fro(count):
     """Inputs of `count` steps: sliding to and fro under a load that comes and goes."""
     phase = np.arange(count)
-    return np.column_stack([1.5e-2 * np.sin(0.21 * phase), np.maximum(LOAD * np.cos(0.037 * phase), 0.0)])
+    return np.column_stack([1.5e-2 * np.sin(0.21 * phase), np.maximum(LOAD * np.cos(0.13 * phase), 0.0)])
 
 
 def trapezoid(values, x):
@@ -72,7 +72,7 @@ def test_replay_of_a_serialised_state_is_bit_identical(line):
     assert len(data) <= 256 * 1024
     kept = component.time
     first = component.run(inputs[30:], 0.05, CHECKED)
-    assert np.ptp(first[:, 0]) > 0.0
+    assert np.all(np.ptp(first[:, :STATIONS], axis=0) > 0.0)
 
     component.slave.setFMUstate(state)
     component.slave.freeFMUstate(state)
@@ -169,18 +169,19 @@ def test_a_run_in_start_has_the_steady_pressure_and_no_wear(line):
     np.testing.assert_array_equal(run_in.get(*stations("wear_punch")), 0.0)
 
 
+@pytest.mark.parametrize("shape", ["flat", "run_in"])
 @pytest.mark.parametrize("holder", ["translate", "translate_and_rotate"])
-def test_directional_derivatives_agree_with_differences(line, holder):
+def test_directional_derivatives_agree_with_differences(line, holder, shape):
     outputs = ("pressure_max", "pressure_mean", "approach", "tilt", "friction_force", "contact_fraction")
-    values = {"solver.cells": 33, "holder.constraint": holder, "wear_acceleration": 100.0}
+    values = {"solver.cells": 33, "holder.constraint": holder, "contact.initial_shape": shape}
     if holder != "translate":
         values["holder.pivot_height"] = 0.03
-    component = line(values)
-    for _ in range(20):
-        component.step(0.5)
+    # Away from the load of the run-in shape, at which the highest pressure is that of many cells: a kink.
+    component = line(values, load=0.8 * LOAD)
+    component.step(0.5)
     references = [component.fmu.variables[name].valueReference for name in outputs]
-    # The worn edge has let go: under another load another part of the shape touches.
-    assert component.get("contact_fraction") < 1.0
+    # The run-in trailing edge lets go: under another load another part of the shape touches.
+    assert (component.get("contact_fraction") < 1.0) == (shape == "run_in")
     for known in ("normal_load", "sliding_velocity"):
         reference = component.fmu.variables[known].valueReference
         exact = np.array(component.slave.getDirectionalDerivative(references, [reference], [1.0]))
