@@ -13,11 +13,11 @@ def distances(history, state):
 
 
 def relaxation(history, state):
-    """Cycles in which the distance falls by e, over the decade below 0.1 of the mean pressure."""
+    """Cycles in which the distance falls by e, over the decade below 0.1 of the mean pressure; `None`: not there yet."""
     distance = distances(history, state)
     tail = (distance < 0.1) & (distance > 0.01)
     if tail.sum() < 3:
-        return float("nan")
+        return None
     return float(-1.0 / np.polyfit(history.cycles[tail], np.log(distance[tail]), 1)[0])
 
 
@@ -38,7 +38,7 @@ def figures(history, state):
         "backward: pressure at x = +a over p_m": edges[1, 1],
         "sum of half-stroke means less 2 p_m, most, over p_m": float(np.abs(sums - 2.0).max()),
         "pressure less the direct one, root mean square, over p_m": distance[-2:].max(),
-        "first cycle within 1 % of it": float(steady[0]) if steady.size else float("nan"),
+        "first cycle within 1 % of it": float(steady[0]) if steady.size else None,
         "cycles in which the distance falls by e": relaxation(history, state),
         "tilt forward, urad": 1e6 * history.tilt[-2],
         "jump of the tilt at reversal, urad": 1e6 * (history.tilt[-2] - history.tilt[-1]),
@@ -57,7 +57,7 @@ def table(summary):
     width = max(map(len, names))
     lines = [f"  {'':{width}}" + "".join(f"{run:>24}" for run in summary)]
     for name in names:
-        values = [f"{values[name]:.4g}" for values in summary.values()]
+        values = ["-" if values[name] is None else f"{values[name]:.4g}" for values in summary.values()]
         lines.append(f"  {name:{width}}" + "".join(f"{value:>24}" for value in values))
     return "\n".join(lines)
 
