@@ -25,7 +25,7 @@ ACCELERATION = 10  # wear_acceleration of the second run
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--fmu", type=Path, required=True, help="the FMU of the reciprocating punch")
-    parser.add_argument("--steady", type=Path, nargs="+", required=True, help="direct steady states, one for each holder")
+    parser.add_argument("--steady", type=Path, nargs="+", required=True, help="direct steady states, one a holder")
     parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
     parser.add_argument("--cycles", type=int, default=8000, help="cycles to slide (default 8000)")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")

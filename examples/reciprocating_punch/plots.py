@@ -66,7 +66,8 @@ def pressures(histories, states, path):
             for record, colour in zip(rows, palette(rows), strict=True):
                 record += sign < 0
                 cycle = (history.half_strokes[record] + 1) // 2
-                axis.plot(1e3 * history.x, history.pressure[record] / history.mean, color=colour, label=f"cycle {cycle}")
+                ratio = history.pressure[record] / history.mean
+                axis.plot(1e3 * history.x, ratio, color=colour, label=f"cycle {cycle}")
             exact = states[name].pressure[sign] / history.mean
             axis.plot(1e3 * states[name].x, exact, "--", color="black", linewidth=1.0, label="direct steady state")
             axis.set_title(f"{TITLES[name]}, v {'>' if sign > 0 else '<'} 0", fontsize=9)
@@ -94,7 +95,7 @@ def edges(histories, path):
         axis.set_title(TITLES[name], fontsize=9)
         axis.legend()
     np.atleast_1d(axes)[0].set_ylabel("edge pressure over mean $p/p_m$ [1]")
-    figure.suptitle("Edge pressures go to 0 and to twice the mean (means over the edge stations' intervals)", fontsize=10)
+    figure.suptitle("Edge pressures go to 0 and to twice the mean (means over the edge intervals)", fontsize=10)
     return written(figure, path)
 
 

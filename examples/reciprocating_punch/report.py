@@ -13,7 +13,7 @@ def distances(history, state):
 
 
 def relaxation(history, state):
-    """Cycles in which the distance falls by e, over the decade below 0.1 of the mean pressure; `None`: not there yet."""
+    """Cycles in which the distance falls by e, over the decade below 0.1 of p_m; `None`: not there yet."""
     distance = distances(history, state)
     tail = (distance < 0.1) & (distance > 0.01)
     if tail.sum() < 3:
@@ -45,7 +45,8 @@ def figures(history, state):
         "the same, direct, urad": 1e6 * (state.tilt[1] - state.tilt[-1]),
         "worn shape less the direct one, most, nm": 1e9 * np.abs(worn - state.shape).max(),
         "range of the worn shape, nm": 1e9 * np.ptp(worn),
-        "jump of the pressure at reversal, most, over p_m": np.abs(pressure_after - pressure_before).max() / history.mean,
+        "jump of the pressure at reversal, most, over p_m": np.ptp([pressure_after, pressure_before], axis=0).max()
+        / history.mean,
         "jump of the worn shape at reversal, nm": 1e9 * np.abs(worn_after - worn_before).max(),
         "steps_per_second": history.steps / history.seconds,
     }

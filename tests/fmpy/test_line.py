@@ -16,7 +16,7 @@ def stations(name):
 
 
 PRESSURE = stations("pressure")
-CHECKED = [*PRESSURE, *stations("wear_punch"), "approach", "tilt", "contact_temperature", "friction_force", "wear_depth"]
+CHECKED = [*PRESSURE, *stations("wear_punch"), "approach", "tilt", "contact_temperature", "friction_force"]
 
 
 @pytest.fixture
