@@ -62,7 +62,8 @@ fn variables(starts: &[f64]) -> String {
     let mut html = String::new();
     for (causality, title) in groups {
         let given = matches!(causality, Causality::Input | Causality::Parameter);
-        html += &format!("<h3>{title}</h3>\n<div class=\"wide\"><table class=\"variables\">\n<tr><th>name</th><th>unit</th>");
+        let class = if given { "variables given" } else { "variables" };
+        html += &format!("<h3>{title}</h3>\n<div class=\"wide\"><table class=\"{class}\">\n<tr><th>name</th><th>unit</th>");
         html += if given { "<th>start</th><th>limits</th>" } else { "" };
         html += "<th>meaning</th></tr>\n";
         let mut first = 0;
