@@ -63,7 +63,8 @@ fn variables(starts: &[f64]) -> String {
     for (causality, title) in groups {
         let given = matches!(causality, Causality::Input | Causality::Parameter);
         let class = if given { "variables given" } else { "variables" };
-        html += &format!("<h3>{title}</h3>\n<div class=\"wide\"><table class=\"{class}\">\n<tr><th>name</th><th>unit</th>");
+        html +=
+            &format!("<h3>{title}</h3>\n<div class=\"wide\"><table class=\"{class}\">\n<tr><th>name</th><th>unit</th>");
         html += if given { "<th>start</th><th>limits</th>" } else { "" };
         html += "<th>meaning</th></tr>\n";
         let mut first = 0;
@@ -200,7 +201,7 @@ mod tests {
     fn every_message_of_the_model_stands_in_the_page() {
         let page = plain(MESSAGES);
         let sources = [
-            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 22),
+            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 21),
             ("lumped level", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 3),
             ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
             ("step of the line", include_str!("../../../src/coupled/line/step.rs"), "StepFailure(", 3),
@@ -209,17 +210,28 @@ mod tests {
             ("wear stage", include_str!("../../../src/wear/line/contact.rs"), "write!(", 1),
             ("steps", include_str!("../../../src/component.rs"), "return Err(", 2),
             ("warnings", include_str!("../../../src/coupled/model.rs"), "warnings.push(", 1),
-            ("warnings of the line", include_str!("../../../src/coupled/line/operators.rs"), "warnings.push(format!(", 1),
+            (
+                "warnings of the line",
+                include_str!("../../../src/coupled/line/operators.rs"),
+                "warnings.push(format!(",
+                1,
+            ),
             ("limits", include_str!("../../../src/component.rs"), "(limit::WEAR, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::TEMPERATURE, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "limit::VALIDITY,", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::NEGATIVE_LOAD, ", 1),
             ("instance", include_str!("../../../src/fmi2/instance.rs"), "refuse(&format!(", 2),
+            ("instance", include_str!("../../../src/fmi2/instance.rs"), "refuse(", 1),
             ("instance", include_str!("../../../src/fmi2/instance.rs"), "argument(", 3),
-            ("arguments of steps", include_str!("../../../src/fmi2/instance/steps.rs"), "argument(", 2),
+            ("arguments of steps", include_str!("../../../src/fmi2/instance/steps.rs"), "argument(", 3),
+            ("derivatives", include_str!("../../../src/fmi2/instance/variables.rs"), "argument(", 3),
+            ("states", include_str!("../../../src/fmi2/instance/states.rs"), "argument(", 1),
+            ("serialised states", include_str!("../../../src/fmi2/state.rs"), "Err(", 3),
+            ("value references", include_str!("../../../src/fmi2/instance/problem.rs"), "None => ", 1),
         ];
         // Said by functions that no importer reaches.
-        let inside = ["is not an output", "is not an input", "the component is not initialised", "no derivatives before"];
+        let inside =
+            ["is not an output", "is not an input", "the component is not initialised", "no derivatives before"];
         for (name, source, marker, least) in sources {
             let found = messages(source, marker);
             assert!(found.len() >= least, "{name}: {} messages of at least {least}: {found:?}", found.len());
