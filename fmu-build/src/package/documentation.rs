@@ -13,6 +13,10 @@ use super::xml::number;
 
 /// The page without its tables and values, which stand in it as `{{name}}`.
 const PAGE: &str = include_str!("../../../modelDescription/documentation/index.html");
+/// Its section on importers.
+const IMPORTERS: &str = include_str!("../../../modelDescription/documentation/importers.html");
+/// Its section on messages.
+const MESSAGES: &str = include_str!("../../../modelDescription/documentation/messages.html");
 
 /// Writes the page for a scene.
 pub fn write(scene: &SceneFile) -> String {
@@ -26,6 +30,8 @@ pub fn write(scene: &SceneFile) -> String {
     let categories: Vec<String> =
         LOG_CATEGORIES.iter().map(|(name, about)| format!("<code>{name}</code> ({})", escape(*about))).collect();
     let values = [
+        ("importers", IMPORTERS.to_owned()),
+        ("messages", MESSAGES.to_owned()),
         ("scene", escape(packaged.name.as_str()).into_owned()),
         ("description", escape(description.as_str()).into_owned()),
         ("start", number(packaged.experiment.start)),
@@ -56,7 +62,9 @@ fn variables(starts: &[f64]) -> String {
     let mut html = String::new();
     for (causality, title) in groups {
         let given = matches!(causality, Causality::Input | Causality::Parameter);
-        html += &format!("<h3>{title}</h3>\n<table>\n<tr><th>name</th><th>unit</th>");
+        let class = if given { "variables given" } else { "variables" };
+        html +=
+            &format!("<h3>{title}</h3>\n<div class=\"wide\"><table class=\"{class}\">\n<tr><th>name</th><th>unit</th>");
         html += if given { "<th>start</th><th>limits</th>" } else { "" };
         html += "<th>meaning</th></tr>\n";
         let mut first = 0;
@@ -66,7 +74,7 @@ fn variables(starts: &[f64]) -> String {
             }
             first += row.count() as usize;
         }
-        html += "</table>\n";
+        html += "</table></div>\n";
     }
     html
 }
@@ -120,7 +128,7 @@ fn shown(unit: &Unit, display: &str, start: f64) -> Option<String> {
 }
 
 fn enumeration_tables() -> String {
-    let mut html = "<table>\n<tr><th>type</th><th>items</th></tr>\n".to_owned();
+    let mut html = "<div class=\"wide\"><table>\n<tr><th>type</th><th>items</th></tr>\n".to_owned();
     for kind in enumerations() {
         let items: Vec<String> = kind
             .items
@@ -130,13 +138,14 @@ fn enumeration_tables() -> String {
             .collect();
         let _ = writeln!(html, "<tr><td><code>{}</code></td><td>{}</td></tr>", kind.name, items.join("<br>"));
     }
-    html + "</table>"
+    html + "</table></div>"
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scenes;
+    use sliding_contact::coupled::lumped::limit;
 
     #[test]
     fn every_variable_stands_in_the_page_and_no_place_is_left_open() {
@@ -147,6 +156,107 @@ mod tests {
                 assert!(page.contains(&format!("<code>{}", row.name)), "{}", row.name);
                 assert!(page.contains(&*escape(row.description)), "{}", row.name);
             }
+        }
+    }
+
+    /// The page's text without tags and entities, white space made one blank.
+    fn plain(html: &str) -> String {
+        let mut text = String::new();
+        let mut inside = false;
+        for letter in html.chars() {
+            match letter {
+                '<' => inside = true,
+                '>' => inside = false,
+                _ if !inside => text.push(letter),
+                _ => {}
+            }
+        }
+        let text = text.replace("&gt;", ">").replace("&lt;", "<").replace("&hellip;", "\u{2026}").replace("&amp;", "&");
+        text.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// The first text after every `marker` in a source file, each as its longest part between places for values.
+    fn messages(source: &str, marker: &str) -> Vec<String> {
+        let code = source.split("#[cfg(test)]").next().unwrap();
+        let text = |rest: &str| {
+            let start = rest.find('"')?;
+            // Between the marker and the text there are only white space, a formatter and opening brackets.
+            let between = rest[..start].trim().trim_end_matches(['\n', ' ']);
+            if !["", "format!(", "f,", "f,\n"].contains(&between) {
+                return None;
+            }
+            let rest = &rest[start + 1..];
+            let written = rest[..rest.find('"')?].replace("\\\n", " ");
+            let mut parts = Vec::new();
+            for part in written.split('{') {
+                parts.push(part.split_once('}').map_or(part, |(_, after)| after));
+            }
+            let longest = parts.into_iter().max_by_key(|part| part.len())?;
+            Some(longest.split_whitespace().collect::<Vec<_>>().join(" "))
+        };
+        code.split(marker).skip(1).filter_map(text).filter(|text| !text.is_empty()).collect()
+    }
+
+    #[test]
+    fn every_message_of_the_model_stands_in_the_page() {
+        let page = plain(MESSAGES);
+        let sources = [
+            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 21),
+            ("lumped level", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 3),
+            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
+            ("step of the line", include_str!("../../../src/coupled/line/step.rs"), "StepFailure(", 3),
+            ("steady states", include_str!("../../../src/steady/mod.rs"), "write!(", 7),
+            ("contact", include_str!("../../../src/contact/problem.rs"), "write!(", 4),
+            ("wear stage", include_str!("../../../src/wear/line/contact.rs"), "write!(", 1),
+            ("steps", include_str!("../../../src/component.rs"), "return Err(", 2),
+            ("warnings", include_str!("../../../src/coupled/model.rs"), "warnings.push(", 1),
+            (
+                "warnings of the line",
+                include_str!("../../../src/coupled/line/operators.rs"),
+                "warnings.push(format!(",
+                1,
+            ),
+            ("limits", include_str!("../../../src/component.rs"), "(limit::WEAR, ", 1),
+            ("limits", include_str!("../../../src/component.rs"), "(limit::TEMPERATURE, ", 1),
+            ("limits", include_str!("../../../src/component.rs"), "limit::VALIDITY,", 1),
+            ("limits", include_str!("../../../src/component.rs"), "(limit::NEGATIVE_LOAD, ", 1),
+            ("instance", include_str!("../../../src/fmi2/instance.rs"), "refuse(&format!(", 2),
+            ("instance", include_str!("../../../src/fmi2/instance.rs"), "refuse(", 1),
+            ("instance", include_str!("../../../src/fmi2/instance.rs"), "argument(", 3),
+            ("arguments of steps", include_str!("../../../src/fmi2/instance/steps.rs"), "argument(", 3),
+            ("derivatives", include_str!("../../../src/fmi2/instance/variables.rs"), "argument(", 3),
+            ("states", include_str!("../../../src/fmi2/instance/states.rs"), "argument(", 1),
+            ("serialised states", include_str!("../../../src/fmi2/state.rs"), "Err(", 3),
+            ("value references", include_str!("../../../src/fmi2/instance/problem.rs"), "None => ", 1),
+        ];
+        // Said by functions that no importer reaches.
+        let inside =
+            ["is not an output", "is not an input", "the component is not initialised", "no derivatives before"];
+        for (name, source, marker, least) in sources {
+            let found = messages(source, marker);
+            assert!(found.len() >= least, "{name}: {} messages of at least {least}: {found:?}", found.len());
+            for message in found.iter().filter(|message| !inside.iter().any(|text| message.contains(text))) {
+                assert!(page.contains(message.as_str()), "{name}: {message:?} is not in the page");
+            }
+        }
+    }
+
+    #[test]
+    fn every_bit_of_limit_reached_stands_in_the_page() {
+        for bit in [limit::WEAR, limit::TEMPERATURE, limit::VALIDITY] {
+            assert!(MESSAGES.contains(&format!("<tr><td>{bit}</td>")), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn the_page_needs_nothing_from_outside() {
+        let page = write(&scenes::load(None).unwrap());
+        for outside in ["http:", "https:", "src=", "<script", "<link", "@import", "url("] {
+            assert!(!page.contains(outside), "{outside}");
+        }
+        for anchor in page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+            let target = anchor.strip_prefix('#').unwrap_or_else(|| panic!("{anchor} leads out of the page"));
+            assert!(page.contains(&format!("id=\"{target}\"")), "{anchor} leads nowhere");
         }
     }
 
