@@ -5,6 +5,7 @@
 #![cfg(feature = "scene-file")]
 
 mod balance;
+mod bristle;
 mod derivatives;
 mod drive;
 mod geometry;

@@ -8,10 +8,13 @@
 //! ```
 //!
 //! Work f v equals the change of k z^2/2 plus heat; the heat is never negative. Nothing creeps: below
-//! the limit a constant force stands on a constant deflection. Velocity and limit are constant over the
-//! step taken here; the caller cuts the step where they change.
+//! the limit a constant force stands on a constant deflection. Velocity and limit are linear over the step
+//! taken here, which is then exact: sticking meets the limit at a root of a quadratic; slipping is a straight
+//! line plus an exponential, whose slip speed has at most two zeros.
 //!
 //! An explicit master of step h and mass m is stable in stick for h k < c < 2 m/h - h k/2.
+
+use super::stage::{POINTS, averages};
 
 /// See the module; all faces together.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -31,6 +34,76 @@ pub struct Moved {
     pub heat: f64,
     /// Distance slipped, m, >= 0.
     pub slipped: f64,
+    /// Friction heat per time at the three points of the step, W.
+    pub power: [f64; 3],
+    /// Speed of the slip there, m/s, >= 0.
+    pub speed: [f64; 3],
+}
+
+impl Moved {
+    /// At rest at the deflection `z` (m).
+    pub fn none(z: f64) -> Moved {
+        Moved { deflection: z, heat: 0.0, slipped: 0.0, power: [0.0; 3], speed: [0.0; 3] }
+    }
+}
+
+/// A quantity that changes linearly: its value at the start and its rate.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Line {
+    /// At the start.
+    pub start: f64,
+    /// Per second.
+    pub rate: f64,
+}
+
+impl Line {
+    /// The same all along.
+    pub fn level(value: f64) -> Line {
+        Line { start: value, rate: 0.0 }
+    }
+
+    /// From its values at the points 1/3 and 1 of a step (s).
+    pub fn through_stages(values: [f64; 2], step: f64) -> Line {
+        let rate = (values[1] - values[0]) / ((POINTS[2] - POINTS[0]) * step);
+        Line { start: values[0] - rate * POINTS[0] * step, rate }
+    }
+
+    fn at(&self, time: f64) -> f64 {
+        self.start + self.rate * time
+    }
+
+    fn from(&self, time: f64) -> Line {
+        Line { start: self.at(time), rate: self.rate }
+    }
+
+    fn integral(&self, time: f64) -> f64 {
+        time * (self.start + 0.5 * self.rate * time)
+    }
+
+    /// Integral of the product with another.
+    fn work(&self, other: &Line, time: f64) -> f64 {
+        let mixed = self.start * other.rate + self.rate * other.start;
+        time * (self.start * other.start + time * (0.5 * mixed + time / 3.0 * self.rate * other.rate))
+    }
+}
+
+/// Changes between sticking and slipping that one step is followed through; linear courses have fewer.
+const MOST_CHANGES: usize = 16;
+
+/// Where `a + b t + c t^2`, not above 0 at t = 0, next rises through 0.
+fn rises_through_zero(a: f64, b: f64, c: f64) -> f64 {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
+        return f64::INFINITY;
+    }
+    let root = discriminant.sqrt();
+    if b > 0.0 {
+        (-2.0 * a / (b + root)).max(0.0)
+    } else if c > 0.0 {
+        0.5 * (root - b) / c
+    } else {
+        f64::INFINITY
+    }
 }
 
 impl Bristle {
@@ -52,41 +125,148 @@ impl Bristle {
         }
     }
 
-    /// Carries the deflection `z` over `step` (s) at constant velocity `v` (m/s) and limit `limit` (N).
-    pub fn advance(&self, z: f64, v: f64, limit: f64, step: f64) -> Moved {
-        let (k, c) = (self.stiffness, self.damping);
-        let mut moved = Moved { deflection: z, heat: 0.0, slipped: 0.0 };
-        let mut left = step;
-        if k * z.abs() > limit && c == 0.0 {
-            // The limit has fallen below what the spring holds: the excess is released as heat.
-            let held = limit / k;
-            moved.heat += 0.5 * k * (z * z - held * held);
-            moved.slipped += z.abs() - held;
-            moved.deflection = held.copysign(z);
-        }
-        let (_, slips) = self.force(moved.deflection, v, limit);
-        if !slips {
-            // Sticks until the force reaches the limit on the side it moves to.
-            let side = v.signum();
-            let room = side * limit - k * moved.deflection - c * v;
-            let until = if v == 0.0 { left } else { (room / (k * v)).clamp(0.0, left) };
-            moved.heat += c * v * v * until;
-            moved.deflection += v * until;
-            left -= until;
-        }
-        if left > 0.0 && (slips || v != 0.0) {
-            let (force, _) = self.force(moved.deflection, v, limit);
-            let force = if slips { force } else { limit.copysign(v) };
-            let goal = force / k;
-            let before = moved.deflection;
-            let after = if c > 0.0 { goal + (before - goal) * (-k / c * left).exp() } else { goal };
-            // Work of the force on the sliding velocity, less what the spring keeps.
-            let heat = force * v * left - 0.5 * k * (after * after - before * before);
-            moved.heat += heat.max(0.0);
-            moved.slipped += (v * left - (after - before)).abs();
-            moved.deflection = after;
+    /// Carries the deflection `z` (m) over `step` (s) at the velocity `v` (m/s), which keeps its sign, and the limit
+    /// `limit` (N, counted as 0 where it falls below).
+    pub fn advance(&self, z: f64, v: Line, limit: Line, step: f64) -> Moved {
+        let mut moved = Moved::none(z);
+        let (first, last) = (limit.start, limit.at(step));
+        if first >= 0.0 && last >= 0.0 {
+            self.carry(&mut moved, v, limit, [0.0, step], step);
+        } else if first <= 0.0 && last <= 0.0 {
+            self.carry(&mut moved, v, Line::level(0.0), [0.0, step], step);
+        } else {
+            // One part with the limit at 0.
+            let change = (-first / limit.rate).clamp(0.0, step);
+            let nothing = Line::level(0.0);
+            let (early, late) = if first < 0.0 { (nothing, limit) } else { (limit, nothing) };
+            self.carry(&mut moved, v, early, [0.0, change], step);
+            self.carry(&mut moved, v, late, [change, step], step);
         }
         moved
+    }
+
+    /// Carries `moved` over the part `span` of the step.
+    fn carry(&self, moved: &mut Moved, v: Line, limit: Line, span: [f64; 2], step: f64) {
+        let k = self.stiffness;
+        let mut now = span[0];
+        let mut slipping = None;
+        for change in 0..MOST_CHANGES {
+            let (v, limit, left) = (v.from(now), limit.from(now), span[1] - now);
+            let trial = k * moved.deflection + self.damping * v.start;
+            if change == 0 && trial.abs() > limit.start {
+                slipping = Some(1.0_f64.copysign(trial));
+            }
+            if let Some(side) = slipping.filter(|_| self.damping == 0.0) {
+                // Without a damper the spring lets go of what the limit does not hold at once.
+                let held = side * limit.start.max(0.0) / k;
+                let z = moved.deflection;
+                moved.heat += (0.5 * k * (z * z - held * held)).max(0.0);
+                moved.slipped += (z - held).abs();
+                moved.deflection = held;
+            }
+            let (length, next) = match slipping {
+                None => {
+                    let (length, side) = self.sticks_until(moved.deflection, v, limit);
+                    (length, Some(side))
+                }
+                Some(side) => (self.slips_until(moved.deflection, v, limit, side, left), None),
+            };
+            let last = change + 1 == MOST_CHANGES || length >= left;
+            let length = if last { left } else { length };
+            for (point, c) in POINTS.into_iter().enumerate() {
+                let time = c * step - now;
+                // The end of the step belongs to its last part.
+                if time > 0.0 && time <= length || last && point == 2 && span[1] == step {
+                    let (_, rate) = self.deflection(moved.deflection, v, limit, slipping, time);
+                    let slip = if slipping.is_some() { (v.at(time) - rate).abs() } else { 0.0 };
+                    // What the damper takes from sticking and slipping bristles alike.
+                    moved.power[point] = limit.at(time) * slip + self.damping * rate * rate;
+                    moved.speed[point] = slip;
+                }
+            }
+            let before = moved.deflection;
+            let (after, _) = self.deflection(before, v, limit, slipping, length);
+            let heat = match slipping {
+                None => self.damping * v.work(&v, length),
+                Some(side) => side * limit.work(&v, length) - 0.5 * k * (after * after - before * before),
+            };
+            moved.heat += heat.max(0.0);
+            if slipping.is_some() {
+                moved.slipped += (v.integral(length) - (after - before)).abs();
+            }
+            moved.deflection = after;
+            if last {
+                return;
+            }
+            now += length;
+            slipping = next;
+        }
+    }
+
+    /// Deflection and its rate after `time` of sticking, or of slipping to the side given.
+    fn deflection(&self, z: f64, v: Line, limit: Line, slipping: Option<f64>, time: f64) -> (f64, f64) {
+        let (k, c) = (self.stiffness, self.damping);
+        let Some(side) = slipping else { return (z + v.integral(time), v.at(time)) };
+        if c == 0.0 {
+            return (side * limit.at(time) / k, side * limit.rate / k);
+        }
+        let x = k * time / c;
+        let (first, second) = averages(x, (-x).exp());
+        let goal = side * limit.start / k;
+        let z = z + (goal - z) * x * first + side * limit.rate / k * time * x * second;
+        (z, (side * limit.at(time) - k * z) / c)
+    }
+
+    /// How long a sticking bristle sticks, and the side on which it then slips.
+    fn sticks_until(&self, z: f64, v: Line, limit: Line) -> (f64, f64) {
+        let (k, c) = (self.stiffness, self.damping);
+        let [up, down] = [1.0, -1.0].map(|side| {
+            let excess = side * (k * z + c * v.start) - limit.start;
+            rises_through_zero(excess.min(0.0), side * (k * v.start + c * v.rate) - limit.rate, 0.5 * side * k * v.rate)
+        });
+        if up <= down { (up, 1.0) } else { (down, -1.0) }
+    }
+
+    /// How long a slipping bristle slips, at most `left`: until the limit is more than the force at no slip.
+    fn slips_until(&self, z: f64, v: Line, limit: Line, side: f64, left: f64) -> f64 {
+        let (k, c) = (self.stiffness, self.damping);
+        if c == 0.0 {
+            // The slip speed is linear.
+            let (speed, rate) = (side * v.start - limit.rate / k, side * v.rate);
+            let rounding = 1e-12 * (v.start.abs() + limit.rate.abs() / k);
+            return match rate {
+                rate if rate > 0.0 && speed >= -rounding => left,
+                rate if rate < 0.0 && speed > 0.0 => (-speed / rate).min(left),
+                _ if speed > 0.0 => left,
+                _ => 0.0,
+            };
+        }
+        // c times the slip speed: a straight line of slope `far` plus an exponential.
+        let excess = |time: f64| {
+            let (z, _) = self.deflection(z, v, limit, Some(side), time);
+            side * (k * z + c * v.at(time)) - limit.at(time)
+        };
+        let far = side * c * v.rate;
+        let near = far + side * k * (side * limit.start - k * z) / c - limit.rate;
+        let mut right = left;
+        if near < far {
+            // Convex: lowest where the slope has risen to 0, and above 0 for good from some time after.
+            if far > 0.0 {
+                if near >= 0.0 {
+                    return left;
+                }
+                right = right.min(c / k * (1.0 - near / far).ln());
+            }
+        }
+        if excess(right) >= 0.0 {
+            return left;
+        }
+        let mut ends = [0.0, right];
+        for _ in 0..60 {
+            let middle = 0.5 * (ends[0] + ends[1]);
+            ends[usize::from(excess(middle) < 0.0)] = middle;
+        }
+        ends[1]
     }
 }
 
@@ -103,7 +283,7 @@ mod tests {
             let v = if i < 20_000 { 0.01 } else { -0.02 };
             let step = 1e-5;
             let (force, _) = bristle.force(z, v, 500.0);
-            let moved = bristle.advance(z, v, 500.0, step);
+            let moved = bristle.advance(z, Line::level(v), Line::level(500.0), step);
             let (after, _) = bristle.force(moved.deflection, v, 500.0);
             work += 0.5 * (force + after) * v * step;
             heat += moved.heat;
@@ -114,7 +294,7 @@ mod tests {
         assert!((work - heat - stored).abs() < 2e-4 * work, "{work} {heat} {stored}");
         assert!((z + 500.0 / 1e6).abs() < 1e-9);
         // One step over everything gives the same end.
-        let once = bristle.advance(0.0, 0.01, 500.0, 0.2);
+        let once = bristle.advance(0.0, Line::level(0.01), Line::level(500.0), 0.2);
         assert!((once.deflection - 500.0 / 1e6).abs() < 1e-12);
     }
 
@@ -123,11 +303,11 @@ mod tests {
         let bristle = Bristle { stiffness: 1e6, damping: 0.0 };
         let mut z = 3e-4;
         for _ in 0..1000 {
-            z = bristle.advance(z, 0.0, 500.0, 1.0).deflection;
+            z = bristle.advance(z, Line::level(0.0), Line::level(500.0), 1.0).deflection;
         }
         assert_eq!(z, 3e-4);
         // A limit that falls below the held force lets go, and the spring's energy becomes heat.
-        let released = bristle.advance(z, 0.0, 100.0, 1.0);
+        let released = bristle.advance(z, Line::level(0.0), Line::level(100.0), 1.0);
         assert!((released.deflection - 1e-4).abs() < 1e-15);
         assert!((released.heat - 0.5e6 * (9e-8 - 1e-8)).abs() < 1e-12);
     }

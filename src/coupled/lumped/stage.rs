@@ -23,7 +23,7 @@ pub const QUADRATURE: [f64; 2] = [0.75, 0.25];
 
 /// (1 - exp(-z))/z and (1 - that)/z, given `decay` = exp(-z).
 #[inline]
-fn averages(z: f64, decay: f64) -> (f64, f64) {
+pub fn averages(z: f64, decay: f64) -> (f64, f64) {
     if z < 0.06 {
         let first =
             1.0 - z * (0.5 - z * (1.0 / 6.0 - z * (1.0 / 24.0 - z * (1.0 / 120.0 - z * (1.0 / 720.0 - z / 5040.0)))));

@@ -1,6 +1,6 @@
 //! The unknowns of both stages of a step: heat, its split, friction, pressure and wear.
 
-use super::bristle::Bristle;
+use super::bristle::{Bristle, Line, Moved};
 use super::conditions::Conditions;
 use super::flash_step::FlashStep;
 use super::interface::agree;
@@ -25,13 +25,14 @@ pub struct Stages {
     split: Splitting,
     /// s v Stribeck at the stages: heat per faded friction and pressure.
     driver: [f64; 2],
-    slip: [f64; 2],
+    /// Speed that wears.
+    speed: [f64; 2],
     pub bristle: Option<Bristle>,
     deflection_at_start: f64,
-    pub deflection: f64,
-    pub slipped: f64,
-    velocity: f64,
-    stribeck: f64,
+    /// What the bristle did.
+    pub moved: Moved,
+    velocity: Line,
+    stribeck: [f64; 2],
     given_load: [f64; 2],
     reference: f64,
 }
@@ -63,18 +64,20 @@ impl Stages {
             pressure: if closed { loads.map(|load| load / operators.area) } else { [0.0; 2] },
             heat: [0.0; 2],
             temperature: [0.0; 2],
-            faded: [stepper.friction.coefficient * stepper.friction.fade.factor[0]; 2],
+            faded: [stepper.friction.faded(state.end_temperature + state.reference); 2],
             rates: [[0.0; 2]; 2],
             strip_gain,
             split,
             driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
-            slip: [first.slip, last.slip],
+            speed: [first.slip, last.slip],
             bristle: operators.bristle(),
             deflection_at_start: state.bristle,
-            deflection: state.bristle,
-            slipped: 0.0,
-            velocity: 0.5 * (conditions[0].velocity + conditions[3].velocity),
-            stribeck: 0.5 * (first.stribeck + last.stribeck),
+            moved: Moved::none(state.bristle),
+            velocity: Line {
+                start: conditions[0].velocity,
+                rate: (conditions[3].velocity - conditions[0].velocity) / stepper.propagators.step,
+            },
+            stribeck: [first.stribeck, last.stribeck],
             given_load: if closed { loads } else { [0.0; 2] },
             reference: state.reference,
         }
@@ -173,34 +176,48 @@ impl Stages {
         (0..2).map(|stage| (self.temperature[stage] - before[stage]).abs()).fold(0.0, f64::max)
     }
 
-    /// The bristle over the whole step, at its mean limit; its heat is spread over the stages as the sliding is.
+    /// The bristle over the whole step, with its limit on the line through both stages: sliding all along, it then
+    /// heats as the law without a bristle does. Heat and slip at the stages are those of their moments, scaled so that
+    /// they add up to what the bristle has done.
     fn slide_bristle(&mut self, stepper: &Stepper) {
         let Some(bristle) = self.bristle else { return };
         let (operators, step) = (stepper.operators, stepper.propagators.step);
-        let per_flux = operators.scene.faces * operators.area;
-        let limit = self.stribeck
-            * operators.power_factor
-            * per_flux
-            * (QUADRATURE[0] * self.faded[0] * self.pressure[0] + QUADRATURE[1] * self.faded[1] * self.pressure[1]);
-        let moved = bristle.advance(self.deflection_at_start, self.velocity, limit, step);
-        self.deflection = moved.deflection;
-        self.slipped = moved.slipped;
-        let share = [self.slip[0] * self.pressure[0], self.slip[1] * self.pressure[1]];
-        let mean = QUADRATURE[0] * share[0] + QUADRATURE[1] * share[1];
-        let flux = moved.heat / (per_flux * step);
-        self.heat = if mean > 0.0 { share.map(|share| flux * share / mean) } else { [flux; 2] };
-        if self.pressure == [0.0; 2] {
-            self.heat = [0.0; 2];
+        let limits =
+            [0, 1].map(|stage| self.limit(stepper, self.faded[stage], self.stribeck[stage], self.pressure[stage]));
+        let limit = Line::through_stages(limits, step);
+        self.moved = bristle.advance(self.deflection_at_start, self.velocity, limit, step);
+        let flux = 1.0 / (operators.scene.faces * operators.area);
+        self.heat = if self.pressure == [0.0; 2] {
+            [0.0; 2]
+        } else {
+            scaled([self.moved.power[0], self.moved.power[2]], self.moved.heat / step).map(|power| power * flux)
+        };
+        self.speed = scaled([self.moved.speed[0], self.moved.speed[2]], self.moved.slipped / step);
+    }
+
+    /// The most that the bristle carries, N, all faces together.
+    fn limit(&self, stepper: &Stepper, faded: f64, stribeck: f64, pressure: f64) -> f64 {
+        let operators = stepper.operators;
+        faded * stribeck * pressure * operators.power_factor * operators.scene.faces * operators.area
+    }
+
+    /// How far the bristle's heat is from a line through its stages, as a flux (W/m2), where it changes between
+    /// sticking and slipping: what it gave in all against its powers at the stages.
+    fn unevenness(&self, stepper: &Stepper) -> f64 {
+        if self.bristle.is_none() || self.pressure == [0.0; 2] {
+            return 0.0;
         }
+        let operators = stepper.operators;
+        let (power, mean) = (self.moved.power, self.moved.heat / stepper.propagators.step);
+        (QUADRATURE[0] * power[0] + QUADRATURE[1] * power[2] - mean).abs() / (operators.scene.faces * operators.area)
     }
 
     /// Wear rates at the stages.
     pub fn wear(&mut self, stepper: &Stepper) {
         let operators = stepper.operators;
-        let sliding = self.slipped / stepper.propagators.step;
         // Where nothing differs between the stages one rate serves both.
         let same = self.pressure[0] == self.pressure[1]
-            && self.slip[0] == self.slip[1]
+            && self.speed[0] == self.speed[1]
             && self.faded[0] == self.faded[1]
             && !operators.wear_follows_temperature;
         for stage in 0..2 {
@@ -210,11 +227,10 @@ impl Stages {
                 }
                 return;
             }
-            let speed = if self.bristle.is_some() { sliding } else { self.slip[stage] };
             for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&mut self.rates) {
                 rates[stage] = body.wear.rate(
                     self.pressure[stage],
-                    speed,
+                    self.speed[stage],
                     self.faded[stage],
                     self.temperature[stage] + self.reference,
                 ) * (body.wear_factor * stepper.tunables.wear_acceleration);
@@ -237,7 +253,7 @@ impl Stages {
             return f64::INFINITY;
         }
         let split = (punch.flux[0][1] - punch.flux[0][0]).abs();
-        let heat = (self.heat[1] - self.heat[0]).abs();
+        let heat = (self.heat[1] - self.heat[0]).abs() + 2.0 * self.unevenness(stepper);
         let scale = self.flux_scale(stepper, state, punch);
         let exchange = if self.split.closed && operators.scene.conductance > 0.0 {
             // The resistance grows during the step: at its end it bounds that at the point 2/3.
@@ -299,7 +315,18 @@ impl Stages {
             defect += jump.abs() / (resistance * allowance);
         }
         let faded = stepper.friction.faded(temperature + self.reference);
-        if self.bristle.is_none() {
+        if self.bristle.is_some() {
+            let limit = |faded: f64, stribeck: f64, pressure: f64| self.limit(stepper, faded, stribeck, pressure);
+            let straight =
+                between([0, 1].map(|stage| limit(self.faded[stage], self.stribeck[stage], self.pressure[stage])));
+            let excess = (limit(faded, middle.stribeck, pressure) - straight) * self.moved.speed[1];
+            let power = self.moved.power;
+            let bent = power[1] + excess - between([power[0], power[2]]);
+            let bent = if self.split.closed { bent / (operators.scene.faces * operators.area) } else { 0.0 };
+            // A change between sticking and slipping is over when its part is: beside the heat of the whole piece,
+            // it counts by its time.
+            defect += (bent.abs() + self.unevenness(stepper)) / stepper.cut;
+        } else {
             let heat = faded * middle.stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
         }
@@ -314,7 +341,7 @@ impl Stages {
         }
         // At constant conditions only the temperature can make the wear rate change.
         let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
-        if self.bristle.is_none() && changes {
+        if self.bristle.is_some() || changes {
             for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&self.rates) {
                 if body.wear.active() {
                     error = error.max(self.wear_error(stepper, conditions, body, rates, state.peak_wear));
@@ -334,14 +361,19 @@ impl Stages {
         peak: f64,
     ) -> f64 {
         let operators = stepper.operators;
+        let mut speeds = [0, 1, 2, 3].map(|index: usize| conditions[index].slip);
+        let mut uneven = 0.0;
+        if self.bristle.is_some() {
+            let [first, second, last] = self.moved.speed;
+            speeds = [(2.0 * first - second).max(0.0), self.speed[0], second, self.speed[1]];
+            let mean = self.moved.slipped / stepper.propagators.step;
+            let left = (QUADRATURE[0] * first + QUADRATURE[1] * last - mean).abs();
+            uneven = left / mean.max(first).max(last).max(f64::MIN_POSITIVE) * rates[0].max(rates[1]);
+        }
         let rate = |index: usize, pressure: f64, stages: [f64; 2]| {
             let between = |values: [f64; 2]| stages[0] * values[0] + stages[1] * values[1];
-            body.wear.rate(
-                pressure,
-                conditions[index].slip,
-                between(self.faded),
-                between(self.temperature) + self.reference,
-            ) * (body.wear_factor * stepper.tunables.wear_acceleration)
+            body.wear.rate(pressure, speeds[index], between(self.faded), between(self.temperature) + self.reference)
+                * (body.wear_factor * stepper.tunables.wear_acceleration)
         };
         let caliper = operators.series_stiffness > 0.0;
         let pressure = |index: usize, stages: [f64; 2]| {
@@ -355,7 +387,7 @@ impl Stages {
         let (start, middle) = ([1.5, -0.5], BASIS[1]);
         let first = rate(0, pressure(0, start), start);
         let second = rate(2, pressure(2, middle), middle);
-        let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs();
+        let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs() + uneven;
         // Near standstill a rate like |v|^a, a < 1, is no polynomial at any step; what it adds there is little
         // beside the wear of the whole piece.
         let whole = stepper.ends.map_or(0.0, |ends| {
@@ -376,6 +408,12 @@ impl Stages {
             + self.strip_gain[2][1] * strip.flux[0][1];
         punch.contact(2).max(strip_temperature)
     }
+}
+
+/// Values at both stages in proportion to `values`, with the mean `mean` over the step.
+fn scaled(values: [f64; 2], mean: f64) -> [f64; 2] {
+    let own = QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
+    if own > 0.0 { values.map(|value| value * (mean / own)) } else { [mean; 2] }
 }
 
 /// How much more than the tolerance of the flux `scale` (W/m2) the exchange between the bodies may be off at

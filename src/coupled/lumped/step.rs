@@ -145,10 +145,10 @@ impl Stepper<'_> {
         let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);
         let mean = |values: [f64; 2]| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
         state.dissipated += step * mean(stages.heat);
-        state.distance += if stages.bristle.is_some() { stages.slipped } else { travel.abs() };
+        state.distance += if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() };
         let worn = [step * mean(stages.rates[0]), step * mean(stages.rates[1])];
         state.wear(operators, worn, travel);
-        state.bristle = stages.deflection;
+        state.bristle = stages.moved.deflection;
         state.far = [last.punch_far, last.strip_far];
         state.end_temperature = stages.temperature[1];
         state.end_force = stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;

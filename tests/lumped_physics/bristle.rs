@@ -1,0 +1,103 @@
+//! Cutting a communication step where a bristle carries the friction force: what slides, sticks or changes between
+//! both comes out the same.
+
+use super::drive::{Drive, scene};
+
+const OUTPUTS: [&str; 7] = [
+    "dissipated_energy",
+    "wear_volume_punch",
+    "wear_volume_strip",
+    "sliding_distance",
+    "heat_received_punch",
+    "contact_temperature",
+    "friction_force",
+];
+
+/// Ramps of `velocity` between the speeds and loads given (from, to) over one second each, cut into `parts`; after every
+/// ramp the outputs, and the largest force limit.
+fn ramps(drive: &mut Drive, velocity: &str, ramps: &[[f64; 4]], parts: u32) -> (Vec<[f64; 7]>, f64) {
+    let mut outcomes = Vec::new();
+    let mut limit: f64 = 0.0;
+    for [v0, v1, f0, f1] in ramps {
+        for part in 0..parts {
+            let done = f64::from(part) / f64::from(parts);
+            drive.set(velocity, v0 + (v1 - v0) * done).set("normal_load", f0 + (f1 - f0) * done);
+            drive.slope(velocity, v1 - v0).slope("normal_load", f1 - f0);
+            drive.step(1.0 / f64::from(parts));
+        }
+        drive.set(velocity, *v1).set("normal_load", *f1);
+        limit = limit.max(drive.get("friction_force_limit"));
+        outcomes.push(OUTPUTS.map(|name| drive.get(name)));
+    }
+    assert!(drive.imbalance() < 1e-12, "{}", drive.imbalance());
+    (outcomes, limit)
+}
+
+/// Largest difference, each relative to its own size at the end: energies to the dissipated one, temperature to the largest rise, force to the
+/// largest limit.
+fn difference(one: &[[f64; 7]], other: &[[f64; 7]], start: f64, limit: f64) -> [f64; 7] {
+    let last = other.last().unwrap();
+    let rise = other.iter().map(|outcome| outcome[5] - start).fold(0.0, f64::max);
+    let scale = [last[0], last[1], last[2], last[3], last[0], rise, limit];
+    let mut worst = [0.0_f64; 7];
+    for (a, b) in one.iter().zip(other) {
+        for index in 0..7 {
+            worst[index] = worst[index].max((a[index] - b[index]).abs() / scale[index]);
+        }
+    }
+    worst
+}
+
+fn cutting(name: &str, changes: &[(&str, f64)], velocity: &str, courses: &[(&str, &[[f64; 4]])], tolerances: &[f64]) {
+    let mut failed = Vec::new();
+    for (what, course) in courses {
+        for &tolerance in tolerances {
+            let changes = [changes, &[("solver.tolerance", tolerance)]].concat();
+            let run = |parts: u32| {
+                let mut drive = Drive::from_starts(&scene(name), &changes);
+                let start = drive.get("contact_temperature");
+                let (outcomes, limit) = ramps(&mut drive, velocity, course, parts);
+                (outcomes, limit, start, drive.0.work())
+            };
+            let (fine, limit, start, _) = run(1000);
+            for parts in [1, 3, 10] {
+                let (coarse, _, _, work) = run(parts);
+                let worst = difference(&coarse, &fine, start, limit).map(|difference| difference / tolerance);
+                let text = format!("{name} {what} {tolerance:e}, {parts} parts: {worst:.3?} of it, {work:?} steps");
+                println!("{text}");
+                if worst.iter().any(|difference| *difference > 1.0 || difference.is_nan()) {
+                    failed.push(text);
+                }
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[test]
+fn cutting_the_engagement_of_a_clutch_changes_at_most_the_tolerance() {
+    let courses: &[(&str, &[[f64; 4]])] = &[
+        ("engagement", &[[300.0, 0.0, 0.0, 5e3]]),
+        ("constant slip", &[[100.0, 100.0, 5e3, 5e3]]),
+        ("engagement, hold, release", &[[300.0, 0.0, 0.0, 5e3], [0.0, 0.0, 5e3, 5e3], [0.0, 200.0, 5e3, 1e3]]),
+    ];
+    for ratio in [1.0, 1.17] {
+        let changes = [("contact.static_friction_ratio", ratio)];
+        cutting("clutch", &changes, "angular_velocity", courses, &[1e-3, 1e-4]);
+    }
+}
+
+#[test]
+fn cutting_reversals_and_changes_between_sticking_and_slipping_changes_at_most_the_tolerance() {
+    let courses: &[(&str, &[[f64; 4]])] = &[
+        ("to and fro", &[[0.5, -0.5, 2e3, 2e3], [-0.5, 0.8, 2e3, 2e3]]),
+        ("break-away by a falling load", &[[0.5, 0.0, 2e3, 2e3], [0.0, 0.002, 2e3, 0.0]]),
+        ("break-away by speed", &[[0.0, 0.0, 2e3, 2e3], [0.0, 0.02, 2e3, 2e3], [0.02, 0.02, 2e3, 2e3]]),
+        ("load rises faster than it slips", &[[0.02, 0.02, 2e2, 2e2], [0.02, 0.0, 2e2, 4e4], [0.05, 0.1, 4e4, 1e4]]),
+        ("touch-down", &[[0.5, 0.2, -1e3, 2e3], [0.2, -0.3, 2e3, -1e3]]),
+    ];
+    for damping in [0.0, 2e4] {
+        let changes = [("contact.stick_stiffness", 1e6), ("contact.stick_damping", damping)];
+        cutting("disc_brake", &changes, "sliding_velocity", courses, &[1e-3, 1e-4]);
+    }
+}
