@@ -87,6 +87,9 @@ impl Line {
     }
 }
 
+/// Part of the limit within which a bristle without damper that is drawn on counts as slipping.
+const MEETING: f64 = 1e-4;
+
 /// Changes between sticking and slipping that one step is followed through; linear courses have fewer.
 const MOST_CHANGES: usize = 16;
 
@@ -110,7 +113,9 @@ impl Bristle {
     /// Force (N) at deflection `z` (m), velocity `v` (m/s) and limit `limit` (N), and whether it slips.
     pub fn force(&self, z: f64, v: f64, limit: f64) -> (f64, bool) {
         let trial = self.stiffness * z + self.damping * v;
-        if trial.abs() > limit { (limit.copysign(trial), true) } else { (trial, false) }
+        // Without a damper a slipping bristle stands at its limit to rounding and to the error of the temperature.
+        let meets = self.damping == 0.0 && trial * v > 0.0 && trial.abs() > (1.0 - MEETING) * limit;
+        if trial.abs() > limit || meets { (limit.copysign(trial), true) } else { (trial, false) }
     }
 
     /// Rate of deflection (m/s) in the same situation.

@@ -168,22 +168,25 @@ impl FlashStep {
             step * (r0 + 3.0 * r1 + 3.0 * r2 + r3) / 8.0,
         ];
         let length = POINTS[point] * step;
-        for (k, (&rate, &residue)) in flash.rates.iter().zip(&flash.residues).enumerate() {
-            self.decay[point][k] = (-rate * length - passed[point].max(0.0)).exp();
-            // Fast states follow the speed of the moment, so it is theirs that weighs the flux.
-            let local = rate + rates[point + 1];
-            let weight = weights(local, (-local * length).exp(), POINTS[point], length);
-            self.take(point, k, residue, weight);
+        let at_rest = match point {
+            0 => self.at_rest,
+            1 => self.at_rest.map(|third| third * third),
+            _ => self.at_rest.map(|third| third * third * third),
+        };
+        // Fast states follow the speed of the moment, so it is theirs that weighs the flux.
+        let sliding = rates[point + 1];
+        let (common, local) = ((-passed[point].max(0.0)).exp(), (-sliding * length).exp());
+        let mut first = [0.0; MAX_FLASH_STATES];
+        let mut second = [0.0; MAX_FLASH_STATES];
+        for k in 0..MAX_FLASH_STATES {
+            self.decay[point][k] = at_rest[k] * common;
+            let weight = weights(flash.rates[k] + sliding, at_rest[k] * local, POINTS[point], length);
+            first[k] = flash.residues[k] * weight[0];
+            second[k] = flash.residues[k] * weight[1];
         }
-    }
-
-    #[inline]
-    fn take(&mut self, point: usize, k: usize, residue: f64, weight: [f64; 2]) {
-        self.gain[point][0] += residue * weight[0];
-        self.gain[point][1] += residue * weight[1];
+        self.gain[point] = [total(&first), total(&second)];
         if point == 2 {
-            self.update[0][k] = residue * weight[0];
-            self.update[1][k] = residue * weight[1];
+            self.update = [first, second];
         }
     }
 

@@ -261,10 +261,8 @@ impl Lumped {
         let mut level = self.state.refinement;
         let mut part: u64 = 0;
         let mut attempts = 0;
-        let ends = match course {
-            Course::Constant(_) => None,
-            Course::Varying(conditions) => Some([conditions(0.0), conditions(length)]),
-        };
+        // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
+        let mut whole = None;
         while part < 1_u64 << level {
             attempts += 1;
             if attempts > MOST_ATTEMPTS {
@@ -287,7 +285,19 @@ impl Lumped {
                     Some([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)))
                 }
             };
-            let now = course.at(start);
+            let now = match (course, &varying) {
+                (Course::Constant(now), _) => *now,
+                (_, Some(at)) => at[0],
+                _ => course.at(start),
+            };
+            if let Some(at) = &varying
+                && whole.is_none()
+            {
+                whole = Some(if level == 0 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
+            } else if varying.is_none() && self.has_bristle() {
+                // A change between sticking and slipping is no polynomial at any step.
+                whole = Some([now; 2]);
+            }
             let speeds = match &varying {
                 Some(at) => at.each_ref().map(|conditions| conditions.velocity.abs()),
                 None => [now.velocity.abs(); 4],
@@ -296,7 +306,7 @@ impl Lumped {
             let mut stepper = Stepper {
                 flash: &mut self.flash,
                 cut: (1_u64 << level) as f64,
-                ends: ends.as_ref(),
+                ends: whole.as_ref(),
                 operators: &self.operators,
                 friction: &self.friction,
                 tunables: &self.tunables,

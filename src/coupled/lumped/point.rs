@@ -179,11 +179,7 @@ pub fn evaluate<S: Scalar>(
     let bristle = operators.bristle();
     let faces = scene.faces;
     // Heat per unit of the faded friction coefficient.
-    let driver = if bristle.is_some() {
-        S::from(0.0)
-    } else {
-        conditions.stribeck * conditions.slip * pressure * operators.power_factor
-    };
+    let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
         if closed {
             split(sides.0, sides.1, flux, scene.conductance)
@@ -206,6 +202,14 @@ pub fn evaluate<S: Scalar>(
         let gain = mean(&solve(driver)) + reference - level;
         temperature = agree(friction, level, gain);
         flux = friction.faded(temperature) * driver;
+    }
+    let kinetic_at =
+        |temperature: S| friction.faded(temperature) * conditions.stribeck * load * (faces * operators.power_factor);
+    // Sliding heats the contact, sticking does not: a bristle sticks where it is below the limit of its sliding.
+    if let Some(bristle) = bristle
+        && !bristle.force(state.bristle, conditions.velocity.value(), kinetic_at(temperature).value()).1
+    {
+        temperature = level;
     }
     let faded = friction.faded(temperature);
     let mu = faded * conditions.stribeck;
