@@ -71,7 +71,8 @@ pub const ROWS: &[Row] = &[
         "friction_slope",
         &NEWTON_SECOND_PER_METRE,
         1e3,
-        "Derivative of the friction force by the velocity; an explicit master needs a step below 2 mass / friction_slope",
+        "Derivative of the friction force by the velocity; an explicit master needs a step below 2 mass / friction_slope. \
+         While a bristle sticks it is contact.stick_damping",
     )
     .output(ON_INPUTS),
     real("critical_speed", &METRE_PER_SECOND, 10.0, "Speed above which the scene is thermoelastically unstable; 0: none")

@@ -66,10 +66,10 @@ pub static FIDELITY: EnumerationType = EnumerationType {
     name: "Fidelity",
     description: "How much is modelled",
     items: &[
-        ("auto", "The cheapest level that meets the tolerance"),
+        ("auto", "Chosen for the scene; lumped in this version"),
         ("lumped", "Uniform pressure, a few thermal states"),
-        ("line", "Pressure and temperature along the contact line"),
-        ("field", "Unreduced finite elements"),
+        ("line", "Pressure, wear and shape on cells along the contact"),
+        ("field", "Unreduced finite elements; not in this version"),
     ],
 };
 pub static SCHEME: EnumerationType = EnumerationType {
@@ -407,8 +407,14 @@ pub const CONTACT: &[Row] = &[
         "Stiffness of the bristle that carries the force at standstill, all faces together; 0: off",
     )
     .within(0.0, 1e15),
-    real("contact.stick_damping", &NEWTON_SECOND_PER_METRE, 1e4, "Damping of the bristle, all faces together")
-        .within(0.0, 1e12),
+    real(
+        "contact.stick_damping",
+        &NEWTON_SECOND_PER_METRE,
+        1e4,
+        "Damping of the bristle, all faces together; an explicit master of step h on a mass m is stable while sticking for \
+         h stick_stiffness < stick_damping < 2 m/h - h stick_stiffness/2",
+    )
+    .within(0.0, 1e12),
     real(
         "contact.conductance",
         &HEAT_TRANSFER,
