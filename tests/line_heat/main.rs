@@ -9,3 +9,5 @@
 mod drive;
 
 mod account;
+mod growth;
+mod steps;

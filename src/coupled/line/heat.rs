@@ -11,6 +11,7 @@
 //! the stage stays one contact problem ([`split`]); which cells touch is found by repetition ([`stage`]).
 
 pub mod bodies;
+mod growth;
 mod outputs;
 pub mod split;
 mod stage;
@@ -54,6 +55,8 @@ pub struct Heat {
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
     difference: Vec<f64>,
+    /// N x N, by columns.
+    matrix: Vec<f64>,
     base: [Vec<f64>; 2],
     base_distortion: [Vec<f64>; 2],
     gap: Vec<f64>,
@@ -83,6 +86,7 @@ impl Heat {
             closed: vec![false; count],
             felt: zeros(),
             difference: zeros(),
+            matrix: vec![0.0; count * count],
             base: pair(),
             base_distortion: pair(),
             gap: zeros(),
@@ -109,6 +113,7 @@ impl Clone for Heat {
             closed: self.closed.clone(),
             felt: self.felt.clone(),
             difference: self.difference.clone(),
+            matrix: self.matrix.clone(),
             base: self.base.clone(),
             base_distortion: self.base_distortion.clone(),
             gap: self.gap.clone(),

@@ -235,6 +235,14 @@ impl Operators {
                     .into(),
             );
         }
+        let critical = lumped::outputs::critical_speed(scene, scene.friction_coefficient);
+        if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
+            warnings.push(format!(
+                "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, from which on the contact's \
+                 longest pressure wave grows",
+                scene.nominal_velocity
+            ));
+        }
         let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
         if let Some(height) = self.pivot
             && scene.nominal_stroke > 0.0

@@ -27,6 +27,9 @@ use nalgebra::DMatrix;
 /// Finest subdivision: 2^-40 of the piece.
 const FINEST: u8 = 40;
 
+/// log2 of the number of parts of a piece from which growth is no reason to cut it further: rounding would be followed.
+const FOLLOWING: u8 = 14;
+
 /// Most attempts for one piece: a step always ends.
 const MOST_ATTEMPTS: u32 = 200_000;
 
@@ -323,6 +326,12 @@ impl Line {
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
         let bound = scene.tolerance * operators.displacement_scale * mean;
+        if self.heat.is_some() && step > path.length() / f64::from(1_u32 << FOLLOWING) {
+            let coefficient = late.faded * self.friction.stribeck(path.velocity(start + step));
+            if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
+                return Outcome::Tried(f64::INFINITY);
+            }
+        }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         Outcome::Tried(wear.max(self.heat_error(bound)))
     }

@@ -5,7 +5,7 @@ pub mod conditions;
 mod flash_step;
 pub mod interface;
 pub mod operators;
-mod outputs;
+pub mod outputs;
 mod plain;
 pub mod point;
 pub mod stage;

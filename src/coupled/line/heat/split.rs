@@ -146,6 +146,11 @@ impl Split {
         }
     }
 
+    /// Entry of the extra compliance last made, m/Pa.
+    pub fn extra_at(&self, row: usize, column: usize) -> f64 {
+        self.extra[(row, column)]
+    }
+
     /// The extra compliance for the heat `per_pressure` (m/s: mu s v) of every cell; `None` where it is the last one.
     pub fn extra(&mut self, per_pressure: &[f64]) -> Option<&DMatrix<f64>> {
         if self.per_pressure == per_pressure {
