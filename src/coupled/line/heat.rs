@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
-//! the stage stays one contact problem ([`split`]); which cells touch is found by repetition ([`stage`]).
+//! the stage stays one contact problem ([`split`]); which cells exchange heat is found by repetition ([`stage`]).
 
 pub mod bodies;
 mod growth;

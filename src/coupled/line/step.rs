@@ -27,8 +27,8 @@ use nalgebra::DMatrix;
 /// Finest subdivision: 2^-40 of the piece.
 const FINEST: u8 = 40;
 
-/// log2 of the number of parts of a piece from which growth is no reason to cut it further: rounding would be followed.
-const FOLLOWING: u8 = 14;
+/// log2 of the number of parts of a piece from which heat is no reason to cut it further.
+const FOLLOWING: u8 = 8;
 
 /// Most attempts for one piece: a step always ends.
 const MOST_ATTEMPTS: u32 = 200_000;
@@ -326,14 +326,16 @@ impl Line {
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
         let bound = scene.tolerance * operators.displacement_scale * mean;
-        if self.heat.is_some() && step > path.length() / f64::from(1_u32 << FOLLOWING) {
+        let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
+        if self.heat.is_some() && resolved {
             let coefficient = late.faded * self.friction.stribeck(path.velocity(start + step));
             if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
                 return Outcome::Tried(f64::INFINITY);
             }
         }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
-        Outcome::Tried(wear.max(self.heat_error(bound)))
+        // Contact that opens or closes is an event of heat: short steps go over it.
+        Outcome::Tried(if resolved { wear.max(self.heat_error(bound)) } else { wear })
     }
 
     /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.

@@ -16,9 +16,6 @@ use crate::wear::line::{Coefficient, StageError};
 /// Repetitions until contact and temperature agree; then a shorter step has to help.
 const MOST_REPETITIONS: usize = 80;
 
-/// Repetitions in which cells may open again; later ones only close cells, so that they end.
-const FREE_REPETITIONS: usize = 12;
-
 /// Change of the friction coefficient (relative) at which it agrees with the temperature.
 const AGREEMENT: f64 = 1e-10;
 
@@ -85,13 +82,22 @@ impl Line {
         }
         let Some(state) = &self.state.heat else { unreachable!("a scene with heat along the line has its state") };
         heat.begin(stage, state);
-        let (earlier, status) = match stage {
-            Stage::First => (&self.state.pressure, self.contact.status()),
-            Stage::End => (&self.work.first.pressure, heat.contacts[0].status()),
+        // A cell that was in contact at the start of the step exchanges heat throughout it, one that closes within it from
+        // then on. So the repetition only closes cells, and ends; and a cell that opens when it gets heat and closes when
+        // it does not, which has no state of its own, changes from step to step instead of stopping them.
+        let status = match stage {
+            Stage::First => {
+                let earlier = &self.state.pressure;
+                let untouched = earlier.iter().all(|p| *p == 0.0);
+                for (closed, p) in heat.closed.iter_mut().zip(earlier) {
+                    *closed = *p > 0.0 || untouched;
+                }
+                self.contact.status()
+            }
+            Stage::End => heat.contacts[0].status(),
         };
-        let untouched = earlier.iter().all(|p| *p == 0.0);
-        for (closed, p) in heat.closed.iter_mut().zip(earlier) {
-            *closed = *p > 0.0 || untouched && moment.load > 0.0;
+        if moment.load == 0.0 {
+            heat.closed.fill(false);
         }
         self.work.status.copy_from(status);
         heat.contacts[s].set_status(&self.work.status);
@@ -134,7 +140,7 @@ impl Line {
                     heat.faded[i] = self.friction.faded(felt);
                 }
             }
-            let settled = heat.settle(&found.pressure, repetition < FREE_REPETITIONS);
+            let settled = heat.settle(&found.pressure);
             if settled && change <= AGREEMENT {
                 self.finish_stage(heat, stage);
                 return Ok(());
@@ -335,13 +341,12 @@ impl Heat {
         }
     }
 
-    /// Whether the cells that exchange heat are those that carry pressure; if not, they are made so.
-    fn settle(&mut self, pressure: &[f64], opens: bool) -> bool {
+    /// Whether all cells that carry pressure exchange heat; if not, they do from now on.
+    fn settle(&mut self, pressure: &[f64]) -> bool {
         let mut settled = true;
         for (closed, p) in self.closed.iter_mut().zip(pressure) {
-            let carries = *p > 0.0;
-            if carries != *closed && (carries || opens) {
-                *closed = carries;
+            if *p > 0.0 && !*closed {
+                *closed = true;
                 settled = false;
             }
         }
