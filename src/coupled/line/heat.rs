@@ -70,8 +70,11 @@ impl Heat {
         let zeros = || vec![0.0; count];
         let pair = || [zeros(), zeros()];
         let conductance = operators.scene.conductance;
+        let mut bodies = bodies.copies();
+        // The first preparation takes memory, so that no step does.
+        bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         Heat {
-            bodies: bodies.copies(),
+            bodies,
             contacts: [operators.contact(), operators.contact()],
             splits: [Split::new(count, conductance), Split::new(count, conductance)],
             flux: [pair(), pair()],

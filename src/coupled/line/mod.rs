@@ -54,8 +54,8 @@ pub struct Line {
 impl Line {
     /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
     pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
-        let mean = Lumped::new(operators.mean.clone(), tunables, inputs);
-        let mut friction = operators.mean.friction.clone();
+        let mut mean = Lumped::new(operators.mean.clone(), tunables, inputs);
+        let mut friction = FrictionLaw::new(&operators.scene);
         friction.coefficient = tunables.friction_coefficient;
         let mut state = State::new(&operators);
         if let Some(bodies) = &operators.heat {
@@ -64,6 +64,7 @@ impl Line {
             let rise = [&scene.punch, &scene.strip]
                 .map(|body| if body.initial_temperature > 0.0 { body.initial_temperature - reference } else { 0.0 });
             let faded = friction.faded(reference + 0.5 * (rise[0] + rise[1]));
+            mean.set_friction_coefficient(faded);
             state.heat = Some(HeatState::new(bodies, operators.count(), rise, faded));
         }
         Line {
@@ -113,16 +114,30 @@ impl Line {
         self.mean.set_state(mean);
         self.state.copy_from(line);
         self.contact.set_status(&self.state.status);
+        self.tell_friction();
         self.forget_shown();
     }
 
     /// Parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
+        if let Some(heat) = &mut self.state.heat
+            && self.friction.coefficient > 0.0
+        {
+            heat.faded *= tunables.friction_coefficient / self.friction.coefficient;
+        }
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
         self.mean.set_tunables(tunables);
+        self.tell_friction();
         self.state.end_inputs = [f64::NAN; INPUTS];
         self.forget_shown();
+    }
+
+    /// Tells the mean the friction coefficient of the contact line at its temperatures.
+    fn tell_friction(&mut self) {
+        if let Some(heat) = &self.state.heat {
+            self.mean.set_friction_coefficient(heat.faded);
+        }
     }
 
     fn forget_shown(&mut self) {
@@ -153,6 +168,7 @@ impl Line {
             self.mean.set_state(&self.backup.0);
             self.state.copy_from(&self.backup.1);
             self.contact.set_status(&self.state.status);
+            self.tell_friction();
         }
         self.forget_shown();
         outcome
@@ -234,11 +250,13 @@ impl Line {
         let heat = Heat::constant(self.mean.state().reference, 0.0);
         if !self.operators.decides_load() {
             self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+            self.tell_friction();
             return self.mean.step(inputs, slopes, length);
         }
         let mut loaded = *inputs;
         loaded[1] = self.carried(inputs);
         self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+        self.tell_friction();
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
         rates[1] = (last - loaded[1]) / length;

@@ -6,7 +6,7 @@ use crate::contact::{ContactState, Normal, Tilt};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
-use crate::scene::{Constraint, Geometry, InitialShape, Path, Scene, Scheme};
+use crate::scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene, Scheme};
 use crate::steady::rocking_limit;
 use crate::steady::scene::run_in_shape;
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
@@ -268,5 +268,9 @@ fn mean_scene(scene: &Scene) -> Scene {
         body.wear_limit = 0.0;
     }
     mean.holder_stiffness = 0.0;
+    if distribution_feeds_back(scene) {
+        // The contact line tells the mean its friction coefficient.
+        mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
+    }
     mean
 }

@@ -20,7 +20,7 @@ impl Line {
         // Where friction follows the temperature, the step's end knows it to the step's tolerance only.
         if self.state.current
             && self.state.end_inputs == *inputs
-            && (self.heat.is_some() || !self.operators.follows_heat())
+            && (!self.operators.follows_heat() || self.heat.is_some() && self.operators.scene.friction_fade.flat)
         {
             let (state, shown) = (&self.state, &mut self.shown);
             shown.1.pressure.copy_from_slice(&state.pressure);
@@ -48,17 +48,16 @@ impl Line {
     fn moment(&mut self, inputs: &[f64; INPUTS]) -> Moment {
         let load = inputs[1].max(0.0);
         let point = self.mean.point(inputs);
-        let ratio = self.friction_ratio(inputs);
         let felt = self.state.heat.as_ref().map(|heat| heat.mean(self.operators.cells.widths()));
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
         let signed_friction =
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
         Moment {
-            signed_friction: signed_friction * ratio,
+            signed_friction,
             load,
             speed: point.wearing_speed,
-            faded: point.faded * ratio,
+            faded: point.faded,
             temperature: felt.unwrap_or(point.contact_temperature) + self.mean.state().reference,
             expansion: self.expansion(),
         }
@@ -94,7 +93,6 @@ impl Line {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_contact(&loaded, values);
-        Line::scale_friction(self.friction_ratio(&loaded), values);
         self.write_heat_flows(inputs, values);
         let moment = self.moment(&loaded);
         let operators = &self.operators;
@@ -136,10 +134,6 @@ impl Line {
         if let Some(heat) = &self.state.heat {
             let state = self.mean.state();
             value!(values, "contact_temperature") = heat.mean(self.operators.cells.widths()) + state.reference;
-            if !self.operators.scene.friction_fade.flat {
-                value!(values, "friction_force") *=
-                    heat.faded / self.friction.faded(state.end_temperature + state.reference);
-            }
         }
         let [punch, strip] = self.depths();
         value!(values, "wear_depth") = punch + strip;
@@ -167,7 +161,6 @@ impl Line {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_rest(&loaded, values);
-        value!(values, "friction_slope") *= self.friction_ratio(&loaded);
         self.write_heat_profile(values);
         let (profile, state) = (&self.operators.profile, &self.state);
         let columns = [
@@ -234,8 +227,7 @@ impl Line {
         let mut seeds = *seed;
         seeds[1] = carried_rate;
         self.mean.write_derivatives(&loaded, &seeds, derivatives);
-        Line::scale_friction(self.friction_ratio(&loaded), derivatives);
-        self.still_heat(derivatives);
+        self.write_heat_rates(inputs, seed, derivatives);
         let (pressure, rate) = (&self.shown.1.pressure, &self.work.rate);
         let loaded_point = self
             .mean
@@ -249,7 +241,9 @@ impl Line {
         value!(derivatives, "tilt") = rate.tilt;
         value!(derivatives, "approach") = rate.approach;
         value!(derivatives, "wear_dissipation_power") = {
-            let temperature = loaded_point.contact_temperature + Dual::from(self.mean.state().reference);
+            let felt = self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(operators.cells.widths())));
+            let temperature =
+                felt.unwrap_or(loaded_point.contact_temperature) + Dual::from(self.mean.state().reference);
             let laws = operators.coefficients(
                 loaded_point.wearing_speed,
                 loaded_point.faded,

@@ -150,6 +150,11 @@ impl Lumped {
         self.forget_conditions();
     }
 
+    /// Sets the friction coefficient that somebody knows better than the tunable parameter.
+    pub fn set_friction_coefficient(&mut self, coefficient: f64) {
+        self.friction.coefficient = coefficient;
+    }
+
     /// Inputs that no inputs are equal to: the next conditions are computed anew.
     fn forget_conditions(&mut self) {
         self.known.0 = [f64::NAN; INPUTS];

@@ -3,36 +3,13 @@
 
 use crate::coupled::line::Line;
 use crate::coupled::lumped::conditions::Conditions;
+use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs};
 use crate::heat::line::Surroundings;
 use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, reference};
 
 impl Line {
-    /// Friction coefficient of the contact line over that of the mean, whose temperature it does not have.
-    pub(in crate::coupled::line) fn friction_ratio(&mut self, inputs: &[f64; INPUTS]) -> f64 {
-        match &self.state.heat {
-            Some(heat) if !self.operators.scene.friction_fade.flat => heat.faded / self.mean.point(inputs).faded,
-            _ => 1.0,
-        }
-    }
-
-    /// Multiplies what is proportional to the friction coefficient by `ratio`.
-    pub(in crate::coupled::line) fn scale_friction(ratio: f64, values: &mut [f64; COUNT]) {
-        if ratio != 1.0 {
-            for first in [
-                const { reference("friction_force") },
-                const { reference("friction_torque") },
-                const { reference("friction_power") },
-                const { reference("friction_coefficient") },
-                const { reference("friction_force_kinetic") },
-                const { reference("friction_force_limit") },
-            ] {
-                values[first as usize] *= ratio;
-            }
-        }
-    }
-
     /// What acts on both bodies at `inputs` besides the contact.
     fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
         let reference = self.mean.state().reference;
@@ -111,11 +88,14 @@ impl Line {
         self.operators.profile.fill(&heat.felt, &mut values[first..first + STATIONS]);
     }
 
-    /// With the states held, temperatures and heat flows do not follow the inputs.
-    pub(in crate::coupled::line) fn still_heat(&self, derivatives: &mut [f64; COUNT]) {
-        if self.heat.is_none() {
-            return;
-        }
+    /// Derivatives along `seed`: with the states held, only air and far faces change heat flows, and no temperature.
+    pub(in crate::coupled::line) fn write_heat_rates(
+        &self,
+        inputs: &[f64; INPUTS],
+        seed: &[f64; INPUTS],
+        derivatives: &mut [f64; COUNT],
+    ) {
+        let (Some(heat), Some(state)) = (&self.heat, &self.state.heat) else { return };
         for held in [
             const { reference("contact_temperature") },
             const { reference("contact_temperature_max") },
@@ -126,5 +106,27 @@ impl Line {
         }
         let first = const { reference("profile.temperature") } as usize;
         derivatives[first..first + STATIONS].fill(0.0);
+        let reference_temperature = self.mean.state().reference;
+        let duals = Inputs::from_array(std::array::from_fn(|i| Dual { value: inputs[i], derivative: seed[i] }));
+        let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference_temperature, &duals);
+        let far = [conditions.punch_far.derivative, conditions.strip_far.derivative];
+        let all = self.operators.shared_depth * self.operators.scene.faces;
+        let (mut ambient, mut faces) = (0.0, [0.0; 2]);
+        for (side, around) in self.around(inputs).iter().enumerate() {
+            let Some(own) = &heat.bodies[side] else { continue };
+            // Linear in what acts: a difference is the derivative.
+            let moved = Surroundings {
+                cooling: around.cooling,
+                ambient: around.ambient + conditions.ambient.derivative,
+                far: around.far + far[side],
+            };
+            let of = |around| own.flows(&state.bodies[side], around, &state.flux[side]);
+            let (now, then) = (of(around), of(&moved));
+            ambient += all * (then[0] - now[0]);
+            faces[side] = all * (then[1] - now[1]);
+        }
+        value!(derivatives, "heat_flow_ambient") = ambient;
+        value!(derivatives, "heat_flow_punch_top") = faces[0];
+        value!(derivatives, "heat_flow_strip_base") = faces[1];
     }
 }
