@@ -5,6 +5,7 @@
 //! contact. The two meet once per piece of a communication step: the contact line needs the temperature where tables or
 //! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
 
+pub mod heat;
 pub mod operators;
 mod outputs;
 mod path;
@@ -20,6 +21,8 @@ use crate::coupled::lumped::{self, Lumped, limit};
 use crate::coupled::{INPUTS, StepFailure};
 use crate::scene::Geometry;
 use crate::wear::line::{Conditions, WearingContact};
+use heat::Heat as LineHeat;
+use heat::state::HeatState;
 use operators::Operators;
 use path::{Heat, Moment, Path, edges};
 use state::State;
@@ -41,6 +44,8 @@ pub struct Line {
     backup: (lumped::state::State, State),
     contact: WearingContact,
     conditions: Conditions,
+    /// Heat along the contact line, where its distribution feeds back.
+    heat: Option<Box<LineHeat>>,
     work: Work,
     /// Equilibrium last shown, and the inputs it belongs to.
     shown: ([f64; INPUTS], ContactState),
@@ -49,14 +54,24 @@ pub struct Line {
 impl Line {
     /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
     pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
-        let mean = Lumped::new(operators.mean.clone(), tunables, inputs);
-        let mut friction = operators.mean.friction.clone();
+        let mut mean = Lumped::new(operators.mean.clone(), tunables, inputs);
+        let mut friction = FrictionLaw::new(&operators.scene);
         friction.coefficient = tunables.friction_coefficient;
-        let state = State::new(&operators);
+        let mut state = State::new(&operators);
+        if let Some(bodies) = &operators.heat {
+            let scene = &operators.scene;
+            let reference = mean.state().reference;
+            let rise = [&scene.punch, &scene.strip]
+                .map(|body| if body.initial_temperature > 0.0 { body.initial_temperature - reference } else { 0.0 });
+            let faded = friction.faded(reference + 0.5 * (rise[0] + rise[1]));
+            mean.set_friction_coefficient(faded);
+            state.heat = Some(HeatState::new(bodies, operators.count(), rise, faded));
+        }
         Line {
             backup: (mean.state().clone(), state.clone()),
             contact: operators.contact(),
             conditions: operators.conditions(),
+            heat: operators.heat.as_ref().map(|bodies| Box::new(LineHeat::new(&operators, bodies))),
             work: Work::new(&operators),
             shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
             mean,
@@ -99,16 +114,30 @@ impl Line {
         self.mean.set_state(mean);
         self.state.copy_from(line);
         self.contact.set_status(&self.state.status);
+        self.tell_friction();
         self.forget_shown();
     }
 
     /// Parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
+        if let Some(heat) = &mut self.state.heat
+            && self.friction.coefficient > 0.0
+        {
+            heat.faded *= tunables.friction_coefficient / self.friction.coefficient;
+        }
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
         self.mean.set_tunables(tunables);
+        self.tell_friction();
         self.state.end_inputs = [f64::NAN; INPUTS];
         self.forget_shown();
+    }
+
+    /// Tells the mean the friction coefficient of the contact line at its temperatures.
+    fn tell_friction(&mut self) {
+        if let Some(heat) = &self.state.heat {
+            self.mean.set_friction_coefficient(heat.faded);
+        }
     }
 
     fn forget_shown(&mut self) {
@@ -139,6 +168,7 @@ impl Line {
             self.mean.set_state(&self.backup.0);
             self.state.copy_from(&self.backup.1);
             self.contact.set_status(&self.state.status);
+            self.tell_friction();
         }
         self.forget_shown();
         outcome
@@ -181,6 +211,9 @@ impl Line {
     ) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         let decides_load = operators.decides_load();
+        if self.heat.is_some() {
+            return self.warm_piece(inputs, slopes, length);
+        }
         let follows_heat = operators.follows_heat();
         if !decides_load {
             let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
@@ -204,6 +237,30 @@ impl Line {
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
         rates[1] = (last - first) / length;
         let sloped = slopes.is_some() || first != last;
+        self.mean.step(&loaded, sloped.then_some(&rates), length)
+    }
+
+    /// A piece with heat along the contact line: the mean only counts distance.
+    fn warm_piece(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+    ) -> Result<(), StepFailure> {
+        let heat = Heat::constant(self.mean.state().reference, 0.0);
+        if !self.operators.decides_load() {
+            self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+            self.tell_friction();
+            return self.mean.step(inputs, slopes, length);
+        }
+        let mut loaded = *inputs;
+        loaded[1] = self.carried(inputs);
+        self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+        self.tell_friction();
+        let last = self.state.carried;
+        let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
+        rates[1] = (last - loaded[1]) / length;
+        let sloped = slopes.is_some() || last != loaded[1];
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
 
@@ -243,7 +300,11 @@ impl Line {
 
     /// Displacement of both surfaces by the mean temperature of the bodies, m into them.
     fn expansion(&self) -> f64 {
-        if self.operators.scene.holder_stiffness > 0.0 { -self.mean.expansion_of_bodies() } else { 0.0 }
+        if self.operators.scene.holder_stiffness > 0.0 && self.heat.is_none() {
+            -self.mean.expansion_of_bodies()
+        } else {
+            0.0
+        }
     }
 
     /// Balance of holder and contact at `moment`.
@@ -304,6 +365,9 @@ impl Line {
             if body.wear_limit > 0.0 && worn >= body.wear_limit {
                 self.state.limits |= limit::WEAR;
             }
+        }
+        if let Some(heat) = &self.state.heat {
+            self.state.limits |= lumped::limits_of_temperature(scene, heat.highest() + self.mean.state().reference);
         }
         if self.state.track.as_ref().is_some_and(|track| track.revisited()) {
             self.state.limits |= limit::VALIDITY;

@@ -1,11 +1,12 @@
 //! What the contact line is made of, built once from the scene and shared by every state.
 
+use super::heat::bodies::{Bodies, distribution_feeds_back};
 use super::profile::{Profile, cell_means};
 use crate::contact::{ContactState, Normal, Tilt};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
-use crate::scene::{Constraint, Geometry, InitialShape, Path, Scene, Scheme};
+use crate::scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene, Scheme};
 use crate::steady::rocking_limit;
 use crate::steady::scene::run_in_shape;
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
@@ -36,6 +37,8 @@ pub struct Operators {
     pub scene: Scene,
     /// Heat, friction and everything else that the mean pressure decides.
     pub mean: Arc<lumped::operators::Operators>,
+    /// The conducting bodies, where heat is carried along the contact line; `None`: by its mean.
+    pub heat: Option<Bodies>,
     /// The cells.
     pub cells: Cells,
     /// Weights of the load integral, m.
@@ -109,7 +112,9 @@ impl Operators {
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
         let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene)));
+        let heat = distribution_feeds_back(scene).then(|| Bodies::new(scene, &cells)).transpose()?;
         Ok(Operators {
+            heat,
             profile: Profile::new(&cells),
             wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
             shared_depth: scene.depth * scene.count,
@@ -134,6 +139,12 @@ impl Operators {
         self.cells.count()
     }
 
+    /// Whether friction or wear of a cell follow its own temperature.
+    pub fn wears_by_cell(&self) -> bool {
+        let fades = !self.scene.friction_fade.flat;
+        self.heat.is_some() && self.wear.iter().any(|(law, _)| law.active() && law.follows_temperature(fades))
+    }
+
     /// The contact as it is before the first step, with memory of its own.
     pub fn contact(&self) -> WearingContact {
         let (normal, shear) = (self.normal.clone(), self.shear.clone());
@@ -150,6 +161,7 @@ impl Operators {
     pub fn conditions(&self) -> Conditions {
         let term = |body: usize| WearTerm {
             coefficient: match self.scene.geometry {
+                _ if self.wears_by_cell() => Coefficient::PerCell(vec![0.0; self.count()]),
                 Geometry::Annular => Coefficient::PerCell(vec![0.0; self.count()]),
                 _ => Coefficient::Uniform(0.0),
             },
@@ -174,10 +186,14 @@ impl Operators {
         };
         let chosen = if self.scene.cells == 0 { " (chosen)" } else { "" };
         let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
-        format!(
-            "{} cells{chosen}; the strip {strip}; heat by its mean, without distortion of the shape{bound}",
-            self.count()
-        )
+        let heat = match &self.heat {
+            Some(bodies) => format!(
+                "heat along the contact line, thermal states: punch {}, strip {}, with its distortion of the shape",
+                bodies.states[0], bodies.states[1]
+            ),
+            None => "heat by its mean, without distortion of the shape".into(),
+        };
+        format!("{} cells{chosen}; the strip {strip}; {heat}{bound}", self.count())
     }
 
     /// The longest stable explicit step at nominal conditions, for the log.
@@ -211,12 +227,21 @@ impl Operators {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let scene = &self.scene;
-        if scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0 {
+        let expands = scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0;
+        if expands && self.heat.is_none() {
             warnings.push(
-                "thermal distortion of the shape is not part of this level yet: the bodies' mean expansion acts on \
-                 holder.stiffness only"
+                "thermal distortion of the shape is not part of this level on an annulus, with contact.stick_stiffness, or \
+                 with a solver.scheme other than monolithic: the bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
+        }
+        let critical = lumped::outputs::critical_speed(scene, scene.friction_coefficient);
+        if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
+            warnings.push(format!(
+                "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, from which on the contact's \
+                 longest pressure wave grows",
+                scene.nominal_velocity
+            ));
         }
         let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
         if let Some(height) = self.pivot
@@ -243,5 +268,9 @@ fn mean_scene(scene: &Scene) -> Scene {
         body.wear_limit = 0.0;
     }
     mean.holder_stiffness = 0.0;
+    if distribution_feeds_back(scene) {
+        // The contact line tells the mean its friction coefficient.
+        mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
+    }
     mean
 }

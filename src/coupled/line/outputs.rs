@@ -18,7 +18,10 @@ impl Line {
             return;
         }
         // Where friction follows the temperature, the step's end knows it to the step's tolerance only.
-        if self.state.current && self.state.end_inputs == *inputs && !self.operators.follows_heat() {
+        if self.state.current
+            && self.state.end_inputs == *inputs
+            && (!self.operators.follows_heat() || self.heat.is_some() && self.operators.scene.friction_fade.flat)
+        {
             let (state, shown) = (&self.state, &mut self.shown);
             shown.1.pressure.copy_from_slice(&state.pressure);
             (shown.1.approach, shown.1.tilt) = (state.approach, state.tilt);
@@ -27,6 +30,7 @@ impl Line {
         }
         let moment = self.moment(inputs);
         self.set_gap(moment.expansion);
+        self.add_held_distortion();
         let (signed, normal, tilt) = self.balance(&moment);
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
@@ -44,6 +48,7 @@ impl Line {
     fn moment(&mut self, inputs: &[f64; INPUTS]) -> Moment {
         let load = inputs[1].max(0.0);
         let point = self.mean.point(inputs);
+        let felt = self.state.heat.as_ref().map(|heat| heat.mean(self.operators.cells.widths()));
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
         let signed_friction =
@@ -53,7 +58,7 @@ impl Line {
             load,
             speed: point.wearing_speed,
             faded: point.faded,
-            temperature: point.contact_temperature + self.mean.state().reference,
+            temperature: felt.unwrap_or(point.contact_temperature) + self.mean.state().reference,
             expansion: self.expansion(),
         }
     }
@@ -88,6 +93,7 @@ impl Line {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_contact(&loaded, values);
+        self.write_heat_flows(inputs, values);
         let moment = self.moment(&loaded);
         let operators = &self.operators;
         let (scene, shown) = (&operators.scene, &self.shown.1);
@@ -125,6 +131,10 @@ impl Line {
     /// Writes the main outputs as the last step left them; for the inputs of its end only.
     pub fn write_end(&self, values: &mut [f64; COUNT]) {
         self.mean.write_end(values);
+        if let Some(heat) = &self.state.heat {
+            let state = self.mean.state();
+            value!(values, "contact_temperature") = heat.mean(self.operators.cells.widths()) + state.reference;
+        }
         let [punch, strip] = self.depths();
         value!(values, "wear_depth") = punch + strip;
     }
@@ -143,6 +153,7 @@ impl Line {
         };
         value!(values, "remaining_life") = life(&state.punch, &scene.punch).min(life(&state.strip, &scene.strip));
         value!(values, "estimated_error") += state.error;
+        self.write_heat_account(values);
     }
 
     /// Writes `friction_slope` and the profiles.
@@ -150,6 +161,7 @@ impl Line {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
         self.mean.write_rest(&loaded, values);
+        self.write_heat_profile(values);
         let (profile, state) = (&self.operators.profile, &self.state);
         let columns = [
             (const { reference("profile.pressure") }, &self.shown.1.pressure),
@@ -215,6 +227,7 @@ impl Line {
         let mut seeds = *seed;
         seeds[1] = carried_rate;
         self.mean.write_derivatives(&loaded, &seeds, derivatives);
+        self.write_heat_rates(inputs, seed, derivatives);
         let (pressure, rate) = (&self.shown.1.pressure, &self.work.rate);
         let loaded_point = self
             .mean
@@ -228,7 +241,9 @@ impl Line {
         value!(derivatives, "tilt") = rate.tilt;
         value!(derivatives, "approach") = rate.approach;
         value!(derivatives, "wear_dissipation_power") = {
-            let temperature = loaded_point.contact_temperature + Dual::from(self.mean.state().reference);
+            let felt = self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(operators.cells.widths())));
+            let temperature =
+                felt.unwrap_or(loaded_point.contact_temperature) + Dual::from(self.mean.state().reference);
             let laws = operators.coefficients(
                 loaded_point.wearing_speed,
                 loaded_point.faded,

@@ -63,6 +63,16 @@ impl Path {
         at(0) + self.mean_radius * at(2)
     }
 
+    /// Length of the piece, s.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Inputs at `time` (s from the start of the piece).
+    pub fn inputs(&self, time: f64) -> [f64; INPUTS] {
+        std::array::from_fn(|index| self.inputs[index] + self.slopes.map_or(0.0, |slopes| slopes[index] * time))
+    }
+
     /// Conditions at `time` (s from the start of the piece).
     pub fn at(&self, time: f64) -> Moment {
         let part = time / self.length;

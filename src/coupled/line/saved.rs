@@ -13,6 +13,10 @@ impl State {
             (Some(mine), Some(track)) => mine.copy_from(track),
             (mine, track) => mine.clone_from(track),
         }
+        match (&mut self.heat, &other.heat) {
+            (Some(mine), Some(heat)) => mine.copy_from(heat),
+            (mine, heat) => mine.clone_from(heat),
+        }
         self.volume = other.volume;
         self.pressure.copy_from_slice(&other.pressure);
         (self.approach, self.tilt) = (other.approach, other.tilt);
@@ -36,6 +40,9 @@ impl State {
         out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
         out.extend([self.steps as f64, self.rejected as f64]);
         self.status.save(out);
+        if let Some(heat) = &self.heat {
+            heat.save(out);
+        }
         out.push(f64::from(u8::from(self.track.is_some())));
         if let Some(track) = &self.track {
             track.save(out);
@@ -70,6 +77,9 @@ impl State {
         state.error = next()?;
         (state.steps, state.rejected) = (next()? as u64, next()? as u64);
         state.status.load(numbers)?;
+        if let Some(heat) = &mut state.heat {
+            heat.load(numbers)?;
+        }
         match (*numbers.next()? != 0.0, &mut state.track) {
             (true, Some(track)) => track.load(numbers)?,
             (false, None) => {}

@@ -1,5 +1,6 @@
 //! What changes along the contact line; everything a saved state needs.
 
+use super::heat::state::HeatState;
 use super::operators::{Operators, StripWear};
 use crate::coupled::INPUTS;
 use crate::wear::line::{LineTrack, Status};
@@ -13,6 +14,8 @@ pub struct State {
     pub strip: Vec<f64>,
     /// The strip's track on a straight path.
     pub track: Option<LineTrack>,
+    /// Heat in the bodies, where the contact line carries it.
+    pub heat: Option<HeatState>,
     /// Position of the punch on the strip, m.
     pub position: f64,
     /// Worn volumes per depth and punch (punch, strip), m2.
@@ -44,7 +47,7 @@ pub struct State {
 }
 
 impl State {
-    /// Nothing worn.
+    /// Nothing worn; bodies with heat along the line at the reference temperature.
     pub fn new(operators: &Operators) -> State {
         let zeros = vec![0.0; operators.count()];
         State {
@@ -52,6 +55,7 @@ impl State {
             strip: zeros.clone(),
             track: (operators.strip_wear == StripWear::Track)
                 .then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
+            heat: (operators.heat.as_ref()).map(|bodies| HeatState::new(bodies, operators.count(), [0.0; 2], 0.0)),
             position: 0.0,
             volume: [0.0; 2],
             pressure: zeros,

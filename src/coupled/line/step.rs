@@ -18,7 +18,7 @@ use crate::contact::{ContactState, Normal};
 use crate::coupled::StepFailure;
 use crate::coupled::lumped;
 use crate::coupled::scalar::Scalar;
-use crate::heat::line::GAMMA;
+use crate::heat::line::{GAMMA, Stage};
 use crate::scene::Scheme;
 use crate::wear::law::REFERENCE_PRESSURE;
 use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, explicit_limit};
@@ -26,6 +26,9 @@ use nalgebra::DMatrix;
 
 /// Finest subdivision: 2^-40 of the piece.
 const FINEST: u8 = 40;
+
+/// log2 of the number of parts of a piece from which heat is no reason to cut it further.
+const FOLLOWING: u8 = 8;
 
 /// Most attempts for one piece: a step always ends.
 const MOST_ATTEMPTS: u32 = 200_000;
@@ -97,7 +100,7 @@ impl Line {
     /// Carries the worn shape over a piece.
     pub(super) fn step_line(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
-        if !operators.wears() || path.idle() {
+        if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.stand(path, length);
         }
         if operators.scene.scheme == Scheme::Explicit {
@@ -211,8 +214,15 @@ impl Line {
         }
     }
 
+    /// Adds the bodies' distortion at the end of the last step to the gap.
+    pub(super) fn add_held_distortion(&mut self) {
+        if let Some(heat) = &self.state.heat {
+            self.work.gap.iter_mut().zip(&heat.distortion).for_each(|(gap, moved)| *gap += moved);
+        }
+    }
+
     /// Coefficients of the depth rates at `moment`, and the balance.
-    fn set_conditions(&mut self, moment: &Moment, tau: f64) {
+    pub(super) fn set_conditions(&mut self, moment: &Moment, tau: f64) {
         let (signed, normal, tilt) = self.balance(moment);
         let operators = &self.operators;
         self.conditions.signed_friction = signed;
@@ -253,7 +263,7 @@ impl Line {
         let operators = self.operators.clone();
         let count = operators.count();
         let acceleration = self.tunables.wear_acceleration;
-        let [early, late] = [path.at(start + GAMMA * step), path.at(start + step)];
+        let [mut early, mut late] = [path.at(start + GAMMA * step), path.at(start + step)];
         let base = 1.0 - GAMMA;
         let travel = step * path.velocity(start + 0.5 * step);
         if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
@@ -261,14 +271,20 @@ impl Line {
         }
         self.set_gap(early.expansion);
         self.meet_track(GAMMA * travel);
-        self.set_operator(GAMMA * travel, &early);
-        self.set_conditions(&early, GAMMA * step);
-        if let Err(error) =
-            self.contact.stage_into(&self.work.gap, GAMMA * step, &self.conditions, &mut self.work.first)
-        {
+        let tau = GAMMA * step;
+        let outcome = if self.heat.is_some() {
+            self.prepare_heat(path, start, step);
+            self.solve_with_heat(Stage::First, &mut early, path.velocity(start + tau), tau, GAMMA * travel)
+        } else {
+            self.set_operator(GAMMA * travel, &early);
+            self.set_conditions(&early, tau);
+            let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.first);
+            operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
+            found
+        };
+        if let Err(error) = outcome {
             return Outcome::Failed(error);
         }
-        operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
         let shift = late.expansion - early.expansion;
         if operators.strip_wear == StripWear::Track {
             self.leave_first_stage(base * travel, base * step);
@@ -287,12 +303,17 @@ impl Line {
                 self.work.gap[i] += base * step * (self.reshaping(0, i) + even) + shift;
             }
         }
-        self.set_conditions(&late, GAMMA * step);
-        let outcome = self.contact.stage_into(&self.work.gap, GAMMA * step, &self.conditions, &mut self.work.end);
+        let outcome = if self.heat.is_some() {
+            self.solve_with_heat(Stage::End, &mut late, path.velocity(start + step), tau, GAMMA * travel)
+        } else {
+            self.set_conditions(&late, tau);
+            let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.end);
+            operators.rates(&late, acceleration, &self.work.end.pressure, &mut self.work.rates[1]);
+            found
+        };
         if let Err(error) = outcome {
             return Outcome::Failed(error);
         }
-        operators.rates(&late, acceleration, &self.work.end.pressure, &mut self.work.rates[1]);
         let widths = operators.cells.widths();
         let (mut square, mut load) = (0.0, 0.0);
         for i in 0..count {
@@ -305,7 +326,16 @@ impl Line {
         let scene = &operators.scene;
         let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
         let bound = scene.tolerance * operators.displacement_scale * mean;
-        if estimate == 0.0 { Outcome::Tried(0.0) } else { Outcome::Tried(estimate / bound) }
+        let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
+        if self.heat.is_some() && resolved {
+            let coefficient = late.faded * self.friction.stribeck(path.velocity(start + step));
+            if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
+                return Outcome::Tried(f64::INFINITY);
+            }
+        }
+        let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
+        // Contact that opens or closes is an event of heat: short steps go over it.
+        Outcome::Tried(if resolved { wear.max(self.heat_error(bound)) } else { wear })
     }
 
     /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.
@@ -330,7 +360,7 @@ impl Line {
 
     /// Tells the contact what a stage's wear does to the gap: the punch's stays under its cell, the strip's is carried
     /// along by `travel` (m). Where both wear, every cell's depth is shared as the pressure of the last step has it.
-    fn set_operator(&mut self, travel: f64, moment: &Moment) {
+    pub(super) fn set_operator(&mut self, travel: f64, moment: &Moment) {
         let Some(track) = &self.work.track else { return };
         let operators = &self.operators;
         let known = self.work.carried_over == Some(travel);
@@ -411,6 +441,7 @@ impl Line {
             }
         }
         self.state.position += travel;
+        self.accept_heat(step);
         self.keep_end();
     }
 

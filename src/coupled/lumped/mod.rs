@@ -5,7 +5,7 @@ pub mod conditions;
 mod flash_step;
 pub mod interface;
 pub mod operators;
-mod outputs;
+pub mod outputs;
 mod plain;
 pub mod point;
 pub mod stage;
@@ -17,6 +17,7 @@ pub mod step;
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs, StepFailure};
+use crate::scene::Scene;
 use conditions::{Conditions, Tunables};
 use flash_step::FlashStep;
 use operators::Operators;
@@ -54,6 +55,13 @@ const KEPT_STEPS: usize = 12;
 
 /// Load and speed that a run may exceed the nominal by before the plan no longer holds.
 const NOMINAL_MARGIN: f64 = 10.0;
+
+/// Limits that a contact temperature (K) reaches.
+pub fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
+    let exceeded = scene.temperature_limit > 0.0 && hottest > scene.temperature_limit;
+    let invalid = hottest > HIGHEST_VALID_TEMPERATURE;
+    (if exceeded { limit::TEMPERATURE } else { 0 }) | (if invalid { limit::VALIDITY } else { 0 })
+}
 
 /// Conditions during a piece of a communication step.
 enum Course<'a> {
@@ -140,6 +148,11 @@ impl Lumped {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
         self.forget_conditions();
+    }
+
+    /// Sets the friction coefficient that somebody knows better than the tunable parameter.
+    pub fn set_friction_coefficient(&mut self, coefficient: f64) {
+        self.friction.coefficient = coefficient;
     }
 
     /// Inputs that no inputs are equal to: the next conditions are computed anew.
@@ -386,14 +399,7 @@ impl Lumped {
     }
 
     fn judge_temperature(&mut self, hottest: f64) {
-        let absolute = hottest + self.state.reference;
-        let highest = self.operators.scene.temperature_limit;
-        if highest > 0.0 && absolute > highest {
-            self.state.limits |= limit::TEMPERATURE;
-        }
-        if absolute > HIGHEST_VALID_TEMPERATURE {
-            self.state.limits |= limit::VALIDITY;
-        }
+        self.state.limits |= limits_of_temperature(&self.operators.scene, hottest + self.state.reference);
     }
 
     /// Limits and validity after a step.

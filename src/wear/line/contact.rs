@@ -167,6 +167,11 @@ impl WearingContact {
         DMatrix::from_column_slice(count, count, self.solver.compliance(signed_friction))
     }
 
+    /// The same as [`Self::compliance`], by columns, without allocating.
+    pub fn compliance_values(&mut self, signed_friction: f64) -> &[f64] {
+        self.solver.compliance(signed_friction)
+    }
+
     /// `target += (C + s mu S) pressure`, with the extra compliance, N values each.
     pub fn add_displacement(&mut self, signed_friction: f64, pressure: &[f64], target: &mut [f64]) {
         self.solver.add_displacement(signed_friction, pressure, target);

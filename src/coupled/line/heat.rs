@@ -1,0 +1,126 @@
+//! Heat along the contact line: both bodies, the split of the friction heat between them, and the distortion it causes.
+//!
+//! At a stage of the step a body answers the flux `q_i` into its cells with (i = 1: punch, 2: strip)
+//!
+//! ```text
+//! T_i = b_i + G_i q_i,    u_i = d_i + D_i q_i
+//! q_1 + q_2 = Q = mu s v p,    T_1 - T_2 = (q_2 - q_1)/(2 h_c)    on cells in contact;    q_1 = q_2 = 0 elsewhere
+//! ```
+//!
+//! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
+//! the stage stays one contact problem ([`split`]); which cells exchange heat is found by repetition ([`stage`]).
+
+pub mod bodies;
+mod growth;
+mod outputs;
+pub mod split;
+mod stage;
+pub mod state;
+
+use super::operators::Operators;
+use crate::heat::line::{LineHeat, Surroundings};
+use crate::wear::line::WearingContact;
+use bodies::Bodies;
+use split::Split;
+
+/// What a step with heat works with.
+#[derive(Debug)]
+pub struct Heat {
+    /// Punch and strip; `None`: an insulator.
+    pub bodies: [Option<Box<dyn LineHeat>>; 2],
+    /// The contact with the distortion of either stage on top of its compliance.
+    pub contacts: [WearingContact; 2],
+    /// The split at either stage.
+    pub splits: [Split; 2],
+    /// Fluxes into punch and strip at either stage, W/m2.
+    pub flux: [[Vec<f64>; 2]; 2],
+    /// Temperatures of punch and strip at either stage, K above the reference.
+    pub temperature: [[Vec<f64>; 2]; 2],
+    /// Friction heat at either stage, W/m2.
+    pub friction: [Vec<f64>; 2],
+    /// Coefficient of friction of the cells, without Stribeck factor.
+    pub faded: Vec<f64>,
+    /// What the contact's depth rates are made of: of punch and strip at the reference pressure, m/s.
+    pub laws: [Vec<f64>; 2],
+    /// What acts on the bodies besides the contact, in the step under way.
+    pub surroundings: [Surroundings; 2],
+    /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
+    pub distortion: Vec<f64>,
+    /// Step and velocities that the bodies are prepared for.
+    key: (f64, [f64; 2]),
+    /// 1/(2 h_c), K m2/W; 0: no exchange.
+    half_resistance: f64,
+    /// Cells taken to be in contact.
+    closed: Vec<bool>,
+    /// Contact temperature of the cells that friction and wear follow, K.
+    felt: Vec<f64>,
+    difference: Vec<f64>,
+    /// N x N, by columns.
+    matrix: Vec<f64>,
+    base: [Vec<f64>; 2],
+    base_distortion: [Vec<f64>; 2],
+    gap: Vec<f64>,
+    sums: [Vec<f64>; 2],
+}
+
+impl Heat {
+    /// For the contact line of `operators`, which has bodies that conduct.
+    pub fn new(operators: &Operators, bodies: &Bodies) -> Heat {
+        let count = operators.count();
+        let zeros = || vec![0.0; count];
+        let pair = || [zeros(), zeros()];
+        let conductance = operators.scene.conductance;
+        let mut bodies = bodies.copies();
+        // The first preparation takes memory, so that no step does.
+        bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
+        Heat {
+            bodies,
+            contacts: [operators.contact(), operators.contact()],
+            splits: [Split::new(count, conductance), Split::new(count, conductance)],
+            flux: [pair(), pair()],
+            temperature: [pair(), pair()],
+            friction: pair(),
+            faded: zeros(),
+            laws: pair(),
+            surroundings: [Surroundings::default(); 2],
+            distortion: zeros(),
+            key: (0.0, [0.0; 2]),
+            half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
+            closed: vec![false; count],
+            felt: zeros(),
+            difference: zeros(),
+            matrix: vec![0.0; count * count],
+            base: pair(),
+            base_distortion: pair(),
+            gap: zeros(),
+            sums: pair(),
+        }
+    }
+}
+
+impl Clone for Heat {
+    fn clone(&self) -> Heat {
+        Heat {
+            bodies: std::array::from_fn(|body| self.bodies[body].as_ref().map(|heat| heat.boxed())),
+            contacts: self.contacts.clone(),
+            splits: self.splits.clone(),
+            flux: self.flux.clone(),
+            temperature: self.temperature.clone(),
+            friction: self.friction.clone(),
+            faded: self.faded.clone(),
+            laws: self.laws.clone(),
+            surroundings: self.surroundings,
+            distortion: self.distortion.clone(),
+            key: self.key,
+            half_resistance: self.half_resistance,
+            closed: self.closed.clone(),
+            felt: self.felt.clone(),
+            difference: self.difference.clone(),
+            matrix: self.matrix.clone(),
+            base: self.base.clone(),
+            base_distortion: self.base_distortion.clone(),
+            gap: self.gap.clone(),
+            sums: self.sums.clone(),
+        }
+    }
+}

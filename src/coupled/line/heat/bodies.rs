@@ -1,0 +1,153 @@
+//! The conducting bodies of a scene, and whether the contact line carries their heat.
+
+use crate::elastic::{self, Cells, Material};
+use crate::heat::line::LineHeat;
+use crate::heat::line::punch;
+use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
+use crate::heat::slab::Base;
+use crate::scene::{self, Body, Geometry, Scene, Scheme, ThermalBoundary};
+use std::sync::Mutex;
+
+/// Most states of a strip: with everything else a saved state stays below 256 KB.
+const MOST_STATES: usize = 16_000;
+
+/// Whether heat is carried along the contact line, or by its mean alone.
+///
+/// It is where its distribution feeds back: it distorts the shape, or friction or wear follow the local temperature. Where
+/// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands.
+///
+/// Three kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated
+/// from cell to cell is not the body of these equations; a bristle's heat is the work of the mean friction force; and
+/// schemes other than the monolithic one step the shape alone.
+pub fn distribution_feeds_back(scene: &Scene) -> bool {
+    let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
+    let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
+    let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
+    let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
+    conducts
+        && (expands || follows)
+        && scene.geometry != Geometry::Annular
+        && scene.stick_stiffness == 0.0
+        && scene.scheme == Scheme::Monolithic
+}
+
+/// Punch and strip as every copy of a scene begins with them.
+#[derive(Debug)]
+pub struct Bodies {
+    // Bodies own memory that they work in, so they are not shared between threads: only copied.
+    prototypes: [Option<Mutex<Box<dyn LineHeat>>>; 2],
+    /// Lengths of their states.
+    pub states: [usize; 2],
+    /// Cooled lengths across the line (area per depth and punch), m.
+    pub cooled_length: [f64; 2],
+    /// Larger relative error of the reductions.
+    pub error: f64,
+}
+
+impl Bodies {
+    /// Builds both bodies under the given cells.
+    ///
+    /// # Errors
+    /// What a body refuses, as a text with the numbers.
+    pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
+        let tolerance = scene.tolerance.max(2e-5);
+        let duration = scene.nominal_duration;
+        let punch = punch::reduce(scene, cells, tolerance, duration).map_err(|error| format!("punch: {error}"))?;
+        let punch = punch.map(|body| Box::new(body) as Box<dyn LineHeat>);
+        let strip = strip(scene, cells, tolerance)?;
+        let cooled = if scene.punch.cooled_area > 0.0 {
+            scene.punch.cooled_area / (scene.depth * scene.count)
+        } else {
+            2.0 * scene.punch.height
+        };
+        let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
+        let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);
+        let bodies = [punch, strip];
+        let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
+        let error = bodies.iter().flatten().map(|body| body.error()).fold(0.0, f64::max);
+        Ok(Bodies {
+            prototypes: bodies.map(|body| body.map(Mutex::new)),
+            states,
+            cooled_length: [cooled, free.max(0.0)],
+            error,
+        })
+    }
+
+    /// Bodies with memory of their own.
+    pub fn copies(&self) -> [Option<Box<dyn LineHeat>>; 2] {
+        self.prototypes.each_ref().map(|body| {
+            body.as_ref().map(|body| match body.lock() {
+                Ok(body) => body.boxed(),
+                // Nothing is ever written through the lock.
+                Err(poisoned) => poisoned.into_inner().boxed(),
+            })
+        })
+    }
+}
+
+/// Path of the contact as the strip's heat sees it.
+fn path_of(scene: &Scene) -> Path {
+    match scene.path {
+        scene::Path::Closed => Path::Closed(scene.length / scene.count),
+        scene::Path::Straight if scene.nominal_stroke > 0.0 => {
+            Path::Stroke { stroke: scene.nominal_stroke, length: scene.length }
+        }
+        scene::Path::Straight => Path::OneWay,
+    }
+}
+
+/// Shortest step that is to be resolved, s: a 60th of a cycle of to-and-fro sliding, a thousandth of everything else.
+fn shortest(scene: &Scene) -> f64 {
+    let cycle = match path_of(scene) {
+        Path::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => 2.0 * stroke / scene.nominal_velocity / 60.0,
+        _ => f64::INFINITY,
+    };
+    cycle.min(1e-3 * scene.nominal_duration)
+}
+
+fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHeat>, String> {
+    let body = &scene.strip;
+    if body.conductivity == 0.0 {
+        return Ok(None);
+    }
+    let expansion = if body.thermal_expansion > 0.0 {
+        let material =
+            Material::new(body.youngs_modulus, body.poissons_ratio).map_err(|error| format!("strip: {error}"))?;
+        let base = if scene.smooth_base { elastic::Base::Smooth } else { elastic::Base::Bonded };
+        Some(Expansion { material, coefficient: body.thermal_expansion, base })
+    } else {
+        None
+    };
+    let properties = StripProperties {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        convection: body.convection * cooled_part(scene),
+        base: match body.far_thermal {
+            ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
+            ThermalBoundary::Convecting => Base::Convecting(body.convection),
+            ThermalBoundary::Insulated => Base::Insulated,
+        },
+        path: path_of(scene),
+        expansion,
+    };
+    let mut resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
+    loop {
+        let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
+        if strip.states() <= MOST_STATES {
+            return Ok(Some(strip));
+        }
+        // What decays faster answers at once.
+        resolution.shortest *= 2.0;
+    }
+}
+
+/// Cooled area of the strip over its area beside the contact on a closed path; 1 where it is not given, or the path open.
+pub fn cooled_part(scene: &Scene) -> f64 {
+    let free = scene.length * scene.depth - scene.contact_area() * scene.count;
+    if scene.path == scene::Path::Closed && scene.strip.cooled_area > 0.0 && free > 0.0 {
+        scene.strip.cooled_area / free
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,112 @@
+//! What heat along the contact line leaves behind; part of a saved state.
+
+use super::bodies::Bodies;
+use crate::heat::line::{Account, LineHeat};
+
+/// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
+#[derive(Clone, PartialEq, Debug)]
+pub struct HeatState {
+    /// States of the bodies; empty for an insulator.
+    pub bodies: [Vec<f64>; 2],
+    /// Fluxes into the cells at the end of the last step, W/m2.
+    pub flux: [Vec<f64>; 2],
+    /// Temperatures of the cells there.
+    pub temperature: [Vec<f64>; 2],
+    /// Displacement of both surfaces there, m into the bodies.
+    pub distortion: Vec<f64>,
+    /// Friction coefficient without Stribeck factor there, weighted with the pressure.
+    pub faded: f64,
+    /// Friction heat of all steps, J per m of depth.
+    pub dissipated: f64,
+    /// Heat flux into the cooled surfaces beyond the constant heat transfer in the last step, W/m2.
+    pub cooling: [f64; 2],
+    /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
+    pub start: [[f64; 4]; 2],
+}
+
+/// The entries of an account in their order.
+pub fn entries(account: Account) -> [f64; 4] {
+    [account.received, account.stored, account.ambient, account.far]
+}
+
+impl HeatState {
+    /// Bodies that are `rise` (K; punch, strip) above the reference everywhere.
+    pub fn new(bodies: &Bodies, count: usize, rise: [f64; 2], faded: f64) -> HeatState {
+        let zeros = || vec![0.0; count];
+        let copies = bodies.copies();
+        let mut state = HeatState {
+            bodies: bodies.states.map(|states| vec![0.0; states]),
+            flux: [zeros(), zeros()],
+            temperature: rise.map(|rise| vec![rise; count]),
+            distortion: zeros(),
+            faded,
+            dissipated: 0.0,
+            cooling: [0.0; 2],
+            start: [[0.0; 4]; 2],
+        };
+        for body in 0..2 {
+            if let Some(heat) = &copies[body] {
+                heat.uniform(rise[body], &mut state.bodies[body]);
+                state.start[body] = entries(heat.account(&state.bodies[body]));
+                let mut moved = zeros();
+                heat.held_distortion(&state.bodies[body], &Default::default(), &state.flux[body], &mut moved);
+                state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        state
+    }
+
+    /// Where the heat of a body went since initialisation, J per m of depth.
+    pub fn account(&self, body: usize, heat: &dyn LineHeat) -> Account {
+        let now = entries(heat.account(&self.bodies[body]));
+        let since = |entry: usize| now[entry] - self.start[body][entry];
+        Account { received: since(0), stored: since(1), ambient: since(2), far: since(3) }
+    }
+
+    /// Mean over the contact of the mean of both surfaces.
+    pub fn mean(&self, widths: &[f64]) -> f64 {
+        let total: f64 = widths.iter().sum();
+        let [punch, strip] = &self.temperature;
+        (0..widths.len()).map(|i| 0.5 * widths[i] * (punch[i] + strip[i])).sum::<f64>() / total
+    }
+
+    /// Highest temperature of either surface.
+    pub fn highest(&self) -> f64 {
+        self.temperature.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
+        let HeatState { bodies, flux, temperature, distortion, faded, dissipated, cooling, start } = self;
+        (bodies.iter_mut().chain(flux).chain(temperature).flatten())
+            .chain(distortion)
+            .chain([faded, dissipated])
+            .chain(cooling)
+            .chain(start.iter_mut().flatten())
+    }
+
+    /// Takes over `other`, of the same scene, without allocating.
+    pub fn copy_from(&mut self, other: &HeatState) {
+        for body in 0..2 {
+            self.bodies[body].copy_from_slice(&other.bodies[body]);
+            self.flux[body].copy_from_slice(&other.flux[body]);
+            self.temperature[body].copy_from_slice(&other.temperature[body]);
+        }
+        self.distortion.copy_from_slice(&other.distortion);
+        (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
+        self.start = other.start;
+    }
+
+    /// Appends all numbers.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        let mut own = self.clone();
+        out.extend(own.numbers().map(|number| *number));
+    }
+
+    /// Reads what [`HeatState::save`] wrote over a state of the same scene; `None` if there are too few numbers.
+    pub fn load<'a>(&mut self, numbers: &mut impl Iterator<Item = &'a f64>) -> Option<()> {
+        for slot in self.numbers() {
+            *slot = *numbers.next()?;
+        }
+        Some(())
+    }
+}

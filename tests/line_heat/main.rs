@@ -1,0 +1,13 @@
+//! Heat along the contact line through the component alone: account, distortion, order, states.
+
+// The example scenes are files.
+#![cfg(feature = "scene-file")]
+#![allow(clippy::needless_range_loop, reason = "stations read as the formulas they are when they are indexed")]
+
+#[path = "../lumped_physics/drive.rs"]
+#[allow(dead_code, reason = "shared with the tests of the lumped level, which use all of it")]
+mod drive;
+
+mod account;
+mod growth;
+mod steps;

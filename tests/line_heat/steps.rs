@@ -1,0 +1,123 @@
+//! Order in time, saved states, and what heat without expansion leaves alone.
+
+use crate::drive::{Drive, scene};
+use sliding_contact::component::Snapshot;
+
+fn reciprocating(changes: &[(&str, f64)]) -> Drive {
+    let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0)];
+    Drive::from_starts(&scene("reciprocating_punch"), &[&line[..], changes].concat())
+}
+
+fn drive_on(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
+    let mut bits = Vec::new();
+    for step in steps {
+        let phase = f64::from(step) * 0.61;
+        drive.set("sliding_velocity", 0.015 * phase.sin()).set("normal_load", 9e3 * (1.1 + (0.37 * phase).cos()));
+        if step % 4 == 1 {
+            drive.slope("sliding_velocity", -0.05 * phase.sin());
+        }
+        drive.step(0.05 + 0.02 * f64::from(step % 3));
+        for output in 7..250 {
+            bits.push(drive.0.get(output).to_bits());
+        }
+    }
+    bits
+}
+
+#[test]
+fn a_replay_gives_the_same_bits() {
+    let fade = [("contact.friction_fade.temperature[2]", 300.0), ("contact.friction_fade.factor[3]", 0.5)];
+    for changes in [&[][..], &[("holder.stiffness", 1e8)], &fade[1..]] {
+        let mut drive = reciprocating(changes);
+        drive_on(&mut drive, 0..7);
+        let mut saved = Snapshot::default();
+        drive.0.snapshot(&mut saved);
+        let straight_on = drive_on(&mut drive, 7..25);
+        drive.0.restore(&saved).unwrap();
+        assert!(straight_on == drive_on(&mut drive, 7..25), "{changes:?}: same instance");
+        let mut bytes = Vec::new();
+        saved.encode(&mut bytes);
+        println!("{} bytes", bytes.len());
+        assert!(bytes.len() <= 256 << 10);
+        let mut fresh = reciprocating(changes);
+        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert!(straight_on == drive_on(&mut fresh, 7..25), "{changes:?}: fresh instance");
+    }
+}
+
+#[test]
+fn heat_that_moves_nothing_leaves_pressure_and_wear() {
+    let worn = |expansion: f64| {
+        let mut drive = reciprocating(&[("punch.thermal_expansion", expansion), ("strip.thermal_expansion", 0.0)]);
+        drive.set("normal_load", 1e4);
+        for step in 0..40 {
+            drive.set("sliding_velocity", 0.015 * (0.3 * f64::from(step)).cos()).step(0.03);
+        }
+        ["pressure_max", "wear_depth_punch", "friction_force", "dissipated_energy"].map(|name| drive.get(name))
+    };
+    let (with, without) = (worn(1e-30), worn(0.0));
+    for (with, without) in with.iter().zip(without) {
+        assert!((with / without - 1.0).abs() < 1e-6, "{with} {without}");
+    }
+    let hot = worn(1.1e-5);
+    println!("{with:?} {hot:?}");
+    assert!((hot[0] / with[0] - 1.0).abs() > 1e-4, "distortion changes the pressure");
+}
+
+/// Pressure and temperature after a run-up, with `parts` steps.
+fn run_up(parts: u32) -> [f64; 2] {
+    let mut drive =
+        reciprocating(&[("solver.tolerance", 0.1), ("punch.wear_coefficient", 4e-13), ("contact.shear_coupling", 0.0)]);
+    drive.set("normal_load", 1e4);
+    let (duration, last) = (2.0, 0.01);
+    let step = duration / f64::from(parts);
+    for part in 0..parts {
+        let rate = last / duration;
+        drive.set("sliding_velocity", rate * step * f64::from(part)).slope("sliding_velocity", rate);
+        drive.step(step);
+    }
+    let fraction = drive.get("contact_fraction");
+    assert!(fraction > 0.999, "{fraction}");
+    ["pressure_max", "contact_temperature"].map(|name| drive.get(name))
+}
+
+/// The pressure converges at second order. The temperature does so at order three halves while steps are longer than the
+/// interface's own time: the first stage takes its flux for constant, which the heat split feels.
+#[test]
+fn pressure_is_of_second_order_and_temperature_of_three_halves() {
+    let finest = run_up(640);
+    let errors = [10, 20, 40, 80].map(|parts| {
+        let values = run_up(parts);
+        [(values[0] / finest[0] - 1.0).abs(), (values[1] - finest[1]).abs()]
+    });
+    println!("{errors:?}");
+    for (quantity, least) in [(0, 1.85), (1, 1.4)] {
+        let order = (errors[0][quantity] / errors[3][quantity]).log2() / 3.0;
+        assert!(order > least, "{quantity}: {order} {errors:?}");
+    }
+}
+
+#[test]
+fn a_hundred_cycles_of_the_example_with_both_bodies_expanding() {
+    let mut drive = reciprocating(&[]);
+    let (frequency, amplitude, per_cycle) = (10.0, 1.5e-3, 40);
+    let step = 2.0 * std::f64::consts::PI / frequency / f64::from(per_cycle);
+    drive.set("normal_load", 1e4);
+    let velocity = |time: f64| amplitude * frequency * (frequency * time).cos();
+    for number in 0..100 * per_cycle {
+        let time = f64::from(number) * step;
+        let slope = (velocity(time + step) - velocity(time)) / step;
+        drive.set("sliding_velocity", velocity(time)).slope("sliding_velocity", slope).step(step);
+    }
+    let [worn, highest, mean] = ["wear_depth_punch", "pressure_max", "pressure_mean"].map(|name| drive.get(name));
+    let (force, imbalance) = (drive.get("friction_force"), drive.imbalance());
+    println!(
+        "worn {worn} m, pressure {highest} over {mean} Pa, T {} K, {imbalance:e}",
+        drive.get("contact_temperature")
+    );
+    // Load and distance decide the mean wear: k p s, whatever the heat does.
+    let expected = 3.9e-14 * mean * drive.get("sliding_distance");
+    assert!((worn / expected - 1.0).abs() < 1e-4, "{worn} {expected}");
+    assert!((force.abs() / 2500.0 - 1.0).abs() < 1e-9 && imbalance < 1e-9);
+    assert!(highest > mean && drive.get("contact_temperature") > 293.2);
+}
