@@ -4,10 +4,11 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 
-use super::Platform;
 use super::glibc;
+use super::platform::Platform;
+use super::toolchain::Toolchain;
 use crate::{project, python};
 
 /// Cargo's separator of compiler flags in `CARGO_ENCODED_RUSTFLAGS`; it lets paths contain spaces.
@@ -15,36 +16,46 @@ const SEPARATOR: &str = "\u{1f}";
 
 /// Builds the library for a platform and returns its bytes, the scene slot not yet filled.
 ///
-/// On Linux the linker is zig's, which links against glibc 2.17 whatever is installed here. Where it cannot be
-/// had, the system's linker is used and the library needs at least the glibc of this machine: a warning says so.
-///
 /// # Errors
 /// Where the platform cannot be built here, with what would be needed, or the compiler reports an error.
 pub fn build(platform: Platform) -> Result<Vec<u8>> {
-    let target = match platform {
-        Platform::Linux64 => "x86_64-unknown-linux-gnu",
-        other => bail!("{}", other.requirement()),
+    let path = match platform {
+        Platform::Linux64 => linux64()?,
+        other => with_toolchain(other)?,
     };
-    let folder = match zigbuild() {
+    std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
+}
+
+/// With the toolchain in use. The linker is zig's, which links against glibc 2.17 whatever is installed here. Where it
+/// cannot be had, the system's linker is used and the library needs at least the glibc of this machine: a warning
+/// says so.
+fn linux64() -> Result<PathBuf> {
+    let target = Platform::Linux64.target();
+    let (command, written, folder) = match zigbuild() {
         Ok(zigbuild) => {
-            let folder = project::target();
             let (major, minor) = glibc::WANTED;
-            cargo(zigbuild, &format!("{target}.{major}.{minor}"), &folder)?;
-            folder
+            (zigbuild, format!("{target}.{major}.{minor}"), project::target())
         }
         Err(reason) => {
             eprintln!("warning: {reason:#}");
             eprintln!("warning: linking with this system's linker; the FMU will not run on older distributions");
-            // Apart from the other one: cargo does not notice that the linker has changed.
-            let folder = project::target().join("system-linker");
             let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
             command.arg("build");
-            cargo(command, target, &folder)?;
-            folder
+            // Apart from the other one: cargo does not notice that the linker has changed.
+            (command, target.to_owned(), project::target().join("system-linker"))
         }
     };
-    let path = folder.join(target).join("fmu/libsliding_contact.so");
-    std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
+    cargo(command, &written, &folder, &sysroot()?)?;
+    Ok(folder.join(target).join("fmu").join(Platform::Linux64.built_name()))
+}
+
+/// With whatever toolchain can build for the platform.
+fn with_toolchain(platform: Platform) -> Result<PathBuf> {
+    let toolchain = Toolchain::find(platform).map_err(|missing| anyhow!(missing))?;
+    // Apart from the programs of this command, which another compiler may have built.
+    let folder = project::target().join("platforms");
+    cargo(toolchain.command(), toolchain.target, &folder, toolchain.sysroot())?;
+    Ok(folder.join(toolchain.target).join("fmu").join(platform.built_name()))
 }
 
 /// cargo-zigbuild of the project's Python environment, ready to build.
@@ -65,14 +76,14 @@ fn zigbuild() -> Result<Command> {
 }
 
 /// Runs the build; cargo itself shows the progress.
-fn cargo(mut command: Command, target: &str, folder: &Path) -> Result<()> {
+fn cargo(mut command: Command, target: &str, folder: &Path, sysroot: &Path) -> Result<()> {
     command
         .args(["--package", "sliding-contact", "--lib", "--profile", "fmu", "--locked", "--target", target])
         .arg("--target-dir")
         .arg(folder)
         .current_dir(project::root())
         .env_remove("RUSTFLAGS")
-        .env("CARGO_ENCODED_RUSTFLAGS", flags()?.join(SEPARATOR));
+        .env("CARGO_ENCODED_RUSTFLAGS", flags(sysroot)?.join(SEPARATOR));
     let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
     if !status.success() {
         bail!("building the library for {target} failed ({status})");
@@ -82,14 +93,13 @@ fn cargo(mut command: Command, target: &str, folder: &Path) -> Result<()> {
 
 /// Compiler flags that replace the paths of this machine, which panic messages would carry into the library, by the
 /// same names everywhere. Whatever flags the user has set do not apply: the bytes must depend on the source alone.
-fn flags() -> Result<Vec<String>> {
+fn flags(sysroot: &Path) -> Result<Vec<String>> {
     let home = match std::env::var_os("CARGO_HOME") {
         Some(home) => PathBuf::from(home),
         None => std::env::home_dir().context("neither CARGO_HOME nor a home directory is known")?.join(".cargo"),
     };
-    let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("starting rustc")?;
-    let sysroot = PathBuf::from(String::from_utf8(output.stdout)?.trim());
-    let replaced = [(project::root(), "/source"), (home, "/cargo"), (sysroot, "/rust")];
+    // Of several that fit the compiler takes the last one, and a toolchain may lie above the others (/usr).
+    let replaced = [(sysroot.to_owned(), "/rust"), (home, "/cargo"), (project::root(), "/source")];
     // The compiler compares texts, and cargo may hand it a path through a link as it is or resolved.
     let mut flags = Vec::new();
     for (from, to) in replaced {
@@ -97,4 +107,10 @@ fn flags() -> Result<Vec<String>> {
         flags.extend([&from, &resolved].map(|path| format!("--remap-path-prefix={}={to}", path.display())));
     }
     Ok(flags)
+}
+
+/// Root of the toolchain in use.
+fn sysroot() -> Result<PathBuf> {
+    let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("starting rustc")?;
+    Ok(PathBuf::from(String::from_utf8(output.stdout)?.trim()))
 }

@@ -4,24 +4,28 @@ mod archive;
 mod description;
 mod documentation;
 mod glibc;
+mod imports;
 mod library;
 mod licences;
 mod parameter_set;
+mod platform;
 mod reference;
 mod terminals;
+mod toolchain;
 mod xml;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use sliding_contact::scene::file::SceneFile;
 use sliding_contact::slot;
 
 use crate::{project, scenes};
 use archive::Files;
 use description::MODEL_IDENTIFIER;
+pub use platform::Platform;
 
 /// Drawn by modelDescription/icons.py.
 const MODEL_ICON: &[u8] = include_bytes!("../../../modelDescription/model.png");
@@ -39,50 +43,12 @@ pub struct Arguments {
     /// Write the scene as an SSP parameter set (.ssv) for the stock FMU instead
     #[arg(long)]
     ssv: bool,
-    /// Platforms whose library the FMU holds
+    /// Platforms whose library the FMU holds; give it several times, or several with commas
     #[arg(long, value_delimiter = ',', default_value = "linux64")]
     platform: Vec<Platform>,
     /// Only write modelDescription/modelDescription.xml of this source tree anew
     #[arg(long, conflicts_with_all = ["scene", "output", "ssv"])]
     write_description: bool,
-}
-
-/// Platforms under the names of FMI 2.0.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, ValueEnum)]
-pub enum Platform {
-    /// Linux on x86-64, glibc 2.17 or newer
-    Linux64,
-    /// Windows on x86-64
-    Win64,
-    /// macOS
-    Darwin64,
-}
-
-impl Platform {
-    /// Path of the library in the FMU.
-    fn library_path(self) -> String {
-        let (folder, ending) = match self {
-            Platform::Linux64 => ("linux64", "so"),
-            Platform::Win64 => ("win64", "dll"),
-            Platform::Darwin64 => ("darwin64", "dylib"),
-        };
-        format!("binaries/{folder}/{MODEL_IDENTIFIER}.{ending}")
-    }
-
-    /// What it takes to build for a platform that this command does not build for.
-    fn requirement(self) -> &'static str {
-        match self {
-            Platform::Linux64 => "linux64 is built by this command",
-            Platform::Win64 => {
-                "win64 is not built by this command yet; it needs the Rust target x86_64-pc-windows-gnu \
-                 (`rustup target add x86_64-pc-windows-gnu`) and the mingw-w64 linker"
-            }
-            Platform::Darwin64 => {
-                "darwin64 is not built by this command yet; it needs the Rust target x86_64-apple-darwin \
-                 (`rustup target add x86_64-apple-darwin`) and Apple's SDK"
-            }
-        }
-    }
 }
 
 /// How to package.
@@ -148,8 +114,10 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     for &platform in platforms {
         let mut library = library::build(platform)?;
         slot::fill(&mut library, &scene.packaged).map_err(|reason| anyhow!(reason))?;
-        if platform == Platform::Linux64 {
-            report_glibc(&library)?;
+        match platform {
+            Platform::Linux64 | Platform::Aarch64Linux => report_glibc(platform, &library)?,
+            Platform::Win64 => imports::check(&library)?,
+            Platform::Darwin64 => {}
         }
         files.insert(platform.library_path(), library);
     }
@@ -167,14 +135,19 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     Ok(files)
 }
 
-fn report_glibc(library: &[u8]) -> Result<()> {
+fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {
     let Some((major, minor)) = glibc::highest(library)? else { return Ok(()) };
-    eprintln!("The Linux library needs glibc {major}.{minor} or newer.");
+    eprintln!("The library for {} needs glibc {major}.{minor} or newer.", platform.folder());
     if (major, minor) > glibc::WANTED {
         let (wanted_major, wanted_minor) = glibc::WANTED;
         eprintln!("warning: distributions with glibc {wanted_major}.{wanted_minor} cannot load it");
     }
     Ok(())
+}
+
+/// What has to be installed before this platform's library can be built here; `None` where nothing is missing.
+pub fn missing(platform: Platform) -> Option<String> {
+    if platform == Platform::Linux64 { None } else { toolchain::Toolchain::find(platform).err() }
 }
 
 /// Writes a file and the folders above it; a reader never sees half of it.

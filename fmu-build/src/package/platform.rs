@@ -1,0 +1,80 @@
+//! Platforms that an FMU can hold a library for.
+
+use clap::ValueEnum;
+
+use super::description::MODEL_IDENTIFIER;
+
+/// Platforms under the names of FMI: the first two and the last are those of FMI 2.0, `aarch64-linux` is that of
+/// FMI 3.0, which importers of FMI 2.0 on such machines look for as well.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, ValueEnum)]
+pub enum Platform {
+    /// Linux on x86-64, glibc 2.17 or newer
+    Linux64,
+    /// Windows on x86-64
+    Win64,
+    /// Linux on 64-bit ARM
+    Aarch64Linux,
+    /// macOS on x86-64
+    Darwin64,
+}
+
+impl Platform {
+    /// Name of its folder in the FMU.
+    pub fn folder(self) -> &'static str {
+        match self {
+            Platform::Linux64 => "linux64",
+            Platform::Win64 => "win64",
+            Platform::Aarch64Linux => "aarch64-linux",
+            Platform::Darwin64 => "darwin64",
+        }
+    }
+
+    /// Path of the library in the FMU.
+    pub fn library_path(self) -> String {
+        let ending = match self {
+            Platform::Linux64 | Platform::Aarch64Linux => "so",
+            Platform::Win64 => "dll",
+            Platform::Darwin64 => "dylib",
+        };
+        format!("binaries/{}/{MODEL_IDENTIFIER}.{ending}", self.folder())
+    }
+
+    /// Name that cargo gives the built library.
+    pub fn built_name(self) -> &'static str {
+        match self {
+            Platform::Linux64 | Platform::Aarch64Linux => "libsliding_contact.so",
+            Platform::Win64 => "sliding_contact.dll",
+            Platform::Darwin64 => "libsliding_contact.dylib",
+        }
+    }
+
+    /// Rust target of the prebuilt standard library.
+    pub fn target(self) -> &'static str {
+        match self {
+            Platform::Linux64 => "x86_64-unknown-linux-gnu",
+            Platform::Win64 => "x86_64-pc-windows-gnu",
+            Platform::Aarch64Linux => "aarch64-unknown-linux-gnu",
+            Platform::Darwin64 => "x86_64-apple-darwin",
+        }
+    }
+
+    /// Rust target where the standard library is compiled too. The Windows one needs nothing newer than Windows 7,
+    /// so that it also runs under Wine 8, which lacks functions of Windows 10 that the prebuilt one imports.
+    pub fn target_with_sources(self) -> &'static str {
+        match self {
+            Platform::Win64 => "x86_64-win7-windows-gnu",
+            other => other.target(),
+        }
+    }
+
+    /// Linker and the Debian package that has it; `None`: the one of this system.
+    pub fn linker(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Platform::Win64 => Some(("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64")),
+            Platform::Aarch64Linux if cfg!(not(all(target_os = "linux", target_arch = "aarch64"))) => {
+                Some(("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"))
+            }
+            _ => None,
+        }
+    }
+}
