@@ -19,7 +19,7 @@ use std::process::Command;
 use std::time::Instant;
 
 /// Communication step, s.
-const STEP: f64 = 0.1;
+pub const STEP: f64 = 0.1;
 /// Turns of every timing.
 const TURNS: usize = 30;
 /// How much a time may exceed its limit before a test fails: other work on the machine takes its share. The ratio to
@@ -185,7 +185,7 @@ fn fastest(calls: usize, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
 
 /// Sliding velocity and load of a brake over the UDDS, one pair per step. The load here is 2 kN for every 1 m/s2 of
 /// deceleration: what matters is that both change as they do in a drive.
-fn inputs() -> Result<Vec<[f64; 2]>> {
+pub fn inputs() -> Result<Vec<[f64; 2]>> {
     let path = project::root().join("examples/data/udds.csv");
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let speeds: Vec<f64> = text

@@ -1,5 +1,6 @@
 //! `cargo fmu test`: everything that must hold before a change lands, in tiers.
 
+mod platforms;
 mod tally;
 
 use crate::python::{self, Tier};
@@ -11,8 +12,6 @@ use tally::{Counter, Tally};
 
 /// Scene that the importers and the clock run.
 const BRAKE: &str = "disc_brake";
-/// Targets of the platform tier.
-const PLATFORMS: [&str; 3] = ["aarch64-unknown-linux-gnu", "x86_64-pc-windows-gnu", "aarch64-apple-darwin"];
 
 /// Check formatting and lints, run the Rust tests, package the scenes and test the FMU from fmpy.
 ///
@@ -22,7 +21,7 @@ pub struct Arguments {
     /// Also load the FMU natively with the `fmi` crate and compare the C declarations with its bindings.
     #[arg(long)]
     importers: bool,
-    /// Also check that the FMU's library compiles for other platforms.
+    /// Also package the FMU for Windows and 64-bit ARM and run it there, under Wine and qemu.
     #[arg(long)]
     platforms: bool,
     /// All tiers.
@@ -88,7 +87,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         tally.skip("importer tests", "not asked for: --importers");
     }
     if arguments.platforms || arguments.all {
-        platforms(&mut tally);
+        platforms::check(&mut tally);
     } else {
         tally.skip("platforms", "not asked for: --platforms");
     }
@@ -176,26 +175,4 @@ fn output(program: &Path, arguments: &[&str]) -> Result<String> {
         bail!("{} {}: {}", program.display(), arguments.join(" "), String::from_utf8_lossy(&output.stderr).trim());
     }
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
-}
-
-/// Checks that the library compiles for the other platforms whose standard library is installed.
-fn platforms(tally: &mut Tally) {
-    let installed = |target: &str| {
-        output(Path::new("rustc"), &["--print", "sysroot"])
-            .is_ok_and(|root| Path::new(&root).join("lib/rustlib").join(target).join("lib").is_dir())
-    };
-    for target in PLATFORMS {
-        if !installed(target) {
-            tally.skip(
-                &format!("platform {target}"),
-                &format!("its standard library is missing: rustup target add {target}"),
-            );
-            continue;
-        }
-        tally.step(&format!("platform {target}"), |step| {
-            step.check(cargo(&["check", "--package", "sliding-contact", "--profile", "fmu", "--target", target]))?;
-            step.pass();
-            Ok(())
-        });
-    }
 }
