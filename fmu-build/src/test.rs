@@ -18,7 +18,8 @@ const BRAKE: &str = "disc_brake";
 /// Ends with what was skipped and why, and with one line that counts everything.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Also load the FMU natively with the `fmi` crate and compare the C declarations with its bindings.
+    /// Also load the FMU natively with the `fmi` crate, compare the C declarations with its bindings, and drive it with
+    /// other importers from Python.
     #[arg(long)]
     importers: bool,
     /// Also package the FMU for Windows and 64-bit ARM and run it there, under Wine and qemu.
@@ -83,6 +84,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     if arguments.importers || arguments.all {
         tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
+        tally.step("other importers", |step| step.run(wheels()?, Counter::Pytest));
     } else {
         tally.skip("importer tests", "not asked for: --importers");
     }
@@ -162,6 +164,18 @@ fn importers() -> Result<Command> {
         .env("BINDGEN_EXTRA_CLANG_ARGS", format!("-I{headers}"))
         .env("SLIDING_CONTACT_FMU", fmu)
         .env("SLIDING_CONTACT_RECORDING", recording);
+    Ok(command)
+}
+
+/// Tests of importers for Python; each gets an environment of its own.
+fn wheels() -> Result<Command> {
+    let mut command = Command::new(python::environment_for(Tier::Test)?);
+    command
+        .current_dir(project::root())
+        .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/importers/wheels"])
+        .env("SLIDING_CONTACT_FMU", package::build(Some(BRAKE), &package::Options::default())?)
+        .env("SLIDING_CONTACT_IMPORTERS", project::target().join("importers").join("wheels"))
+        .env("PYTHONDONTWRITEBYTECODE", "1");
     Ok(command)
 }
 

@@ -1,0 +1,115 @@
+"""Drives the FMU with one importer. Runs in the environment of that importer, which may lack numpy.
+
+    python drive.py IMPORTER FMU STEP INPUTS OUTPUTS NAME ...
+
+INPUTS is a JSON list of [sliding_velocity, normal_load], one for every step; OUTPUTS gets a JSON list of the values of
+the named variables after every step. Inputs are set before a step and held over it.
+"""
+
+import ctypes
+import json
+import sys
+import xml.etree.ElementTree as xml
+import zipfile
+from pathlib import Path
+
+MODEL_EXCHANGE = (
+    "fmi2EnterEventMode",
+    "fmi2NewDiscreteStates",
+    "fmi2EnterContinuousTimeMode",
+    "fmi2CompletedIntegratorStep",
+    "fmi2SetTime",
+    "fmi2SetContinuousStates",
+    "fmi2GetDerivatives",
+    "fmi2GetEventIndicators",
+    "fmi2GetContinuousStates",
+    "fmi2GetNominalsOfContinuousStates",
+)
+INPUTS = ("sliding_velocity", "normal_load")
+
+
+def description(fmu):
+    """GUID, and value references by name."""
+    with zipfile.ZipFile(fmu) as archive:
+        root = xml.fromstring(archive.read("modelDescription.xml"))
+    references = {variable.get("name"): int(variable.get("valueReference")) for variable in root.iter("ScalarVariable")}
+    return root.get("guid"), references
+
+
+def fmuloader(fmu, step, inputs, names):
+    import fmuloader.fmi2
+    from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+
+    class Library(ctypes.CDLL):
+        """fmuloader binds the functions of model exchange too, which a co-simulation FMU need not export. They get a
+        stand-in that the C library has and that nothing calls."""
+
+        def __getattr__(self, name):
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name not in MODEL_EXCHANGE:
+                    raise
+                return ctypes.CDLL(None).abort
+
+    fmuloader.fmi2.CDLL = Library
+    guid, references = description(fmu)
+    slave = Fmi2Slave(fmu, model_identifier="SlidingContact")
+    slave.instantiate("contact", Fmi2Type.CO_SIMULATION, guid=guid)
+    slave.setup_experiment(start_time=0.0)
+    slave.enter_initialization_mode()
+    slave.exit_initialization_mode()
+    for index, row in enumerate(inputs):
+        slave.set_real([references[name] for name in INPUTS], row)
+        slave.do_step(index * step, step)
+        yield list(slave.get_real([references[name] for name in names]))
+    slave.terminate()
+    slave.free_instance()
+
+
+def libcosimpy(fmu, step, inputs, names):
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimManipulator import CosimManipulator
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    _, references = description(fmu)
+    execution = CosimExecution.from_step_size(step_size=round(step * 1e9))
+    slave = execution.add_local_slave(CosimLocalSlave(fmu_path=fmu, instance_name="contact"))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer=observer)
+    manipulator = CosimManipulator.create_override()
+    execution.add_manipulator(manipulator=manipulator)
+    for row in inputs:
+        manipulator.slave_real_values(slave, [references[name] for name in INPUTS], row)
+        if not execution.step():
+            raise RuntimeError(f"libcosim stopped: {execution.status()}")
+        yield list(observer.last_real_values(slave, [references[name] for name in names]))
+
+
+def ecospy(fmu, step, inputs, names):
+    # The wheel leaves this library to the system; the one of the package tbb serves once it is loaded.
+    ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
+    from ecospy import EcosSimulation, EcosSimulationStructure
+
+    with EcosSimulationStructure() as structure:
+        structure.add_model("contact", fmu)
+        with EcosSimulation(structure=structure, step_size=step) as simulation:
+            simulation.init()
+            for row in inputs:
+                for name, value in zip(INPUTS, row):
+                    simulation.set_real(f"contact::{name}", value)
+                simulation.step()
+                yield [simulation.get_real(f"contact::{name}") for name in names]
+            simulation.terminate()
+
+
+def main():
+    importer, fmu, step, inputs, outputs, *names = sys.argv[1:]
+    drive = {"ecospy": ecospy, "fmuloader": fmuloader, "libcosimpy": libcosimpy}[importer]
+    rows = list(drive(fmu, float(step), json.loads(Path(inputs).read_text()), names))
+    Path(outputs).write_text(json.dumps(rows))
+
+
+if __name__ == "__main__":
+    main()
