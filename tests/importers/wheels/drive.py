@@ -104,9 +104,47 @@ def ecospy(fmu, step, inputs, names):
             simulation.terminate()
 
 
+def pathsim_fmi(fmu, step, inputs, names):
+    from pathsim import Connection, Simulation
+    from pathsim.blocks import Source
+    from pathsim_fmi import CoSimulationFMU
+    from pathsim_fmi.wrapper import FMUWrapper
+
+    rows = []
+    build = FMUWrapper._build_variable_maps
+
+    def build_of_reals(self):
+        """It reads every output as a Real, which this FMU, as the standard demands, refuses for the other types."""
+        build(self)
+        reals = {v.name for v in self.model_description.modelVariables if v.type == "Real"}
+        self.output_refs = {name: reference for name, reference in self.output_refs.items() if name in reals}
+
+    FMUWrapper._build_variable_maps = build_of_reals
+
+    class Recorded(CoSimulationFMU):
+        """Notes the outputs after every step."""
+
+        def _step_fmu(self, time):
+            super()._step_fmu(time)
+            values = dict(zip(self.fmu_wrapper.output_refs, self.fmu_wrapper.get_outputs_as_array()))
+            rows.append([float(values[name]) for name in names])
+
+    contact = Recorded(fmu, dt=step)
+
+    def held(column):
+        return lambda time: inputs[min(round(time / step), len(inputs) - 1)][column]
+
+    sources = [Source(held(column)) for column in range(len(INPUTS))]
+    connections = [Connection(source[0], contact[name]) for source, name in zip(sources, INPUTS)]
+    simulation = Simulation([*sources, contact], connections, dt=step, log=False)
+    # The last step begins at the end of the run.
+    simulation.run(step * (len(inputs) - 1), adaptive=False)
+    return rows
+
+
 def main():
     importer, fmu, step, inputs, outputs, *names = sys.argv[1:]
-    drive = {"ecospy": ecospy, "fmuloader": fmuloader, "libcosimpy": libcosimpy}[importer]
+    drive = {"ecospy": ecospy, "fmuloader": fmuloader, "libcosimpy": libcosimpy, "pathsim-fmi": pathsim_fmi}[importer]
     rows = list(drive(fmu, float(step), json.loads(Path(inputs).read_text()), names))
     Path(outputs).write_text(json.dumps(rows))
 

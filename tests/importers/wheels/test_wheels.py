@@ -89,3 +89,14 @@ def test_the_trajectory_is_the_one_of_fmpy(importer, recording, tmp_path):
     worst = int(deviation.argmax())
     print(f"{importer}: largest deviation {deviation[worst]:.1e} of the range, in {names[worst]}")
     assert np.all(deviation <= TOLERANCE), f"{names[worst]} deviates by {deviation[worst]:.1e} of its range"
+
+
+def test_the_checks_of_fmu_manipulation_toolbox_find_nothing(tmp_path):
+    python = environment("fmu-manipulation-toolbox")
+    result = subprocess.run(
+        [python.parent / "fmutool", "-input", FMU, "-check"], cwd=tmp_path, capture_output=True, text=True
+    )
+    said = result.stdout + result.stderr
+    assert result.returncode == 0, said
+    assert "seems to be compliant with FMI-2.0" in said and "No semantic error" in said, said
+    assert "WARNING" not in said and "ERROR" not in said, said
