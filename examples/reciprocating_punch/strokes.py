@@ -12,6 +12,8 @@ AMPLITUDE = 1.5e-3  # of the punch's displacement [m]
 FREQUENCY = 10.0  # angular [rad/s]
 STEPS = 10  # in a half-stroke; even, so that a step ends in its middle
 STATIONS = 33
+# The level of the contact line, without distortion by heat.
+COLD = {"solver.fidelity": "line", "punch.thermal_expansion": 0.0, "strip.thermal_expansion": 0.0}
 PROFILES = ("pressure", "wear_punch")
 SCALARS = ("tilt", "approach")
 
@@ -50,7 +52,7 @@ class Punch:
             instanceName="punch",
         )
         self.slave.instantiate()
-        for name, value in {"solver.fidelity": "line", **parameters}.items():
+        for name, value in {**COLD, **parameters}.items():
             self._set(name, value)
         self.slave.setupExperiment()
         self.slave.enterInitializationMode()
