@@ -235,7 +235,7 @@ impl Operators {
                     .into(),
             );
         }
-        let critical = lumped::outputs::critical_speed(scene, scene.friction_coefficient);
+        let critical = self.mean.critical_speed.at(scene.friction_coefficient);
         if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
             warnings.push(format!(
                 "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, from which on the contact's \

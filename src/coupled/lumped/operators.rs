@@ -1,6 +1,7 @@
 //! What the lumped level is made of, built once from the scene and shared by every state.
 
 use crate::contact::friction::FrictionLaw;
+use crate::coupled::instability::CriticalSpeed;
 use crate::elastic::mean::mean_compliance;
 use crate::heat::flash::Flash;
 use crate::heat::moving_source::{self, MovingSource};
@@ -80,6 +81,8 @@ pub struct Operators {
     pub half_resistance: f64,
     /// Part of a closed path that the punches cover.
     pub strip_coverage: f64,
+    /// Where pressure waves begin to grow.
+    pub critical_speed: CriticalSpeed,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
@@ -139,6 +142,7 @@ impl Operators {
             effective_radius,
             tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
+            critical_speed: CriticalSpeed::new(scene),
             compliance,
             series_stiffness,
             scene: scene.clone(),

@@ -13,7 +13,6 @@
 
 use super::Heat;
 use crate::coupled::line::Line;
-use crate::coupled::lumped::outputs::critical_speed;
 use crate::heat::line::GAMMA;
 
 /// Largest b h.
@@ -26,8 +25,7 @@ impl Line {
     /// Whether the part just tried, of `step` s at the speed `speed` (m/s), follows what grows.
     pub(in crate::coupled::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
-        let critical = critical_speed(&self.operators.scene, friction);
-        if critical == 0.0 || speed <= critical {
+        if speed * friction <= 0.0 || speed <= self.operators.mean.critical_speed.harmless(friction) {
             return true;
         }
         let (operators, conditions, pressure) = (&self.operators, &self.conditions, &self.work.end.pressure);
