@@ -96,9 +96,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 /// # Errors
 /// Everything wrong with the scene, a failed build, or a file that cannot be written.
 pub fn build(scene: Option<&str>, options: &Options) -> Result<PathBuf> {
-    let scene = scenes::load(scene)?;
-    let path = options.output.clone().unwrap_or_else(|| default_path(&scene, "fmu"));
-    write(&path, &archive::pack(&files(&scene, &options.platforms)?)?)?;
+    build_scene(&scenes::load(scene)?, options)
+}
+
+/// As [`build`], of a scene that has been read, and perhaps changed.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
+    let path = options.output.clone().unwrap_or_else(|| default_path(scene, "fmu"));
+    write(&path, &archive::pack(&files(scene, &options.platforms)?)?)?;
     Ok(path)
 }
 
