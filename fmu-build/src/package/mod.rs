@@ -137,6 +137,7 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     let pictures =
         [("model.png", MODEL_ICON), ("terminalsAndIcons/icon.png", MODEL_ICON), (TERMINAL_ICON_PATH, TERMINAL_ICON)];
     files.extend(pictures.map(|(path, bytes)| (path.to_owned(), bytes.to_vec())));
+    files.extend(documentation::PICTURES.map(|(name, bytes)| (format!("documentation/{name}"), bytes.to_vec())));
     licences::add(&mut files)?;
     reference::add(&mut files, &scene.packaged)?;
     Ok(files)
