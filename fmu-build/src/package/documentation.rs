@@ -267,8 +267,7 @@ mod tests {
             assert!(page.contains(&format!("id=\"{target}\"")), "{anchor} leads nowhere");
         }
         // Pictures lie beside the page, each is shown, and each says in words what it shows.
-        let shown: Vec<&str> =
-            page.split("<img src=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+        let shown: Vec<&str> = page.split("<img src=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
         assert_eq!(shown, PICTURES.map(|(name, _)| name));
         assert_eq!(page.matches("src=").count(), PICTURES.len());
         assert_eq!(page.matches("\" alt=\"").count(), PICTURES.len());

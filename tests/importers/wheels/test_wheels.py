@@ -26,7 +26,7 @@ REQUIREMENTS = json.loads((FOLDER / "requirements.json").read_text())
 STEP = 0.125  # s
 TOLERANCE = 1e-12  # of each output's range
 # Plain Python that is published without a wheel.
-ONLY_SOURCES = ["delta"]
+ONLY_SOURCES = ["delta", "MiniSom", "xdsmjs"]
 # Importers that look up the functions of model exchange even in an FMU for co-simulation.
 WANT_MODEL_EXCHANGE = ["fmuloader"]
 
