@@ -6,7 +6,7 @@
 
 mod level;
 mod line;
-mod native;
+pub mod native;
 
 use crate::{package, project};
 use anyhow::{Context, Result, bail};
@@ -108,11 +108,7 @@ pub fn measure(fmu: &Path) -> Result<Vec<Cost>> {
     let (library, guid) = unpack(fmu, &folder)?;
     let own = Component::load(&library, &guid)?;
     let peer = Component::load(&compile_peer(&folder)?, "")?;
-    let reference = |name| sliding_contact::variables::find(name).with_context(|| format!("no variable {name}"));
-    let own_variables = Variables {
-        inputs: [reference("sliding_velocity")?, reference("normal_load")?],
-        outputs: [reference("wear_depth")?, reference("contact_temperature")?, reference("friction_force")?],
-    };
+    let own_variables = Variables::of_the_contact()?;
     let peer_variables = Variables { inputs: [0, 1], outputs: [2, 3, 4] };
     let inputs = inputs()?;
 
@@ -183,9 +179,20 @@ fn fastest(calls: usize, mut call: impl FnMut() -> Result<()>) -> Result<f64> {
     Ok(best)
 }
 
-/// Sliding velocity and load of a brake over the UDDS, one pair per step. The load here is 2 kN for every 1 m/s2 of
-/// deceleration: what matters is that both change as they do in a drive.
+/// [`drive`] in steps of [`STEP`].
+///
+/// # Errors
+/// As [`drive`].
 pub fn inputs() -> Result<Vec<[f64; 2]>> {
+    drive(STEP)
+}
+
+/// Sliding velocity and load of a brake over the UDDS, one pair per communication step of `step` s. The load here is 2 kN for every 1 m/s2 of
+/// deceleration: what matters is that both change as they do in a drive.
+///
+/// # Errors
+/// Where the cycle cannot be read.
+pub fn drive(step: f64) -> Result<Vec<[f64; 2]>> {
     let path = project::root().join("examples/data/udds.csv");
     let text = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
     let speeds: Vec<f64> = text
@@ -194,12 +201,12 @@ pub fn inputs() -> Result<Vec<[f64; 2]>> {
         .map(|line| line.split_once(',').and_then(|(_, speed)| speed.trim().parse().ok()))
         .collect::<Option<_>>()
         .with_context(|| format!("{} has a row without a speed", path.display()))?;
-    let steps_per_second = (1.0 / STEP).round() as usize;
+    let steps_per_second = (1.0 / step).round() as usize;
     let mut inputs = Vec::with_capacity(speeds.len() * steps_per_second);
     for pair in speeds.windows(2) {
         let acceleration = pair[1] - pair[0];
-        for step in 0..steps_per_second {
-            let speed = pair[0] + acceleration * step as f64 * STEP;
+        for at in 0..steps_per_second {
+            let speed = pair[0] + acceleration * at as f64 * step;
             inputs.push([speed * 0.1175 / 0.31, 2000.0 * (-acceleration).max(0.0)]);
         }
     }
@@ -207,7 +214,10 @@ pub fn inputs() -> Result<Vec<[f64; 2]>> {
 }
 
 /// Takes library and GUID out of an .fmu.
-fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
+///
+/// # Errors
+/// Where it has none for Linux on x86-64 or cannot be read.
+pub fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
     let context = || format!("reading {}", fmu.display());
     let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
     let mut library = Vec::new();

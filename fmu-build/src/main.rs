@@ -7,6 +7,7 @@ mod package;
 mod plot;
 mod project;
 mod python;
+mod realtime;
 mod run;
 mod scenes;
 mod stability;
@@ -33,6 +34,7 @@ enum Command {
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
+    Realtime(realtime::Arguments),
     Steady(steady::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Test(arguments) => test::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Realtime(arguments) => realtime::execute(&arguments),
         Command::Steady(arguments) => steady::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),

@@ -18,6 +18,14 @@ const IMPORTERS: &str = include_str!("../../../modelDescription/documentation/im
 /// Its section on messages.
 const MESSAGES: &str = include_str!("../../../modelDescription/documentation/messages.html");
 
+/// Pictures of the page, under their names beside it.
+pub const PICTURES: [(&str, &[u8]); 4] = [
+    ("stopping_distance.png", include_bytes!("../../../examples/vehicle_brake/stopping_distance.png")),
+    ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
+    ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
+    ("sensitivities.png", include_bytes!("../../../examples/batch/sensitivities.png")),
+];
+
 /// Writes the page for a scene.
 pub fn write(scene: &SceneFile) -> String {
     let packaged = &scene.packaged;
@@ -251,13 +259,18 @@ mod tests {
     #[test]
     fn the_page_needs_nothing_from_outside() {
         let page = write(&scenes::load(None).unwrap());
-        for outside in ["http:", "https:", "src=", "<script", "<link", "@import", "url("] {
+        for outside in ["http:", "https:", "<script", "<link", "@import", "url("] {
             assert!(!page.contains(outside), "{outside}");
         }
         for anchor in page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
             let target = anchor.strip_prefix('#').unwrap_or_else(|| panic!("{anchor} leads out of the page"));
             assert!(page.contains(&format!("id=\"{target}\"")), "{anchor} leads nowhere");
         }
+        // Pictures lie beside the page, each is shown, and each says in words what it shows.
+        let shown: Vec<&str> = page.split("<img src=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+        assert_eq!(shown, PICTURES.map(|(name, _)| name));
+        assert_eq!(page.matches("src=").count(), PICTURES.len());
+        assert_eq!(page.matches("\" alt=\"").count(), PICTURES.len());
     }
 
     #[test]
