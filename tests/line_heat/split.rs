@@ -39,11 +39,11 @@ fn the_split_converges_to_the_monolithic_step_at_first_order() {
     }
 }
 
-/// Friction that falls to a tenth over 70 K, at a speed that heats the surfaces by more than that in a step of 4 s.
+/// Friction that falls to a tenth over 120 K, at a speed that heats the surfaces by more than that in a step of 200 s.
 fn fading(changes: &[(&str, f64)]) -> Drive {
     let fade = [
-        ("contact.friction_fade.temperature[1]", 330.0),
-        ("contact.friction_fade.temperature[2]", 400.0),
+        ("contact.friction_fade.temperature[1]", 300.0),
+        ("contact.friction_fade.temperature[2]", 420.0),
         ("contact.friction_fade.temperature[3]", 500.0),
         ("contact.friction_fade.temperature[4]", 501.0),
         ("contact.friction_fade.temperature[5]", 502.0),
@@ -54,8 +54,8 @@ fn fading(changes: &[(&str, f64)]) -> Drive {
     let falling: Vec<String> = (2..=8).map(|entry| format!("contact.friction_fade.factor[{entry}]")).collect();
     let mut all = vec![
         ("nominal.stroke", 0.0),
-        ("nominal.velocity", 1.0),
-        ("nominal.duration", 20.0),
+        ("nominal.velocity", 0.5),
+        ("nominal.duration", 1000.0),
         ("strip.path", 2.0),
         ("strip.length", 0.3),
         ("punch.thermal_expansion", 0.0),
@@ -66,13 +66,13 @@ fn fading(changes: &[(&str, f64)]) -> Drive {
     all.extend(falling.iter().map(|name| (name.as_str(), 0.1)));
     all.extend(changes);
     let mut drive = scene_on_line(&all);
-    drive.set("normal_load", 1e4).set("sliding_velocity", 1.0);
+    drive.set("normal_load", 1e4).set("sliding_velocity", 0.5);
     drive
 }
 
 #[test]
 fn steps_that_the_delay_makes_grow_are_refused_with_their_bound() {
-    let (step, name) = (4.0, reference("contact_temperature"));
+    let (step, name) = (200.0, reference("contact_temperature"));
     // The scene itself is stable: the monolithic step takes it.
     let mut whole = fading(&[]);
     for _ in 0..5 {
@@ -82,10 +82,10 @@ fn steps_that_the_delay_makes_grow_are_refused_with_their_bound() {
     let message = (0..5).find_map(|_| split.0.step(step).err()).unwrap();
     println!("{message}");
     assert!(message.starts_with("solver.scheme = staggered is stable only for steps below "), "{message}");
-    for part in ["sliding velocity 1 m/s", "normal load 10000 N", "the step is 4e0 s"] {
+    for part in ["sliding velocity 0.5 m/s", "normal load 10000 N", "the step is 2e2 s"] {
         assert!(message.contains(part), "{message}");
     }
-    // The refused step has left nothing behind, and shorter ones go on to the same temperature.
+    // Shorter steps go on to the same temperature.
     let bound: f64 = message.split("below ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!(bound > 1e-3 * step && bound < step, "{bound}");
     let mut split = fading(&[SPLIT]);
@@ -96,6 +96,20 @@ fn steps_that_the_delay_makes_grow_are_refused_with_their_bound() {
     let (expected, found) = (whole.0.get(name), split.0.get(name));
     println!("bound {bound} s: {found} K against {expected} K");
     assert!((found - expected).abs() < 0.02 * (expected - 293.15), "{found} {expected}");
+    // A little below the bound of the state reached, a disturbance alternates from step to step and decays slowly.
+    let refused = split.0.step(step).unwrap_err();
+    let bound: f64 = refused.split("below ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    split.set("normal_load", 0.98e4).step(0.95 * bound);
+    split.set("normal_load", 1e4);
+    let mut last = split.get("contact_temperature");
+    let changes = [0.0; 10].map(|_| {
+        let before = last;
+        last = split.step(0.95 * bound).get("contact_temperature");
+        last - before
+    });
+    let ratio = (changes[9] - changes[8]) / (changes[8] - changes[7]);
+    println!("bound {bound} s: {changes:?}, {ratio} {last} {}", split.get("contact_temperature_max"));
+    assert!(ratio > -1.0 && ratio < -0.95, "{ratio}: {changes:?}");
 }
 
 #[test]
