@@ -182,8 +182,11 @@ fn level(scene: &Scene) -> Result<(), Broken> {
             "punch.body = rigid on strip.body = rigid can only be lumped; set solver.fidelity to lumped or auto".into(),
         );
     }
-    if scene.fidelity == Fidelity::Field {
-        return broken("solver.fidelity = field is not part of this version; lumped, line and auto are".into());
+    if scene.fidelity == Fidelity::Field && scene.geometry != Geometry::Line {
+        return broken(
+            "solver.fidelity = field has finite elements of a block with free sides and needs contact.geometry = line"
+                .into(),
+        );
     }
     let compared = match scene.scheme {
         Scheme::Monolithic => None,
@@ -191,7 +194,7 @@ fn level(scene: &Scene) -> Result<(), Broken> {
         Scheme::Explicit => Some("explicit"),
     };
     if let Some(name) = compared
-        && scene.fidelity != Fidelity::Line
+        && !matches!(scene.fidelity, Fidelity::Line | Fidelity::Field)
     {
         return broken(format!(
             "solver.scheme = {name} compares methods along the contact line and needs solver.fidelity = line"

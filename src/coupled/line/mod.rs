@@ -163,7 +163,8 @@ impl Line {
         self.backup.0.clone_from(self.mean.state());
         self.state.status.copy_from(self.contact.status());
         self.backup.1.copy_from(&self.state);
-        let outcome = self.pieces(inputs, slopes, step).and_then(|()| self.watch());
+        let outcome =
+            self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
         if outcome.is_err() {
             self.mean.set_state(&self.backup.0);
             self.state.copy_from(&self.backup.1);

@@ -147,7 +147,9 @@ impl Line {
                 Outcome::Tried(_) => 2,
                 Outcome::Failed(error) => {
                     failures += 1;
-                    if failures > CUTS_WITHOUT_SOLUTION || !matches!(error, StageError::NotConverged { .. }) {
+                    // Heat of a long step may let the pressure run away where that of a short one does not.
+                    let curable = self.heat.is_some() || matches!(error, StageError::NotConverged { .. });
+                    if failures > CUTS_WITHOUT_SOLUTION || !curable {
                         return Err(self.failure(path, start, &error));
                     }
                     2

@@ -8,7 +8,7 @@ use super::point::{self, Point};
 use super::state::BodyState;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
-use crate::scene::{MechanicalBody, STATIONS, Scene, value};
+use crate::scene::{Body, MechanicalBody, STATIONS, Scene, value};
 use crate::variables::{COUNT, ValueReference, reference};
 use std::f64::consts::PI;
 
@@ -297,21 +297,27 @@ impl Lumped {
 /// 2 K m (1 - nu)/(mu E alpha). 0 where nothing expands.
 pub fn critical_speed<S: Scalar>(scene: &Scene, friction: S) -> S {
     let wave = 2.0 * PI / scene.sliding_extent();
-    let compliance = |body: &crate::scene::Body| match body.mechanical {
+    let compliance = |body: &Body| match body.mechanical {
         MechanicalBody::Rigid => 0.0,
         _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
     };
     let pair = compliance(&scene.punch) + compliance(&scene.strip);
-    let product = |body: &crate::scene::Body| {
-        let drive = body.thermal_expansion * (1.0 + body.poissons_ratio);
-        if drive > 0.0 && body.conductivity > 0.0 {
-            2.0 * body.conductivity * wave * pair / drive
-        } else {
-            f64::INFINITY
+    match driving_body(scene) {
+        Some(body) if friction.value() > 0.0 => {
+            S::from(2.0 * body.conductivity * wave * pair / (body.thermal_expansion * (1.0 + body.poissons_ratio)))
+                / friction
         }
-    };
-    let lowest = product(&scene.punch).min(product(&scene.strip));
-    if lowest.is_finite() && friction.value() > 0.0 { S::from(lowest) / friction } else { S::from(0.0) }
+        _ => S::from(0.0),
+    }
+}
+
+/// The body whose pressure waves grow first: of those that conduct and expand the one with the lower K/(alpha (1 + nu)).
+pub fn driving_body(scene: &Scene) -> Option<&Body> {
+    let resistance = |body: &&Body| body.conductivity / (body.thermal_expansion * (1.0 + body.poissons_ratio));
+    [&scene.punch, &scene.strip]
+        .into_iter()
+        .filter(|body| body.conductivity > 0.0 && body.thermal_expansion > 0.0)
+        .min_by(|one, other| resistance(one).total_cmp(&resistance(other)))
 }
 
 #[derive(Default)]
