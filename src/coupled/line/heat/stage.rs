@@ -245,6 +245,12 @@ impl Line {
                 let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
                 own.advance(&mut state.bodies[side], &heat.surroundings[side], first, end);
             }
+            for i in 0..heat.closed.len() {
+                // No rate where the cell exchanges no heat, or has just begun to.
+                let lasting = state.flux[side][i] != 0.0 && heat.flux[1][side][i] != 0.0;
+                let change = heat.flux[1][side][i] - heat.flux[0][side][i];
+                state.slope[side][i] = if lasting { change / ((1.0 - GAMMA) * step) } else { 0.0 };
+            }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
             state.cooling[side] = heat.surroundings[side].cooling;
@@ -262,7 +268,12 @@ impl Heat {
             match &self.bodies[side] {
                 Some(own) => {
                     let around = &self.surroundings[side];
-                    own.base(&state.bodies[side], around, stage, &self.flux[0][side], base, distortion);
+                    let known = &mut self.flux[0][side];
+                    if stage == Stage::First {
+                        let back = -GAMMA * self.key.0;
+                        known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
+                    }
+                    own.base(&state.bodies[side], around, stage, known, base, distortion);
                 }
                 None => {
                     base.fill(self.surroundings[side].ambient);

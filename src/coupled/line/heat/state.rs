@@ -10,6 +10,8 @@ pub struct HeatState {
     pub bodies: [Vec<f64>; 2],
     /// Fluxes into the cells at the end of the last step, W/m2.
     pub flux: [Vec<f64>; 2],
+    /// Rates of these fluxes over the last step, W/(m2 s); 0 behind a jump.
+    pub slope: [Vec<f64>; 2],
     /// Temperatures of the cells there.
     pub temperature: [Vec<f64>; 2],
     /// Displacement of both surfaces there, m into the bodies.
@@ -37,6 +39,7 @@ impl HeatState {
         let mut state = HeatState {
             bodies: bodies.states.map(|states| vec![0.0; states]),
             flux: [zeros(), zeros()],
+            slope: [zeros(), zeros()],
             temperature: rise.map(|rise| vec![rise; count]),
             distortion: zeros(),
             faded,
@@ -49,11 +52,21 @@ impl HeatState {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
                 let mut moved = zeros();
-                heat.held_distortion(&state.bodies[body], &Default::default(), &state.flux[body], &mut moved);
+                heat.held_distortion(&state.bodies[body], &Default::default(), &state.flux[body], 0.0, &mut moved);
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }
         }
         state
+    }
+
+    /// Forgets how the fluxes changed: what they follow has jumped.
+    pub fn jump(&mut self) {
+        self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
+    }
+
+    /// Sliding has turned round: friction heat rises as fast as it fell.
+    pub fn reverse(&mut self) {
+        self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
 
     /// Where the heat of a body went since initialisation, J per m of depth.
@@ -76,8 +89,8 @@ impl HeatState {
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
-        let HeatState { bodies, flux, temperature, distortion, faded, dissipated, cooling, start } = self;
-        (bodies.iter_mut().chain(flux).chain(temperature).flatten())
+        let HeatState { bodies, flux, slope, temperature, distortion, faded, dissipated, cooling, start } = self;
+        (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
             .chain(distortion)
             .chain([faded, dissipated])
             .chain(cooling)
@@ -89,6 +102,7 @@ impl HeatState {
         for body in 0..2 {
             self.bodies[body].copy_from_slice(&other.bodies[body]);
             self.flux[body].copy_from_slice(&other.flux[body]);
+            self.slope[body].copy_from_slice(&other.slope[body]);
             self.temperature[body].copy_from_slice(&other.temperature[body]);
         }
         self.distortion.copy_from_slice(&other.distortion);
