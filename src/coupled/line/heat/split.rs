@@ -70,11 +70,6 @@ impl Split {
         self.key == Some(key)
     }
 
-    /// The operators belong to no reference any more.
-    pub fn forget(&mut self) {
-        self.key = None;
-    }
-
     /// Makes the operators of the given gains (`None`: an insulator).
     pub fn build(&mut self, key: (f64, f64), gains: [Option<&Gains>; 2]) {
         let count = self.closed.len();
@@ -117,11 +112,6 @@ impl Split {
             [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
             [None, None] => self.distortion.fill(0.0),
         }
-    }
-
-    /// Cells that exchange heat.
-    pub fn closed(&self) -> &[bool] {
-        &self.closed
     }
 
     /// Takes the cells `closed` for those that exchange heat.
@@ -181,11 +171,6 @@ impl Split {
     /// The extra compliance last made, by columns, m/Pa.
     pub fn extra_values(&self) -> &[f64] {
         self.extra.as_slice()
-    }
-
-    /// mu s v (m/s) that the extra compliance was made for.
-    pub fn per_pressure(&self) -> f64 {
-        self.per_pressure
     }
 
     /// The extra compliance for the heat `per_pressure` (m/s: mu s v); `None` where it is the last one.
