@@ -446,7 +446,7 @@ impl Line {
             }
         }
         self.state.position += travel;
-        self.accept_heat(step);
+        self.accept_heat(step, path.velocity(start + step));
         self.keep_end();
     }
 

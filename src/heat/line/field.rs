@@ -12,7 +12,7 @@
 //! (K + M/(gamma h)) T_2 = M [T_0 + (1 - gamma)/gamma (T_1 - T_0)]/(gamma h) + F q_2 + ports
 //! ```
 //!
-//! second order and L-stable, with `h [(1 - gamma) q_1 + gamma q_2]` as the heat that enters. The sparse factor of a step
+//! second order and L-stable (the deviation of the first stage's flux at its start is of no use to it), with `h [(1 - gamma) q_1 + gamma q_2]` as the heat that enters. The sparse factor of a step
 //! size, and the N responses to unit fluxes that it takes to know the gains, are kept for the last few sizes. What elements
 //! cannot resolve of fluxes that jump between cells acts without delay ([`ThermalBlock::unresolved_response`]).
 //!
@@ -323,7 +323,7 @@ impl LineHeat for FieldHeat {
         state: &[f64],
         surroundings: &Surroundings,
         stage: Stage,
-        first: &[f64],
+        known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
@@ -333,7 +333,7 @@ impl LineHeat for FieldHeat {
         let field = if stage == Stage::First || self.prepared().euler {
             self.solve(&start, None, surroundings)
         } else {
-            let early = self.solve(&start, Some(first), surroundings);
+            let early = self.solve(&start, Some(known), surroundings);
             self.solve(&Self::extrapolated(&start, &early), None, surroundings)
         };
         operators.observe(&field, origin, temperature, distortion);
@@ -371,7 +371,7 @@ impl LineHeat for FieldHeat {
         tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest;
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         let origin = operators.origin(surroundings);
         operators.means(&operators.field(state, origin), 0, temperature);
@@ -380,7 +380,14 @@ impl LineHeat for FieldHeat {
         }
     }
 
-    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64], distortion: &mut [f64]) {
+    fn held_distortion(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        _flux: &[f64],
+        _velocity: f64,
+        distortion: &mut [f64],
+    ) {
         let operators = &*self.operators;
         let origin = operators.origin(surroundings);
         operators.distort(&operators.field(state, origin), origin, distortion);

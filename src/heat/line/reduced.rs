@@ -118,8 +118,8 @@ struct StageWeights {
     decay: Vec<f64>,
     /// Of inputs that are constant from the start to the stage, s.
     constant: Vec<f64>,
-    /// Of the fluxes of the first stage, at the end of the step, s.
-    first: Vec<f64>,
+    /// Of the fluxes known before the stage (see [`LineHeat::base`]), s.
+    known: Vec<f64>,
     /// Of the fluxes of the stage itself, s.
     own: Vec<f64>,
     gains: Gains,
@@ -243,7 +243,7 @@ impl Operators {
         let stage = || StageWeights {
             decay: states(),
             constant: states(),
-            first: states(),
+            known: states(),
             own: states(),
             gains: Gains { temperature: DMatrix::zeros(cells, cells), distortion: DMatrix::zeros(cells, cells) },
         };
@@ -258,7 +258,7 @@ impl Operators {
                 for (k, &rate) in self.rate.iter().enumerate() {
                     stage.decay[k] = (1.0 + rate * step).recip();
                     stage.constant[k] = step * stage.decay[k];
-                    (stage.first[k], stage.own[k]) = (0.0, stage.constant[k]);
+                    (stage.known[k], stage.own[k]) = (0.0, stage.constant[k]);
                 }
                 self.fill_gains(&stage.own, &mut stage.gains, scratch);
             }
@@ -269,11 +269,12 @@ impl Operators {
             first.decay[k] = (-early).exp();
             first.constant[k] = GAMMA * step * mean_decay(early);
             first.own[k] = first.constant[k];
+            first.known[k] = GAMMA * step * first_moment(early);
             end.decay[k] = (-whole).exp();
             end.constant[k] = step * mean_decay(whole);
             // Flux q2 + (q2 - q1) (t - h)/((1 - gamma) h).
-            end.first[k] = step * first_moment(whole) / (1.0 - GAMMA);
-            end.own[k] = end.constant[k] - end.first[k];
+            end.known[k] = step * first_moment(whole) / (1.0 - GAMMA);
+            end.own[k] = end.constant[k] - end.known[k];
         }
         for stage in [first, end] {
             self.fill_gains(&stage.own, &mut stage.gains, scratch);
@@ -338,19 +339,18 @@ impl LineHeat for ReducedHeat {
         state: &[f64],
         surroundings: &Surroundings,
         stage: Stage,
-        first: &[f64],
+        known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
         let ports = surroundings.ports();
-        let first = (stage == Stage::End).then_some(first);
         distortion.fill(0.0);
         let distortion = (!operators.distortion.is_empty()).then_some(distortion);
-        operators.observe(Some(temperature), distortion, &ports, first, |k, flux| {
+        operators.observe(Some(temperature), distortion, &ports, Some(known), |k, flux| {
             weights.decay[k] * state[k]
                 + weights.constant[k] * operators.input_of(k, &ports)
-                + weights.first[k] * operators.contact[k] * flux
+                + weights.known[k] * operators.contact[k] * flux
         });
     }
 
@@ -364,7 +364,7 @@ impl LineHeat for ReducedHeat {
             for k in mode.states.clone() {
                 states[k] = weights.decay[k] * states[k]
                     + weights.constant[k] * operators.input_of(k, &ports)
-                    + operators.contact[k] * (weights.first[k] * before + weights.own[k] * after);
+                    + operators.contact[k] * (weights.known[k] * before + weights.own[k] * after);
             }
         }
         // What enters over the step, with the weights of both stages.
@@ -378,13 +378,20 @@ impl LineHeat for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = surroundings.far;
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         operators.observe(Some(temperature), None, &surroundings.ports(), None, |k, _| state[k]);
         multiply_add(&operators.temperature_by_flux, flux, temperature);
     }
 
-    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]) {
+    fn held_distortion(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        distortion: &mut [f64],
+    ) {
         let operators = &*self.operators;
         distortion.fill(0.0);
         if !operators.distortion.is_empty() {

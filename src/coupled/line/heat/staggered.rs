@@ -32,7 +32,8 @@
 //! so it grows where the map of half the step has an eigenvalue below -1. There the step is refused.
 
 use super::Heat;
-use super::stage::{add_product, weighted};
+use super::stage::weighted;
+use crate::contact::dense;
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::StepFailure;
 use crate::coupled::line::Line;
@@ -182,17 +183,12 @@ impl Line {
         }
         normalise(&mut heat.gap);
         for application in 0..APPLICATIONS {
-            let distortion = &mut heat.base[1];
-            distortion.fill(0.0);
-            add_product(&heat.splits[1].distortion, &heat.gap, 1.0, distortion);
-            let disturbance =
-                Disturbance { gap: distortion, normal: 0.0, tilt: 0.0, moment: 0.0, signed_friction: 0.0 };
+            heat.respond();
+            let gap = &heat.base[1];
+            let disturbance = Disturbance { gap, normal: 0.0, tilt: 0.0, moment: 0.0, signed_friction: 0.0 };
             let (state, rate) = (&self.work.end, &mut self.work.rate);
             if self.contact.stage_response_into(step, &self.conditions, state, &disturbance, rate).is_err() {
                 return (0.0, 1.0);
-            }
-            if fades {
-                heat.warm_by_own_flux();
             }
             let returned = &mut heat.sums[0];
             for i in 0..count {
@@ -233,16 +229,21 @@ impl Line {
 impl Heat {
     /// Gains and split of an implicit Euler step of another length.
     fn change_step(&mut self, step: f64) {
-        let velocity = self.key.1;
+        let velocity = self.velocity;
         self.bodies.iter_mut().flatten().for_each(|body| body.prepare_euler(step, velocity));
-        self.key = (step, velocity);
+        self.step = step;
         self.split_end();
     }
 
     /// Makes the split of the end for the cells in contact.
     fn split_end(&mut self) {
-        let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(Stage::End)));
-        self.splits[1].prepare(self.key, gains, &self.closed);
+        let key = (self.step, self.velocity[1]);
+        let steady = self.velocity[0] == self.velocity[1];
+        if !(steady && self.splits[1].is_for(key)) {
+            let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(Stage::End)));
+            self.splits[1].build(if steady { key } else { (f64::NAN, f64::NAN) }, gains);
+        }
+        self.splits[1].close(&self.closed);
     }
 
     /// Heats both bodies over the step with the friction of `pressure`.
@@ -251,12 +252,11 @@ impl Heat {
         for (closed, p) in self.closed.iter_mut().zip(pressure) {
             *closed = *p > 0.0;
         }
+        self.pressure.copy_from_slice(pressure);
         self.begin(Stage::End, state);
         self.split_end();
-        for (heat, faded) in self.difference.iter_mut().zip(&self.faded) {
-            *heat = faded * slip;
-        }
-        self.distribute(Stage::End, pressure);
+        self.supply(Stage::End, slip, true);
+        self.warm(Stage::End);
         let [first, end] = &mut self.flux;
         for (first, end) in first.iter_mut().zip(end) {
             first.copy_from_slice(end);
@@ -266,27 +266,40 @@ impl Heat {
         self.distort();
     }
 
-    /// Mean temperature of both surfaces by the friction heat in `gap` alone, left in `base[0]`.
-    fn warm_by_own_flux(&mut self) {
+    /// Mean temperature of both surfaces, in `base[0]`, and displacement, in `base[1]`, by the friction heat in `gap` alone.
+    fn respond(&mut self) {
         let conducts = self.conducts();
-        let [_, zero] = &mut self.base_distortion;
-        zero.fill(0.0);
-        let (flux, own) = (&self.gap, &mut self.sums[1]);
-        self.splits[1].punch_flux(conducts, [zero, zero], flux, own);
-        let warmed = &mut self.base[0];
-        warmed.fill(0.0);
-        let share = if conducts == [true, true] { 0.5 } else { 1.0 };
-        if let Some(punch) = &self.bodies[0] {
-            add_product(&punch.gains(Stage::End).temperature, own, share, warmed);
-        }
-        if let Some(strip) = &self.bodies[1] {
-            for (i, q) in own.iter_mut().enumerate() {
-                *q = if self.closed[i] { flux[i] - *q } else { 0.0 };
+        let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(Stage::End)));
+        let count = self.gap.len();
+        let [punch, strip] = [&mut self.base_distortion[1], &mut self.sums[1]];
+        punch.fill(0.0);
+        match (gains, self.half_resistance > 0.0) {
+            ([Some(_), Some(own)], true) => {
+                let lacking = &mut self.difference;
+                lacking.iter_mut().zip(&self.gap).for_each(|(lacking, flux)| *lacking = self.half_resistance * flux);
+                dense::multiply_add(own.temperature.as_slice(), &self.gap, lacking);
+                self.splits[1].exchange(lacking, punch);
             }
-            add_product(&strip.gains(Stage::End).temperature, own, share, warmed);
+            ([Some(_), Some(_)], false) => punch.iter_mut().zip(&self.gap).for_each(|(own, flux)| *own = 0.5 * flux),
+            ([Some(_), None], _) => punch.copy_from_slice(&self.gap),
+            _ => {}
         }
-        if conducts != [true, true] {
-            warmed.iter_mut().zip(flux).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
+        for i in 0..count {
+            strip[i] = if conducts[1] { self.gap[i] - punch[i] } else { 0.0 };
+        }
+        let [warmed, moved] = &mut self.base;
+        warmed.fill(0.0);
+        moved.fill(0.0);
+        for (gains, flux) in gains.into_iter().zip([&*punch, &*strip]) {
+            if let Some(gains) = gains {
+                dense::multiply_add(gains.temperature.as_slice(), flux, warmed);
+                dense::multiply_add(gains.distortion.as_slice(), flux, moved);
+            }
+        }
+        if conducts == [true, true] {
+            warmed.iter_mut().for_each(|t| *t *= 0.5);
+        } else {
+            warmed.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
         }
     }
 }
