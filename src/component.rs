@@ -391,6 +391,13 @@ impl Component {
                 self.messages.push(Message { subject: Subject::Warning, text: text.into() });
             }
         }
+        let inputs = inputs_of(&self.values);
+        for bit in [limit::ACCELERATED, limit::UNSTABLE] {
+            let fresh = limits & bit != 0 && self.reported & bit == 0;
+            if let Some(text) = self.model.as_ref().filter(|_| fresh).and_then(|model| model.warning(bit, &inputs)) {
+                self.messages.push(Message { subject: Subject::Warning, text });
+            }
+        }
         self.reported |= limits;
     }
 

@@ -99,6 +99,15 @@ fn speed_at(index: f64) -> f64 {
     SLOWEST * 10f64.powf(index / PER_DECADE)
 }
 
+/// The body that carries the waves which grow first, the better conductor of those that expand: a wave that rests in the
+/// other one sweeps over it and is cooled.
+pub fn driving_body(scene: &Scene) -> Option<&Body> {
+    [&scene.punch, &scene.strip]
+        .into_iter()
+        .filter(|body| body.conductivity > 0.0 && body.thermal_expansion > 0.0)
+        .max_by(|one, other| one.conductivity.total_cmp(&other.conductivity))
+}
+
 /// A conductor of the pair.
 #[derive(Clone, Copy)]
 struct Conductor {

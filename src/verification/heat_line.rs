@@ -189,7 +189,7 @@ fn oscillating(all: &mut Vec<Problem>) {
                     body.advance(&mut state, &air, &flux, &flux);
                 }
                 let mut temperature = vec![0.0; cells.count()];
-                body.held(&state, &air, &flux, &mut temperature);
+                body.held(&state, &air, &flux, velocity(64 * periods), &mut temperature);
                 Ok(cells.point_value(&temperature, 0.0))
             }),
             bound: 1e-4,

@@ -10,6 +10,7 @@ mod contact_line;
 mod driver;
 mod heat_line;
 mod moving_source;
+mod operator_split;
 pub mod reference;
 pub mod stability;
 mod steady_states;
@@ -93,6 +94,7 @@ pub fn problems() -> Vec<Problem> {
     all.extend(moving_source::problems());
     all.extend(heat_line::problems());
     all.extend(component::problems());
+    all.extend(operator_split::problems());
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());
     all.extend(steady_states::problems());

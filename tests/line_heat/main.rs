@@ -9,5 +9,7 @@
 mod drive;
 
 mod account;
+mod field;
 mod growth;
+mod split;
 mod steps;

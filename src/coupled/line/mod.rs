@@ -32,6 +32,12 @@ use step::Work;
 /// Part of a body's height that may be worn off before compliance and conduction must be rebuilt.
 const HIGHEST_VALID_WEAR: f64 = 0.5;
 
+/// Whether an input differs from what it was at the end of the last step by more than rounding.
+fn jumps(before: f64, now: f64) -> bool {
+    // Written so that no number before counts as a jump.
+    !((now - before).abs() <= 1e-6 * now.abs().max(before.abs()))
+}
+
 /// A scene at the line level.
 #[derive(Clone, Debug)]
 pub struct Line {
@@ -163,7 +169,8 @@ impl Line {
         self.backup.0.clone_from(self.mean.state());
         self.state.status.copy_from(self.contact.status());
         self.backup.1.copy_from(&self.state);
-        let outcome = self.pieces(inputs, slopes, step).and_then(|()| self.watch());
+        let outcome =
+            self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
         if outcome.is_err() {
             self.mean.set_state(&self.backup.0);
             self.state.copy_from(&self.backup.1);
@@ -181,8 +188,18 @@ impl Line {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
-        for piece in edges[..=count].windows(2) {
+        if let Some(heat) = &mut self.state.heat
+            && inputs[..3].iter().zip(&self.state.end_inputs).any(|(&now, &before)| jumps(before, now))
+        {
+            heat.jump();
+        }
+        for (number, piece) in edges[..=count].windows(2).enumerate() {
             let length = piece[1] - piece[0];
+            if number > 0
+                && let Some(heat) = &mut self.state.heat
+            {
+                heat.reverse();
+            }
             if length > 0.0 {
                 let mut start = *inputs;
                 if let Some(slopes) = slopes {

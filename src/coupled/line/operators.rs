@@ -6,7 +6,7 @@ use crate::contact::{ContactState, Normal, Tilt};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
-use crate::scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene, Scheme};
+use crate::scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
 use crate::steady::rocking_limit;
 use crate::steady::scene::run_in_shape;
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
@@ -16,6 +16,9 @@ use std::sync::Arc;
 
 /// Cells where the scene leaves the choice: pressure to about 1e-3 away from the edges.
 const CHOSEN_CELLS: usize = 33;
+
+/// The same for the reference level.
+const FINEST_CELLS: usize = 257;
 
 /// How the strip's worn depth moves under the punch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,7 +77,11 @@ impl Operators {
     /// # Errors
     /// A text with the numbers where the bodies or the run-in shape do not exist.
     pub fn new(scene: &Scene) -> Result<Operators, String> {
-        let count = if scene.cells == 0 { CHOSEN_CELLS } else { scene.cells };
+        let count = match (scene.cells, scene.fidelity) {
+            (0, Fidelity::Field) => FINEST_CELLS,
+            (0, _) => CHOSEN_CELLS,
+            (cells, _) => cells,
+        };
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
         let weights = load_weights(scene, &cells);
         let radius_ratio = relative_radii(scene, &cells);
@@ -113,7 +120,7 @@ impl Operators {
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
         let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene)));
         let heat = distribution_feeds_back(scene).then(|| Bodies::new(scene, &cells)).transpose()?;
-        Ok(Operators {
+        let operators = Operators {
             heat,
             profile: Profile::new(&cells),
             wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
@@ -131,7 +138,9 @@ impl Operators {
             displacement_scale,
             strip_wear,
             rotates,
-        })
+        };
+        operators.check_acceleration(scene.friction_coefficient, scene.wear_acceleration)?;
+        Ok(operators)
     }
 
     /// N.
@@ -188,8 +197,10 @@ impl Operators {
         let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
         let heat = match &self.heat {
             Some(bodies) => format!(
-                "heat along the contact line, thermal states: punch {}, strip {}, with its distortion of the shape",
-                bodies.states[0], bodies.states[1]
+                "heat along the contact line, thermal states: punch {}{}, strip {}, with its distortion of the shape",
+                bodies.states[0],
+                if self.scene.fidelity == Fidelity::Field { " (finite elements, unreduced)" } else { "" },
+                bodies.states[1]
             ),
             None => "heat by its mean, without distortion of the shape".into(),
         };
@@ -231,7 +242,7 @@ impl Operators {
         if expands && self.heat.is_none() {
             warnings.push(
                 "thermal distortion of the shape is not part of this level on an annulus, with contact.stick_stiffness, or \
-                 with a solver.scheme other than monolithic: the bodies' mean expansion acts on holder.stiffness only"
+                 with solver.scheme = explicit: the bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
         }

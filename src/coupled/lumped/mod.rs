@@ -36,6 +36,10 @@ pub mod limit {
     pub const VALIDITY: u8 = 4;
     /// The load was below zero (not shown in the output).
     pub const NEGATIVE_LOAD: u8 = 8;
+    /// Accelerated wear holds thermoelastic instability back noticeably (not shown in the output).
+    pub const ACCELERATED: u8 = 16;
+    /// The sliding speed is above the critical one (not shown in the output).
+    pub const UNSTABLE: u8 = 32;
 }
 
 /// Temperature (K) above which constant material properties mean nothing any more.

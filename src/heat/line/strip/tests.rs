@@ -192,8 +192,8 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             body.advance(&mut state, &air, &first, &end);
             let gamma = crate::heat::line::GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
-            body.held(&state, &air, &end, &mut held);
-            body.held_distortion(&state, &air, &end, &mut moved);
+            body.held(&state, &air, &end, velocity[1], &mut held);
+            body.held_distortion(&state, &air, &end, velocity[1], &mut moved);
             for i in 0..12 {
                 largest = largest.max((temperature[i] + warm[i] - held[i]).abs() / held[i].abs());
                 largest = largest.max((distortion[i] + lifted[i] - moved[i]).abs() / moved[i].abs());
@@ -223,7 +223,7 @@ fn convection_acts_beside_the_contact_only() {
     let air = Surroundings::default();
     let flux = vec![1.0; 16];
     let mut temperature = vec![0.0; 16];
-    body.held(&state, &air, &flux, &mut temperature);
+    body.held(&state, &air, &flux, 0.3, &mut temperature);
     let exact = 0.2 / (400.0 * 0.1);
     assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
     let [ambient, far] = body.flows(&state, &air, &flux);
