@@ -89,7 +89,7 @@ impl Work {
 }
 
 /// What a part of a piece found.
-enum Outcome {
+pub(super) enum Outcome {
     /// Error in units of the tolerance.
     Tried(f64),
     /// No solution.
@@ -166,7 +166,7 @@ impl Line {
         Ok(())
     }
 
-    fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
+    pub(super) fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
         let moment = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
@@ -259,7 +259,7 @@ impl Line {
     }
 
     /// Tries a part; both stages are left in `work`.
-    fn attempt(&mut self, path: &Path, start: f64, step: f64) -> Outcome {
+    pub(super) fn attempt(&mut self, path: &Path, start: f64, step: f64) -> Outcome {
         let operators = self.operators.clone();
         let count = operators.count();
         let acceleration = self.tunables.wear_acceleration;
@@ -395,7 +395,7 @@ impl Line {
     }
 
     /// Takes the part that was tried.
-    fn accept(&mut self, path: &Path, start: f64, step: f64) {
+    pub(super) fn accept(&mut self, path: &Path, start: f64, step: f64) {
         let operators = self.operators.clone();
         let count = operators.count();
         let travel = step * path.velocity(start + 0.5 * step);
