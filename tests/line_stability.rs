@@ -252,11 +252,18 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
 }
 
 #[test]
-fn an_implicit_step_hides_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
+fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
     use sliding_contact::verification::stability::growth_step::{
         Method, contact, hidden_from, measured_hidden_from, run,
     };
-    let contact = contact(8).unwrap();
+    let split = contact(8, Method::Staggered).unwrap();
+    for (ratio, step, expected) in
+        [(0.6, 0.05, Verdict::Right), (2.0, 0.01, Verdict::Right), (5.0, 0.5, Verdict::Inexact)]
+    {
+        let (verdict, error) = run(&split, Method::Staggered, ratio, step);
+        assert_eq!(verdict, expected, "operator split {ratio} {step}: {error}");
+    }
+    let contact = contact(8, Method::Default).unwrap();
     for (ratio, step) in [(0.5, 0.1), (2.0, 0.05), (0.6, 3.0)] {
         for method in [Method::Unguarded, Method::Default] {
             let (verdict, error) = run(&contact, method, ratio, step);

@@ -185,17 +185,17 @@ fn level(scene: &Scene) -> Result<(), Broken> {
     if scene.fidelity == Fidelity::Field {
         return broken("solver.fidelity = field is not part of this version; lumped, line and auto are".into());
     }
-    if scene.scheme == Scheme::Staggered {
-        return broken(
-            "solver.scheme = staggered splits heat from contact, which this version does not couple along the contact line; \
-             monolithic and explicit are there"
-                .into(),
-        );
-    }
-    if scene.scheme == Scheme::Explicit && scene.fidelity != Fidelity::Line {
-        return broken(
-            "solver.scheme = explicit compares methods along the contact line and needs solver.fidelity = line".into(),
-        );
+    let compared = match scene.scheme {
+        Scheme::Monolithic => None,
+        Scheme::Staggered => Some("staggered"),
+        Scheme::Explicit => Some("explicit"),
+    };
+    if let Some(name) = compared
+        && scene.fidelity != Fidelity::Line
+    {
+        return broken(format!(
+            "solver.scheme = {name} compares methods along the contact line and needs solver.fidelity = line"
+        ));
     }
     Ok(())
 }

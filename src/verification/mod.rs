@@ -11,6 +11,7 @@ mod driver;
 mod heat_line;
 mod instability;
 mod moving_source;
+mod operator_split;
 pub mod path_modes;
 mod punch_heat;
 pub mod reference;
@@ -99,6 +100,7 @@ pub fn problems() -> Vec<Problem> {
     all.extend(punch_heat::problems());
     all.extend(instability::problems());
     all.extend(component::problems());
+    all.extend(operator_split::problems());
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());
     all.extend(steady_states::problems());

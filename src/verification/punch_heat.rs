@@ -61,7 +61,8 @@ impl Course {
         let mode = |m: i32| {
             let q = f64::from(m) * PI / WIDTH;
             // Mean over the half of the normalised mode, times its heat there, per width.
-            let shape = if m == 0 { 0.5 } else { 4.0 * (0.5 * f64::from(m) * PI).sin().powi(2) / (f64::from(m) * PI).powi(2) };
+            let shape =
+                if m == 0 { 0.5 } else { 4.0 * (0.5 * f64::from(m) * PI).sin().powi(2) / (f64::from(m) * PI).powi(2) };
             let steady = if m == 0 { HEIGHT / CONDUCTIVITY } else { (q * HEIGHT).tanh() / (CONDUCTIVITY * q) };
             let left: f64 = (0..2000)
                 .map(|n| diffusivity * (((f64::from(n) + 0.5) * PI / HEIGHT).powi(2) + q * q))

@@ -174,7 +174,10 @@ impl WaveContact {
             amplitudes.push(wave.amplitude());
         }
         if amplitudes.len() < 6 {
-            return Err(format!("the contact opens within {} steps at {ratio} times the critical speed", amplitudes.len()));
+            return Err(format!(
+                "the contact opens within {} steps at {ratio} times the critical speed",
+                amplitudes.len()
+            ));
         }
         Ok(amplitudes)
     }

@@ -15,6 +15,7 @@ mod growth;
 mod outputs;
 pub mod split;
 mod stage;
+mod staggered;
 pub mod state;
 
 use super::operators::Operators;

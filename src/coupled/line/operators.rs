@@ -231,7 +231,7 @@ impl Operators {
         if expands && self.heat.is_none() {
             warnings.push(
                 "thermal distortion of the shape is not part of this level on an annulus, with contact.stick_stiffness, or \
-                 with a solver.scheme other than monolithic: the bodies' mean expansion acts on holder.stiffness only"
+                 with solver.scheme = explicit: the bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
         }

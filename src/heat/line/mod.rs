@@ -86,6 +86,10 @@ pub trait LineHeat: Debug + Send {
     /// Gains are functions of the arguments alone, never of what was prepared before.
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
 
+    /// The same for one implicit Euler step, as an operator split takes it: both stages lie at the end of the step and
+    /// answer to a flux that is constant over it, which [`Self::advance`] takes twice.
+    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
+
     /// Response at `stage` to the fluxes of that stage.
     fn gains(&self, stage: Stage) -> &Gains;
 

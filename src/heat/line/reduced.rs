@@ -105,6 +105,8 @@ pub(super) struct Operators {
 #[derive(Clone, Debug)]
 struct Weights {
     step: f64,
+    /// Of one implicit Euler step.
+    euler: bool,
     last_used: u64,
     stages: [StageWeights; 2],
 }
@@ -144,6 +146,21 @@ impl ReducedHeat {
     /// Number of states that decay; the state vector holds four entries more, for the account.
     pub fn decaying_states(&self) -> usize {
         self.operators.rate.len()
+    }
+
+    /// Makes the weights of a step the current ones.
+    fn select(&mut self, step: f64, euler: bool) {
+        if self.kept.is_empty() {
+            self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
+        }
+        self.clock += 1;
+        let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
+        self.current = known.unwrap_or_else(|| {
+            let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            self.operators.fill(&mut self.kept[oldest], step, euler, &mut self.scratch);
+            oldest
+        });
+        self.kept[self.current].last_used = self.clock;
     }
 
     fn stage(&self, stage: Stage) -> &StageWeights {
@@ -230,12 +247,23 @@ impl Operators {
             own: states(),
             gains: Gains { temperature: DMatrix::zeros(cells, cells), distortion: DMatrix::zeros(cells, cells) },
         };
-        Weights { step: f64::NAN, last_used: 0, stages: [stage(), stage()] }
+        Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()] }
     }
 
-    fn fill(&self, weights: &mut Weights, step: f64, scratch: &mut [f64]) {
-        weights.step = step;
+    fn fill(&self, weights: &mut Weights, step: f64, euler: bool, scratch: &mut [f64]) {
+        (weights.step, weights.euler) = (step, euler);
         let [first, end] = &mut weights.stages;
+        if euler {
+            for stage in [first, end] {
+                for (k, &rate) in self.rate.iter().enumerate() {
+                    stage.decay[k] = (1.0 + rate * step).recip();
+                    stage.constant[k] = step * stage.decay[k];
+                    (stage.first[k], stage.own[k]) = (0.0, stage.constant[k]);
+                }
+                self.fill_gains(&stage.own, &mut stage.gains, scratch);
+            }
+            return;
+        }
         for (k, &rate) in self.rate.iter().enumerate() {
             let (early, whole) = (rate * GAMMA * step, rate * step);
             first.decay[k] = (-early).exp();
@@ -294,17 +322,11 @@ impl LineHeat for ReducedHeat {
     }
 
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
-        if self.kept.is_empty() {
-            self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
-        }
-        self.clock += 1;
-        let known = self.kept.iter().position(|weights| weights.step == step);
-        self.current = known.unwrap_or_else(|| {
-            let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
-            self.operators.fill(&mut self.kept[oldest], step, &mut self.scratch);
-            oldest
-        });
-        self.kept[self.current].last_used = self.clock;
+        self.select(step, false);
+    }
+
+    fn prepare_euler(&mut self, step: f64, _velocity: [f64; 2]) {
+        self.select(step, true);
     }
 
     fn gains(&self, stage: Stage) -> &Gains {

@@ -307,6 +307,10 @@ impl LineHeat for StripHeat {
         self.step.prepare(&self.operators, step, velocity);
     }
 
+    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare_euler(&self.operators, step, velocity);
+    }
+
     fn gains(&self, stage: Stage) -> &Gains {
         &self.step.stage(stage).gains
     }

@@ -18,7 +18,7 @@ const MOST_STATES: usize = 16_000;
 ///
 /// Three kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated
 /// from cell to cell is not the body of these equations; a bristle's heat is the work of the mean friction force; and
-/// schemes other than the monolithic one step the shape alone.
+/// the explicit scheme steps the shape alone.
 pub fn distribution_feeds_back(scene: &Scene) -> bool {
     let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
@@ -28,7 +28,7 @@ pub fn distribution_feeds_back(scene: &Scene) -> bool {
         && (expands || follows)
         && scene.geometry != Geometry::Annular
         && scene.stick_stiffness == 0.0
-        && scene.scheme == Scheme::Monolithic
+        && scene.scheme != Scheme::Explicit
 }
 
 /// Punch and strip as every copy of a scene begins with them.

@@ -10,7 +10,7 @@ use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::lumped::operators::BodyOperators;
 use crate::heat::STEFAN_BOLTZMANN;
 use crate::heat::line::{GAMMA, Stage, Surroundings};
-use crate::scene::Body;
+use crate::scene::{Body, Scheme};
 use crate::wear::line::{Coefficient, StageError};
 
 /// Repetitions until contact and temperature agree; then a shorter step has to help.
@@ -37,7 +37,10 @@ impl Line {
             let ambient = conditions.ambient;
             let mut around = Surroundings { cooling: state.cooling[side], ambient, far: far[side] };
             if let Some(own) = &mut heat.bodies[side] {
-                own.prepare(step, velocity);
+                match scene.scheme {
+                    Scheme::Staggered => own.prepare_euler(step, velocity),
+                    _ => own.prepare(step, velocity),
+                }
                 if mean.variable_cooling {
                     let t = own.cooled_temperature(&state.bodies[side], &around, &state.flux[side]);
                     around.cooling = part * cooling(body, reference, t, ambient, conditions.forced);
@@ -157,7 +160,7 @@ impl Line {
     }
 
     /// Depth rates at the reference pressure, with the temperature and the friction of every cell.
-    fn set_laws(&mut self, heat: &mut Heat, moment: &Moment, by_cell: bool) {
+    pub(super) fn set_laws(&mut self, heat: &mut Heat, moment: &Moment, by_cell: bool) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
         let mut uniform = [0.0; 2];
@@ -256,7 +259,7 @@ impl Line {
 
 impl Heat {
     /// Temperature and distortion of both bodies at the stage if no heat came in it.
-    fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
+    pub(super) fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
         for side in 0..2 {
             let (base, distortion) = (&mut self.base[side], &mut self.base_distortion[side]);
             match &self.bodies[side] {
@@ -272,7 +275,7 @@ impl Heat {
         }
     }
 
-    fn conducts(&self) -> [bool; 2] {
+    pub(super) fn conducts(&self) -> [bool; 2] {
         self.bodies.each_ref().map(Option::is_some)
     }
 
@@ -309,7 +312,7 @@ impl Heat {
     }
 
     /// Heat and temperatures that the pressure makes. The coefficients of the operator are still in `difference`.
-    fn distribute(&mut self, stage: Stage, pressure: &[f64]) {
+    pub(super) fn distribute(&mut self, stage: Stage, pressure: &[f64]) {
         let s = stage as usize;
         for (i, heat) in self.friction[s].iter_mut().enumerate() {
             *heat = self.difference[i] * pressure[i];
@@ -354,7 +357,7 @@ impl Heat {
     }
 
     /// Displacement of both surfaces by heat at the end of the step.
-    fn distort(&mut self) {
+    pub(super) fn distort(&mut self) {
         for (i, moved) in self.distortion.iter_mut().enumerate() {
             *moved = self.base_distortion[0][i] + self.base_distortion[1][i];
         }
@@ -367,7 +370,7 @@ impl Heat {
 }
 
 /// Mean of `values` weighted with the pressure, or over the contact where there is none.
-fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64 {
+pub(super) fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64 {
     let (mut sum, mut load, mut plain, mut total) = (0.0, 0.0, 0.0, 0.0);
     for i in 0..values.len() {
         sum += weights[i] * pressure[i] * values[i];
@@ -379,7 +382,7 @@ fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64 {
 }
 
 /// `target += factor matrix values`.
-fn add_product(matrix: &nalgebra::DMatrix<f64>, values: &[f64], factor: f64, target: &mut [f64]) {
+pub(super) fn add_product(matrix: &nalgebra::DMatrix<f64>, values: &[f64], factor: f64, target: &mut [f64]) {
     for (j, value) in values.iter().enumerate() {
         let scaled = factor * value;
         if scaled != 0.0 {

@@ -56,6 +56,8 @@ pub struct Step {
     /// Length, s, and velocities; not a number before the first one.
     pub length: f64,
     pub velocity: [f64; 2],
+    /// One implicit Euler step.
+    euler: bool,
     pub first: StageWeights,
     pub end: StageWeights,
     blocks: [Blocks; 2],
@@ -194,6 +196,45 @@ impl StageWeights {
         self.assemble(operators, velocity[1], blocks);
     }
 
+    /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
+    fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], blocks: &mut [Blocks; 2]) {
+        let own = usize::from(self.at_end);
+        let mean = &operators.mean;
+        for k in 0..mean.count {
+            let (factor, weight) = Motion { turning: [0.0; 2], step: length }.euler(mean.rate[k]);
+            self.mean_factor[k] = factor.re;
+            self.mean_weight[k] = [0.0; 2];
+            self.mean_weight[k][own] = weight.re;
+        }
+        let zero = Complex::from(0.0);
+        self.carried.fill(zero);
+        self.carried_distortion.fill(zero);
+        let [warm, moved] = blocks;
+        warm.clear();
+        moved.clear();
+        let fade = operators.forgetting.mean(velocity);
+        for (wave, range) in operators.ranges.iter().enumerate() {
+            let number = operators.waves[wave].number;
+            let motion = Motion { turning: velocity.map(|v| number * v), step: length };
+            let mut gain = [zero; 2];
+            for k in range.clone() {
+                let (factor, weight) = motion.euler(operators.rate[k] + fade);
+                let weight = weight * operators.temperature[k];
+                self.factor[k] = factor;
+                self.weight[k] = [zero; 2];
+                self.weight[k][own] = weight;
+                gain[0] += weight * operators.temperature[k];
+                gain[1] += weight * operators.distortion[k];
+            }
+            let (even, odd) = operators.shapes.rows(wave);
+            warm.add_wave(gain[0] * operators.weight[wave], even, odd);
+            if operators.expands {
+                moved.add_wave(gain[1] * operators.weight[wave], even, odd);
+            }
+        }
+        self.assemble(operators, velocity[1], blocks);
+    }
+
     /// Gains of the waves at a velocity from the four knots around it.
     fn interpolate(&mut self, operators: &Operators, shortest: f64, velocity: f64, blocks: &mut [Blocks; 2]) {
         if self.knots.length != self.length {
@@ -306,6 +347,7 @@ impl Step {
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
+            euler: false,
             first: StageWeights::new(operators, false),
             end: StageWeights::new(operators, true),
             blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
@@ -320,12 +362,23 @@ impl Step {
     }
 
     pub fn prepare(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
-        if self.length == length && self.velocity == velocity {
+        if self.length == length && self.velocity == velocity && !self.euler {
             return;
         }
-        (self.length, self.velocity) = (length, velocity);
+        (self.length, self.velocity, self.euler) = (length, velocity, false);
         let middle = velocity[0] + GAMMA * (velocity[1] - velocity[0]);
         self.first.prepare(operators, GAMMA * length, [velocity[0], middle], &mut self.blocks);
         self.end.prepare(operators, length, velocity, &mut self.blocks);
+    }
+
+    /// One implicit Euler step: both stages are its end.
+    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+        if self.length == length && self.velocity == velocity && self.euler {
+            return;
+        }
+        (self.length, self.velocity, self.euler) = (length, velocity, true);
+        for stage in [&mut self.first, &mut self.end] {
+            stage.prepare_euler(operators, length, velocity, &mut self.blocks);
+        }
     }
 }
