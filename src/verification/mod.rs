@@ -9,11 +9,15 @@ mod component;
 mod contact_line;
 mod driver;
 mod heat_line;
+mod instability;
 mod moving_source;
 mod operator_split;
+pub mod path_modes;
+mod punch_heat;
 pub mod reference;
 pub mod stability;
 mod steady_states;
+pub mod wave;
 mod wear_line;
 
 use std::time::Instant;
@@ -93,6 +97,8 @@ pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
     all.extend(heat_line::problems());
+    all.extend(punch_heat::problems());
+    all.extend(instability::problems());
     all.extend(component::problems());
     all.extend(operator_split::problems());
     all.extend(contact_line::problems());

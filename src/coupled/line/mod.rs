@@ -13,6 +13,7 @@ pub mod profile;
 mod saved;
 pub mod state;
 mod step;
+mod unguarded;
 
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt};
