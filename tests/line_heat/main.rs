@@ -9,5 +9,6 @@
 mod drive;
 
 mod account;
+mod cycles;
 mod growth;
 mod steps;
