@@ -2,6 +2,7 @@
 
 mod batch;
 mod bench;
+mod cycles;
 mod package;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
 mod plot;
@@ -34,6 +35,7 @@ enum Command {
     Test(test::Arguments),
     Bench(bench::Arguments),
     Steady(steady::Arguments),
+    Cycles(cycles::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
     Batch(batch::Arguments),
@@ -50,6 +52,7 @@ fn main() -> ExitCode {
         Command::Test(arguments) => test::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Steady(arguments) => steady::execute(&arguments),
+        Command::Cycles(arguments) => cycles::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Batch(arguments) => batch::execute(&arguments),

@@ -56,9 +56,8 @@ impl Acceleration {
         if depth == 0 {
             return None;
         }
-        let dot = |a: &[f64], b: &[f64]| -> f64 {
-            a.iter().zip(b).zip(weights).map(|((a, b), w)| (a * w) * (b * w)).sum()
-        };
+        let dot =
+            |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(weights).map(|((a, b), w)| (a * w) * (b * w)).sum() };
         let lengths: Vec<f64> = self.turned.iter().map(|turned| dot(turned, turned).sqrt()).collect();
         if lengths.contains(&0.0) {
             return None;

@@ -201,7 +201,12 @@ pub(in crate::steady) struct Contact<'a> {
 }
 
 impl<'a> Contact<'a> {
-    pub(in crate::steady) fn new(scene: &'a Scene, cells: &'a Cells, compliances: &'a [Compliance; 2], sliding: &Sliding) -> Self {
+    pub(in crate::steady) fn new(
+        scene: &'a Scene,
+        cells: &'a Cells,
+        compliances: &'a [Compliance; 2],
+        sliding: &Sliding,
+    ) -> Self {
         let law = FrictionLaw::new(scene);
         let faded: f64 = law.faded(scene.ambient_temperature);
         let radii = relative_radii(scene, cells);
@@ -368,7 +373,13 @@ impl<'a> Contact<'a> {
         Ok(self.state(SteadyKind::RunIn, pressures, shape, vec![0.0; self.cells.count()]))
     }
 
-    pub(in crate::steady) fn state(&self, kind: SteadyKind, pressures: Vec<Vec<f64>>, shape: Vec<f64>, groove: Vec<f64>) -> SteadyState {
+    pub(in crate::steady) fn state(
+        &self,
+        kind: SteadyKind,
+        pressures: Vec<Vec<f64>>,
+        shape: Vec<f64>,
+        groove: Vec<f64>,
+    ) -> SteadyState {
         let mut strokes = Vec::with_capacity(pressures.len());
         for (stroke, pressure) in self.strokes.iter().zip(pressures) {
             let rates = stroke
@@ -425,7 +436,13 @@ pub(in crate::steady) fn direction(velocity: f64) -> Direction {
 }
 
 /// Depth rate of a body on the cells at a sliding velocity, in m/s.
-pub(in crate::steady) fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction: f64) -> CellRate {
+pub(in crate::steady) fn depth_rate(
+    scene: &Scene,
+    body: &Body,
+    radii: &[f64],
+    velocity: f64,
+    friction: f64,
+) -> CellRate {
     let law = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let at = |radius: &f64| -> f64 {
         let speed = velocity.abs() * radius;

@@ -100,7 +100,10 @@ pub fn hot_state(
 ) -> Result<HotState, SteadyError> {
     let cold = steady_state(scene, cells, compliances, sliding)?;
     if scene.geometry == Geometry::Annular {
-        return Err(SteadyError::Heat("on an annulus the contact line carries the heat by its mean only".into()));
+        return Err(SteadyError::Heat(
+            "no hot steady state for contact.geometry = annular: the contact line carries the heat of an annulus by its mean only"
+                .into(),
+        ));
     }
     let speed = cold.strokes.iter().map(|stroke| stroke.velocity.abs()).fold(0.0, f64::max);
     heat_leaves(scene, speed)?;

@@ -9,6 +9,7 @@ mod component;
 mod contact_line;
 mod driver;
 mod heat_line;
+mod hot_states;
 mod moving_source;
 pub mod reference;
 pub mod stability;
@@ -96,6 +97,7 @@ pub fn problems() -> Vec<Problem> {
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());
     all.extend(steady_states::problems());
+    all.extend(hot_states::problems());
     all
 }
 

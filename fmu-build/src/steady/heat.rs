@@ -14,7 +14,8 @@ pub fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
         let squares: Vec<f64> = hot.iter().zip(cold).map(|(h, c)| (h - c) * (h - c)).collect();
         (cells.integral(&squares) / width).sqrt()
     };
-    let pressures = |state: &SteadyState| state.strokes.iter().map(|stroke| stroke.pressure.clone()).collect::<Vec<_>>();
+    let pressures =
+        |state: &SteadyState| state.strokes.iter().map(|stroke| stroke.pressure.clone()).collect::<Vec<_>>();
     pressures(hot).iter().zip(&pressures(cold)).map(one).fold(0.0, f64::max)
 }
 
@@ -136,7 +137,9 @@ pub fn panel(solved: &Solved, axis: Axis, over: &dyn Fn(&[f64], f64) -> Vec<(f64
         for (index, stroke) in hot.heat.strokes.iter().enumerate() {
             let way = if hot.heat.strokes.len() == 1 { "" } else { [", mean forward", ", mean backward"][index] };
             let mark = if index == 0 { Mark::Line } else { Mark::Dashes };
-            series.push(Series::line(format!("{name}{way}"), celsius(&stroke.temperature[side])).with(mark).coloured(side));
+            series.push(
+                Series::line(format!("{name}{way}"), celsius(&stroke.temperature[side])).with(mark).coloured(side),
+            );
         }
     }
     let title = "Temperature of the surfaces";

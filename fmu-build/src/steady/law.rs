@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use sliding_contact::elastic::scene::{cells_for, compliances};
 use sliding_contact::scene::Scene;
-use sliding_contact::steady::thermal::law::{LawPoint, endless_cycles, law};
+use sliding_contact::steady::thermal::law::{Differences, LawPoint, endless_cycles, law};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -19,7 +19,7 @@ const PER_DECADE: i32 = 3;
 pub struct Law {
     name: String,
     points: Vec<LawPoint>,
-    endless: f64,
+    endless: Differences,
 }
 
 impl Law {
@@ -47,42 +47,45 @@ impl Law {
         let point = |point: &LawPoint| {
             json!({
                 "cycle_time_over_thermal_time": point.ratio,
-                "difference_of_means": point.means,
-                "difference_at_ends": point.ends,
-                "swing_of_mean_temperature": point.swing,
-                "swing_of_local_temperature": point.local_swing,
+                "difference_of_means_inside": point.inside,
+                "difference_of_means": point.everywhere,
+                "difference_at_ends_inside": point.ends,
+                "swing_of_temperature": point.swing,
             })
         };
         json!({
             "scene": self.name,
             "points": self.points.iter().map(point).collect::<Vec<_>>(),
-            "difference_for_endless_cycles": self.endless,
+            "endless_cycles": {
+                "difference_of_means_inside": self.endless.inside,
+                "difference_of_means": self.endless.everywhere,
+            },
         })
     }
 
     /// As a table.
     pub fn table(&self) -> String {
         let mut text = format!(
-            "{}: pressures with heat less those without, over the mean pressure\n{:>12}  {:>12}  {:>12}  {:>12}\n",
-            self.name, "cycle/thermal", "means", "at ends", "swing of T"
+            "{}: pressures with heat less those without, rms over the mean pressure\n{:>13}  {:>13}  {:>13}  {:>13}  {:>13}\n",
+            self.name, "cycle/thermal", "means, inside", "means, all", "ends, inside", "swing of T"
         );
-        for point in &self.points {
-            let LawPoint { ratio, means, ends, local_swing, .. } = point;
-            let _ = writeln!(text, "{ratio:>12.3e}  {means:>12.3e}  {ends:>12.3e}  {local_swing:>12.3e}");
+        for LawPoint { ratio, inside, everywhere, ends, swing } in &self.points {
+            let _ =
+                writeln!(text, "{ratio:>13.3e}  {inside:>13.3e}  {everywhere:>13.3e}  {ends:>13.3e}  {swing:>13.3e}");
         }
-        let _ = writeln!(text, "endless cycles, from the steady distortion: {:.3e}", self.endless);
+        let Differences { inside, everywhere } = self.endless;
+        let _ = writeln!(text, "{:>13}  {inside:>13.3e}  {everywhere:>13.3e}", "endless");
         text
     }
 
     fn csv(&self) -> String {
-        let mut text = "cycle_time_over_thermal_time,difference_of_means,difference_at_ends,\
-                        swing_of_mean_temperature,swing_of_local_temperature\n"
+        let mut text = "cycle_time_over_thermal_time,difference_of_means_inside,difference_of_means,\
+                        difference_at_ends_inside,swing_of_temperature\n"
             .to_owned();
-        for point in &self.points {
-            let LawPoint { ratio, means, ends, swing, local_swing } = point;
-            let _ = writeln!(text, "{ratio:.6e},{means:.6e},{ends:.6e},{swing:.6e},{local_swing:.6e}");
+        for LawPoint { ratio, inside, everywhere, ends, swing } in &self.points {
+            let _ = writeln!(text, "{ratio:.6e},{inside:.6e},{everywhere:.6e},{ends:.6e},{swing:.6e}");
         }
-        let _ = writeln!(text, "inf,{:.6e},,,", self.endless);
+        let _ = writeln!(text, "inf,{:.6e},{:.6e},,", self.endless.inside, self.endless.everywhere);
         text
     }
 
@@ -91,23 +94,31 @@ impl Law {
             self.points.iter().map(|point| (point.ratio, value(point))).collect()
         };
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
-        let slope = |value: f64, exponent: f64| -> Vec<(f64, f64)> {
-            let reach = 1.0 / first.ratio;
-            vec![(first.ratio, value), (1.0, value * reach.powf(exponent))]
+        // Through the point at 1e-2.
+        let slope = |value: &dyn Fn(&LawPoint) -> f64, exponent: f64| -> Vec<(f64, f64)> {
+            let near = |point: &&LawPoint| (point.ratio.log10() + 2.0).abs();
+            let through = self.points.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(&first);
+            let at = |ratio: f64| (ratio, value(through) * (ratio / through.ratio).powf(exponent));
+            vec![at(first.ratio), at(0.3)]
         };
         let ratio = || Axis::logarithmic("cycle time / thermal time of the contact, 1");
+        let level = |name: &str, value: f64| {
+            Series::line(name, vec![(0.3, value), (last.ratio, value)]).with(Mark::Dashes).coloured(6)
+        };
+        let inside = |point: &LawPoint| point.inside;
+        let everywhere = |point: &LawPoint| point.everywhere;
         let pressures = vec![
-            Series::line("means of the half-strokes", series(&|p| p.means)).with(Mark::LineAndPoints).coloured(0),
-            Series::line("at the ends of the half-strokes", series(&|p| p.ends)).with(Mark::LineAndPoints).coloured(1),
-            Series::line("slope 3/2", slope(first.means, 1.5)).with(Mark::Dashes).coloured(0),
-            Series::line("endless cycles", vec![(0.1, self.endless), (last.ratio, self.endless)])
-                .with(Mark::Dashes)
-                .coloured(6),
+            Series::line("means, |x| < .7 a", series(&inside)).with(Mark::LineAndPoints).coloured(0),
+            Series::line("means, all of the contact", series(&everywhere)).with(Mark::LineAndPoints).coloured(2),
+            Series::line("ends of half-strokes, |x| < .7 a", series(&|p| p.ends)).with(Mark::LineAndPoints).coloured(1),
+            Series::line("theory: slope 3/2", slope(&inside, 1.5)).with(Mark::Dashes).coloured(0),
+            Series::line("theory: slope 3/4", slope(&everywhere, 0.75)).with(Mark::Dashes).coloured(2),
+            level("theory: endless cycles", self.endless.inside),
+            level("", self.endless.everywhere),
         ];
         let swings = vec![
-            Series::line("surfaces", series(&|p| p.local_swing)).with(Mark::LineAndPoints).coloured(0),
-            Series::line("mean of the contact", series(&|p| p.swing)).with(Mark::LineAndPoints).coloured(1),
-            Series::line("slope 1/2", slope(first.local_swing, 0.5)).with(Mark::Dashes).coloured(0),
+            Series::line("hotter surface, rms", series(&|p| p.swing)).with(Mark::LineAndPoints).coloured(0),
+            Series::line("theory: slope 1/2", slope(&|p| p.swing, 0.5)).with(Mark::Dashes).coloured(0),
         ];
         let panels = vec![
             Panel::new(

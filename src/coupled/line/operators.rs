@@ -96,8 +96,8 @@ impl Operators {
         };
         if scene.initial_shape == InitialShape::RunIn {
             let shape = if heat && has_hot_state(scene) { hot_run_in_shape } else { run_in_shape };
-            initial_gap = shape(scene, &cells, &bodies)
-                .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
+            initial_gap =
+                shape(scene, &cells, &bodies).map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
         let normal = &punch.normal + &strip.normal;
         let shear = &strip.shear - &punch.shear;

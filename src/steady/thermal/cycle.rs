@@ -37,6 +37,19 @@ pub(super) fn solve(
     strokes: [f64; 2],
     speeds: [f64; 2],
 ) -> Result<HotState, SteadyError> {
+    solve_with(scene, cells, cold, strokes, speeds, Resolution::WITH_HEAT, &SolveOptions::default())
+}
+
+/// The same with steps and tolerance.
+pub(super) fn solve_with(
+    scene: &Scene,
+    cells: &Cells,
+    cold: &SteadyState,
+    strokes: [f64; 2],
+    speeds: [f64; 2],
+    resolution: Resolution,
+    options: &SolveOptions,
+) -> Result<HotState, SteadyError> {
     let mut scene = scene.clone();
     scene.cells = cells.count();
     let runs_in = cold.kind == SteadyKind::RunIn;
@@ -45,13 +58,13 @@ pub(super) fn solve(
         scene.initial_shape = InitialShape::Flat;
     }
     let sliding = [(speeds[0], strokes[0] / speeds[0]), (-speeds[1], strokes[1] / speeds[1])];
-    let mut map = cycle_map(&scene, sliding, Resolution::WITH_HEAT)?;
+    let mut map = cycle_map(&scene, sliding, resolution)?;
     let mut start = map.start();
     let [punch, _] = map.worn_ranges();
     if runs_in {
         start[punch].copy_from_slice(&cold.shape);
     }
-    let solution = map.steady(&start, &SolveOptions::default())?;
+    let solution = map.steady(&start, options)?;
     let accuracy = Accuracy {
         iterations: solution.cycles,
         shape: solution.residual[0],

@@ -15,7 +15,10 @@
 //! - the flux heats the surface by `q/(K L)`: the temperature swings by `r^(1/2)`;
 //! - the leading term of u is the heat of a half-stroke, a saw tooth: pressures within a half-stroke change by r;
 //! - a saw tooth's mean over the half-stroke is zero. The half-strokes' mean pressures, the p+ and p- of the run-in contact,
-//!   first feel the second term, which is out of step with the first: they change by `r^(3/2)`.
+//!   first feel the second term, which is out of step with the first: they change by `r^(3/2)`;
+//! - that holds for the waves that are long against `(kd P)^(1/2)`. The flux jumps at the edges, so that its waves fall like
+//!   1/m only; the short ones are as in a long cycle, `u ~ q/m^2` and `p ~ m u`, and close to the edges, over a length
+//!   `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root mean square over all of the contact falls like `r^(3/4)`.
 //!
 //! Besides, a strip carries its warm track to and fro under the punch: that changes pressures within a half-stroke in
 //! proportion to the stroke over the width, however short the cycle, and leaves their means alone. For r >> 1 every
@@ -24,6 +27,7 @@
 
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;
+use crate::coupled::line::cycle::{Resolution, SolveOptions};
 use crate::coupled::line::heat::bodies::Bodies;
 use crate::coupled::line::heat::split::Split;
 use crate::elastic::{Cells, Compliance};
@@ -36,19 +40,37 @@ use crate::wear::line::CellRate;
 /// Part of the wear that is left, so that what a half-stroke wears is nothing against what it distorts.
 const WEAR: f64 = 1e-5;
 
+/// Part of the half-width that counts as inside.
+const INSIDE: f64 = 0.7;
+
+/// Doublings and parts of the half-strokes' steps: finer than elsewhere, since the means are what the saw tooth leaves.
+const RESOLUTION: Resolution = Resolution { levels: 5, parts: 4 };
+
+/// The same for the iteration.
+const OPTIONS: SolveOptions = SolveOptions { tolerance: 1e-9, most_cycles: 150 };
+
+/// Differences, pressure with heat less without, of the half-strokes' means: root mean squares over the mean pressure.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Differences {
+    /// Within .7 of the half-width.
+    pub inside: f64,
+    /// Over all of the contact.
+    pub everywhere: f64,
+}
+
 /// A point of the law.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LawPoint {
     /// Duration of a cycle over the thermal time `a^2/kd` of the contact, the longer one of the two bodies'.
     pub ratio: f64,
-    /// Root mean square difference, with heat less without, of the half-strokes' mean pressures over the mean pressure.
-    pub means: f64,
-    /// The same of the pressures at the ends of the half-strokes.
+    /// Difference of the half-strokes' mean pressures, see [`Differences::inside`].
+    pub inside: f64,
+    /// See [`Differences::everywhere`].
+    pub everywhere: f64,
+    /// The difference inside of the pressures at the ends of the half-strokes.
     pub ends: f64,
-    /// Swing of the contact's mean temperature in a cycle over its mean rise.
+    /// Root mean square over the contact of the hotter surface's temperature range in a cycle, over the mean rise.
     pub swing: f64,
-    /// Root mean square range over the cycle of the surfaces' temperatures over the mean rise.
-    pub local_swing: f64,
 }
 
 /// Thermal time of the contact, s.
@@ -78,46 +100,48 @@ fn at(scene: &Scene, ratio: f64) -> Scene {
 ///
 /// # Errors
 /// As [`super::hot_state`].
-pub fn law(
-    scene: &Scene,
-    cells: &Cells,
-    compliances: &[Compliance; 2],
-    ratio: f64,
-) -> Result<LawPoint, SteadyError> {
+pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f64) -> Result<LawPoint, SteadyError> {
     let scene = at(scene, ratio);
     let cold = cold_state(&scene, cells, compliances)?;
     let speed = scene.nominal_velocity.abs();
     heat_leaves(&scene, speed)?;
     let scene = with_steady_bodies(&scene, speed);
-    let hot = cycle::solve(&scene, cells, &cold, [scene.nominal_stroke; 2], [speed; 2])?;
+    let sliding = [scene.nominal_stroke; 2];
+    let hot = cycle::solve_with(&scene, cells, &cold, sliding, [speed; 2], RESOLUTION, &OPTIONS)?;
     let mean = scene.nominal_load / (scene.count * scene.contact_area());
-    let width = 2.0 * cells.half_width();
-    let root_mean_square = |values: &dyn Fn(usize) -> f64| {
-        let squares: Vec<f64> = (0..cells.count()).map(|i| values(i) * values(i)).collect();
-        (cells.integral(&squares) / width).sqrt()
-    };
-    let (mut means, mut ends) = (0.0_f64, 0.0_f64);
+    let mut worst = [0.0_f64; 3];
     for ((stroke, heat), without) in hot.state.strokes.iter().zip(&hot.heat.strokes).zip(&cold.strokes) {
-        means = means.max(root_mean_square(&|i| stroke.pressure[i] - without.pressure[i]));
-        ends = ends.max(root_mean_square(&|i| heat.pressure_at[1][i] - without.pressure[i]));
+        let found = [
+            root_mean_square(cells, INSIDE, |i| stroke.pressure[i] - without.pressure[i]),
+            root_mean_square(cells, 1.0, |i| stroke.pressure[i] - without.pressure[i]),
+            root_mean_square(cells, INSIDE, |i| heat.pressure_at[1][i] - without.pressure[i]),
+        ];
+        worst.iter_mut().zip(found).for_each(|(worst, value)| *worst = worst.max(value / mean));
     }
-    let [least, middle, largest] = hot.heat.contact_temperature;
-    let rise = middle - scene.ambient_temperature;
+    let rise = hot.heat.contact_temperature[1] - scene.ambient_temperature;
     let [low, high] = &hot.heat.range;
-    let local = (0..2).map(|side| root_mean_square(&|i| high[side][i] - low[side][i])).fold(0.0, f64::max);
-    Ok(LawPoint {
-        ratio,
-        means: means / mean,
-        ends: ends / mean,
-        swing: (largest - least) / rise,
-        local_swing: local / rise,
-    })
+    let swing = (0..2).map(|side| root_mean_square(cells, 1.0, |i| high[side][i] - low[side][i])).fold(0.0, f64::max);
+    let [inside, everywhere, ends] = worst;
+    Ok(LawPoint { ratio, inside, everywhere, ends, swing: swing / rise })
+}
+
+/// Over the cells whose centres lie within `part` of the half-width.
+fn root_mean_square(cells: &Cells, part: f64, values: impl Fn(usize) -> f64) -> f64 {
+    let inside = |i: &usize| cells.centres()[*i].abs() <= part * cells.half_width();
+    let (mut sum, mut width) = (0.0, 0.0);
+    for i in (0..cells.count()).filter(inside) {
+        sum += cells.widths()[i] * values(i) * values(i);
+        width += cells.widths()[i];
+    }
+    (sum / width).sqrt()
 }
 
 fn cold_state(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<SteadyState, SteadyError> {
     match Sliding::nominal(scene) {
         sliding @ Sliding::ToAndFro { .. } => steady_state(scene, cells, compliances, &sliding),
-        Sliding::OneWay { .. } => Err(SteadyError::Heat("the law is one of to-and-fro sliding: nominal.stroke = 0 m".into())),
+        Sliding::OneWay { .. } => {
+            Err(SteadyError::Heat("the law is one of to-and-fro sliding: nominal.stroke = 0 m".into()))
+        }
     }
 }
 
@@ -126,7 +150,7 @@ fn cold_state(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Re
 ///
 /// # Errors
 /// As [`super::hot_state`]; friction and wear that follow the temperature, or a load that a pivot shifts.
-pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<f64, SteadyError> {
+pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<Differences, SteadyError> {
     let cold = cold_state(scene, cells, compliances)?;
     let speed = scene.nominal_velocity.abs();
     heat_leaves(scene, speed)?;
@@ -152,11 +176,11 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
         durations: [1.0; 2],
     };
     let hot = problem.solve()?;
-    let width = 2.0 * cells.half_width();
-    let mean = problem.load / width;
-    let difference = |hot: &[f64], cold: &[f64]| {
-        let squares: Vec<f64> = hot.iter().zip(cold).map(|(h, c)| (h - c) * (h - c)).collect();
-        (cells.integral(&squares) / width).sqrt() / mean
+    let mean = problem.load / (2.0 * cells.half_width());
+    let both = [(&hot.forward, &cold.strokes[0].pressure), (&hot.backward, &cold.strokes[1].pressure)];
+    let worst = |part: f64| {
+        let one = |(hot, cold): (&Vec<f64>, &Vec<f64>)| root_mean_square(cells, part, |i| hot[i] - cold[i]);
+        both.into_iter().map(one).fold(0.0, f64::max) / mean
     };
-    Ok(difference(&hot.forward, &cold.strokes[0].pressure).max(difference(&hot.backward, &cold.strokes[1].pressure)))
+    Ok(Differences { inside: worst(INSIDE), everywhere: worst(1.0) })
 }

@@ -167,8 +167,7 @@ impl Problem<'_> {
             undeformed += &punch.distortion * &exchanged - &strip.distortion * &exchanged;
         }
         let pressure = self.pressure(&undeformed, &extra)?;
-        let friction: Vec<f64> =
-            (0..count).map(|i| if closed[i] { slip[i] * pressure[i] } else { 0.0 }).collect();
+        let friction: Vec<f64> = (0..count).map(|i| if closed[i] { slip[i] * pressure[i] } else { 0.0 }).collect();
         let mut flux = [zero.clone(), zero.clone()];
         self.split.punch_flux(conducts, [&base[0], &base[1]], &friction, &mut flux[0]);
         if conducts[1] {
@@ -235,8 +234,7 @@ impl Problem<'_> {
     /// Flux into a cooled surface of `t` (K above the ambient) beyond its convection, and how it falls with t.
     fn cooling(&self, side: usize, t: f64) -> (f64, f64) {
         let scene = self.scene();
-        let (body, part) =
-            if side == 0 { (&scene.punch, 1.0) } else { (&scene.strip, cooled_part(scene)) };
+        let (body, part) = if side == 0 { (&scene.punch, 1.0) } else { (&scene.strip, cooled_part(scene)) };
         let forced = body.convection_forced * self.velocity().abs().powf(0.8);
         let radiation = STEFAN_BOLTZMANN * body.emissivity;
         let (ambient, hot) = (scene.ambient_temperature, scene.ambient_temperature + t);
@@ -281,8 +279,7 @@ impl Problem<'_> {
         let (scene, stroke) = (contact.scene, &contact.strokes[0]);
         let count = contact.cells.count();
         let fresh_groove = scene.path == Path::Straight && self.laws[1].active();
-        let groove =
-            if fresh_groove { contact.groove_depth(stroke, &found.pressure) } else { vec![0.0; count] };
+        let groove = if fresh_groove { contact.groove_depth(stroke, &found.pressure) } else { vec![0.0; count] };
         let pressure = DVector::from_column_slice(&found.pressure);
         let shape: Vec<f64> = match self.kind {
             SteadyKind::RunIn => {
@@ -304,7 +301,8 @@ impl Problem<'_> {
         let integral = |values: &[f64]| all * contact.cells.integral(values);
         let width = 2.0 * contact.cells.half_width();
         let mean = 0.5 * temperature.iter().map(|values| contact.cells.integral(values) / width).sum::<f64>();
-        let mut flows = HeatFlows { punch: integral(&found.flux[0]), strip: integral(&found.flux[1]), ..HeatFlows::default() };
+        let mut flows =
+            HeatFlows { punch: integral(&found.flux[0]), strip: integral(&found.flux[1]), ..HeatFlows::default() };
         flows.friction = flows.punch + flows.strip;
         for side in 0..2 {
             let Some(body) = &self.bodies[side] else { continue };

@@ -201,17 +201,11 @@ impl<'a> Jumps<'a> {
         self.cycles += length;
         self.accumulated += estimate;
         let weights = [(1.0 - GAMMA) * length, GAMMA * length];
-        self.totals =
-            self.totals.plus(weights[0], &first.passage.totals).plus(weights[1], &end.passage.totals);
+        self.totals = self.totals.plus(weights[0], &first.passage.totals).plus(weights[1], &end.passage.totals);
         Ok(Some(self.made(length, estimate, end.passage)))
     }
 
-    fn stage(
-        &mut self,
-        start: &[f64],
-        base: &[f64],
-        cycles: f64,
-    ) -> Result<Option<super::Solution>, CycleError> {
+    fn stage(&mut self, start: &[f64], base: &[f64], cycles: f64) -> Result<Option<super::Solution>, CycleError> {
         let options = SolveOptions { tolerance: STAGES * self.options.tolerance, most_cycles: MOST_CYCLES };
         match self.map.solve(start, Equation::Stage { base, cycles }, &options) {
             Ok(solution) => {

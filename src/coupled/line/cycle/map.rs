@@ -6,8 +6,9 @@ use crate::coupled::line::Line;
 use crate::coupled::line::operators::{Operators, StripWear};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::{INPUTS, StepFailure};
+use crate::heat::STEFAN_BOLTZMANN;
 use crate::heat::line::{GAMMA, LineHeat, Surroundings};
-use crate::scene::{Scene, Scheme, ThermalBoundary};
+use crate::scene::{Body, Scene, Scheme, ThermalBoundary};
 use std::fmt;
 use std::sync::Arc;
 
@@ -73,9 +74,7 @@ impl Resolution {
     fn steps(self, duration: f64) -> Vec<f64> {
         let parts = f64::from(self.parts);
         let interval = |level: u32| duration / f64::from(1_u32 << (self.levels - level.saturating_sub(1)));
-        (0..=self.levels)
-            .flat_map(|level| std::iter::repeat_n(interval(level) / parts, self.parts as usize))
-            .collect()
+        (0..=self.levels).flat_map(|level| std::iter::repeat_n(interval(level) / parts, self.parts as usize)).collect()
     }
 }
 
@@ -174,6 +173,9 @@ pub struct CycleMap {
     sizes: [usize; 2],
     /// Of two conductors.
     pub(super) exchange: Option<Exchange>,
+    /// Least rate at which a body's heat fades, 1/s: by radiation and moving air, which act from step to step.
+    pub(super) least_rate: [f64; 2],
+    start: Vec<f64>,
 }
 
 /// The scene as cycles are computed of it: sliding all the time, and stepped by the monolithic scheme.
@@ -226,16 +228,19 @@ impl CycleMap {
                 let Some(body) = body else { continue };
                 let rates = body.fading();
                 if rates.is_empty() {
-                    return Err(CycleError::Unsuitable(
-                        "cycles: a body does not say how its temperatures fade".into(),
-                    ));
+                    return Err(CycleError::Unsuitable("cycles: a body does not say how its temperatures fade".into()));
                 }
                 *size = rates.len();
                 fading.extend(rates);
             }
         }
         let exchange = Exchange::new(&mut line, &strokes, sizes);
-        Ok(CycleMap { line, load, strokes, fading, sizes, exchange })
+        let scene = &line.operators.scene;
+        let speed = sliding.iter().map(|(velocity, _)| velocity.abs()).fold(0.0, f64::max);
+        let least_rate = [&scene.punch, &scene.strip].map(|body| variable_transfer(body, scene, speed));
+        let mut map = CycleMap { line, load, strokes, fading, sizes, exchange, least_rate, start: Vec::new() };
+        map.start = map.memory();
+        Ok(map)
     }
 
     /// Operators of the contact line.
@@ -276,7 +281,7 @@ impl CycleMap {
 
     /// Memory of the unworn bodies at their initial temperatures.
     pub fn start(&self) -> Vec<f64> {
-        self.memory()
+        self.start.clone()
     }
 
     fn memory(&self) -> Vec<f64> {
@@ -478,6 +483,12 @@ impl Watch {
         self.contact[2] = self.contact[2].max(mean);
         self.last = Some(mean);
     }
+}
+
+/// Heat transfer by radiation and moving air over the heat capacity per area, 1/s.
+fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
+    let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
+    (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
 }
 
 /// Inputs of steady sliding: air and faces with a temperature from outside are at the ambient temperature.

@@ -17,8 +17,8 @@ use crate::coupled::lumped::outputs::critical_speed;
 use crate::steady::acceleration::Acceleration;
 use nalgebra::{DVector, Dyn, LU};
 
-/// Least part of an entry of the heat that counts as lost in a cycle: what only radiation and moving air cool does not fade
-/// by itself.
+/// Least part of an entry of the heat that counts as lost in a cycle: heat that leaves through the other body alone does not
+/// fade by itself.
 const LEAST_LOSS: f64 = 1e-7;
 
 /// When to stop.
@@ -104,6 +104,10 @@ impl CycleMap {
             let tilts = matches!(equation, Equation::Steady) && self.operators().rotates;
             residual = self.sizes(&step, &memory, tilts);
             if residual[0] <= options.tolerance && residual[1] <= options.tolerance {
+                if let Equation::Stage { .. } = equation {
+                    // The depth that all cells wear alike is not part of the residual: this step makes it right.
+                    memory.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
+                }
                 return Ok(Solution { memory, passage, cycles, residual });
             }
             newton = Some(current);
@@ -120,8 +124,10 @@ impl CycleMap {
             Equation::Steady => tangent.steady(cells.centres(), cells.widths()),
             Equation::Stage { cycles, .. } => tangent.implicit(cycles),
         };
-        let made: Vec<f64> = (self.fading.iter())
-            .map(|rate| {
+        let made: Vec<f64> = (0..self.heat_entries())
+            .map(|k| {
+                let side = usize::from(k >= self.heat_ranges()[0].end);
+                let rate = self.fading[k].max(self.least_rate[side]);
                 let loss = -(-rate * self.period()).exp_m1();
                 match equation {
                     Equation::Steady => 1.0 / loss.max(LEAST_LOSS),
@@ -135,8 +141,7 @@ impl CycleMap {
             let faded: Vec<f64> = entries.iter().enumerate().map(|(k, x)| x * self.mean_left(first + k)).collect();
             self.surface(side, &faded)
         };
-        let exchange =
-            self.exchange.as_ref().and_then(|exchange| exchange.solver(&made, &tangent.touching, surface));
+        let exchange = self.exchange.as_ref().and_then(|exchange| exchange.solver(&made, &tangent.touching, surface));
         Newton { touching: tangent.touching.clone(), balances: tangent.balances(), tangent, factors, made, exchange }
     }
 
@@ -247,8 +252,9 @@ impl CycleMap {
         [shape, heat]
     }
 
-    /// Size of an error of the memory, with the tilt.
-    pub(super) fn size_of(&self, error: &[f64], memory: &[f64]) -> [f64; 2] {
+    /// Size of an error of the memory: of the gap without its mean over the elastic displacement under the mean pressure, and of
+    /// the heat over that of `memory`.
+    pub fn size_of(&self, error: &[f64], memory: &[f64]) -> [f64; 2] {
         self.sizes(error, memory, false)
     }
 
