@@ -2,6 +2,7 @@
 
 mod batch;
 mod bench;
+mod cycles;
 mod package;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
 mod plot;
@@ -36,6 +37,7 @@ enum Command {
     Bench(bench::Arguments),
     Realtime(realtime::Arguments),
     Steady(steady::Arguments),
+    Cycles(cycles::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
     Batch(batch::Arguments),
@@ -53,6 +55,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::execute(&arguments),
         Command::Realtime(arguments) => realtime::execute(&arguments),
         Command::Steady(arguments) => steady::execute(&arguments),
+        Command::Cycles(arguments) => cycles::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Batch(arguments) => batch::execute(&arguments),

@@ -9,6 +9,7 @@ mod component;
 mod contact_line;
 mod driver;
 mod heat_line;
+mod hot_states;
 mod instability;
 mod moving_source;
 mod operator_split;
@@ -104,6 +105,7 @@ pub fn problems() -> Vec<Problem> {
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());
     all.extend(steady_states::problems());
+    all.extend(hot_states::problems());
     all
 }
 

@@ -9,6 +9,7 @@
 mod drive;
 
 mod account;
+mod cycles;
 mod field;
 mod growth;
 mod split;

@@ -5,6 +5,7 @@
 //! contact. The two meet once per piece of a communication step: the contact line needs the temperature where tables or
 //! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
 
+pub mod cycle;
 pub mod heat;
 pub mod operators;
 mod outputs;

@@ -9,6 +9,7 @@ use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii
 use crate::scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
 use crate::steady::rocking_limit;
 use crate::steady::scene::run_in_shape;
+use crate::steady::thermal::{has_hot_state, hot_run_in_shape};
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
 use crate::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
 use nalgebra::DMatrix;
@@ -77,6 +78,14 @@ impl Operators {
     /// # Errors
     /// A text with the numbers where the bodies or the run-in shape do not exist.
     pub fn new(scene: &Scene) -> Result<Operators, String> {
+        Self::with_heat(scene, distribution_feeds_back(scene))
+    }
+
+    /// The same with heat along the contact line, or without, whether it feeds back or not.
+    ///
+    /// # Errors
+    /// As [`Operators::new`].
+    pub fn with_heat(scene: &Scene, heat: bool) -> Result<Operators, String> {
         let count = match (scene.cells, scene.fidelity) {
             (0, Fidelity::Field) => FINEST_CELLS,
             (0, _) => CHOSEN_CELLS,
@@ -93,8 +102,9 @@ impl Operators {
             InitialShape::Tabulated(values) => cell_means(&cells, values),
         };
         if scene.initial_shape == InitialShape::RunIn {
-            initial_gap = run_in_shape(scene, &cells, &bodies)
-                .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
+            let shape = if heat && has_hot_state(scene) { hot_run_in_shape } else { run_in_shape };
+            initial_gap =
+                shape(scene, &cells, &bodies).map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
         let normal = &punch.normal + &strip.normal;
         let shear = &strip.shear - &punch.shear;
@@ -118,8 +128,8 @@ impl Operators {
             .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
-        let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene)));
-        let heat = distribution_feeds_back(scene).then(|| Bodies::new(scene, &cells)).transpose()?;
+        let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene, heat)));
+        let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
         let operators = Operators {
             heat,
             profile: Profile::new(&cells),
@@ -272,14 +282,14 @@ impl Operators {
 
 /// The scene whose mean quantities the lumped level carries: the contact line does the wear and stands between holder and
 /// load.
-fn mean_scene(scene: &Scene) -> Scene {
+fn mean_scene(scene: &Scene, heat: bool) -> Scene {
     let mut mean = scene.clone();
     for body in [&mut mean.punch, &mut mean.strip] {
         body.wear_coefficient = 0.0;
         body.wear_limit = 0.0;
     }
     mean.holder_stiffness = 0.0;
-    if distribution_feeds_back(scene) {
+    if heat {
         // The contact line tells the mean its friction coefficient.
         mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
     }

@@ -86,6 +86,12 @@ pub trait LineHeat: Debug + Send {
     /// State of a body that is `rise` (K) above the reference everywhere.
     fn uniform(&self, rise: f64, state: &mut [f64]);
 
+    /// Rates (1/s, >= 0) at which the leading entries of the state, those that hold temperatures, fade without heat; what
+    /// the state holds behind them is the account. Empty: not known.
+    fn fading(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Weights and gains for a step of `step` s in which the sliding velocity changes linearly between the two values
     /// (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments cost a comparison.
     /// Gains are functions of the arguments alone, never of what was prepared before.

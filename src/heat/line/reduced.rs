@@ -322,6 +322,10 @@ impl LineHeat for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = rise;
     }
 
+    fn fading(&self) -> Vec<f64> {
+        self.operators.rate.clone()
+    }
+
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
         self.select(step, false);
     }

@@ -303,6 +303,12 @@ impl LineHeat for StripHeat {
         state[tail] = self.account(state).stored;
     }
 
+    fn fading(&self) -> Vec<f64> {
+        let operators = &*self.operators;
+        let mean = (0..operators.mean_states()).map(|k| operators.mean.rate[k % operators.mean.count]);
+        mean.chain(operators.rate.iter().chain(&operators.rate).copied()).collect()
+    }
+
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
         self.step.prepare(&self.operators, step, velocity);
     }

@@ -12,8 +12,8 @@
 //! the pressures that load and contact allow.
 
 use super::Heat;
-use crate::coupled::line::Line;
 use crate::coupled::instability::driving_body;
+use crate::coupled::line::Line;
 use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::limit;
 use crate::coupled::{INPUTS, StepFailure};
