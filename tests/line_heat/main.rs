@@ -9,6 +9,7 @@
 mod drive;
 
 mod account;
+mod extremes;
 mod field;
 mod growth;
 mod split;
