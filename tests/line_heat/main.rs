@@ -10,6 +10,7 @@ mod drive;
 
 mod account;
 mod cycles;
+mod extremes;
 mod field;
 mod growth;
 mod split;

@@ -26,7 +26,7 @@ use crate::wear::line::{Conditions, WearingContact};
 use heat::Heat as LineHeat;
 use heat::state::HeatState;
 use operators::Operators;
-use path::{Heat, Moment, Path, edges};
+use path::{Heat, Moment, Path, Slipped, edges};
 use state::State;
 use std::sync::Arc;
 use step::Work;
@@ -259,13 +259,26 @@ impl Line {
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
 
-    /// A piece with heat along the contact line: the mean only counts distance.
+    /// A piece with heat along the contact line: the mean only counts distance, and carries a bristle.
     fn warm_piece(
         &mut self,
         inputs: &[f64; INPUTS],
         slopes: Option<&[f64; INPUTS]>,
         length: f64,
     ) -> Result<(), StepFailure> {
+        if self.mean.has_bristle() {
+            // Its heat is the work of the mean force, so the mean comes first.
+            let mut loaded = *inputs;
+            loaded[1] = self.carried(inputs);
+            let mut rates = slopes.copied();
+            if let (Some(rates), true) = (&mut rates, self.operators.decides_load()) {
+                rates[1] = 0.0;
+            }
+            let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
+            self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+            self.tell_friction();
+            return Ok(());
+        }
         let heat = Heat::constant(self.mean.state().reference, 0.0);
         if !self.operators.decides_load() {
             self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
@@ -296,14 +309,17 @@ impl Line {
             return Ok(Heat::constant(self.mean.state().reference, 0.0));
         }
         let (temperature, expansion) = (self.temperature(inputs), self.expansion());
-        let distance = self.mean.state().distance;
+        let (distance, dissipated) = (self.mean.state().distance, self.mean.state().dissipated);
         self.mean.step(inputs, slopes, length)?;
         let state = self.mean.state();
         let slipped = self.mean.has_bristle().then(|| {
             let carried = inputs[1].max(0.0) + slopes.map_or(0.0, |slopes| slopes[1] * length);
             let full = carried * self.operators.mean.scene.faces * self.operators.mean.power_factor;
             let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
-            (state.distance - distance, ratio)
+            let work = (state.dissipated - dissipated) * self.operators.mean.area;
+            let impulse = 0.5 * length * (inputs[1].max(0.0) + carried.max(0.0));
+            let heat_per_pressure = if impulse > 0.0 { work / impulse } else { 0.0 };
+            Slipped { distance: state.distance - distance, ratio, heat_per_pressure }
         });
         Ok(Heat {
             temperature: [temperature, state.end_temperature + state.reference],

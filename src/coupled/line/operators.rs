@@ -251,8 +251,8 @@ impl Operators {
         let expands = scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0;
         if expands && self.heat.is_none() {
             warnings.push(
-                "thermal distortion of the shape is not part of this level on an annulus, with contact.stick_stiffness, or \
-                 with solver.scheme = explicit: the bodies' mean expansion acts on holder.stiffness only"
+                "thermal distortion of the shape is not part of this level on an annulus or with solver.scheme = explicit: the \
+                 bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
         }

@@ -17,9 +17,8 @@ const MOST_STATES: usize = 16_000;
 /// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands. The
 /// reference level carries it in any case.
 ///
-/// Three kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated
-/// from cell to cell is not the body of these equations; a bristle's heat is the work of the mean friction force; and
-/// the explicit scheme steps the shape alone.
+/// Two kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated from cell
+/// to cell is not the body of these equations; and the explicit scheme steps the shape alone.
 pub fn distribution_feeds_back(scene: &Scene) -> bool {
     let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
@@ -28,7 +27,6 @@ pub fn distribution_feeds_back(scene: &Scene) -> bool {
     conducts
         && (expands || follows || scene.fidelity == Fidelity::Field)
         && scene.geometry != Geometry::Annular
-        && scene.stick_stiffness == 0.0
         && scene.scheme != Scheme::Explicit
 }
 

@@ -169,7 +169,7 @@ impl Line {
             heat.felt[i] = 0.5 * (earlier[0][i] + earlier[1][i]) + reference;
             heat.faded[i] = self.friction.faded(heat.felt[i]);
         }
-        let slip = stribeck * moment.speed;
+        let mut slip = moment.slip(stribeck);
         let mut convergence = Convergence::default();
         for repetition in 0..MOST_REPETITIONS {
             if repetition == EXACT_FROM {
@@ -179,7 +179,8 @@ impl Line {
             heat.operator(stage)?;
             if fades {
                 moment.faded = weighted(&heat.faded, &heat.pressure, &operators.weights);
-                moment.signed_friction = sign * moment.faded * stribeck;
+                moment.follow(sign * stribeck);
+                slip = moment.slip(stribeck);
             }
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);

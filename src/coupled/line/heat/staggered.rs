@@ -164,9 +164,9 @@ impl Line {
         let stribeck = self.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
             moment.faded = weighted(&heat.faded, &self.state.pressure, &operators.weights);
-            moment.signed_friction = self.friction.sign(velocity) * moment.faded * stribeck;
+            moment.follow(self.friction.sign(velocity) * stribeck);
         }
-        stribeck * moment.speed
+        moment.slip(stribeck)
     }
 
     /// Largest factor by which the heat of one step of `step` s returns in the next, and the cosine between what went out
@@ -253,6 +253,8 @@ impl Heat {
             *closed = *p > 0.0;
         }
         self.pressure.copy_from_slice(pressure);
+        // The split starts from what the state knows, so that a replay gives the same bits.
+        self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
         self.split_end();
         self.supply(Stage::End, slip, true);
