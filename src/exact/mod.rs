@@ -7,6 +7,7 @@ mod cyclic;
 mod flat_punch;
 mod galin;
 mod hertz;
+mod pressure_wave;
 mod special;
 mod wear;
 
@@ -14,4 +15,5 @@ pub use cyclic::{CyclicHalfPlane, HolderKind};
 pub use flat_punch::{FlatPunch, friction_exponent};
 pub use galin::GalinRelaxation;
 pub use hertz::HertzLine;
+pub use pressure_wave::PressureWave;
 pub use wear::{annular_pressure, one_way_rotating_pressure, winkler_relaxation_rate, worn_cylinder_half_width};
