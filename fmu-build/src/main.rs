@@ -2,6 +2,7 @@
 
 mod batch;
 mod bench;
+mod chart;
 mod cycles;
 mod package;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
@@ -45,6 +46,7 @@ enum Command {
     #[command(hide = true)]
     BatchWorker,
     Stability(stability::Arguments),
+    Chart(chart::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -61,6 +63,7 @@ fn main() -> ExitCode {
         Command::Batch(arguments) => batch::execute(&arguments),
         Command::BatchWorker => batch::worker::execute(),
         Command::Stability(arguments) => stability::execute(&arguments),
+        Command::Chart(arguments) => chart::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

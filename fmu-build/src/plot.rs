@@ -22,6 +22,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(90, 90, 90),
 ];
 
+/// Height of a row of a figure's key, in pixels.
+const KEY_ROW: u32 = 20;
+
 /// How a series is drawn.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mark {
@@ -33,6 +36,10 @@ pub enum Mark {
     Points,
     /// A line through the points, and the points.
     LineAndPoints,
+    /// A dashed line through the points, and squares at them.
+    DashesAndSquares,
+    /// Crosses at the points alone.
+    Crosses,
 }
 
 /// One curve of a panel.
@@ -176,13 +183,15 @@ pub struct Figure {
     pub columns: usize,
     /// Width and height of a panel, in pixels.
     pub panel_size: (u32, u32),
+    /// What the marks of all panels mean, listed between header and panels; its points are not drawn.
+    pub key: Vec<Series>,
 }
 
 impl Figure {
     /// Panels of 520 x 360 pixels, at most two in a row.
     pub fn new(title: impl Into<String>, panels: Vec<Panel>) -> Self {
         let columns = panels.len().clamp(1, 2);
-        Self { title: title.into(), header: Vec::new(), panels, columns, panel_size: (520, 360) }
+        Self { title: title.into(), header: Vec::new(), panels, columns, panel_size: (520, 360), key: Vec::new() }
     }
 
     /// The same with these lines below the headline.
@@ -198,7 +207,9 @@ impl Figure {
     pub fn svg(&self) -> Result<String> {
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns) as u32;
-        let header = 52 + 19 * self.header.len() as u32;
+        let text_height = 52 + 19 * self.header.len() as u32;
+        let key_columns = columns.max(2);
+        let header = text_height + KEY_ROW * self.key.len().div_ceil(key_columns) as u32;
         let (width, height) = self.panel_size;
         let mut text = String::new();
         {
@@ -209,6 +220,14 @@ impl Figure {
             for (index, line) in self.header.iter().enumerate() {
                 let place = (24, 46 + 19 * index as i32);
                 write(&area, line, place, 14, FontStyle::Normal, (HPos::Left, VPos::Top))?;
+            }
+            for (index, series) in self.key.iter().enumerate() {
+                let share = columns as u32 * width / key_columns as u32;
+                let left = 24 + (index % key_columns) as u32 * share;
+                let middle = text_height + (index / key_columns) as u32 * KEY_ROW + KEY_ROW / 2;
+                series.draw_sample(&area, (left as i32, middle as i32), index)?;
+                let place = (left as i32 + 34, middle as i32);
+                write(&area, &series.name, place, 13, FontStyle::Normal, (HPos::Left, VPos::Center))?;
             }
             for (index, panel) in self.panels.iter().enumerate() {
                 let left = 12 + (index % columns) as u32 * width;
@@ -229,6 +248,39 @@ impl Figure {
         let text = self.svg()?;
         std::fs::write(path, text).map_err(|error| anyhow!("writing {}: {error}", path.display()))
     }
+}
+
+impl Series {
+    /// The mark in the series' colour (`index`: of its place) as a figure's key shows it, centred on the height of
+    /// `place`.
+    fn draw_sample(&self, area: &Area<'_>, place: (i32, i32), index: usize) -> Result<()> {
+        let colour = COLOURS[self.colour.unwrap_or(index) % COLOURS.len()];
+        let (left, middle) = place;
+        let stroke = |from: i32, to: i32| {
+            let ends = vec![(left + from, middle), (left + to, middle)];
+            area.draw(&PathElement::new(ends, colour.stroke_width(2))).map_err(failed)
+        };
+        let centre = (left + 12, middle);
+        match self.mark {
+            Mark::Line => stroke(0, 24)?,
+            Mark::Dashes => [(0, 9), (15, 24)].iter().try_for_each(|&(from, to)| stroke(from, to))?,
+            Mark::Points => {}
+            Mark::LineAndPoints => stroke(0, 24)?,
+            Mark::DashesAndSquares => [(0, 6), (18, 24)].iter().try_for_each(|&(from, to)| stroke(from, to))?,
+            Mark::Crosses => {}
+        }
+        match self.mark {
+            Mark::Points | Mark::LineAndPoints => area.draw(&Circle::new(centre, 3, colour.filled())).map_err(failed),
+            Mark::DashesAndSquares => area.draw(&square(centre, colour)).map_err(failed),
+            Mark::Crosses => area.draw(&Cross::new(centre, 4, colour.stroke_width(2))).map_err(failed),
+            Mark::Line | Mark::Dashes => Ok(()),
+        }
+    }
+}
+
+/// A filled square around a pixel.
+fn square((x, y): (i32, i32), colour: RGBColor) -> Rectangle<(i32, i32)> {
+    Rectangle::new([(x - 3, y - 3), (x + 3, y + 3)], colour.filled())
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -281,10 +333,10 @@ impl Panel {
             let colour = COLOURS[series.colour.unwrap_or(index) % COLOURS.len()];
             let stroke = colour.stroke_width(2);
             let shown = |&(x, y): &(f64, f64)| self.x.shows(x) && self.y.shows(y);
-            let lines = series.mark != Mark::Points;
+            let lines = !matches!(series.mark, Mark::Points | Mark::Crosses);
             for part in series.points.split(|point| !shown(point)).filter(|part| lines && part.len() > 1) {
                 let points = part.iter().copied();
-                if series.mark == Mark::Dashes {
+                if matches!(series.mark, Mark::Dashes | Mark::DashesAndSquares) {
                     chart.draw_series(DashedLineSeries::new(points, 8, 5, stroke)).map_err(failed)?;
                 } else {
                     chart.draw_series(LineSeries::new(points, stroke)).map_err(failed)?;
@@ -293,6 +345,19 @@ impl Panel {
             if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
                 let points = series.points.iter().filter(|point| shown(point));
                 chart.draw_series(points.map(|&point| Circle::new(point, 3, colour.filled()))).map_err(failed)?;
+            }
+            let points = series.points.iter().filter(|point| shown(point)).copied();
+            match series.mark {
+                Mark::DashesAndSquares => {
+                    let corners = [(-3, -3), (3, -3), (3, 3), (-3, 3)].to_vec();
+                    let marks =
+                        points.map(|point| EmptyElement::at(point) + Polygon::new(corners.clone(), colour.filled()));
+                    chart.draw_series(marks).map_err(failed)?;
+                }
+                Mark::Crosses => {
+                    chart.draw_series(points.map(|point| Cross::new(point, 4, stroke))).map_err(failed)?;
+                }
+                _ => {}
             }
             if !series.name.is_empty() {
                 let nothing: [(f64, f64); 0] = [];
@@ -304,6 +369,14 @@ impl Panel {
                     Mark::Dashes => entry.legend(move |place| EmptyElement::at(place) + line(0, 9) + line(15, 24)),
                     Mark::Points => entry.legend(move |place| EmptyElement::at(place) + point()),
                     Mark::LineAndPoints => entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + point()),
+                    Mark::DashesAndSquares => {
+                        let corners = [(9, -3), (15, -3), (15, 3), (9, 3)].to_vec();
+                        let square = move || Polygon::new(corners.clone(), colour.filled());
+                        entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + square())
+                    }
+                    Mark::Crosses => {
+                        entry.legend(move |place| EmptyElement::at(place) + Cross::new((12, 0), 4, stroke))
+                    }
                 };
             }
         }

@@ -40,6 +40,9 @@ const REQUIREMENTS: [(Tier, &str, &str); 3] = [
 /// Packages of the batch examples: an environment of its own, because a cluster's workers need the same and no more.
 const BATCH: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
 
+/// Packages of the peers that the charts compare with.
+const PEERS: Requirements = ("peers", include_str!("../../benches/peers/requirements.txt"));
+
 /// Makes the environment for [`Tier::Run`] unless it is there and returns its Python.
 ///
 /// # Errors
@@ -62,6 +65,14 @@ pub fn environment_for(tier: Tier) -> Result<PathBuf> {
 /// As [`environment`].
 pub fn batch_environment() -> Result<PathBuf> {
     ensure("python-batch", &[BATCH])
+}
+
+/// Makes the environment of the peers in benches/peers, `target/python-peers`, unless it is there and returns its Python.
+///
+/// # Errors
+/// As [`environment`].
+pub fn peers_environment() -> Result<PathBuf> {
+    ensure("python-peers", &[PEERS])
 }
 
 /// What a tier takes, with everything before it.
@@ -346,11 +357,16 @@ mod tests {
 
     #[test]
     fn every_requirement_is_pinned_and_listed_once_per_python() {
-        // The batch environment is one of its own.
+        // The environments of batch and peers are their own.
         let mut seen = std::collections::BTreeSet::new();
         let mut seen_by_batch = std::collections::BTreeSet::new();
-        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH]) {
-            let seen = if name == BATCH.0 { &mut seen_by_batch } else { &mut seen };
+        let mut seen_by_peers = std::collections::BTreeSet::new();
+        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PEERS]) {
+            let seen = match name {
+                _ if name == BATCH.0 => &mut seen_by_batch,
+                _ if name == PEERS.0 => &mut seen_by_peers,
+                _ => &mut seen,
+            };
             for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
                 let (package, rest) =
                     line.split_once("==").unwrap_or_else(|| panic!("{name}.txt: {line} has no version"));

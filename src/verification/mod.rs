@@ -8,6 +8,8 @@ mod bodies;
 mod component;
 mod contact_line;
 mod driver;
+#[cfg(feature = "scene-file")]
+pub mod drives;
 mod heat_line;
 mod hot_states;
 mod instability;

@@ -37,6 +37,8 @@ pub struct Bodies {
     prototypes: [Option<Mutex<Box<dyn LineHeat>>>; 2],
     /// Lengths of their states.
     pub states: [usize; 2],
+    /// Fourier waves of the strip.
+    pub waves: usize,
     /// Cooled lengths across the line (area per depth and punch), m.
     pub cooled_length: [f64; 2],
     /// Larger relative error of the reductions.
@@ -64,6 +66,7 @@ impl Bodies {
             2.0 * scene.punch.height
         };
         let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
+        let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
         let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);
         let bodies = [punch, strip];
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
@@ -71,6 +74,7 @@ impl Bodies {
         Ok(Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,
+            waves,
             cooled_length: [cooled, free.max(0.0)],
             error,
         })

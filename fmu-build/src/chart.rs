@@ -1,0 +1,196 @@
+//! `cargo fmu chart`: error against cost for six scenes, every level, scheme and peer on the same axes.
+
+mod clock;
+mod document;
+mod figure;
+mod findings;
+mod machine;
+mod measure;
+mod peers;
+mod scaling;
+mod table;
+mod truth;
+
+use crate::project;
+use anyhow::{Context, Result, anyhow, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use measure::Point;
+use serde_json::{Value, json};
+use sliding_contact::verification::drives::{self, DriveProblem, Sample};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes.
+///
+/// Every level, scheme, tolerance, number of cells, order of the inputs and communication step, and peers where they can do
+/// the scene. Writes one SVG and one CSV per scene, and those of the cost per step; prints what reaches 1 %.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Scenes to chart; by default all, and the cost per step.
+    #[arg(long, value_name = "NAME")]
+    scene: Vec<String>,
+    /// The coarser half of every family, shorter budgets, no peers: under a minute.
+    #[arg(long)]
+    quick: bool,
+    /// Folder to write to; by default `accuracy` in cargo's target folder.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Leave the peers out: no Python environment is made.
+    #[arg(long)]
+    no_peers: bool,
+    /// Find the truths of the scenes anew, without a limit of time, and keep them in documentation/accuracy/truth: for scenes
+    /// whose finest run takes longer than a chart should.
+    #[arg(long, conflicts_with_all = ["quick", "json"])]
+    write_truth: bool,
+    /// Write the findings into docs/accuracy.md as well.
+    #[arg(long, conflicts_with = "quick")]
+    document: bool,
+    /// Print the findings as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Only list the scenes there are.
+    #[arg(long)]
+    list: bool,
+}
+
+/// Name of the chart of the cost per step among the scenes.
+const SCALING: &str = "cost_per_step";
+
+/// A scene with everything that was measured.
+struct Chart {
+    problem: DriveProblem,
+    /// How the truth was found.
+    how: String,
+    points: Vec<Point>,
+    /// What is not on the chart, and why.
+    omissions: Vec<String>,
+    quick: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where there is no such scene, its truth cannot be found, a peer breaks, or a file cannot be written.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    let problems = drives::problems().map_err(|text| anyhow!(text))?;
+    if arguments.list {
+        problems.iter().for_each(|problem| println!("{:20} {}", problem.name, problem.title));
+        println!("{SCALING:20} Cost per step against cells, thermal states and Fourier modes");
+        return Ok(());
+    }
+    let known: Vec<&str> = problems.iter().map(|problem| problem.name).chain([SCALING]).collect();
+    if let Some(name) = arguments.scene.iter().find(|name| !known.contains(&name.as_str())) {
+        bail!("there is no scene {name:?}: there are {}", known.join(", "));
+    }
+    let wanted = |name: &str| arguments.scene.is_empty() || arguments.scene.iter().any(|own| own == name);
+    let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("accuracy"));
+    fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
+    if arguments.write_truth {
+        return problems.iter().filter(|problem| wanted(problem.name)).try_for_each(truth::write);
+    }
+    let peers = !(arguments.quick || arguments.no_peers);
+    let (mut records, mut passages, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+    for problem in problems.into_iter().filter(|problem| wanted(problem.name)) {
+        let known = match truth::of(&problem, measure::Budget::new(arguments.quick).truth) {
+            Ok(known) => known,
+            Err(error) => {
+                eprintln!("{} is left out: {error:#}", problem.name);
+                left_out.push(problem.name);
+                continue;
+            }
+        };
+        let chart = measure(problem, known, arguments.quick, peers)?;
+        let paths = write(&chart, &folder)?;
+        let findings = findings::of(&chart);
+        passages.push((chart.problem.name, document::passage(&chart, &findings)));
+        if arguments.json {
+            records.push(findings.record(&chart));
+        } else {
+            print!("{}\n  Truth: {}\n{findings}", chart.problem.title, chart.how);
+            paths.iter().for_each(|path| println!("  {}", path.display()));
+        }
+    }
+    if wanted(SCALING) {
+        let scaling = scaling::measure(arguments.quick)?;
+        let paths = scaling.write(&folder)?;
+        passages.push((SCALING, document::quoted(&scaling.to_string())));
+        if arguments.json {
+            records.push(scaling.record());
+        } else {
+            print!("{scaling}");
+            paths.iter().for_each(|path| println!("  {}", path.display()));
+        }
+    }
+    if arguments.document {
+        document::write(&passages)?;
+    }
+    if arguments.json {
+        println!("{:#}", Value::Array(records));
+    }
+    // A quick chart has no time for every truth; a whole one must have it.
+    if !arguments.quick && !left_out.is_empty() {
+        bail!("without a truth there is no chart: {}", left_out.join(", "));
+    }
+    Ok(())
+}
+
+/// Measures every family and every peer against the known truth.
+fn measure(problem: DriveProblem, known: (String, Vec<Sample>), quick: bool, with_peers: bool) -> Result<Chart> {
+    let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}")?;
+    let families = problem.families(quick);
+    let count: usize = families.iter().map(|family| family.settings.len()).sum();
+    let bar = ProgressBar::new(count as u64).with_style(style);
+    let budget = measure::Budget::new(quick);
+    let (how, truth) = known;
+    let mut chart = Chart { how, points: Vec::new(), omissions: Vec::new(), quick, problem };
+    for family in families {
+        bar.set_message(format!("{}: {}", chart.problem.name, family.name));
+        measure::family(&mut chart, &family, &truth, &budget);
+        bar.inc(family.settings.len() as u64);
+    }
+    if with_peers {
+        bar.set_message(format!("{}: peers", chart.problem.name));
+        peers::measure(&mut chart, &truth)?;
+    } else {
+        chart.omissions.push("peers: not run (--quick or --no-peers)".into());
+    }
+    bar.finish_and_clear();
+    Ok(chart)
+}
+
+fn write(chart: &Chart, folder: &Path) -> Result<[PathBuf; 2]> {
+    let path = |ending: &str| folder.join(format!("{}.{ending}", chart.problem.name));
+    let (svg, csv) = (path("svg"), path("csv"));
+    figure::draw(chart).write(&svg)?;
+    fs::write(&csv, table::of(chart)).with_context(|| format!("writing {}", csv.display()))?;
+    Ok([svg, csv])
+}
+
+impl Chart {
+    /// Points of one family.
+    fn family(&self, name: &str) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(move |point| point.family == name)
+    }
+
+    /// Names of the families with a point, in the order in which they were measured.
+    fn families(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for point in &self.points {
+            if !names.contains(&point.family.as_str()) {
+                names.push(&point.family);
+            }
+        }
+        names
+    }
+
+    /// Adds a run that came from elsewhere, judged by the truth.
+    fn judge(&mut self, point: Point, samples: &[Sample], truth: &[Sample]) {
+        let errors = self.problem.errors(samples, truth);
+        self.points.push(Point { errors, ..point });
+    }
+
+    /// The findings' head for machines.
+    fn head(&self) -> Value {
+        json!({ "scene": self.problem.name, "title": self.problem.title, "truth": self.how, "omissions": self.omissions })
+    }
+}

@@ -1,0 +1,116 @@
+//! The picture of a scene: error of each quantity against processor time and against internal steps.
+
+use super::measure::Point;
+use super::{Chart, table};
+use crate::plot::{Axis, Figure, Mark, Panel, Series};
+use sliding_contact::verification::drives::Quantity;
+
+/// Errors below are drawn here.
+const LEAST: f64 = 1e-8;
+/// Height at which runs are marked that did not come to their end.
+const FAILED: f64 = 1.5;
+const HIGHEST: f64 = 3.0;
+
+/// Colour of a family in the order of the plot's palette, and how it is drawn.
+fn look(name: &str, peer: bool) -> (usize, Mark) {
+    match name {
+        "auto" => (6, Mark::LineAndPoints),
+        "lumped" => (0, Mark::LineAndPoints),
+        "lumped, inputs held" => (0, Mark::DashesAndSquares),
+        "line, tolerance" => (2, Mark::LineAndPoints),
+        "line, cells" => (4, Mark::LineAndPoints),
+        "line, inputs held" => (2, Mark::DashesAndSquares),
+        "explicit" => (5, Mark::LineAndPoints),
+        "staggered" => (5, Mark::DashesAndSquares),
+        "field" => (3, Mark::LineAndPoints),
+        _ if peer && (name.contains("this FMU") || name.contains("Euler")) => (3, Mark::DashesAndSquares),
+        _ => (1, Mark::DashesAndSquares),
+    }
+}
+
+/// The whole picture.
+pub fn draw(chart: &Chart) -> Figure {
+    let costs: [(&str, fn(&Point) -> f64); 2] =
+        [("processor time of the whole run, s", Point::cost), ("internal time steps", |point| point.steps as f64)];
+    let mut panels = Vec::new();
+    for quantity in Quantity::ALL {
+        for (label, cost) in costs {
+            panels.push(panel(chart, quantity, label, cost));
+        }
+    }
+    let varied: Vec<(String, String)> = chart
+        .problem
+        .families(chart.quick)
+        .iter()
+        .map(|family| (family.name.to_owned(), format!("{}: {}", family.name, family.varied)))
+        .collect();
+    let mut key: Vec<Series> = Vec::new();
+    for name in chart.families() {
+        let peer = chart.family(name).any(|point| point.peer);
+        let (colour, mark) = look(name, peer);
+        let text = varied.iter().find(|(own, _)| own == name).map_or_else(|| name.to_owned(), |(_, text)| text.clone());
+        key.push(Series::line(text, Vec::new()).with(mark).coloured(colour));
+    }
+    if chart.points.iter().any(|point| point.failure.is_some()) {
+        key.push(Series::line("did not come to its end, in its colour", Vec::new()).with(Mark::Crosses).coloured(6));
+    }
+    key.push(Series::line("1 % error", Vec::new()).with(Mark::Dashes).coloured(6));
+    let mut header = table::header(chart);
+    if !chart.omissions.is_empty() {
+        header.extend(chart.omissions.iter().map(|text| format!("Left out: {text}")));
+    }
+    Figure {
+        columns: 2,
+        key,
+        panel_size: (560, 300),
+        ..Figure::new(chart.problem.title, panels).with_header(header.iter().flat_map(|line| wrapped(line)).collect())
+    }
+}
+
+fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: fn(&Point) -> f64) -> Panel {
+    let mut series = Vec::new();
+    for name in chart.families() {
+        let peer = chart.family(name).any(|point| point.peer);
+        let (colour, mark) = look(name, peer);
+        let place = |point: &Point| Some((cost(point), point.error(quantity)?.clamp(LEAST, HIGHEST)));
+        let points: Vec<(f64, f64)> = chart.family(name).filter_map(place).collect();
+        let failed: Vec<(f64, f64)> =
+            chart.family(name).filter(|point| point.failure.is_some()).map(|point| (cost(point), FAILED)).collect();
+        if !points.is_empty() {
+            series.push(Series::line("", points).with(mark).coloured(colour));
+        }
+        if !failed.is_empty() {
+            series.push(Series::line("", failed).with(Mark::Crosses).coloured(colour));
+        }
+    }
+    let costs = chart.points.iter().map(cost).filter(|cost| *cost > 0.0);
+    let (low, high) = costs.fold((f64::INFINITY, 0.0_f64), |(low, high), cost| (low.min(cost), high.max(cost)));
+    let (low, high) = if low < high { (0.7 * low, 1.4 * high) } else { (0.5 * high.max(1e-6), 2.0 * high.max(1e-6)) };
+    series.push(Series::line("", vec![(low, 1e-2), (high, 1e-2)]).with(Mark::Dashes).coloured(6));
+    let errors = chart.points.iter().filter_map(|point| point.error(quantity));
+    let least = errors.fold(1e-3, f64::min).max(LEAST);
+    Panel::new(
+        quantity.to_string(),
+        Axis::logarithmic(label).over(low, high),
+        Axis::logarithmic(format!("error / {}", quantity.relative_to())).over(0.6 * least, HIGHEST),
+        series,
+    )
+}
+
+/// A line in lines that fit the picture.
+fn wrapped(text: &str) -> Vec<String> {
+    const MOST: usize = 155;
+    let mut lines = vec![String::new()];
+    for word in text.split_whitespace() {
+        let last = lines.last_mut().expect("there is a first line");
+        if !last.is_empty() && last.chars().count() + 1 + word.chars().count() > MOST {
+            lines.push(format!("    {word}"));
+        } else {
+            if !last.is_empty() {
+                last.push(' ');
+            }
+            last.push_str(word);
+        }
+    }
+    lines
+}

@@ -1,0 +1,153 @@
+//! What the numbers of a chart say: what reaches 1 %, what it costs, and how much dearer `field` and the peers are.
+
+use super::Chart;
+use super::measure::Point;
+use serde_json::{Value, json};
+use sliding_contact::verification::drives::Quantity;
+use std::fmt;
+
+/// Error that a setting must reach.
+const WANTED: f64 = 1e-2;
+
+/// See the module.
+pub struct Findings {
+    /// The cheapest run within 1 % in wear depth, contact temperature and friction force.
+    right: Option<Reached>,
+    /// The cheapest within 1 % in all four.
+    with_pressure: Option<Reached>,
+    /// `field`: setting, cost of the cheapest run, and how far it came.
+    field: Option<(Reached, f64)>,
+    /// Of every run of a peer: its error and cost, and the cheapest own run at least as good.
+    peers: Vec<(Reached, Reached)>,
+    omissions: Vec<String>,
+}
+
+/// A run with its error and cost.
+struct Reached {
+    family: String,
+    setting: String,
+    error: f64,
+    cost: f64,
+}
+
+fn reached(point: &Point, error: f64) -> Reached {
+    Reached { family: point.family.clone(), setting: point.setting.clone(), error, cost: point.cost() }
+}
+
+/// Largest error of the quantities that are judged.
+fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
+    if point.failure.is_some() {
+        return None;
+    }
+    let errors = quantities.iter().filter_map(|&quantity| point.error(quantity));
+    errors.fold(None, |worst: Option<f64>, error| Some(worst.map_or(error, |worst| worst.max(error))))
+}
+
+/// The cheapest own run (of a level that is no `field`) whose error over `quantities` is at most `most`.
+fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached> {
+    let own = chart.points.iter().filter(|point| !point.peer && point.family != "field");
+    let good = own.filter_map(|point| worst(point, quantities).filter(|error| *error <= most).map(|e| (point, e)));
+    good.min_by(|a, b| a.0.cost().total_cmp(&b.0.cost())).map(|(point, error)| reached(point, error))
+}
+
+/// Reads the findings off a chart.
+pub fn of(chart: &Chart) -> Findings {
+    let main = &Quantity::ALL[..3];
+    let field = chart.family("field").map(|point| {
+        let part = point.failure.as_ref().map_or(1.0, |(_, part)| *part);
+        let whole = point.seconds[0] + (point.seconds[1] - point.seconds[0]) / part.max(1e-9);
+        (Reached { cost: whole, ..reached(point, worst(point, main).unwrap_or(f64::NAN)) }, part)
+    });
+    let field = field.min_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    let peers = chart.points.iter().filter(|point| point.peer && !point.family.contains("FMU")).filter_map(|point| {
+        // A peer is judged by what it models.
+        let modelled: Vec<Quantity> = Quantity::ALL.into_iter().filter(|&q| point.error(q).is_some()).collect();
+        let error = worst(point, &modelled)?;
+        Some((reached(point, error), cheapest(chart, &modelled, error)?))
+    });
+    Findings {
+        right: cheapest(chart, main, WANTED),
+        with_pressure: cheapest(chart, &Quantity::ALL, WANTED),
+        field,
+        peers: peers.chain(in_importer(chart)).collect(),
+        omissions: chart.omissions.clone(),
+    }
+}
+
+/// Peers that run in the same importer as the FMU are compared with it there.
+fn in_importer(chart: &Chart) -> Vec<(Reached, Reached)> {
+    let all = &Quantity::ALL[..3];
+    let (own, others): (Vec<&Point>, Vec<&Point>) =
+        chart.points.iter().filter(|p| p.peer && p.family.contains("FMU")).partition(|p| p.family.starts_with("this"));
+    let error = |point: &Point| worst(point, all).unwrap_or(f64::NAN);
+    let best = own.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()));
+    let pair = |other: &&Point| best.map(|own| (reached(other, error(other)), reached(own, error(own))));
+    others.iter().filter_map(pair).collect()
+}
+
+impl fmt::Display for Reached {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{} ({}): error {:.1e}, {}", self.family, self.setting, self.error, time(self.cost))
+    }
+}
+
+/// A time with its unit.
+pub fn time(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{:.3} us", 1e6 * s),
+        s if s < 1.0 => format!("{:.3} ms", 1e3 * s),
+        s => format!("{s:.3} s"),
+    }
+}
+
+impl fmt::Display for Findings {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let line = |found: &Option<Reached>| found.as_ref().map_or("nothing".into(), Reached::to_string);
+        writeln!(formatter, "  1 % of wear, temperature and force: {}", line(&self.right))?;
+        writeln!(formatter, "  1 % of the peak pressure as well:   {}", line(&self.with_pressure))?;
+        if let (Some((field, part)), Some(right)) = (&self.field, &self.right) {
+            let how = if *part < 1.0 {
+                format!(", carried on from {:.1} % of the scene", 100.0 * part)
+            } else {
+                String::new()
+            };
+            writeln!(formatter, "  field costs {:.1} times as much: {field}{how}", field.cost / right.cost)?;
+        }
+        let mut rest = self.peers.as_slice();
+        // Runs of a family follow each other, from coarse to fine.
+        while let Some((first, _)) = rest.first() {
+            let count = rest.iter().take_while(|(peer, _)| peer.family == first.family).count();
+            let (runs, after) = rest.split_at(count);
+            let ratios = || runs.iter().map(|(peer, own)| peer.cost / own.cost);
+            let (least, most) = (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max));
+            writeln!(formatter, "  {least:.1} to {most:.1} times the cost at equal error: {}", first.family)?;
+            for (peer, own) in runs {
+                writeln!(formatter, "    {:.1}: {peer}; here {own}", peer.cost / own.cost)?;
+            }
+            rest = after;
+        }
+        self.omissions.iter().try_for_each(|text| writeln!(formatter, "  left out: {text}"))
+    }
+}
+
+impl Findings {
+    /// The findings for machines.
+    pub fn record(&self, chart: &Chart) -> Value {
+        let run = |found: &Reached| {
+            // JSON has no NaN.
+            let error = if found.error.is_finite() { json!(found.error) } else { Value::Null };
+            json!({ "family": found.family, "setting": found.setting, "error": error, "seconds": found.cost })
+        };
+        let mut record = chart.head();
+        record["within_1_percent"] = self.right.as_ref().map_or(Value::Null, run);
+        record["within_1_percent_with_pressure"] = self.with_pressure.as_ref().map_or(Value::Null, run);
+        record["field"] = self.field.as_ref().map_or(Value::Null, |(field, part)| {
+            let mut value = run(field);
+            value["part_done"] = json!(part);
+            value
+        });
+        let pair = |(peer, own): &(Reached, Reached)| json!({ "peer": run(peer), "own": run(own), "ratio": peer.cost / own.cost });
+        record["peers"] = self.peers.iter().map(pair).collect();
+        record
+    }
+}

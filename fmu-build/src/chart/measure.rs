@@ -1,0 +1,109 @@
+//! Runs the settings of a family and takes their time.
+
+use super::{Chart, clock};
+use sliding_contact::verification::drives::{Ending, Errors, Family, Quantity, Record, Sample};
+
+/// What a run may take.
+pub struct Budget {
+    /// Of a run that is judged, s.
+    pub run: f64,
+    /// Of a run that may be the truth, s.
+    pub truth: f64,
+    /// Time that repetitions of a short run may take together, s.
+    pub repeats: f64,
+}
+
+impl Budget {
+    /// Budgets of the whole and of the quick chart.
+    pub fn new(quick: bool) -> Self {
+        if quick { Self { run: 0.5, truth: 6.0, repeats: 0.02 } } else { Self { run: 4.0, truth: 40.0, repeats: 0.1 } }
+    }
+}
+
+/// One run on the chart.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Point {
+    /// Family it belongs to.
+    pub family: String,
+    /// What it was run with.
+    pub setting: String,
+    /// Whether it is a peer's.
+    pub peer: bool,
+    /// Processor time of the initialisation and of the whole run, s.
+    pub seconds: [f64; 2],
+    /// Internal time steps tried.
+    pub steps: u64,
+    /// Errors; NaN: not judged.
+    pub errors: Errors,
+    /// Why it did not come to its end, and which part of the scene it did.
+    pub failure: Option<(String, f64)>,
+}
+
+impl Point {
+    /// Processor time of the whole run, s.
+    pub fn cost(&self) -> f64 {
+        self.seconds[1]
+    }
+
+    /// Error of a quantity that belongs on a chart.
+    pub fn error(&self, quantity: Quantity) -> Option<f64> {
+        (self.failure.is_none() && !self.errors.of(quantity).is_nan()).then(|| self.errors.of(quantity))
+    }
+}
+
+/// Adds the family's runs to the chart: those that are refused to its omissions.
+pub fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Budget) {
+    let duration = chart.problem.samples.last().copied().unwrap_or(1.0);
+    let mut refused: Vec<String> = Vec::new();
+    // The finest setting is too slow where a coarser one already was.
+    let mut exhausted = false;
+    for setting in &family.settings {
+        if exhausted {
+            chart.omissions.push(format!("{setting}: a coarser one already took more than {} s", budget.run));
+            continue;
+        }
+        let mut record = chart.problem.run(setting, &clock::seconds, budget.run);
+        let reached = match &record.ending {
+            Ending::Refused(text) => {
+                if !refused.contains(text) {
+                    refused.push(text.clone());
+                }
+                continue;
+            }
+            Ending::Finished => duration,
+            Ending::Failed(time, _) | Ending::Stopped(time) => *time,
+        };
+        if record.ending == Ending::Finished {
+            repeat(chart, &mut record, budget);
+        }
+        exhausted = matches!(record.ending, Ending::Stopped(_));
+        let failure = match &record.ending {
+            Ending::Failed(_, text) => Some((text.clone(), reached / duration)),
+            Ending::Stopped(_) => Some((format!("took more than {} s", budget.run), reached / duration)),
+            _ => None,
+        };
+        let point = Point {
+            family: family.name.into(),
+            setting: setting.to_string(),
+            peer: false,
+            seconds: [record.seconds[0], record.cost()],
+            steps: record.tried(),
+            errors: Errors([f64::NAN; 4]),
+            failure,
+        };
+        chart.judge(point, &record.samples, truth);
+    }
+    chart.omissions.extend(refused.into_iter().map(|text| format!("{}: {text}", family.name)));
+}
+
+/// Repeats a short run and keeps the fastest: nothing makes a run faster than it is.
+fn repeat(chart: &Chart, record: &mut Record, budget: &Budget) {
+    let mut spent = record.cost();
+    while spent < budget.repeats {
+        let again = chart.problem.run(&record.setting, &clock::seconds, f64::INFINITY);
+        spent += again.cost().max(1e-6);
+        if again.cost() < record.cost() {
+            record.seconds = again.seconds;
+        }
+    }
+}

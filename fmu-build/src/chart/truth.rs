@@ -1,0 +1,116 @@
+//! The truth of a scene: exact, found now within a limit of time, or kept from a longer search.
+
+use super::{clock, machine};
+use crate::project;
+use anyhow::{Context, Result, anyhow, bail};
+use sliding_contact::verification::drives::{DriveProblem, Sample, Truth};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+
+fn path(problem: &DriveProblem) -> PathBuf {
+    project::root().join("documentation/accuracy/truth").join(format!("{}.csv", problem.name))
+}
+
+/// Fingerprint (FNV-1a) of everything that the truth depends on: start values, times and inputs at them.
+fn fingerprint(problem: &DriveProblem) -> u64 {
+    let inputs = problem.samples.iter().flat_map(|&time| {
+        let [velocity, load] = (problem.inputs)(time);
+        [time, velocity, load]
+    });
+    problem
+        .starts
+        .iter()
+        .copied()
+        .chain(inputs)
+        .flat_map(f64::to_le_bytes)
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+/// Samples of the truth and how it was found: the kept one where it is of this scene, else within `budget` s.
+///
+/// # Errors
+/// Where no run gives it in time, or the kept file is damaged.
+pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> {
+    if matches!(problem.truth, Truth::Finest(_))
+        && let Ok(text) = fs::read_to_string(path(problem))
+        && let Some(known) = read(&text, problem).with_context(|| format!("reading {}", path(problem).display()))?
+    {
+        return Ok(known);
+    }
+    problem.truth(&mut |setting| problem.run(setting, &clock::seconds, budget)).map_err(|text| anyhow!(text))
+}
+
+/// Finds the truth without a limit and keeps it.
+///
+/// # Errors
+/// Where no run gives it, or the file cannot be written.
+pub fn write(problem: &DriveProblem) -> Result<()> {
+    if matches!(problem.truth, Truth::Exact { .. }) {
+        println!("{}: exact, nothing to keep", problem.name);
+        return Ok(());
+    }
+    let begin = clock::seconds();
+    let found = problem.truth(&mut |setting| problem.run(setting, &clock::seconds, f64::INFINITY));
+    let (how, samples) = found.map_err(|text| anyhow!(text))?;
+    let seconds = clock::seconds() - begin;
+    let mut text = format!(
+        "# {how}\n# written by cargo fmu chart --write-truth at commit {} in {seconds:.0} s\n# scene {:016x}\n\
+         time_s,wear_depth_m,contact_temperature_K,friction_force_N,peak_pressure_Pa\n",
+        machine::commit(),
+        fingerprint(problem)
+    );
+    for (time, [wear, temperature, force, pressure]) in problem.samples.iter().zip(&samples) {
+        let _ = writeln!(text, "{time:.6},{wear:.12e},{temperature:.12e},{force:.12e},{pressure:.12e}");
+    }
+    let path = path(problem);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
+    println!("{}: {how}\n  {}", problem.name, path.display());
+    Ok(())
+}
+
+/// What a kept file says; `None` where it is of another scene.
+fn read(text: &str, problem: &DriveProblem) -> Result<Option<(String, Vec<Sample>)>> {
+    let mut lines = text.lines();
+    let mut line = || lines.next().context("the file is cut off");
+    let how = line()?.trim_start_matches("# ").to_owned();
+    let written = line()?.trim_start_matches("# written by ").to_owned();
+    if line()? != format!("# scene {:016x}", fingerprint(problem)) {
+        return Ok(None);
+    }
+    line()?;
+    let samples: Vec<Sample> = lines
+        .map(|line| {
+            let numbers: Vec<f64> = line.split(',').skip(1).map(str::parse).collect::<Result<_, _>>()?;
+            <Sample>::try_from(numbers).map_err(|numbers| anyhow!("{} numbers in {line}", numbers.len()))
+        })
+        .collect::<Result<_>>()?;
+    if samples.len() != problem.samples.len() {
+        bail!("{} samples, the scene has {}", samples.len(), problem.samples.len());
+    }
+    Ok(Some((format!("{how} (kept: {written})"), samples)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sliding_contact::verification::drives::problems;
+
+    #[test]
+    fn a_kept_truth_is_read_back_for_its_own_scene_only() {
+        let mut all = problems().unwrap();
+        let mut problem = all.swap_remove(1);
+        let rows: String = problem.samples.iter().map(|time| format!("{time},1.5,NaN,-3e2,4\n")).collect();
+        let head = format!("# the finest run\n# written by hand\n# scene {:016x}\ntime\n", fingerprint(&problem));
+        let (how, samples) = read(&format!("{head}{rows}"), &problem).unwrap().unwrap();
+        assert_eq!(how, "the finest run (kept: hand)");
+        assert!(samples[3][1].is_nan() && samples[3][0] == 1.5 && samples[3][2] == -300.0);
+        assert!(read(&format!("{head}1,2,3\n"), &problem).is_err());
+        assert!(read(&head, &problem).is_err());
+        problem.starts[100] += 1.0;
+        assert!(read(&format!("{head}{rows}"), &problem).unwrap().is_none());
+    }
+}
