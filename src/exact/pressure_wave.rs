@@ -111,7 +111,7 @@ mod tests {
     fn grows_at_the_rate_of_the_dispersion_relation() {
         let (wave, critical, unit) = wave();
         for ratio in [0.5, 2.0, 5.0] {
-            let z: f64 = 0.5 * ((1.0 + 8.0 * ratio).sqrt() - 1.0);
+            let z: f64 = 0.5 * ((1.0_f64 + 8.0 * ratio).sqrt() - 1.0);
             let rate = unit * (z * z - 1.0);
             // Below the critical speed what grows to its end is the answer to the gap, so the rate is that of the change.
             let (duration, steps) = (6.0 / unit, 3000);
