@@ -348,4 +348,41 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_changing_speed_is_followed_within_the_estimate() {
+        let operators = Operators::new(&Scene::new(&STARTS, None).unwrap());
+        let flash = operators.flash.as_ref().unwrap();
+        for step in [1e-3, 0.01, 0.1] {
+            let at_rest = decays_at_rest(flash, step);
+            for [first, last] in [[10.0, 10.5], [10.5, 10.0], [2.0, 2.1], [0.2, 0.19], [3.0, 2.0], [1.0, 2.0]] {
+                let speed = |x: f64| first + (last - first) * x;
+                let mut made = FlashStep::empty();
+                made.prepare(&operators, &at_rest, [0.0, POINTS[0], POINTS[1], 1.0].map(speed), step);
+                made.prepare_middle(&operators);
+                let flux = [1e5, 1.2e5];
+                // Many short steps, each at the speed and the flux of its middle.
+                let parts = 4000;
+                let mut states = [0.01; MAX_FLASH_STATES];
+                let mut followed = states;
+                for part in 0..parts {
+                    let x = (f64::from(part) + 0.5) / f64::from(parts);
+                    let (sliding, length) = (flash.sliding_rate(speed(x)), step / f64::from(parts));
+                    let now = flux[0] * 1.5 * (1.0 - x) + flux[1] * 0.5 * (3.0 * x - 1.0);
+                    for k in 0..MAX_FLASH_STATES {
+                        let decay = (-(flash.rates[k] + sliding) * length).exp();
+                        let driven = averages((flash.rates[k] + sliding) * length, decay).0 * length;
+                        states[k] = states[k] * decay + flash.residues[k] * driven * now;
+                    }
+                }
+                made.advance(&mut followed, flux);
+                let (exact, computed) = (total(&states), total(&followed));
+                let error = (computed / exact - 1.0).abs();
+                println!("{step} {first} {last}: {error:.1e} within {:.1e}", made.unsteadiness);
+                assert!(error < 1e-5 + made.unsteadiness, "{step} {first} {last}: {error:e} {:e}", made.unsteadiness);
+                let change = (last / first - 1.0).abs();
+                assert!(error < 1e-5 + 0.5 * change * change, "{step} {first} {last}: {error:e}");
+            }
+        }
+    }
 }
