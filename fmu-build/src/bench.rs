@@ -271,7 +271,9 @@ pub fn unpack(fmu: &Path, folder: &Path) -> Result<(PathBuf, String)> {
     let mut library = Vec::new();
     archive.by_name("binaries/linux64/SlidingContact.so").with_context(context)?.read_to_end(&mut library)?;
     let path = folder.join("SlidingContact.so");
-    fs::write(&path, library)?;
+    // Put in place as a whole: a run that has loaded the one before keeps it.
+    let partial = folder.join(format!("SlidingContact.so.{}", std::process::id()));
+    fs::write(&partial, library).and_then(|()| fs::rename(&partial, &path)).with_context(context)?;
     let mut description = String::new();
     archive.by_name("modelDescription.xml").with_context(context)?.read_to_string(&mut description)?;
     let guid = description

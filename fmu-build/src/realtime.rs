@@ -22,12 +22,14 @@ const LONGEST: f64 = 1000.0;
 const QUIET: f64 = 200.0;
 /// Time that the probe's work takes where nothing is taken from it.
 const PROBE: Duration = Duration::from_micros(5);
+/// Load that the pads always drag with, N: every step has a contact to solve.
+const DRAG: f64 = 100.0;
 /// Steps before the timing starts: caches, branch prediction, the clock of the processor.
 const WARM_UP: usize = 2000;
 
 /// Step the contact line at 1 kHz through ten minutes of the UDDS, time every step, and print the histogram.
 ///
-/// The scene is the stock front disc brake on the line level. Beside every step a probe does a fixed work: what that
+/// The scene is the stock front disc brake on the line level, its pads never off the disc. Beside every step a probe does a fixed work: what that
 /// takes beyond its fastest time is what the machine takes from both. 99.9 % of the steps must take less than 100 us
 /// and none more than 1 ms; that is enforced where the probe loses less than 200 us, and reported beside it elsewhere.
 #[derive(clap::Args, Debug)]
@@ -41,6 +43,9 @@ pub struct Arguments {
     /// Simulated time in seconds.
     #[arg(long, default_value_t = 600.0)]
     seconds: f64,
+    /// Factor on the sliding velocity of the drive.
+    #[arg(long, default_value_t = 1.0)]
+    speed: f64,
     /// Wait for the clock's next millisecond before every step, as a real-time host does, instead of stepping back to
     /// back.
     #[arg(long)]
@@ -77,10 +82,11 @@ impl Contact {
 /// # Errors
 /// Where the FMU cannot be built or refuses a step, a file cannot be written, or a limit is exceeded that is enforced.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    let run = measure(arguments.contact, arguments.cells, arguments.seconds, arguments.paced)?;
+    let Arguments { contact, cells, seconds, speed, paced, .. } = *arguments;
+    let run = measure(&Case { contact, cells, seconds, speed, paced })?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("realtime"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
-    let name = format!("{}{}", run.contact.name(), if run.paced { "-paced" } else { "" });
+    let name = format!("{}{}", run.case.contact.name(), if run.case.paced { "-paced" } else { "" });
     let (csv, svg) = (folder.join(format!("{name}.csv")), folder.join(format!("{name}.svg")));
     fs::write(&csv, run.table()).with_context(|| format!("writing {}", csv.display()))?;
     run.figure().write(&svg)?;
@@ -94,11 +100,31 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
+/// What is run.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct Case {
+    /// What of the contact line is stepped.
+    pub contact: Contact,
+    /// Its cells.
+    pub cells: u16,
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Factor on the sliding velocity of the drive.
+    pub speed: f64,
+    /// One step every millisecond of the clock, or back to back.
+    pub paced: bool,
+}
+
+impl Case {
+    /// Ten minutes of the brake, back to back.
+    pub fn new(contact: Contact) -> Self {
+        Self { contact, cells: 33, seconds: 600.0, speed: 1.0, paced: false }
+    }
+}
+
 /// Times of the steps of a run.
 pub struct Run {
-    contact: Contact,
-    cells: u16,
-    paced: bool,
+    case: Case,
     /// Of every step: inputs, step, outputs.
     steps: Histogram,
     /// Of every probe, beyond its fastest time.
@@ -107,11 +133,13 @@ pub struct Run {
     late: Option<Histogram>,
 }
 
-/// Runs the stock brake on the line level for `seconds` of simulated time.
+/// Runs the stock brake on the line level.
 ///
 /// # Errors
 /// Where the FMU cannot be built or refuses a step.
-pub fn measure(contact: Contact, cells: u16, seconds: f64, paced: bool) -> Result<Run> {
+pub fn measure(case: &Case) -> Result<Run> {
+    let Case { contact, cells, seconds, speed, paced } = *case;
+    ensure!(speed.is_finite(), "--speed {speed} must be finite");
     let count = (seconds / STEP).round();
     ensure!((1.0..=1e8).contains(&count), "--seconds {seconds} must be from {STEP} to {}", 1e8 * STEP);
     let count = count as usize;
@@ -124,8 +152,8 @@ pub fn measure(contact: Contact, cells: u16, seconds: f64, paced: bool) -> Resul
     instance.initialise()?;
 
     let drive = bench::drive(STEP)?;
-    let mut inputs = drive.iter().cycle();
-    let mut next = || *inputs.next().expect("a drive has steps");
+    let mut inputs = drive.iter().cycle().map(|&[velocity, load]| [speed * velocity, load.max(DRAG)]);
+    let mut next = || inputs.next().expect("a drive has steps");
     let probe = Probe::calibrate();
     // Everything that is written during the run is there, and its memory is too, before it starts.
     let (mut steps, mut taken, mut late) = (vec![u32::MAX; count], vec![u32::MAX; count], vec![u32::MAX; count]);
@@ -149,9 +177,7 @@ pub fn measure(contact: Contact, cells: u16, seconds: f64, paced: bool) -> Resul
     let fastest = taken.iter().copied().min().unwrap_or(0);
     taken.iter_mut().for_each(|time| *time -= fastest);
     Ok(Run {
-        contact,
-        cells,
-        paced,
+        case: *case,
         steps: Histogram::of(steps),
         taken: Histogram::of(taken),
         late: paced.then(|| Histogram::of(late)),
@@ -261,8 +287,8 @@ impl Run {
             "{} steps of the line ({}, N = {}), median {:.1} us, 99.9 % below {:.1} us, longest {:.0} us; the machine \
              took up to {:.0} us from the probe: {verdict}",
             self.steps.count(),
-            self.contact.name(),
-            self.cells,
+            self.case.contact.name(),
+            self.case.cells,
             self.steps.quantile(0.5),
             self.usual(),
             self.steps.longest(),
@@ -292,12 +318,18 @@ impl Run {
         let axis = Axis::logarithmic("time, µs");
         let share = Axis::logarithmic("share that takes longer, 1").over(lowest, 1.0);
         let panel = Panel::new("How many steps take longer", axis, share, series).with_legend(Legend::UpperRight);
-        let how = if self.paced { "one every millisecond of the clock" } else { "back to back" };
-        let mut figure =
-            Figure::new(format!("Contact line ({}), N = {}, at 1 kHz", self.contact.name(), self.cells), vec![panel]);
+        let how = if self.case.paced { "one every millisecond of the clock" } else { "back to back" };
+        let mut figure = Figure::new(
+            format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells),
+            vec![panel],
+        );
         figure.panel_size = (760, 420);
         figure.with_header(vec![
-            format!("Front disc brake, UDDS, {} steps of 1 ms {how}", self.steps.count()),
+            format!(
+                "Front disc brake, UDDS at {} times its speed, pads never off the disc, {} steps of 1 ms {how}",
+                self.case.speed,
+                self.steps.count()
+            ),
             format!(
                 "median {:.1} µs, 99.9 % below {:.1} µs, longest {:.0} µs; taken from a probe of 5 µs: up to {:.0} µs",
                 self.steps.quantile(0.5),
@@ -319,9 +351,7 @@ impl Run {
             })
         };
         serde_json::json!({
-            "contact": self.contact,
-            "cells": self.cells,
-            "paced": self.paced,
+            "case": self.case,
             "steps": self.steps.count(),
             "step": times(&self.steps),
             "taken_from_probe": times(&self.taken),
@@ -354,9 +384,7 @@ mod tests {
     fn run(steps: Vec<u32>, taken: u32) -> Run {
         let count = steps.len();
         Run {
-            contact: Contact::Cold,
-            cells: 33,
-            paced: false,
+            case: Case::new(Contact::Cold),
             steps: Histogram::of(steps),
             taken: Histogram::of(vec![taken; count]),
             late: None,

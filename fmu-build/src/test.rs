@@ -107,7 +107,7 @@ fn usual(tally: &mut Tally) {
             Ok(())
         });
         tally.step("real time", |step| {
-            let run = realtime::measure(realtime::Contact::Cold, 33, 600.0, false)?;
+            let run = realtime::measure(&realtime::Case::new(realtime::Contact::Cold))?;
             step.judge(&run.summary(), run.is_tolerable());
             Ok(())
         });
