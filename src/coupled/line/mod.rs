@@ -402,6 +402,14 @@ impl Line {
             }
         }
         if let Some(heat) = &self.state.heat {
+            let lowest = heat.lowest() + self.mean.state().reference;
+            if lowest.is_nan() || lowest < 0.0 {
+                return Err(StepFailure(format!(
+                    "heat along the contact line has lost its balance: a surface of {lowest} K, which cannot be below 0 K, at \
+                     punch.conductivity = {} and strip.conductivity = {} W/(m.K)",
+                    scene.punch.conductivity, scene.strip.conductivity
+                )));
+            }
             self.state.limits |= lumped::limits_of_temperature(scene, heat.highest() + self.mean.state().reference);
         }
         if self.state.track.as_ref().is_some_and(|track| track.revisited()) {

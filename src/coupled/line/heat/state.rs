@@ -117,6 +117,15 @@ impl HeatState {
         (0..widths.len()).map(|i| 0.5 * widths[i] * (punch[i] + strip[i])).sum::<f64>() / total
     }
 
+    /// Lowest temperature of either surface.
+    pub fn lowest(&self) -> f64 {
+        self.temperature
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::INFINITY, |lowest, t| if lowest.is_nan() || t >= lowest { lowest } else { t })
+    }
+
     /// Highest temperature of either surface.
     pub fn highest(&self) -> f64 {
         self.temperature.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
