@@ -15,10 +15,11 @@
 //! - the flux heats the surface by `q/(K L)`: the temperature swings by `r^(1/2)`;
 //! - the leading term of u is the heat of a half-stroke, a saw tooth: pressures within a half-stroke change by r;
 //! - a saw tooth's mean over the half-stroke is zero. The half-strokes' mean pressures, the p+ and p- of the run-in contact,
-//!   first feel the second term, which is out of step with the first: they change by `r^(3/2)`;
-//! - that holds for the waves that are long against `(kd P)^(1/2)`. The flux jumps at the edges, so that its waves fall like
-//!   1/m only; the short ones are as in a long cycle, `u ~ q/m^2` and `p ~ m u`, and close to the edges, over a length
-//!   `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root mean square over all of the contact falls like `r^(3/4)`.
+//!   first feel the second term, which is out of step with the first: a wave long against `(kd P)^(1/2)` by `r^(3/2)`;
+//! - the flux jumps at the edges, so that its waves fall like 1/m only; the short ones are as in a long cycle, `u ~ q/m^2` and
+//!   `p ~ m u`, and close to the edges, over a length `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root mean square over
+//!   all of the contact falls like `r^(3/4)`. Inside, the edges' part is felt as well, so
+//!   that the measured power lies between 1 and 3/2.
 //!
 //! Besides, a strip carries its warm track to and fro under the punch: that changes pressures within a half-stroke in
 //! proportion to the stroke over the width, however short the cycle, and leaves their means alone. For r >> 1 every
@@ -43,7 +44,7 @@ const WEAR: f64 = 1e-3;
 /// Part of the half-width that counts as inside.
 const INSIDE: f64 = 0.7;
 
-/// Doublings and parts of the half-strokes' steps: finer than elsewhere, since the means are what the saw tooth leaves.
+/// Doublings and parts of the half-strokes' steps: finer than elsewhere, since the means are what a saw tooth leaves.
 const RESOLUTION: Resolution = Resolution { levels: 5, parts: 4 };
 
 /// Differences, pressure with heat less without, of the half-strokes' means: root mean squares over the mean pressure.

@@ -99,11 +99,15 @@ impl CycleMap {
         let mut best = (f64::INFINITY, memory.clone());
         for cycles in 1..=options.most_cycles {
             let passage = self.pass(&memory)?;
-            let current = newton.take().filter(|newton| newton.touching == passage.tangent.touching);
-            if current.is_none() {
+            let changed = |newton: &Newton| {
+                newton.touching.iter().zip(&passage.tangent.touching).filter(|(before, now)| before != now).count()
+            };
+            let current = newton.take();
+            if current.as_ref().is_none_or(|newton| changed(newton) > self.operators().count() / 8) {
                 // Another contact: what was learnt about the old one is of no use.
                 acceleration.forget();
             }
+            let current = current.filter(|newton| changed(newton) == 0);
             let current = current.unwrap_or_else(|| self.newton(&passage, equation));
             let step = self.newton_step(&current, &memory, &passage, equation);
             let tilts = matches!(equation, Equation::Steady) && self.operators().rotates;
