@@ -224,6 +224,12 @@ impl Course {
             self.stations.iter().map(|station| (station.cycles, value(station))).collect()
         };
         let cycles = || Axis::logarithmic("cycles, 1");
+        let worn = ["punch", "strip"].into_iter().enumerate().filter_map(|(body, name)| {
+            let depth = over(&|s| 1e6 * s.worn[body]);
+            let wears = depth.iter().any(|(_, depth)| *depth > 0.0);
+            wears.then(|| Series::line(name, depth).with(Mark::LineAndPoints))
+        });
+        let worn: Vec<Series> = worn.collect();
         let mut panels = vec![
             Panel::new(
                 "Largest mean pressure of the forward half-stroke",
@@ -231,16 +237,8 @@ impl Course {
                 Axis::new("pressure, MPa"),
                 vec![Series::line("", over(&|s| 1e-6 * s.highest_pressure)).with(Mark::LineAndPoints)],
             ),
-            Panel::new(
-                "Mean worn depth",
-                cycles(),
-                Axis::logarithmic("depth, um"),
-                vec![
-                    Series::line("punch", over(&|s| 1e6 * s.worn[0])).with(Mark::LineAndPoints),
-                    Series::line("strip", over(&|s| 1e6 * s.worn[1])).with(Mark::LineAndPoints),
-                ],
-            )
-            .with_legend(Legend::UpperLeft),
+            Panel::new("Mean worn depth", cycles(), Axis::logarithmic("depth, um"), worn)
+                .with_legend(Legend::UpperLeft),
         ];
         if self.warm {
             let temperature = vec![Series::line("", over(&|s| s.temperature - 273.15)).with(Mark::LineAndPoints)];

@@ -174,7 +174,7 @@ fn one_way(all: &mut Vec<Problem>) {
 fn to_and_fro(all: &mut Vec<Problem>) {
     for (quantity, scale, bound) in [
         ("peak pressure at the end of a half-stroke, Pa", None, 1e-3),
-        ("contact temperature there, K", Some(1.5), 2e-3),
+        ("largest contact temperature in a cycle, K", Some(1.5), 2e-3),
     ] {
         let pressure = scale.is_none();
         all.push(Problem {
@@ -186,14 +186,20 @@ fn to_and_fro(all: &mut Vec<Problem>) {
             exact: Box::new(move || {
                 let mut driven = Driven::new(&[SMALL, &[("solver.cells", 9.0), ("solver.tolerance", 1e-4)]].concat())?;
                 driven.set("normal_load", 1e3)?;
+                let mut hottest: f64 = 0.0;
                 for cycle in 0..300 {
                     let steps = if cycle == 299 { 40 } else { 10 };
                     for velocity in [0.01, -0.01] {
                         driven.set("sliding_velocity", velocity)?;
-                        driven.steps(0.1 / f64::from(steps), steps)?;
+                        for _ in 0..steps {
+                            driven.steps(0.1 / f64::from(steps), 1)?;
+                            if cycle == 299 {
+                                hottest = hottest.max(driven.get("contact_temperature")?);
+                            }
+                        }
                     }
                 }
-                driven.get(if pressure { "pressure_max" } else { "contact_temperature" })
+                if pressure { driven.get("pressure_max") } else { Ok(hottest) }
             }),
             scale,
             compute: Box::new(move || {

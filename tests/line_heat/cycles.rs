@@ -222,8 +222,8 @@ fn one_way_stepping_ends_in_the_state_found_directly() {
     }
 }
 
-/// Both ends of the law: short cycles leave the means alone, as the power 3/2 of their length; endless ones have the
-/// difference that follows from the steady distortion.
+/// Both ends of the law: short cycles leave the means alone; endless ones have the difference that follows from the steady
+/// distortion. Temperatures swing like the root of the length.
 #[test]
 fn heat_changes_the_steady_pressures_of_long_cycles_only() {
     // A short stroke: what a strip's warm track does as it moves under the punch goes with it.
@@ -234,9 +234,15 @@ fn heat_changes_the_steady_pressures_of_long_cycles_only() {
     let [shortest, short, long] = [1e-3, 1e-2, 1e3].map(at);
     let endless = endless_cycles(&scene, &cells, &bodies).unwrap();
     println!("{shortest:?}\n{short:?}\n{long:?}\n{endless:?}");
-    assert!(shortest.inside < 1e-3 * endless.inside && endless.inside > 3e-3);
-    let slope = (short.inside / shortest.inside).log10();
-    assert!((slope - 1.5).abs() < 0.2, "{slope}");
+    assert!(endless.inside > 3e-3);
+    for (short, endless) in [
+        (shortest.inside, endless.inside),
+        (short.inside, endless.inside),
+        (shortest.everywhere, endless.everywhere),
+        (short.everywhere, endless.everywhere),
+    ] {
+        assert!(short < 0.01 * endless, "{short} {endless}");
+    }
     let swing = (short.swing / shortest.swing).log10();
     assert!((swing - 0.5).abs() < 0.1, "{swing}");
     for (long, endless) in [(long.inside, endless.inside), (long.everywhere, endless.everywhere)] {

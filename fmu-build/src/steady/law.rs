@@ -94,9 +94,9 @@ impl Law {
             self.points.iter().map(|point| (point.ratio, value(point))).collect()
         };
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
-        // Through the point at 1e-2.
+        // Through the point at 0.05, above what the stroke does and below where half-strokes settle.
         let slope = |value: &dyn Fn(&LawPoint) -> f64, exponent: f64| -> Vec<(f64, f64)> {
-            let near = |point: &&LawPoint| (point.ratio.log10() + 2.0).abs();
+            let near = |point: &&LawPoint| (point.ratio.log10() - 0.05_f64.log10()).abs();
             let through = self.points.iter().min_by(|a, b| near(a).total_cmp(&near(b))).unwrap_or(&first);
             let at = |ratio: f64| (ratio, value(through) * (ratio / through.ratio).powf(exponent));
             vec![at(first.ratio), at(0.3)]

@@ -257,7 +257,7 @@ impl Problem<'_> {
     fn cooled(&self, found: &Found, used: &[f64]) -> [f64; 2] {
         std::array::from_fn(|side| {
             let Some(body) = &self.bodies[side] else { return 0.0 };
-            let (flux, slope) = self.cooling(side, used[side]);
+            let (_, slope) = self.cooling(side, used[side]);
             if slope == 0.0 {
                 return 0.0;
             }
@@ -268,8 +268,7 @@ impl Problem<'_> {
             let unit = Surroundings { cooling: 1.0, ..Surroundings::default() };
             body.advance(&mut state, &unit, &zero, &zero);
             let resistance = body.cooled_temperature(&state, &unit, &zero);
-            // One Newton step for `t = found_at + resistance (cooling(t) - flux)`.
-            debug_assert!(flux.is_finite());
+            // One Newton step for t = found_at + resistance (cooling(t) - cooling(used)).
             used[side] + (found_at - used[side]) / (1.0 + resistance * slope)
         })
     }

@@ -20,6 +20,9 @@ use nalgebra::{DVector, Dyn, LU};
 /// fade by itself.
 const LEAST_LOSS: f64 = 1e-7;
 
+/// Growth of the step over the smallest one so far at which the iteration starts again from there.
+const ASTRAY: f64 = 100.0;
+
 /// When to stop.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SolveOptions {
@@ -91,13 +94,19 @@ impl CycleMap {
         let mut newton: Option<Newton> = None;
         let mut acceleration = Acceleration::default();
         let mut residual = [f64::INFINITY; 2];
+        // Smallest step so far, and the iterate after it.
+        let mut best = (f64::INFINITY, memory.clone());
         for cycles in 1..=options.most_cycles {
             let passage = self.pass(&memory)?;
-            let current = newton.take().filter(|newton| newton.touching == passage.tangent.touching);
-            if current.is_none() {
+            let changed = |newton: &Newton| {
+                newton.touching.iter().zip(&passage.tangent.touching).filter(|(before, now)| before != now).count()
+            };
+            let current = newton.take();
+            if current.as_ref().is_none_or(|newton| changed(newton) > self.operators().count() / 8) {
                 // Another contact: what was learnt about the old one is of no use.
                 acceleration.forget();
             }
+            let current = current.filter(|newton| changed(newton) == 0);
             let current = current.unwrap_or_else(|| self.newton(&passage, equation));
             let step = self.newton_step(&current, &memory, &passage, equation);
             let tilts = matches!(equation, Equation::Steady) && self.operators().rotates;
@@ -110,6 +119,15 @@ impl CycleMap {
                 return Ok(Solution { memory, passage, cycles, residual });
             }
             newton = Some(current);
+            let size = residual[0].max(residual[1]);
+            if size < best.0 {
+                best = (size, memory.iter().zip(&step).map(|(value, step)| value + step).collect());
+            } else if size > ASTRAY * best.0 {
+                // The fit has led away: once more from the best iterate, without it.
+                acceleration.forget();
+                memory.clone_from(&best.1);
+                continue;
+            }
             let weights = self.weights(&memory);
             memory = acceleration.next(memory, step, &weights);
         }
