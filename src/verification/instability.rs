@@ -46,8 +46,7 @@ fn threshold(all: &mut Vec<Problem>) {
         // One run answers both.
         let solved: Arc<OnceLock<Result<(f64, f64), String>>> = Arc::default();
         let found = move || {
-            let solve =
-                || wear_speed::threshold(&WaveScene { wear, tolerance: 1e-3, ..WaveScene::new(96) }.build()?, 9.0);
+            let solve = || wear_speed::threshold(&WaveScene { wear, ..WaveScene::new(96) }.build()?, 9.0);
             solved.get_or_init(solve).clone()
         };
         let other = found.clone();
