@@ -147,7 +147,9 @@ impl Line {
                 Outcome::Tried(_) => 2,
                 Outcome::Failed(error) => {
                     failures += 1;
-                    if failures > CUTS_WITHOUT_SOLUTION || !matches!(error, StageError::NotConverged { .. }) {
+                    // The distortion of a stage grows with its length: where it lets the pressure run away, a shorter one holds.
+                    let curable = matches!(error, StageError::NotConverged { .. }) || self.heat.is_some();
+                    if failures > CUTS_WITHOUT_SOLUTION || !curable {
                         return Err(self.failure(path, start, &error));
                     }
                     2

@@ -33,9 +33,9 @@ pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
 /// What a step fails with.
 pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Complex<f64>, String> {
     let exact = contact.scene().exact(ratio);
-    let step = 0.2 / (1.0 + exact.norm());
+    let step = 0.1 / (1.0 + exact.norm());
     let count = ((duration / step).ceil() as usize).max(40);
-    contact.growth(ratio, step, count, 24)
+    contact.growth(ratio, step, count, 40)
 }
 
 /// What became of a run, and the error of its growth rate over `kd m^2 + |b|`.
@@ -112,7 +112,9 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
         if critical < 60.0 {
             let (ratio, frequency) = threshold(&contact, 9.0)?;
             thresholds.push((wear, ratio));
-            frequencies.push((wear, frequency));
+            if wear > 0.0 {
+                frequencies.push((wear, frequency));
+            }
         }
         progress((index + 1) as f64 / count as f64);
     }
@@ -168,7 +170,7 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
         header: vec![
             format!(
                 "Half-plane that wears on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on \
-                 {CELLS} cells; default scheme, solver.tolerance = 10⁻³."
+                 {CELLS} cells; default scheme, solver.tolerance = 10⁻⁴."
             ),
             "right: a small pressure wave grows or decays as the exact solution has it. hides growth, grows: the other way."
                 .to_owned(),
