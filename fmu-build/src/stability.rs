@@ -136,7 +136,10 @@ fn figure(map: &Map) -> Figure {
             computed += 1;
             // Over judged points, in a colour that no verdict has.
             let colours = if panel.points.is_empty() { [1, 2, 5] } else { [0, 0, 0] };
-            series.with(Mark::LineAndPoints).coloured(colours[(computed - 1) % 3])
+            // No line between runs where the theory tells more.
+            let finer = panel.curves.iter().any(|other| other.theory && other.points.len() > curve.points.len());
+            let mark = if finer { Mark::Points } else { Mark::LineAndPoints };
+            series.with(mark).coloured(colours[(computed - 1) % 3])
         });
         // The theory on top.
         let (theory, runs): (Vec<Series>, Vec<Series>) = curves.partition(|series| series.mark == Mark::Dashes);

@@ -10,10 +10,12 @@ use crate::coupled::INPUTS;
 use crate::coupled::line::Line;
 use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::conditions::Tunables;
+use crate::elastic::scene::compliances;
 use crate::exact::instability;
+use crate::heat::line::{LineHeat, Stage, Surroundings};
 use crate::scene::{STATIONS, Scene};
 use crate::variables::{STARTS, find};
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -49,7 +51,7 @@ pub struct WaveScene {
 impl WaveScene {
     /// A monolithic contact without wear and shear coupling.
     pub fn new(cells: usize) -> WaveScene {
-        WaveScene { cells, wear: 0.0, coupled: false, tolerance: 1e-5, scheme: 1.0, gap: 1e-14, duration: 20.0 }
+        WaveScene { cells, wear: 0.0, coupled: false, tolerance: 1e-5, scheme: 1.0, gap: 1e-14, duration: 1.0 }
     }
 
     /// The shear coupling `mu (1-2nu)/(2(1-nu))`, where it acts.
@@ -157,8 +159,29 @@ impl WaveContact {
         Wave { contact: self, line: Line::new(self.operators.clone(), tunables, &inputs), inputs }
     }
 
+    /// The same wave as a linear problem, without a contact that can open and without any control of the step.
+    ///
+    /// # Errors
+    /// Bodies that do not exist.
+    pub fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
+        let operators = &self.operators;
+        let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
+        let [body, _] = operators.heat.as_ref().ok_or("the contact line carries no heat")?.copies();
+        let body = body.ok_or("the punch conducts no heat")?;
+        let [punch, _] = compliances(&operators.scene, &operators.cells).map_err(|error| error.to_string())?;
+        Ok(LinearWave {
+            compliance: along(&cosine, &punch.normal, &cosine),
+            heat: FRICTION * ratio * critical_speed(),
+            gap: self.scene.gap,
+            state: vec![0.0; body.states()],
+            body,
+            cosine,
+            amplitude: 0.0,
+        })
+    }
+
     /// Communication steps of `step` (over `1/(kd m^2)`), at most `count`, at `ratio` times the critical speed: amplitudes
-    /// after each, as long as they are small.
+    /// after each, as long as every cell touches.
     ///
     /// # Errors
     /// What a step fails with, or a contact that opens within a few steps.
@@ -167,8 +190,8 @@ impl WaveContact {
         let mut amplitudes = Vec::with_capacity(count);
         for _ in 0..count {
             wave.step(step)?;
-            // Beyond a part of the mean pressure it is no longer small.
-            if wave.amplitude().norm() > 0.3 {
+            // Everything is linear as long as every cell touches.
+            if !wave.touches() {
                 break;
             }
             amplitudes.push(wave.amplitude());
@@ -211,14 +234,6 @@ impl Wave<'_> {
         self.line.step(&self.inputs, None, step / unit()).map_err(|failure| failure.to_string())
     }
 
-    /// One implicit step of `step`, over `1/(kd m^2)`, without control.
-    ///
-    /// # Errors
-    /// What the step fails with.
-    pub fn unguarded_step(&mut self, step: f64) -> Result<(), String> {
-        self.line.unguarded_step(&self.inputs, step / unit()).map_err(|failure| failure.to_string())
-    }
-
     /// Amplitude of the wave over the mean pressure.
     pub fn amplitude(&self) -> Complex<f64> {
         let pressure = &self.line.state().pressure;
@@ -235,6 +250,56 @@ impl Wave<'_> {
     pub fn work(&self) -> (u64, u64) {
         (self.line.state().steps, self.line.state().rejected)
     }
+}
+
+/// A wave whose pressure, heat and distortion are all one cosine: the stages of the implicit step as equations for two
+/// numbers, solved whatever their sign.
+#[derive(Debug)]
+pub struct LinearWave {
+    body: Box<dyn LineHeat>,
+    state: Vec<f64>,
+    cosine: Vec<f64>,
+    /// Displacement per pressure, m/Pa.
+    compliance: f64,
+    /// Friction heat per pressure, m/s.
+    heat: f64,
+    /// m
+    gap: f64,
+    /// Pa
+    amplitude: f64,
+}
+
+impl LinearWave {
+    /// One implicit step of `step`, over `1/(kd m^2)`: `g + C p + u_T(p) = 0` at both stages, the flux constant in the first
+    /// and linear through both in the second.
+    pub fn step(&mut self, step: f64) {
+        let count = self.cosine.len();
+        let air = Surroundings::default();
+        let (mut temperature, mut moved) = (vec![0.0; count], vec![0.0; count]);
+        self.body.prepare(step / unit(), [0.0; 2]);
+        let mut fluxes = [vec![0.0; count], vec![0.0; count]];
+        for (index, stage) in [Stage::First, Stage::End].into_iter().enumerate() {
+            self.body.base(&self.state, &air, stage, &fluxes[0], &mut temperature, &mut moved);
+            let base: f64 = 2.0 / count as f64 * self.cosine.iter().zip(&moved).map(|(c, u)| c * u).sum::<f64>();
+            let own = along(&self.cosine, &self.body.gains(stage).distortion, &self.cosine);
+            self.amplitude = -(self.gap + base) / (self.compliance + self.heat * own);
+            let flux = self.heat * self.amplitude;
+            fluxes[index] = self.cosine.iter().map(|c| flux * c).collect();
+        }
+        self.body.advance(&mut self.state, &air, &fluxes[0], &fluxes[1]);
+    }
+
+    /// Amplitude over the mean pressure.
+    pub fn amplitude(&self) -> Complex<f64> {
+        Complex::new(self.amplitude / PRESSURE, 0.0)
+    }
+}
+
+/// Amplitude of the cosine `shape` in `matrix` times `values`.
+fn along(shape: &[f64], matrix: &DMatrix<f64>, values: &[f64]) -> f64 {
+    let count = shape.len();
+    let row = |i: usize| (0..count).map(|j| matrix[(i, j)] * values[j]).sum::<f64>();
+    2.0 / count as f64 * (0..count).map(|i| shape[i] * row(i)).sum::<f64>()
 }
 
 /// Factor by which the changes of `amplitudes` grow from one to the next, over the last `counted`: of a single part, or of

@@ -14,7 +14,6 @@ pub mod profile;
 mod saved;
 pub mod state;
 mod step;
-mod unguarded;
 
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt};

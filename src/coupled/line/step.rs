@@ -89,7 +89,7 @@ impl Work {
 }
 
 /// What a part of a piece found.
-pub(super) enum Outcome {
+enum Outcome {
     /// Error in units of the tolerance.
     Tried(f64),
     /// No solution.
@@ -264,7 +264,7 @@ impl Line {
     }
 
     /// Tries a part; both stages are left in `work`.
-    pub(super) fn attempt(&mut self, path: &Path, start: f64, step: f64) -> Outcome {
+    fn attempt(&mut self, path: &Path, start: f64, step: f64) -> Outcome {
         let operators = self.operators.clone();
         let count = operators.count();
         let acceleration = self.tunables.wear_acceleration;

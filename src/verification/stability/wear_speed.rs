@@ -6,8 +6,9 @@
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::exact::instability::{critical_frequency, critical_ratio};
-use crate::verification::wave::{WaveContact, WaveScene};
+use crate::verification::wave::{WaveContact, WaveScene, amplification};
 use nalgebra::Complex;
+use std::f64::consts::PI;
 
 /// What the map is about.
 pub const SUMMARY: &str = "wear against speed: where pressure waves begin to grow, and how fast they oscillate there";
@@ -22,7 +23,7 @@ const MARGIN: f64 = 0.02;
 /// # Errors
 /// What the line level refuses.
 pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
-    WaveScene { wear, tolerance: 1e-3, ..WaveScene::new(cells) }.build()
+    WaveScene { wear, tolerance: 1e-4, ..WaveScene::new(cells) }.build()
 }
 
 /// Growth rate (complex, over `kd m^2`) of the default scheme at `ratio` times the critical speed without wear, at the end
@@ -32,9 +33,9 @@ pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
 /// What a step fails with.
 pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Complex<f64>, String> {
     let exact = contact.scene().exact(ratio);
-    let step = 0.2 / (1.0 + exact.norm());
+    let step = 0.1 / (1.0 + exact.norm());
     let count = ((duration / step).ceil() as usize).max(40);
-    contact.growth(ratio, step, count, 24)
+    contact.growth(ratio, step, count, 40)
 }
 
 /// What became of a run, and the error of its growth rate over `kd m^2 + |b|`.
@@ -43,13 +44,26 @@ pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Comple
 /// What a step fails with.
 pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> {
     let exact = contact.scene().exact(ratio);
-    let slow = 12.0 / (1.0 + exact.norm());
-    let found = growth(contact, ratio, slow.max(2.0))?;
-    let verdict = match (found.re > 0.0, exact.re > 0.0) {
+    let step = 0.2 / (1.0 + exact.norm());
+    // A quarter of the run has a crest of the oscillation.
+    let duration = (12.0 / (1.0 + exact.norm())).max(4.0 * PI / exact.im.abs().max(1.0));
+    let count = (duration / step).ceil() as usize;
+    let amplitudes = contact.follow(ratio, step, count)?;
+    let changes: Vec<f64> = amplitudes.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
+    let crest = |from: usize, to: usize| changes[from..to].iter().copied().fold(0.0, f64::max);
+    let length = changes.len();
+    let opened = amplitudes.len() < count;
+    let grows = opened || crest(3 * length / 4, length) > crest(length / 4, length / 2);
+    let verdict = match (grows, exact.re > 0.0) {
         (false, true) => Verdict::Hides,
         (true, false) => Verdict::Grows,
         _ => Verdict::Right,
     };
+    // What decays faster than the spectrum has no rate of its own.
+    if exact.re < -0.9 {
+        return Ok((verdict, f64::NAN));
+    }
+    let found = amplification(&amplitudes, 24, exact.im != 0.0).ln() / step;
     Ok((verdict, (found.re - exact.re).abs() / (1.0 + exact.norm())))
 }
 
@@ -88,7 +102,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
         let contact = contact(CELLS, wear)?;
         let critical = critical_ratio(wear);
         for ratio in grid.spread(0.4, 60.0, 15) {
-            let shifted = critical_ratio(wear * (1.0 + (std::f64::consts::PI / CELLS as f64).powi(2) / 3.0));
+            let shifted = critical_ratio(wear * (1.0 + (PI / CELLS as f64).powi(2) / 3.0));
             if ratio > (1.0 - MARGIN) * critical && ratio < (1.0 + MARGIN) * shifted {
                 continue;
             }
@@ -96,9 +110,11 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
             points.push(Point { x: wear, y: ratio, verdict, error });
         }
         if critical < 60.0 {
-            let (ratio, frequency) = threshold(&contact, 6.0)?;
+            let (ratio, frequency) = threshold(&contact, 9.0)?;
             thresholds.push((wear, ratio));
-            frequencies.push((wear, frequency));
+            if wear > 0.0 {
+                frequencies.push((wear, frequency));
+            }
         }
         progress((index + 1) as f64 / count as f64);
     }
@@ -129,18 +145,16 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
     let stable = beyond.clone().filter(|point| point.verdict == Verdict::Right).count();
     let findings = vec![
         format!(
-            "The default calls growing what grows and stable what is stable in {} of {} runs; growth rates are within {:.1e} \
-             of kd m² + |b|.",
+            "The default calls growing what grows and stable what is stable in {} of {} runs.",
             judged.count(Verdict::Right),
-            judged.points.len(),
-            judged.largest_error()
+            judged.points.len()
         ),
         format!(
             "Thresholds measured by stepping lie within {:.1e} of the theory's speed, their oscillation within {:.1e} of its \
              frequency ({CELLS} cells, which make wear (π/{CELLS})²/3 = {:.1e} too strong).",
             off[0],
             off[1],
-            (std::f64::consts::PI / CELLS as f64).powi(2) / 3.0
+            (PI / CELLS as f64).powi(2) / 3.0
         ),
         format!("From w = 2 on nothing grows at any speed: {stable} of {} runs.", beyond.count()),
     ];
@@ -156,7 +170,7 @@ fn assemble(points: Vec<Point>, thresholds: Vec<(f64, f64)>, frequencies: Vec<(f
         header: vec![
             format!(
                 "Half-plane that wears on a rigid insulator, full periodic contact of one wavelength (m = 2π/wavelength) on \
-                 {CELLS} cells; default scheme, solver.tolerance = 10⁻³."
+                 {CELLS} cells; default scheme, solver.tolerance = 10⁻⁴."
             ),
             "right: a small pressure wave grows or decays as the exact solution has it. hides growth, grows: the other way."
                 .to_owned(),
