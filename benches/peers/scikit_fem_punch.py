@@ -85,7 +85,10 @@ class Body:
             FacetBasis(mesh, element, facets=surface, intorder=4)
             for element in (ElementQuad0(), ElementQuad2(), ElementVector(ElementQuad2()))
         )
-        of_surface = lambda form, test: form.assemble(constant, test)[:, elements].tocsc()
+
+        def of_surface(form, test):
+            return form.assemble(constant, test)[:, elements].tocsc()
+
         self.heat_in = of_surface(product, scalar)
         self.pressed = of_surface(normal_load, vector)
         self.sheared = of_surface(shear_load, vector)
@@ -115,9 +118,9 @@ class Body:
             mesh.facets_satisfying(lambda at: np.isclose(at[0], x[0]) | np.isclose(at[0], x[-1]))
         ]
         air = product.assemble(FacetBasis(mesh, ElementQuad2(), facets=np.concatenate(cooled)))
-        keep = lambda matrix: matrix[self.warm][:, self.warm].tocsc()
-        self.conduction = keep(material.conductivity * conduction.assemble(self.scalar) + material.convection * air)
-        self.mass = keep(material.capacity * product.assemble(self.scalar))
+        conducting = material.conductivity * conduction.assemble(self.scalar) + material.convection * air
+        self.conduction = conducting[self.warm][:, self.warm].tocsc()
+        self.mass = material.capacity * product.assemble(self.scalar)[self.warm][:, self.warm].tocsc()
 
     def prepare(self, step):
         """Factors of the first (Euler) and of all later (BDF2) steps."""
@@ -126,9 +129,9 @@ class Body:
 
     def compliance(self):
         """Mean displacement into the body of every cell per pressure and per shear traction on every cell."""
-        solve = lambda load: self.elastic.solve(load[self.free].toarray())
-        means = (self.pressed[self.free].T.tocsr()) / self.lengths[:, None]
-        return np.asarray(means @ solve(self.pressed)), np.asarray(means @ solve(self.sheared))
+        means = self.pressed[self.free].toarray().T / self.lengths[:, None]
+        pressed, sheared = (self.elastic.solve(load[self.free].toarray()) for load in (self.pressed, self.sheared))
+        return means @ pressed, means @ sheared
 
     def temperature_means(self, temperature):
         return (self.heat_in[self.warm].T @ temperature) / self.lengths

@@ -17,7 +17,7 @@ pub struct Findings {
     with_pressure: Option<Reached>,
     /// `field`: setting, cost of the cheapest run, and how far it came.
     field: Option<(Reached, f64)>,
-    /// Of every run of a peer: its error and cost, and the cheapest own run at least as good.
+    /// Of every run of a peer: its error and cost, and the cheapest own run that is at least as accurate.
     peers: Vec<(Reached, Reached)>,
     omissions: Vec<String>,
 }
@@ -74,14 +74,12 @@ pub fn of(chart: &Chart) -> Findings {
     }
 }
 
-/// Peers that run in the same importer as the FMU are compared with it there.
+/// Peers that run in the same importer as the FMU are compared with it there, at the same communication step.
 fn in_importer(chart: &Chart) -> Vec<(Reached, Reached)> {
-    let all = &Quantity::ALL[..3];
     let (own, others): (Vec<&Point>, Vec<&Point>) =
         chart.points.iter().filter(|p| p.peer && p.family.contains("FMU")).partition(|p| p.family.starts_with("this"));
-    let error = |point: &Point| worst(point, all).unwrap_or(f64::NAN);
-    let best = own.iter().min_by(|a, b| a.cost().total_cmp(&b.cost()));
-    let pair = |other: &&Point| best.map(|own| (reached(other, error(other)), reached(own, error(own))));
+    let run = |point: &Point| reached(point, worst(point, &Quantity::ALL[..3]).unwrap_or(f64::NAN));
+    let pair = |other: &&Point| own.iter().find(|own| own.setting == other.setting).map(|own| (run(other), run(own)));
     others.iter().filter_map(pair).collect()
 }
 
@@ -120,7 +118,7 @@ impl fmt::Display for Findings {
             let (runs, after) = rest.split_at(count);
             let ratios = || runs.iter().map(|(peer, own)| peer.cost / own.cost);
             let (least, most) = (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max));
-            writeln!(formatter, "  {least:.1} to {most:.1} times the cost at equal error: {}", first.family)?;
+            writeln!(formatter, "  {least:.1} to {most:.1} times the cost: {}", first.family)?;
             for (peer, own) in runs {
                 writeln!(formatter, "    {:.1}: {peer}; here {own}", peer.cost / own.cost)?;
             }
