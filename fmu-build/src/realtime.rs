@@ -199,7 +199,7 @@ fn build(contact: Contact, cells: u16, folder: &Path) -> Result<PathBuf> {
 }
 
 fn exchange(instance: &mut Instance<'_>, variables: &Variables, pair: [f64; 2]) -> Result<()> {
-    let outputs = instance.exchange(variables, &pair, STEP)?;
+    let outputs = instance.exchange(variables, &pair, None, STEP)?;
     if outputs.iter().any(|value| !value.is_finite()) {
         bail!("the outputs are not finite: {outputs:?}");
     }

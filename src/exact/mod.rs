@@ -7,8 +7,8 @@ mod cyclic;
 mod flat_punch;
 mod galin;
 mod hertz;
-mod pressure_wave;
 pub mod instability;
+mod pressure_wave;
 mod special;
 mod wear;
 
