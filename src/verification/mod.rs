@@ -9,10 +9,13 @@ mod component;
 mod contact_line;
 mod driver;
 mod heat_line;
+mod heat_punch;
+mod instability;
 mod moving_source;
 pub mod reference;
 pub mod stability;
 mod steady_states;
+pub mod unreduced_punch;
 mod wear_line;
 
 use std::time::Instant;
@@ -92,6 +95,8 @@ pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
     all.extend(heat_line::problems());
+    all.extend(heat_punch::problems());
+    all.extend(instability::problems());
     all.extend(component::problems());
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());

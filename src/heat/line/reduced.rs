@@ -362,7 +362,14 @@ impl LineHeat for ReducedHeat {
         multiply_add(&operators.temperature_by_flux, flux, temperature);
     }
 
-    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, distortion: &mut [f64]) {
+    fn held_distortion(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        distortion: &mut [f64],
+    ) {
         let operators = &*self.operators;
         distortion.fill(0.0);
         if !operators.distortion.is_empty() {

@@ -200,7 +200,8 @@ mod tests {
             distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
         };
         let (punch, strip) = (gains(2.0, 0.0), gains(1.0, 0.05));
-        let rise = |gains: &Gains, q: &[f64], i: usize| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
+        let rise =
+            |gains: &Gains, q: &[f64], i: usize| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
         let base = [[3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], [0.5; 7]];
         for closed in [[true; 7], [true, true, false, true, true, true, false]] {
             let heat: Vec<f64> = (0..7).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
