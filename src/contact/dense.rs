@@ -314,6 +314,40 @@ pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
     Arch::new().dispatch(Multiply(matrix, x, target));
 }
 
+/// `target = sum_k factors[k] sources[k]`, all of one length.
+pub fn combine<const K: usize>(target: &mut [f64], sources: [&[f64]; K], factors: [f64; K]) {
+    struct Combine<'a, const K: usize>(&'a mut [f64], [&'a [f64]; K], [f64; K]);
+    impl<const K: usize> WithSimd for Combine<'_, K> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(target, sources, factors) = self;
+            let mut parts: [(&[S::f64s], &[f64]); K] = [(&[], &[]); K];
+            let mut splat = [simd.splat_f64s(0.0); K];
+            for k in 0..K {
+                parts[k] = S::as_simd_f64s(&sources[k][..target.len()]);
+                splat[k] = simd.splat_f64s(factors[k]);
+            }
+            let (head, tail) = S::as_mut_simd_f64s(target);
+            for (i, value) in head.iter_mut().enumerate() {
+                let mut sum = simd.splat_f64s(0.0);
+                for k in 0..K {
+                    sum = simd.mul_add_f64s(splat[k], parts[k].0[i], sum);
+                }
+                *value = sum;
+            }
+            for (i, value) in tail.iter_mut().enumerate() {
+                *value = 0.0;
+                for k in 0..K {
+                    *value += factors[k] * parts[k].1[i];
+                }
+            }
+        }
+    }
+    Arch::new().dispatch(Combine(target, sources, factors));
+}
+
 /// `sum_i a_i b_i`.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four sums side by side: the additions of one would wait for each other.
@@ -366,6 +400,19 @@ mod tests {
         }
         // Random matrices need exchanges of rows.
         assert!(exchanges > 100, "{exchanges}");
+    }
+
+    #[test]
+    fn sums_of_vectors_of_every_length() {
+        for n in [0, 1, 5, 16, 37] {
+            let sources = [1, 2, 3].map(|seed| noise(n, seed));
+            let mut sum = vec![f64::NAN; n];
+            combine(&mut sum, sources.each_ref().map(|s| &s[..]), [2.0, -1.0, 0.5]);
+            for i in 0..n {
+                let expected = 2.0 * sources[0][i] - sources[1][i] + 0.5 * sources[2][i];
+                assert!((sum[i] - expected).abs() < 1e-14);
+            }
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod driver;
 pub mod drives;
 mod heat_line;
 mod hot_states;
+mod heat_punch;
 mod instability;
 mod moving_source;
 mod operator_split;
@@ -21,6 +22,7 @@ pub mod reference;
 pub mod stability;
 mod steady_states;
 pub mod wave;
+pub mod unreduced_punch;
 mod wear_line;
 
 use std::time::Instant;
@@ -101,6 +103,7 @@ pub fn problems() -> Vec<Problem> {
     all.extend(moving_source::problems());
     all.extend(heat_line::problems());
     all.extend(punch_heat::problems());
+    all.extend(heat_punch::problems());
     all.extend(instability::problems());
     all.extend(component::problems());
     all.extend(operator_split::problems());

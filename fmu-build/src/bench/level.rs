@@ -67,6 +67,9 @@ pub fn measure() -> Result<Vec<Cost>> {
     for (count, target) in [(33, 10.0), (129, 150.0)] {
         steps(count, target, &mut costs)?;
     }
+    for (count, target) in [(33, 30.0), (129, 400.0)] {
+        hot_steps(count, target, &mut costs)?;
+    }
     initialisation(&mut costs)?;
     states(&mut costs)?;
     relaxation(&mut costs)?;
@@ -112,6 +115,51 @@ fn steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
         );
         costs.push(cost(format!("doStep, N = {count}, {name}"), fastest / unit, "1", limit, true));
         costs.push(cost(format!("doStep, N = {count}, {name}"), 1e6 * fastest, "us", target, false));
+    }
+    Ok(())
+}
+
+/// Steps of 1 ms of the reciprocating punch with heat along the contact, against the same steps without; both in turns.
+fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
+    let starts = scenes::load(Some("reciprocating_punch"))?.packaged.starts;
+    let line = [("solver.fidelity", 3.0), ("solver.cells", count as f64)];
+    let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+    let one_way = [("nominal.stroke", 0.0), ("strip.path", 1.0)];
+    type Drive = fn(usize) -> [f64; 3];
+    let cases: [(&str, &[(&str, f64)], Drive); 2] = [
+        ("to and fro", &[], |n| {
+            let velocity = |n: usize| 0.015 * (0.01 * n as f64).cos();
+            [velocity(n), (velocity(n + 1) - velocity(n)) / 1e-3, 1e4]
+        }),
+        ("one way", &one_way, |n| [0.0095, 0.0, 1e4 + 100.0 * (0.3 * n as f64).sin()]),
+    ];
+    for (name, changes, drive) in cases {
+        let mut both = [
+            component(&starts, &[&line[..], changes].concat())?,
+            component(&starts, &[&line[..], changes, &cold].concat())?,
+        ];
+        let (mut fastest, mut number) = ([f64::INFINITY; 2], 0);
+        for turn in 0..TURNS * CHUNKS {
+            for (component, fastest) in both.iter_mut().zip(&mut fastest) {
+                let begin = Instant::now();
+                for step in number..number + CHUNK {
+                    let [velocity, slope, load] = drive(step);
+                    component.set_input(0, velocity);
+                    component.set_input_derivative(0, slope);
+                    component.set_input(1, load);
+                    component.step(1e-3).map_err(|text| anyhow!(text))?;
+                }
+                // The first turns find what is kept from step to step.
+                if turn >= CHUNKS {
+                    *fastest = fastest.min(begin.elapsed().as_secs_f64() / CHUNK as f64);
+                }
+            }
+            number += CHUNK;
+        }
+        let [hot, cold] = fastest;
+        eprintln!("N = {count:3}, {name:24} {:8.2} us a doStep with heat, {:8.2} us without", 1e6 * hot, 1e6 * cold);
+        costs.push(cost(format!("doStep with heat over without, N = {count}, {name}"), hot / cold, "1", 3.0, false));
+        costs.push(cost(format!("doStep with heat, N = {count}, {name}"), 1e6 * hot, "us", target, false));
     }
     Ok(())
 }

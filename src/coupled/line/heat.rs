@@ -35,6 +35,9 @@ struct Reference {
     per_pressure: f64,
     /// mu of the shear coupling.
     friction: f64,
+    /// Speed that wears, m/s, and friction coefficient without Stribeck factor.
+    speed: f64,
+    faded: f64,
 }
 
 /// What a step with heat works with.
@@ -58,6 +61,8 @@ pub struct Heat {
     pub laws: [Vec<f64>; 2],
     /// What acts on the bodies besides the contact, in the step under way.
     pub surroundings: [Surroundings; 2],
+    /// Temperature of the cooled surfaces at its start, K above the reference.
+    cooled: [f64; 2],
     /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
     pub distortion: Vec<f64>,
     /// Length of the step under way, s, and the velocities at its ends, m/s.
@@ -118,6 +123,7 @@ impl Heat {
             laws: pair(),
             surroundings: [Surroundings::default(); 2],
             distortion: zeros(),
+            cooled: [0.0; 2],
             step: 0.0,
             velocity: [0.0; 2],
             reference: Reference::default(),
@@ -153,6 +159,7 @@ impl Clone for Heat {
             laws: self.laws.clone(),
             surroundings: self.surroundings,
             distortion: self.distortion.clone(),
+            cooled: self.cooled,
             step: self.step,
             velocity: self.velocity,
             reference: self.reference,

@@ -22,8 +22,10 @@
 //! ([`give_back`]).
 
 mod account;
+mod answer;
 mod depth;
 mod give_back;
+mod knots;
 mod moving_kernel;
 mod operators;
 mod propagate;
@@ -38,6 +40,7 @@ pub use depth::Expansion;
 pub use operators::{Path, Resolution, StripProperties};
 
 use super::{Account, Gains, LineHeat, Stage, Surroundings};
+use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use operators::Operators;
@@ -109,18 +112,18 @@ impl StripHeat {
         let Some(give_back) = &operators.give_back else { return };
         let weights = &self.step.first;
         self.wave_amplitudes(scratch, state, weights);
-        let mut level = give_back.project(operators, &scratch.amplitude);
+        let mut level = give_back.project(&scratch.amplitude);
         level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, [0.0, 0.0], true);
-        give_back.add(&weights.closure, &level, surroundings.ambient, &mut scratch.first);
+        give_back.add(&weights.answer, &level, surroundings.ambient, &mut scratch.first);
         if end.is_some() {
             let weights = &self.step.end;
             self.wave_amplitudes(scratch, state, weights);
             operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
             self.add_known_flux(scratch, weights);
-            let mut level = give_back.project(operators, &scratch.amplitude);
+            let mut level = give_back.project(&scratch.amplitude);
             let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
             level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, fluxes, true);
-            give_back.add(&weights.closure, &level, surroundings.ambient, &mut scratch.end);
+            give_back.add(&weights.answer, &level, surroundings.ambient, &mut scratch.end);
         }
     }
 
@@ -128,33 +131,41 @@ impl StripHeat {
     fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
         let operators = &*self.operators;
         let (re, im) = operators.wave_states(state);
+        let [factor_re, factor_im] = &weights.factor;
         for (wave, range) in operators.ranges.iter().enumerate() {
             let (mut sum, mut moved) = ([0.0; 2], [0.0; 2]);
-            for k in range.clone() {
-                let factor = weights.factor[k];
-                let turned = [factor.re * re[k] - factor.im * im[k], factor.re * im[k] + factor.im * re[k]];
+            let states = re[range.clone()].iter().zip(&im[range.clone()]);
+            let factors = factor_re[range.clone()].iter().zip(&factor_im[range.clone()]);
+            let observed = operators.temperature[range.clone()].iter().zip(&operators.distortion[range.clone()]);
+            for (((re, im), (c, s)), (t, d)) in states.zip(factors).zip(observed) {
+                let turned = [c * re - s * im, c * im + s * re];
                 for part in 0..2 {
-                    sum[part] += operators.temperature[k] * turned[part];
-                    moved[part] += operators.distortion[k] * turned[part];
+                    sum[part] += t * turned[part];
+                    moved[part] += d * turned[part];
                 }
             }
-            scratch.amplitude[wave] = sum;
-            scratch.moved[wave] = moved;
+            for part in 0..2 {
+                scratch.amplitude[part][wave] = sum[part];
+                scratch.moved[part][wave] = moved[part];
+            }
         }
     }
 
     /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
     fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
-        for wave in 0..operators.waves.len() {
-            let (heat, gain) = (scratch.heat[wave], weights.carried[wave]);
-            scratch.amplitude[wave][0] += gain.re * heat[0] - gain.im * heat[1];
-            scratch.amplitude[wave][1] += gain.re * heat[1] + gain.im * heat[0];
-            if operators.expands {
-                let gain = weights.carried_distortion[wave];
-                scratch.moved[wave][0] += gain.re * heat[0] - gain.im * heat[1];
-                scratch.moved[wave][1] += gain.re * heat[1] + gain.im * heat[0];
+        let [re, im, moved_re, moved_im] = weights.answer.carried();
+        let [heat_re, heat_im] = &scratch.heat;
+        let add = |target: &mut [Vec<f64>; 2], re: &[f64], im: &[f64]| {
+            let [real, imaginary] = target;
+            for wave in 0..real.len() {
+                real[wave] += re[wave] * heat_re[wave] - im[wave] * heat_im[wave];
+                imaginary[wave] += re[wave] * heat_im[wave] + im[wave] * heat_re[wave];
             }
+        };
+        add(&mut scratch.amplitude, re, im);
+        if operators.expands {
+            add(&mut scratch.moved, moved_re, moved_im);
         }
     }
 
@@ -211,7 +222,7 @@ impl StripHeat {
         }
         let observed = &operators.mean.contact_temperature;
         let waves: f64 =
-            operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
+            operators.contact_mean.iter().zip(&scratch.amplitude[0]).map(|(mean, amplitude)| mean * amplitude).sum();
         let level = waves + self.held_background(observed, state, surroundings, given);
         // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
         let covered = 1.0 - operators.free_length() / operators.period;
@@ -248,9 +259,11 @@ impl StripHeat {
             let sum = |weights: &[f64], part: &[f64]| -> f64 {
                 weights[range.clone()].iter().zip(&part[range.clone()]).map(|(w, x)| w * x).sum()
             };
-            scratch.amplitude[wave] = [sum(&operators.temperature, re), sum(&operators.temperature, im)];
-            if operators.expands {
-                scratch.moved[wave] = [sum(&operators.distortion, re), sum(&operators.distortion, im)];
+            for (part, states) in [re, im].into_iter().enumerate() {
+                scratch.amplitude[part][wave] = sum(&operators.temperature, states);
+                if operators.expands {
+                    scratch.moved[part][wave] = sum(&operators.distortion, states);
+                }
             }
         }
     }
@@ -262,11 +275,8 @@ impl StripHeat {
         scratch.answer.iter_mut().for_each(|part| part.fill(0.0));
         let [even, odd] = &mut scratch.answer;
         for (knot, weight, reversed) in operators.table.stencil(velocity) {
-            let blocks =
-                if distortion { operators.table.distortion(knot) } else { Some(operators.table.temperature(knot)) };
-            if let Some(blocks) = blocks {
-                blocks.add_product(weight, reversed, (&scratch.fold[0], &scratch.fold[1]), (even, odd));
-            }
+            let blocks = operators.table.response(usize::from(distortion), knot);
+            blocks.add_product(weight, reversed, (&scratch.fold[0], &scratch.fold[1]), (even, odd));
         }
         operators.unfold_onto([even, odd], answer);
     }
@@ -318,7 +328,7 @@ impl LineHeat for StripHeat {
     }
 
     fn gains(&self, stage: Stage) -> &Gains {
-        &self.step.stage(stage).gains
+        &self.step.stage(stage).answer.gains
     }
 
     fn base(
@@ -341,17 +351,18 @@ impl LineHeat for StripHeat {
         // The heat transfer given back in the first stage does not know of the deviation, which `advance` is not told.
         let mut projected = [0.0; give_back::RANK];
         if let (Some(give_back), Stage::First) = (&operators.give_back, stage) {
-            projected = give_back.project(operators, &scratch.amplitude);
+            projected = give_back.project(&scratch.amplitude);
             projected[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, [0.0; 2], true);
         }
         operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         self.add_known_flux(scratch, weights);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
         let level = self.mean_level(state, surroundings, weights, fluxes, true);
-        operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
+        let Scratch { amplitude, moved, weighted, answer, .. } = &mut *scratch;
+        operators.observe(amplitude, weighted, answer, level, temperature);
         if operators.expands {
             let mean = operators.mean_distortion * self.mean_level(state, surroundings, weights, fluxes, false);
-            operators.observe(&scratch.moved, &mut scratch.answer, mean, distortion);
+            operators.observe(moved, weighted, answer, mean, distortion);
         } else {
             distortion.fill(0.0);
         }
@@ -360,18 +371,22 @@ impl LineHeat for StripHeat {
             return;
         }
         scratch.end.fill(-surroundings.cooling);
+        let mut amounts = [0.0; give_back::RANK];
         if let Some(give_back) = &operators.give_back {
             if stage == Stage::End {
-                projected = give_back.project(operators, &scratch.amplitude);
+                projected = give_back.project(&scratch.amplitude);
                 projected[0] += give_back.unit[0] * level;
             }
-            give_back.add(&weights.closure, &projected, surroundings.ambient, &mut scratch.end);
+            amounts = give_back.amounts(&weights.answer, &projected, surroundings.ambient, &scratch.end);
         }
-        for (gain, values) in [(&weights.slow, temperature), (&weights.slow_distortion, distortion)] {
-            for (j, &flux) in scratch.end.iter().enumerate() {
-                if gain.ncols() > 0 && flux != 0.0 {
-                    values.iter_mut().zip(gain.column(j).iter()).for_each(|(value, entry)| *value += entry * flux);
-                }
+        for (moving, values) in [temperature, distortion].into_iter().enumerate() {
+            if moving == 1 && !operators.expands {
+                continue;
+            }
+            let uniform = weights.answer.uniform(moving);
+            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= surroundings.cooling * rise);
+            if operators.give_back.is_some() {
+                dense::multiply_add(weights.answer.lifted(moving), &amounts, values);
             }
         }
     }
@@ -386,15 +401,21 @@ impl LineHeat for StripHeat {
         operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
         let (re, im) = operators.wave_states_mut(state);
+        let ([factor_re, factor_im], [known_re, known_im, own_re, own_im]) =
+            (&weights.factor, weights.answer.weights());
         for (wave, range) in operators.ranges.iter().enumerate() {
-            let (h1, h2) = (scratch.heat[wave], scratch.heat_end[wave]);
-            for k in range.clone() {
-                let (factor, [w1, w2]) = (weights.factor[k], weights.weight[k]);
-                let x = [re[k], im[k]];
-                re[k] =
-                    factor.re * x[0] - factor.im * x[1] + w1.re * h1[0] - w1.im * h1[1] + w2.re * h2[0] - w2.im * h2[1];
-                im[k] =
-                    factor.re * x[1] + factor.im * x[0] + w1.re * h1[1] + w1.im * h1[0] + w2.re * h2[1] + w2.im * h2[0];
+            let (h1, h2) = (
+                [scratch.heat[0][wave], scratch.heat[1][wave]],
+                [scratch.heat_end[0][wave], scratch.heat_end[1][wave]],
+            );
+            let factors = factor_re[range.clone()].iter().zip(&factor_im[range.clone()]);
+            let known = known_re[range.clone()].iter().zip(&known_im[range.clone()]);
+            let own = own_re[range.clone()].iter().zip(&own_im[range.clone()]);
+            let states = re[range.clone()].iter_mut().zip(&mut im[range.clone()]);
+            for ((((re, im), (c, s)), (a, b)), (d, e)) in states.zip(factors).zip(known).zip(own) {
+                let x = [*re, *im];
+                *re = c * x[0] - s * x[1] + a * h1[0] - b * h1[1] + d * h2[0] - e * h2[1];
+                *im = c * x[1] + s * x[0] + a * h1[1] + b * h1[0] + d * h2[1] + e * h2[0];
             }
         }
     }
@@ -405,7 +426,8 @@ impl LineHeat for StripHeat {
         self.held_amplitudes(scratch, state);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
-        operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
+        let Scratch { amplitude, weighted, answer, .. } = &mut *scratch;
+        operators.observe(amplitude, weighted, answer, level, temperature);
         self.add_remainder(scratch, velocity, flux, false, temperature);
     }
 
@@ -426,7 +448,8 @@ impl LineHeat for StripHeat {
         self.held_amplitudes(scratch, state);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
-        operators.observe(&scratch.moved, &mut scratch.answer, operators.mean_distortion * level, distortion);
+        let Scratch { moved, weighted, answer, .. } = &mut *scratch;
+        operators.observe(moved, weighted, answer, operators.mean_distortion * level, distortion);
         self.add_remainder(scratch, velocity, flux, true, distortion);
     }
 
@@ -437,7 +460,7 @@ impl LineHeat for StripHeat {
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
         let waves: f64 =
-            operators.contact_mean.iter().zip(&scratch.amplitude).map(|(mean, amplitude)| mean * amplitude[0]).sum();
+            operators.contact_mean.iter().zip(&scratch.amplitude[0]).map(|(mean, amplitude)| mean * amplitude).sum();
         let free = operators.free_length();
         if operators.fresh {
             return everywhere;

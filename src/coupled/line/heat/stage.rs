@@ -11,13 +11,17 @@ use crate::coupled::lumped::operators::BodyOperators;
 use crate::heat::STEFAN_BOLTZMANN;
 use crate::heat::line::{GAMMA, Stage, Surroundings};
 use crate::scene::{Body, Scheme};
-use crate::wear::line::{Coefficient, StageError};
+use crate::wear::line::{Coefficient, StageError, WearTerm};
 
 /// Repetitions until contact and temperature agree; then a shorter step has to help.
 const MOST_REPETITIONS: usize = 80;
 
-/// Differences (relative) at which friction coefficient and temperature, pressure and heat, or both surfaces agree.
+/// Difference (relative) at which the friction coefficient agrees with the temperature.
 const AGREEMENT: f64 = 1e-10;
+
+/// Differences (relative to the largest) at which pressure and heat, and the temperatures of both surfaces agree.
+const SAME_PRESSURE: f64 = 1e-9;
+const SAME_TEMPERATURE: f64 = 1e-8;
 
 /// Repetition from which on the operators are those of the stage instead of the reference.
 const EXACT_FROM: usize = 12;
@@ -42,7 +46,7 @@ impl Convergence {
             Some(last) if change < 0.5 * last => change * change / (last - change),
             _ => change,
         };
-        error <= AGREEMENT
+        error <= SAME_PRESSURE
     }
 }
 
@@ -71,6 +75,8 @@ impl Line {
             exact: flat && velocity == [reference_velocity; 2],
             per_pressure: faded * (stribeck * (sign * reference_velocity)),
             friction: sign.abs() * faded * stribeck,
+            speed: sign * reference_velocity,
+            faded,
         };
         let reference = self.mean.state().reference;
         let inputs = Inputs::from_array(path.inputs(start + 0.5 * step));
@@ -89,7 +95,11 @@ impl Line {
                     false => own.prepare_euler(step, velocity),
                 }
                 if mean.variable_cooling {
-                    let t = own.cooled_temperature(&state.bodies[side], &around, &state.flux[side]);
+                    let now = own.cooled_temperature(&state.bodies[side], &around, &state.flux[side]);
+                    heat.cooled[side] = now;
+                    // The flux of the whole step is that of its middle: as the temperature goes on.
+                    let rate = if state.last_step > 0.0 { (now - state.cooled[side]) / state.last_step } else { 0.0 };
+                    let t = now + 0.5 * step * rate;
                     around.cooling = part * cooling(body, reference, t, ambient, conditions.forced);
                 }
             }
@@ -186,6 +196,10 @@ impl Line {
             self.set_laws(heat, moment, by_cell);
             heat.supply(stage, slip, repetition == 0 || fades);
             heat.undeformed(stage, &self.work.gap);
+            let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
+            if !heat.exact[s] && self.work.track.is_none() && self.conditions.rate.terms.iter().all(uniform) {
+                self.wear_at_reference(heat, moment, tau);
+            }
             if !heat.exact[s] && self.conditions.signed_friction != 0.0 && heat.reference.friction != 0.0 {
                 // The contact's matrix has the friction coefficient of the reference, every cell its own.
                 let known = heat.reference.friction.copysign(self.conditions.signed_friction);
@@ -215,13 +229,30 @@ impl Line {
             let settled = heat.settle(&found.pressure);
             if settled
                 && unlike <= AGREEMENT
-                && (heat.exact[s] || (convergence.reached(change) && heat.lacks(stage) <= AGREEMENT))
+                && (heat.exact[s] || (convergence.reached(change) && heat.lacks(stage) <= SAME_TEMPERATURE))
             {
                 self.finish_stage(heat, stage);
                 return Ok(());
             }
         }
         Err(StageError::NotConverged { stage: tau, iterations: MOST_REPETITIONS })
+    }
+
+    /// Gives the contact the wear of the reference, whose factors are kept, and the gap what it lacks.
+    fn wear_at_reference(&mut self, heat: &mut Heat, moment: &Moment, tau: f64) {
+        let operators = &self.operators;
+        let acceleration = self.tunables.wear_acceleration;
+        let reference =
+            operators.coefficients(heat.reference.speed, heat.reference.faded, moment.temperature, acceleration);
+        let mut term = 0;
+        for body in (0..2).filter(|&body| operators.reshapes(body)) {
+            let lacking = tau * (heat.laws[body][0] - reference[body]);
+            for (i, gap) in heat.gap.iter_mut().enumerate() {
+                *gap += lacking * operators.relative_rate(body, i, heat.pressure[i]);
+            }
+            self.conditions.rate.terms[term].coefficient = Coefficient::Uniform(reference[body]);
+            term += 1;
+        }
     }
 
     /// Depth rates at the reference pressure, with the temperature and the friction of every cell.
@@ -325,6 +356,7 @@ impl Line {
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
             state.cooling[side] = heat.surroundings[side].cooling;
         }
+        (state.cooled, state.last_step) = (heat.cooled, step);
         state.distortion.copy_from_slice(&heat.distortion);
         state.faded = weighted(&heat.faded, &self.work.end.pressure, &operators.weights);
         (state.reference.velocity, state.reference.last) = (heat.reference.velocity, velocity);

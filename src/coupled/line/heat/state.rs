@@ -24,6 +24,10 @@ pub struct HeatState {
     pub dissipated: f64,
     /// Heat flux into the cooled surfaces beyond the constant heat transfer in the last step, W/m2.
     pub cooling: [f64; 2],
+    /// Temperature of the cooled surfaces at the start of the last step, and its length, s (0: none yet).
+    pub cooled: [f64; 2],
+    /// See `cooled`.
+    pub last_step: f64,
     /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
     pub start: [[f64; 4]; 2],
 }
@@ -79,6 +83,8 @@ impl HeatState {
             faded,
             dissipated: 0.0,
             cooling: [0.0; 2],
+            cooled: [0.0; 2],
+            last_step: 0.0,
             start: [[0.0; 4]; 2],
         };
         for body in 0..2 {
@@ -132,13 +138,26 @@ impl HeatState {
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
-        let HeatState { bodies, flux, slope, temperature, distortion, reference, faded, dissipated, cooling, start } =
-            self;
+        let HeatState {
+            bodies,
+            flux,
+            slope,
+            temperature,
+            distortion,
+            reference,
+            faded,
+            dissipated,
+            cooling,
+            cooled,
+            last_step,
+            start,
+        } = self;
         let Place { velocity, last, fade } = reference;
         (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
             .chain(distortion)
-            .chain([velocity, last, fade, faded, dissipated])
+            .chain([velocity, last, fade, faded, dissipated, last_step])
             .chain(cooling)
+            .chain(cooled)
             .chain(start.iter_mut().flatten())
     }
 
@@ -153,6 +172,7 @@ impl HeatState {
         self.distortion.copy_from_slice(&other.distortion);
         (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);
+        (self.cooled, self.last_step) = (other.cooled, other.last_step);
     }
 
     /// Appends all numbers.

@@ -9,7 +9,9 @@
 //! y = H0 V'W (T - T_ambient),   T = B + G (q + V y)   =>   (1 - H0 V'W G V) y = H0 V'W (B + G q - T_ambient)
 //! ```
 
+use super::answer::{Answer, Parts};
 use super::operators::Operators;
+use crate::contact::dense;
 use crate::elastic::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 
@@ -28,15 +30,6 @@ pub struct GiveBack {
     widths: Vec<f64>,
     /// V'W of every wave's shape.
     waves: Vec<[f64; RANK]>,
-}
-
-/// A stage's solution for the fluxes given back.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct Closure {
-    /// `(1 - H0 V'W G V)^-1 H0`.
-    solution: [[f64; RANK]; RANK],
-    /// V'W G, one row of N per polynomial.
-    response: Vec<Vec<f64>>,
 }
 
 impl GiveBack {
@@ -76,11 +69,11 @@ impl GiveBack {
         GiveBack { transfer, rank, polynomials, unit, widths, waves }
     }
 
-    /// V'W of the temperature that waves of these amplitudes give.
-    pub fn project(&self, operators: &Operators, amplitude: &[[f64; 2]]) -> [f64; RANK] {
-        debug_assert_eq!(amplitude.len(), operators.waves.len());
+    /// V'W of the temperature that waves of these amplitudes (real and imaginary parts) give.
+    pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
         let mut level = [0.0; RANK];
-        for (row, value) in self.waves.iter().zip(amplitude) {
+        for (wave, row) in self.waves.iter().enumerate() {
+            let value = [amplitude[0][wave], amplitude[1][wave]];
             for (degree, entry) in row.iter().enumerate() {
                 level[degree] += entry * value[degree % 2];
             }
@@ -88,65 +81,67 @@ impl GiveBack {
         level
     }
 
-    /// Adds the fluxes given back to `flux`, where the waves have the projected temperature `level` without `flux`.
-    pub fn add(&self, closure: &Closure, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) {
+    /// How much of every polynomial is given back besides `flux` (W/m2), where the waves have the projected temperature
+    /// `level` without.
+    pub fn amounts(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
+        let (response, solution) = (answer.response(), answer.solution());
         let mut driving = [0.0; RANK];
-        for degree in 0..self.rank {
-            let response = &closure.response[degree];
-            let answer: f64 = response.iter().zip(flux.iter()).map(|(entry, q)| entry * q).sum();
-            driving[degree] = level[degree] - self.unit[degree] * ambient + answer;
+        for (degree, row) in response.chunks_exact(flux.len()).enumerate().take(self.rank) {
+            driving[degree] = level[degree] - self.unit[degree] * ambient + dense::dot(row, flux);
         }
-        for degree in 0..self.rank {
-            let amount: f64 = (0..self.rank).map(|other| closure.solution[degree][other] * driving[other]).sum();
-            let polynomial = &self.polynomials[degree];
+        std::array::from_fn(|degree| (0..RANK).map(|other| solution[degree * RANK + other] * driving[other]).sum())
+    }
+
+    /// Adds the fluxes given back to `flux`; see [`GiveBack::amounts`].
+    pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) {
+        let amounts = self.amounts(answer, level, ambient, flux);
+        for (amount, polynomial) in amounts.iter().zip(&self.polynomials) {
             flux.iter_mut().zip(polynomial).for_each(|(value, shape)| *value += amount * shape);
         }
     }
 
-    /// An empty closure with its space.
-    pub fn closure(&self) -> Closure {
-        Closure { solution: [[0.0; RANK]; RANK], response: vec![vec![0.0; self.widths.len()]; self.rank] }
-    }
-
-    /// Solves a stage whose waves answer fluxes by `slow` (N x N).
-    pub fn close(&self, slow: &DMatrix<f64>, closure: &mut Closure) {
+    /// Solves a stage whose waves answer fluxes by `slow` (N x N: temperature, distortion).
+    pub fn close(&self, slow: &[DMatrix<f64>; 2], parts: Parts<'_>) {
         let count = self.widths.len();
-        for degree in 0..self.rank {
-            let polynomial = &self.polynomials[degree];
-            for j in 0..count {
-                closure.response[degree][j] = (0..count).map(|i| self.widths[i] * polynomial[i] * slow[(i, j)]).sum();
+        let Parts { response, lifted, solution, .. } = parts;
+        for (slow, lifted) in slow.iter().zip(lifted) {
+            lifted.fill(0.0);
+            if slow.ncols() > 0 {
+                for (target, polynomial) in lifted.chunks_exact_mut(count).zip(&self.polynomials) {
+                    dense::multiply_add(slow.as_slice(), polynomial, target);
+                }
             }
         }
+        let mut weighted = [0.0; MAXIMUM_CELLS];
         let mut matrix = [[0.0; RANK]; RANK];
         for a in 0..self.rank {
+            let weighted = &mut weighted[..count];
+            for (i, value) in weighted.iter_mut().enumerate() {
+                *value = self.widths[i] * self.polynomials[a][i];
+            }
+            let row = &mut response[a * count..(a + 1) * count];
+            for (value, column) in row.iter_mut().zip(slow[0].as_slice().chunks_exact(count)) {
+                *value = dense::dot(weighted, column);
+            }
             for b in 0..self.rank {
-                let answer: f64 = closure.response[a].iter().zip(&self.polynomials[b]).map(|(g, v)| g * v).sum();
-                matrix[a][b] = f64::from(u8::from(a == b)) - self.transfer * answer;
+                matrix[a][b] = f64::from(u8::from(a == b)) - self.transfer * dense::dot(row, &self.polynomials[b]);
             }
         }
-        closure.solution = inverse(matrix, self.rank);
-        closure.solution.iter_mut().flatten().for_each(|value| *value *= self.transfer);
+        let inverse = inverse(matrix, self.rank);
+        for (target, value) in solution.iter_mut().zip(inverse.iter().flatten()) {
+            *target = self.transfer * value;
+        }
     }
 
-    /// Adds to `gains` (N x N) the response by way of the fluxes given back, `response V solution V'W G`.
-    pub fn add_gains(&self, closure: &Closure, response: &DMatrix<f64>, gains: &mut DMatrix<f64>) {
+    /// Adds to `gains` (N x N) of temperature or distortion the response by way of the fluxes given back.
+    pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, gains: &mut DMatrix<f64>) {
         let count = self.widths.len();
-        // Column by column, as the matrices lie in memory.
-        let mut lifted = [[0.0; RANK]; MAXIMUM_CELLS];
-        let lifted = &mut lifted[..count];
-        for j in 0..count {
-            let shape: [f64; RANK] = std::array::from_fn(|a| self.polynomials.get(a).map_or(0.0, |row| row[j]));
-            for (row, entry) in lifted.iter_mut().zip(response.column(j).iter()) {
-                row.iter_mut().zip(&shape).for_each(|(value, v)| *value += entry * v);
+        for (j, gain) in gains.as_mut_slice().chunks_exact_mut(count).enumerate() {
+            let mut returned = [0.0; RANK];
+            for (a, value) in returned.iter_mut().enumerate() {
+                *value = (0..self.rank).map(|b| parts.solution[a * RANK + b] * parts.response[b * count + j]).sum();
             }
-        }
-        for j in 0..count {
-            let answer: [f64; RANK] = std::array::from_fn(|b| closure.response.get(b).map_or(0.0, |row| row[j]));
-            let returned: [f64; RANK] =
-                std::array::from_fn(|a| (0..RANK).map(|b| closure.solution[a][b] * answer[b]).sum());
-            for (gain, row) in gains.column_mut(j).iter_mut().zip(lifted.iter()) {
-                *gain += row.iter().zip(&returned).map(|(l, r)| l * r).sum::<f64>();
-            }
+            dense::multiply_add(&parts.lifted[moving], &returned, gain);
         }
     }
 }

@@ -5,6 +5,7 @@ use super::give_back::GiveBack;
 use super::remainder::Remainder;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave, harmonics};
+use crate::contact::dense;
 use crate::elastic::{self, Cells, OutOfRange};
 use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::{Base, CoolingPort, Slab};
@@ -356,24 +357,33 @@ impl Operators {
     }
 
     /// Amplitude of every wave in the fluxes: `sum c_j q_j exp(-iq x_j)`.
-    pub fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [[f64; 2]]) {
+    pub fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [Vec<f64>; 2]) {
         self.fold(flux, parts);
-        for (wave, value) in heat.iter_mut().enumerate() {
-            let (even, odd) = self.shapes.rows(wave);
-            *value = [dot(even, &parts[0]), -dot(odd, &parts[1])];
+        parts[1].iter_mut().for_each(|value| *value = -*value);
+        for ((matrix, part), heat) in self.shapes.transposed().into_iter().zip(parts).zip(heat) {
+            heat.fill(0.0);
+            dense::multiply_add(matrix, part, heat);
         }
     }
 
     /// Values on the cells: `level` plus what the waves of these amplitudes give.
-    pub fn observe(&self, amplitude: &[[f64; 2]], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
+    pub fn observe(
+        &self,
+        amplitude: &[Vec<f64>; 2],
+        weighted: &mut [Vec<f64>; 2],
+        parts: &mut [Vec<f64>; 2],
+        level: f64,
+        values: &mut [f64],
+    ) {
         parts.iter_mut().for_each(|part| part.fill(0.0));
         let [into_even, into_odd] = parts;
-        for (wave, (value, weight)) in amplitude.iter().zip(&self.weight).enumerate() {
-            let (even, odd) = self.shapes.rows(wave);
-            let (re, im) = (weight * value[0], -weight * value[1]);
-            into_even.iter_mut().zip(even).for_each(|(sum, shape)| *sum += re * shape);
-            into_odd.iter_mut().zip(odd).for_each(|(sum, shape)| *sum += im * shape);
+        for (wave, weight) in self.weight.iter().enumerate() {
+            weighted[0][wave] = weight * amplitude[0][wave];
+            weighted[1][wave] = -weight * amplitude[1][wave];
         }
+        let [even, odd] = self.shapes.matrices();
+        dense::multiply_add(even, &weighted[0], into_even);
+        dense::multiply_add(odd, &weighted[1], into_odd);
         values.fill(level);
         self.unfold_onto([into_even, into_odd], values);
     }
@@ -444,21 +454,6 @@ impl Scan {
         }
         largest
     }
-}
-
-/// Sum of products in four running sums, for vector instructions in an order that is the same everywhere.
-#[inline]
-pub fn dot(left: &[f64], right: &[f64]) -> f64 {
-    let (groups, rest) = left.as_chunks::<4>();
-    let (other, other_rest) = right.as_chunks::<4>();
-    let mut sum = [0.0; 4];
-    for (l, r) in groups.iter().zip(other) {
-        for lane in 0..4 {
-            sum[lane] += l[lane] * r[lane];
-        }
-    }
-    let end: f64 = rest.iter().zip(other_rest).map(|(l, r)| l * r).sum();
-    (sum[0] + sum[2]) + (sum[1] + sum[3]) + end
 }
 
 /// Displacement per mean temperature of a uniformly heated strip: `-alpha (1+nu)/(1-nu) h` where it cannot get longer (bonded,

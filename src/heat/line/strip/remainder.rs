@@ -9,6 +9,7 @@ use super::depth::{Depth, DepthModes, Expansion};
 use super::moving_kernel::MovingSource;
 use super::operators::Forgetting;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
+use crate::contact::dense;
 use crate::elastic::Cells;
 use crate::heat::slab::Slab;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
@@ -29,11 +30,6 @@ impl Blocks {
     /// No response.
     pub fn zeros(half: usize) -> Blocks {
         Blocks { half, values: vec![0.0; 3 * half * half] }
-    }
-
-    /// A place holder that answers nothing and takes no memory.
-    pub fn empty() -> Blocks {
-        Blocks { half: 0, values: Vec::new() }
     }
 
     /// Adds Re of `gain exp(iq(x - s))`.
@@ -96,13 +92,13 @@ impl Blocks {
         }
     }
 
-    /// Adds `factor` times another response; `reversed`: at the opposite velocity.
-    pub fn add_scaled(&mut self, factor: f64, other: &Blocks, reversed: bool) {
+    /// Becomes the sum of six responses, each with its factor; `reversed`: at the opposite velocity.
+    pub fn combine(&mut self, responses: [&Blocks; 6], factors: [f64; 6], reversed: [bool; 6]) {
         let size = self.half * self.half;
-        for (block, (mine, its)) in self.values.chunks_exact_mut(size).zip(other.values.chunks_exact(size)).enumerate()
-        {
-            let factor = if reversed && block == 1 { -factor } else { factor };
-            mine.iter_mut().zip(its).for_each(|(value, other)| *value += factor * other);
+        for (block, target) in self.values.chunks_exact_mut(size).enumerate() {
+            let sources = responses.map(|response| &response.values[block * size..(block + 1) * size]);
+            let signed = |k: usize| if reversed[k] && block == 1 { -factors[k] } else { factors[k] };
+            dense::combine(target, sources, std::array::from_fn(signed));
         }
     }
 

@@ -45,6 +45,11 @@ impl VelocityTable {
         VelocityTable { scale, temperature, distortion }
     }
 
+    /// Velocity below which nothing depends on it, m/s.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// Knots and weights at a velocity.
     pub fn stencil(&self, velocity: f64) -> Stencil {
         let last = self.temperature.len() - 1 - STENCIL / 2;
@@ -68,14 +73,9 @@ impl VelocityTable {
         })
     }
 
-    /// Temperature response at one knot of a stencil.
-    pub fn temperature(&self, knot: usize) -> &Blocks {
-        &self.temperature[knot]
-    }
-
-    /// Distortion response at one knot of a stencil; `None` where nothing expands.
-    pub fn distortion(&self, knot: usize) -> Option<&Blocks> {
-        self.distortion.get(knot)
+    /// Response at one knot of a stencil: temperature (0) or distortion (1), where the surface moves.
+    pub fn response(&self, moving: usize, knot: usize) -> &Blocks {
+        if moving == 1 { &self.distortion[knot] } else { &self.temperature[knot] }
     }
 
     /// Number of knots.

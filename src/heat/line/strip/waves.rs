@@ -112,13 +112,15 @@ pub struct Shapes {
     half: usize,
     even: Vec<f64>,
     odd: Vec<f64>,
+    /// The same by cells: one row of as many entries as there are waves per cell.
+    transposed: [Vec<f64>; 2],
 }
 
 impl Shapes {
     /// Shapes of all waves.
     pub fn new(cells: &Cells, waves: &[Wave]) -> Shapes {
         let half = cells.count().div_ceil(2);
-        let mut shapes = Shapes { half, even: Vec::new(), odd: Vec::new() };
+        let mut shapes = Shapes { half, even: Vec::new(), odd: Vec::new(), transposed: Default::default() };
         for wave in waves {
             for (&x, &c) in cells.centres()[..half].iter().zip(cells.widths()) {
                 let phase = 0.5 * wave.number * c;
@@ -128,7 +130,22 @@ impl Shapes {
                 shapes.odd.push(mean * sine);
             }
         }
+        let transpose = |rows: &[f64]| {
+            let entry = |index: usize| rows[index % waves.len() * half + index / waves.len()];
+            (0..rows.len()).map(entry).collect()
+        };
+        shapes.transposed = [transpose(&shapes.even), transpose(&shapes.odd)];
         shapes
+    }
+
+    /// Even and odd parts as matrices by columns: (N + 1)/2 rows, one column per wave.
+    pub fn matrices(&self) -> [&[f64]; 2] {
+        [&self.even, &self.odd]
+    }
+
+    /// The transposed matrices, by columns.
+    pub fn transposed(&self) -> [&[f64]; 2] {
+        self.transposed.each_ref().map(|matrix| &matrix[..])
     }
 
     /// Even and odd row of a wave.

@@ -1,0 +1,169 @@
+//! What a stage's answer to fluxes is made of, as far as it depends on the velocity: linear in everything, so that answers
+//! at neighbouring velocities can be interpolated.
+
+use super::give_back::RANK;
+use super::operators::Operators;
+use crate::contact::dense;
+use crate::heat::line::Gains;
+use nalgebra::DMatrix;
+
+/// Lengths of the parts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Layout {
+    count: usize,
+    states: usize,
+    waves: usize,
+    rank: usize,
+}
+
+impl Layout {
+    /// For a strip.
+    pub fn new(operators: &Operators) -> Layout {
+        Layout {
+            count: operators.widths.len(),
+            states: operators.rate.len(),
+            waves: operators.waves.len(),
+            rank: operators.give_back.as_ref().map_or(0, |_| RANK),
+        }
+    }
+
+    fn lengths(&self) -> [usize; 5] {
+        let lifted = self.rank * self.count;
+        [4 * self.states, 4 * self.waves, 2 * self.count, 3 * lifted, self.rank * self.rank]
+    }
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The whole response to the contact's flux.
+    pub gains: Gains,
+    layout: Layout,
+    rest: Vec<f64>,
+}
+
+/// The parts of an answer beside the gains. Pairs: temperature, distortion.
+pub struct Parts<'a> {
+    /// Weights of the fluxes in each state, input included: of those known before the stage (in the first stage the deviation
+    /// at its start, at the end the fluxes of the first) and of its own, real and imaginary parts by turns.
+    pub weights: [&'a mut [f64]; 4],
+    /// Surface amplitude and distortion that the known flux leaves in a wave, real and imaginary parts by turns.
+    pub carried: [&'a mut [f64]; 4],
+    /// Response of the waves to a uniform flux, without what answers at once.
+    pub uniform: [&'a mut [f64]; 2],
+    /// V'W G of the heat given back, one row of N per polynomial.
+    pub response: &'a mut [f64],
+    /// Response of the waves to the polynomials V, N values each.
+    pub lifted: [&'a mut [f64]; 2],
+    /// `(1 - H0 V'W G V)^-1 H0`, by rows.
+    pub solution: &'a mut [f64],
+}
+
+fn halves<T>(slice: &mut [T]) -> [&mut [T]; 2] {
+    let (left, right) = slice.split_at_mut(slice.len() / 2);
+    [left, right]
+}
+
+fn quarters<T>(slice: &mut [T]) -> [&mut [T]; 4] {
+    let [left, right] = halves(slice);
+    let ([a, b], [c, d]) = (halves(left), halves(right));
+    [a, b, c, d]
+}
+
+impl Answer {
+    /// No answer yet.
+    pub fn new(layout: Layout) -> Answer {
+        let matrix = || DMatrix::zeros(layout.count, layout.count);
+        Answer {
+            gains: Gains { temperature: matrix(), distortion: matrix() },
+            rest: vec![0.0; layout.lengths().iter().sum()],
+            layout,
+        }
+    }
+
+    /// The parts.
+    pub fn parts(&mut self) -> Parts<'_> {
+        self.gains_and_parts().1
+    }
+
+    /// Gains and parts.
+    pub fn gains_and_parts(&mut self) -> (&mut Gains, Parts<'_>) {
+        let [states, waves, cells, lifted, _] = self.layout.lengths();
+        let (weights, rest) = self.rest.split_at_mut(states);
+        let (carried, rest) = rest.split_at_mut(waves);
+        let (uniform, rest) = rest.split_at_mut(cells);
+        let (polynomials, solution) = rest.split_at_mut(lifted);
+        let (response, lifted) = polynomials.split_at_mut(lifted / 3);
+        let parts = Parts {
+            weights: quarters(weights),
+            carried: quarters(carried),
+            uniform: halves(uniform),
+            response,
+            lifted: halves(lifted),
+            solution,
+        };
+        (&mut self.gains, parts)
+    }
+
+    /// Weights of the states; see [`Parts::weights`].
+    pub fn weights(&self) -> [&[f64]; 4] {
+        let n = self.layout.states;
+        std::array::from_fn(|part| &self.rest[part * n..(part + 1) * n])
+    }
+
+    /// See [`Parts::carried`].
+    pub fn carried(&self) -> [&[f64]; 4] {
+        let (first, n) = (4 * self.layout.states, self.layout.waves);
+        std::array::from_fn(|part| &self.rest[first + part * n..first + (part + 1) * n])
+    }
+
+    /// See [`Parts::uniform`].
+    pub fn uniform(&self, moving: usize) -> &[f64] {
+        let (first, n) = (4 * (self.layout.states + self.layout.waves), self.layout.count);
+        &self.rest[first + moving * n..first + (moving + 1) * n]
+    }
+
+    fn polynomials(&self) -> (usize, usize) {
+        let Layout { count, states, waves, rank } = self.layout;
+        (4 * (states + waves) + 2 * count, rank * count)
+    }
+
+    /// See [`Parts::response`].
+    pub fn response(&self) -> &[f64] {
+        let (first, n) = self.polynomials();
+        &self.rest[first..first + n]
+    }
+
+    /// See [`Parts::lifted`].
+    pub fn lifted(&self, moving: usize) -> &[f64] {
+        let (first, n) = self.polynomials();
+        &self.rest[first + (1 + moving) * n..first + (2 + moving) * n]
+    }
+
+    /// See [`Parts::solution`].
+    pub fn solution(&self) -> &[f64] {
+        let (first, n) = self.polynomials();
+        &self.rest[first + 3 * n..]
+    }
+
+    /// Becomes the sum of four answers.
+    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4]) {
+        let parts = answers.map(|answer| &answer.rest[..]);
+        dense::combine(&mut self.rest, parts, factors);
+        let parts = answers.map(|answer| answer.gains.temperature.as_slice());
+        dense::combine(self.gains.temperature.as_mut_slice(), parts, factors);
+        let parts = answers.map(|answer| answer.gains.distortion.as_slice());
+        dense::combine(self.gains.distortion.as_mut_slice(), parts, factors);
+    }
+}
+
+impl Parts<'_> {
+    /// Takes the response of the waves to fluxes (N x N) for that to a uniform one.
+    pub fn set_uniform(&mut self, moving: usize, slow: &DMatrix<f64>) {
+        let uniform = &mut self.uniform[moving];
+        uniform.fill(0.0);
+        for column in slow.as_slice().chunks_exact(uniform.len().max(1)) {
+            uniform.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry);
+        }
+    }
+}
