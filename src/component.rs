@@ -123,6 +123,8 @@ enum Phase {
 pub struct Component {
     starts: Arc<Values>,
     values: Box<Values>,
+    /// An input may be no finite number.
+    suspect: bool,
     slopes: [f64; INPUTS],
     /// A derivative may differ from 0.
     sloped: bool,
@@ -151,6 +153,7 @@ impl Component {
         Component {
             starts,
             values,
+            suspect: false,
             slopes: [0.0; INPUTS],
             sloped: false,
             phase: Phase::Instantiated,
@@ -258,6 +261,7 @@ impl Component {
         }
         if self.values[index].to_bits() != value.to_bits() {
             self.values[index] = value;
+            self.suspect |= !value.is_finite();
             self.current &= group::ACCOUNT;
             self.at_end = false;
             self.stale = true;
@@ -342,11 +346,9 @@ impl Component {
         if step == 0.0 {
             return Ok(());
         }
-        let inputs = inputs_of(&self.values);
-        // A number times 0 is 0 only if it is finite; the search for its name comes after.
-        let finite = |numbers: &[f64; INPUTS]| numbers.iter().map(|number| number * 0.0).sum::<f64>() == 0.0;
-        if !finite(&inputs) || self.sloped && !finite(&self.slopes) {
+        if self.suspect || self.sloped {
             self.check_inputs()?;
+            self.suspect = false;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         let scene = model.scene();
@@ -356,8 +358,9 @@ impl Component {
             self.check_external(operators.scene())?;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
+        let inputs = self.values.first_chunk().expect("the inputs are the first variables");
         let slopes = self.sloped.then_some(&self.slopes);
-        model.step(&inputs, slopes, step).map_err(|failure| failure.to_string())?;
+        model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
         self.at_end = !self.sloped && !model.has_bristle();
         self.last_step = step;
         if self.sloped {
@@ -366,8 +369,14 @@ impl Component {
                 *slope = 0.0;
             }
             self.sloped = false;
+            // They may have left the range of numbers.
+            self.suspect = true;
         }
         self.current = 0;
+        if self.at_end {
+            model.write_end(&mut self.values);
+            self.current = group::MAIN;
+        }
         let limits = model.limits();
         if limits & !self.reported != 0 {
             self.report(limits);
@@ -389,6 +398,13 @@ impl Component {
         for (bit, text) in texts {
             if limits & bit != 0 && self.reported & bit == 0 {
                 self.messages.push(Message { subject: Subject::Warning, text: text.into() });
+            }
+        }
+        let inputs = inputs_of(&self.values);
+        for bit in [limit::ACCELERATED, limit::UNSTABLE] {
+            let fresh = limits & bit != 0 && self.reported & bit == 0;
+            if let Some(text) = self.model.as_ref().filter(|_| fresh).and_then(|model| model.warning(bit, &inputs)) {
+                self.messages.push(Message { subject: Subject::Warning, text });
             }
         }
         self.reported |= limits;

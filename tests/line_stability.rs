@@ -250,3 +250,84 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
         assert!((last / (wear * 1e6) - 1.0).abs() < 1e-9, "{direction:?}: {last:e}");
     }
 }
+
+#[test]
+fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
+    use sliding_contact::verification::stability::growth_step::{
+        Method, contact, hidden_from, measured_hidden_from, run,
+    };
+    let split = contact(8, Method::Staggered).unwrap();
+    for (ratio, step, expected) in
+        [(0.6, 0.05, Verdict::Right), (2.0, 0.01, Verdict::Right), (5.0, 0.5, Verdict::Inexact)]
+    {
+        let (verdict, error) = run(&split, Method::Staggered, ratio, step);
+        assert_eq!(verdict, expected, "operator split {ratio} {step}: {error}");
+    }
+    let contact = contact(8, Method::Default).unwrap();
+    for (ratio, step) in [(0.5, 0.1), (2.0, 0.05), (0.6, 3.0)] {
+        for method in [Method::Unguarded, Method::Default] {
+            let (verdict, error) = run(&contact, method, ratio, step);
+            assert_eq!(verdict, Verdict::Right, "{method:?} {ratio} {step}: {error}");
+        }
+    }
+    for step in [0.5, 2.0] {
+        let bound = hidden_from(step);
+        let measured = measured_hidden_from(&contact, step).unwrap();
+        assert!((measured / bound - 1.0).abs() < 0.03, "{step}: {measured} {bound}");
+        for factor in [0.8, 1.3] {
+            let (verdict, error) = run(&contact, Method::Unguarded, factor * bound, step);
+            assert_eq!(verdict == Verdict::Hides, factor > 1.0, "{step} {factor}: {verdict} {error}");
+            let (verdict, error) = run(&contact, Method::Default, factor * bound, step);
+            assert_eq!(verdict, Verdict::Right, "default {step} {factor}: {error}");
+        }
+    }
+}
+
+#[test]
+fn wear_holds_waves_down_to_the_threshold_of_theory() {
+    use sliding_contact::exact::instability::critical_ratio;
+    use sliding_contact::verification::stability::wear_speed::{contact, growth, run};
+    for wear in [0.5, 1.2] {
+        let contact = contact(16, wear).unwrap();
+        let critical = critical_ratio(wear);
+        for factor in [0.9, 1.1] {
+            let (verdict, error) = run(&contact, factor * critical).unwrap();
+            assert!(verdict == Verdict::Right && error < 0.05, "{wear} {factor}: {verdict} {error}");
+            let found = growth(&contact, factor * critical, 6.0).unwrap();
+            assert_eq!(found.re > 0.0, factor > 1.0, "{wear} {factor}: {found}");
+        }
+    }
+    let (verdict, error) = run(&contact(16, 2.0).unwrap(), 40.0).unwrap();
+    assert!(verdict == Verdict::Right && error < 0.05, "{verdict} {error}");
+}
+
+#[test]
+fn the_default_follows_jumps_and_turning_waves_where_other_schemes_do_not() {
+    use sliding_contact::verification::stability::{Grid, peclet, reversal};
+    let map = reversal::map(Grid::Coarse, &|_| {}).unwrap();
+    for point in &map.panels[0].points {
+        assert!(point.y < 10.0 || point.verdict == Verdict::Rings, "{point:?}");
+    }
+    assert!(map.panels[0].points.iter().any(|point| point.verdict == Verdict::Right), "short steps ring no more");
+    assert!(map.panels[1].points.iter().all(|point| point.verdict == Verdict::Right), "{:?}", map.panels[1].points);
+    let map = peclet::map(Grid::Coarse, &|_| {}).unwrap();
+    for other in 0..2 {
+        assert!(map.panels[other].points.iter().any(|point| point.verdict == Verdict::Inexact));
+    }
+    assert!(map.panels[2].points.iter().all(|point| point.verdict == Verdict::Right), "{:?}", map.panels[2].points);
+    let [_, _, default] = peclet::errors(&peclet::DISC, 10.0, 0.1, 10).unwrap();
+    assert!(default.iter().all(|error| *error < reversal::AGREEMENT), "{default:?}");
+}
+
+#[test]
+fn the_heat_split_is_right_for_every_conductance_and_for_bodies_that_hardly_conduct() {
+    use sliding_contact::verification::stability::conductance::run;
+    for (ratio, conductance) in
+        [(0.02, 0.0), (0.02, 1e2), (0.02, 1e5), (0.02, 1e12), (1.0, 1e12), (1e-6, 1e12), (1e-8, 1e6), (0.0, 1e12)]
+    {
+        for step in [1e-3, 1.0] {
+            let (verdict, error) = run(ratio, conductance, step);
+            assert_eq!(verdict, Verdict::Right, "{ratio} {conductance} {step}: {error}");
+        }
+    }
+}

@@ -3,11 +3,13 @@
 mod batch;
 mod bench;
 mod chart;
+mod cycles;
 mod package;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
 mod plot;
 mod project;
 mod python;
+mod realtime;
 mod run;
 mod scenes;
 mod stability;
@@ -34,7 +36,9 @@ enum Command {
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
+    Realtime(realtime::Arguments),
     Steady(steady::Arguments),
+    Cycles(cycles::Arguments),
     Tables(tables::Arguments),
     Verify(verify::Arguments),
     Batch(batch::Arguments),
@@ -51,7 +55,9 @@ fn main() -> ExitCode {
         Command::Run(arguments) => run::execute(&arguments),
         Command::Test(arguments) => test::execute(&arguments),
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Realtime(arguments) => realtime::execute(&arguments),
         Command::Steady(arguments) => steady::execute(&arguments),
+        Command::Cycles(arguments) => cycles::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),
         Command::Verify(arguments) => verify::execute(&arguments),
         Command::Batch(arguments) => batch::execute(&arguments),

@@ -125,7 +125,7 @@ fn make(folder: &Path, wanted: &[Requirements]) -> Result<()> {
         }
         let base = Interpreter::find()?;
         eprintln!("Making the Python {} environment {}", base.version(), folder.display());
-        if let Err(error) = create(&base, folder) {
+        if let Err(error) = create(&base, folder, &Helpers::of_system()) {
             // Half an environment must not look like a whole one next time.
             let _ = fs::remove_dir_all(folder);
             return Err(error);
@@ -234,8 +234,22 @@ impl Interpreter {
     }
 }
 
+/// What can bring pip into an environment where the interpreter itself cannot.
+struct Helpers {
+    /// pip wheels that the distribution has left.
+    wheels: Vec<PathBuf>,
+    virtualenv: PathBuf,
+    uv: PathBuf,
+}
+
+impl Helpers {
+    fn of_system() -> Self {
+        Self { wheels: distribution_wheels(), virtualenv: "virtualenv".into(), uv: "uv".into() }
+    }
+}
+
 /// An empty environment with pip in it, by the first way that is open.
-fn create(base: &Interpreter, folder: &Path) -> Result<()> {
+fn create(base: &Interpreter, folder: &Path, helpers: &Helpers) -> Result<()> {
     let python = executable(folder);
     let done = |program: &Path, before: &[&str], path: &Path, after: &[&str]| {
         let mut command = Command::new(program);
@@ -256,18 +270,26 @@ fn create(base: &Interpreter, folder: &Path) -> Result<()> {
                 return Ok(());
             }
             // A wheel is a zip file that Python runs from.
-            let from_wheel = |wheel: PathBuf| done(&python, &[], &wheel.join("pip"), &["install", "--no-input", PIP]);
-            if distribution_wheels().into_iter().any(from_wheel) && has_pip() {
+            let from_wheel = |wheel: &PathBuf| done(&python, &[], &wheel.join("pip"), &["install", "--no-input", PIP]);
+            if helpers.wheels.iter().any(from_wheel) && has_pip() {
                 return Ok(());
             }
         }
     }
     let interpreter = base.path.to_string_lossy();
-    let is_made = base_does(&["-m", "virtualenv"], folder, &[])
-        || done(Path::new("virtualenv"), &["--python", &interpreter], folder, &[])
-        || done(Path::new("uv"), &["venv", "--clear", "--seed", "--python", &interpreter], folder, &[]);
-    if is_made && has_pip() {
-        return Ok(());
+    let ways: [(&Path, &[&str]); 3] = [
+        (&base.path, &["-m", "virtualenv"]),
+        (&helpers.virtualenv, &["--python", &interpreter]),
+        (&helpers.uv, &["venv", "--seed", "--python", &interpreter]),
+    ];
+    for (program, arguments) in ways {
+        // Not every age of these tools overwrites what another has begun.
+        if folder.exists() {
+            fs::remove_dir_all(folder).with_context(|| format!("removing {}", folder.display()))?;
+        }
+        if done(program, arguments, folder, &[]) && has_pip() {
+            return Ok(());
+        }
     }
     bail!(
         "Python {} at {} can make no environment with pip in it; type `{}` and run this command again.",
@@ -308,8 +330,12 @@ fn remedy(base: &Interpreter) -> String {
         "sudo pacman -S python-pip".to_owned()
     } else if system && exists("apk") {
         "sudo apk add py3-pip".to_owned()
-    } else {
+    } else if base.has("pip") {
+        format!("{} -m pip install virtualenv", base.path.display())
+    } else if base.has("ensurepip") {
         format!("{} -m ensurepip", base.path.display())
+    } else {
+        "export PYTHON=PATH_OF_ANOTHER_PYTHON".to_owned()
     }
 }
 
@@ -321,6 +347,9 @@ fn run(program: &Path, arguments: &[&str]) -> Result<Output> {
         .output()
         .with_context(|| format!("starting {}", program.display()))
 }
+
+#[cfg(all(test, unix))]
+mod limited;
 
 #[cfg(test)]
 mod tests {

@@ -48,6 +48,8 @@ enum Example {
     Clutch,
     /// A punch sliding to and fro until its wear is steady, in two holders, beside the direct steady states.
     ReciprocatingPunch,
+    /// A ring on a turning ring, below and above the speed from which hot spots grow.
+    HotSpots,
 }
 
 impl Example {
@@ -58,6 +60,7 @@ impl Example {
             Example::VehicleBrake => "vehicle_brake",
             Example::Clutch => "clutch",
             Example::ReciprocatingPunch => "reciprocating_punch",
+            Example::HotSpots => "hot_spots",
         }
     }
 
@@ -67,6 +70,7 @@ impl Example {
             Example::DiscBrake | Example::VehicleBrake => "disc_brake",
             Example::Clutch => "clutch",
             Example::ReciprocatingPunch => "reciprocating_punch",
+            Example::HotSpots => "hot_spots",
         }
     }
 
@@ -107,7 +111,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     match example {
         Example::DiscBrake => command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.to_string()),
         Example::VehicleBrake => command.arg("--cycle").arg(&cycle),
-        Example::Clutch => &mut command,
+        Example::Clutch | Example::HotSpots => &mut command,
         Example::ReciprocatingPunch => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
             command.arg("--steady").args(steady_states(scene, &output)?)

@@ -1,22 +1,27 @@
-//! `cargo fmu stability`: maps of where the methods are right, ring, grow or refuse.
+//! `cargo fmu stability`: maps of where the methods are right, ring, grow or refuse, and a page with all of them.
 
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use sliding_contact::verification::stability::{self, Definition, Map, Verdict};
+use sliding_contact::verification::stability::{self, Definition, Grid, Map, Verdict};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 
 /// Compute stability maps: where each method is right, rings, grows or refuses, with the bound of the theory.
 ///
-/// Writes one SVG and one CSV per map and prints how many runs came out how.
+/// Writes one SVG and one CSV per map, with all maps also the page README.md that shows them, and prints how many runs
+/// came out how.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Maps to compute; by default all.
+    /// Map to compute, as often as wanted; by default all.
+    #[arg(long = "map", value_name = "NAME")]
     maps: Vec<String>,
+    /// Twice as many points on each axis.
+    #[arg(long)]
+    fine: bool,
     /// Folder to write to; by default `stability` in cargo's target folder.
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -40,9 +45,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("stability"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
-    let mut records = Vec::new();
+    let grid = if arguments.fine { Grid::Fine } else { Grid::Normal };
+    let (mut records, mut chapters) = (Vec::new(), Vec::new());
     for definition in definitions {
-        let map = compute(&definition)?;
+        let map = compute(&definition, grid)?;
         let (svg, csv) =
             (folder.join(format!("{}.svg", definition.name)), folder.join(format!("{}.csv", definition.name)));
         figure(&map).write(&svg)?;
@@ -52,6 +58,14 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         } else {
             print!("{}", summary(&map));
             println!("  {}\n  {}", svg.display(), csv.display());
+        }
+        chapters.push((definition, map));
+    }
+    if arguments.maps.is_empty() {
+        let page = folder.join("README.md");
+        fs::write(&page, index(&chapters)).with_context(|| format!("writing {}", page.display()))?;
+        if !arguments.json {
+            println!("{}", page.display());
         }
     }
     if arguments.json {
@@ -74,10 +88,10 @@ fn chosen(names: &[String]) -> Result<Vec<Definition>> {
     names.iter().map(find).collect()
 }
 
-fn compute(definition: &Definition) -> Result<Map> {
+fn compute(definition: &Definition, grid: Grid) -> Result<Map> {
     let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}")?;
     let bar = ProgressBar::new(1000).with_style(style).with_message(definition.name);
-    let map = (definition.compute)(&|part| bar.set_position((1000.0 * part) as u64));
+    let map = (definition.compute)(grid, &|part| bar.set_position((1000.0 * part) as u64));
     bar.finish_and_clear();
     let map = map.map_err(|text| anyhow!("{}: {text}", definition.name))?;
     if map.panels.is_empty() {
@@ -86,11 +100,14 @@ fn compute(definition: &Definition) -> Result<Map> {
     Ok(map)
 }
 
-/// Colour of a verdict in the order of the plot's palette: right green, rings amber, grows vermilion, refused grey.
+/// Colour of a verdict in the order of the plot's palette: right green, inexact light blue, rings amber, hides growth purple,
+/// grows vermilion, refused grey.
 fn colour(verdict: Verdict) -> usize {
     match verdict {
         Verdict::Right => 2,
+        Verdict::Inexact => 4,
         Verdict::Rings => 5,
+        Verdict::Hides => 3,
         Verdict::Grows => 1,
         Verdict::Refused => 6,
     }
@@ -109,23 +126,45 @@ fn figure(map: &Map) -> Figure {
             let series = Series::line(verdict.to_string(), points).with(Mark::Points).coloured(colour(verdict));
             (!series.points.is_empty()).then_some(series)
         });
-        let mut computed = 0;
+        let (mut computed, mut theories) = (0, 0);
         let curves = panel.curves.iter().map(|curve| {
             let series = Series::line(curve.name.clone(), curve.points.clone());
             if curve.theory {
-                return series.with(Mark::Dashes).coloured(0);
+                theories += 1;
+                return series.with(Mark::Dashes).coloured([0, 6][(theories - 1) % 2]);
             }
             computed += 1;
-            series.with(Mark::Points).coloured([1, 2, 3][(computed - 1) % 3])
+            // Over judged points, in a colour that no verdict has.
+            let colours = if panel.points.is_empty() { [1, 2, 5] } else { [0, 0, 0] };
+            // No line between runs where the theory tells more.
+            let finer = panel.curves.iter().any(|other| other.theory && other.points.len() > curve.points.len());
+            let mark = if finer { Mark::Points } else { Mark::LineAndPoints };
+            series.with(mark).coloured(colours[(computed - 1) % 3])
         });
-        let mut series: Vec<Series> = judged.collect();
-        series.extend(curves);
+        // The theory on top.
+        let (theory, runs): (Vec<Series>, Vec<Series>) = curves.partition(|series| series.mark == Mark::Dashes);
+        let series: Vec<Series> = judged.chain(runs).chain(theory).collect();
         Panel::new(panel.title.clone(), axis(&panel.x), axis(&panel.y), series).with_legend(Legend::UpperRight)
     });
-    let mut header = map.header.clone();
+    let mut header: Vec<String> = map.header.iter().flat_map(|line| wrapped(line, 74 * map.columns)).collect();
     header.push(format!("Computed on {} {}.", std::env::consts::ARCH, std::env::consts::OS));
     let columns = map.columns;
     Figure { columns, ..Figure::new(map.title, panels.collect()).with_header(header) }
+}
+
+/// Lines of at most `width` characters, cut between words.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// One row per run and per point of a curve.
@@ -145,15 +184,49 @@ fn table(map: &Map) -> String {
     text
 }
 
-fn count(map: &Map, panel: usize, verdict: Verdict) -> usize {
-    map.panels[panel].points.iter().filter(|point| point.verdict == verdict).count()
-}
-
 fn summary(map: &Map) -> String {
     let mut text = format!("{}\n", map.title);
-    for (index, panel) in map.panels.iter().enumerate().filter(|(_, panel)| !panel.points.is_empty()) {
-        let counts = Verdict::ALL.map(|verdict| format!("{:4} {verdict}", count(map, index, verdict)));
-        let _ = writeln!(text, "  {:32} {}", panel.title, counts.join("  "));
+    for panel in map.panels.iter().filter(|panel| !panel.points.is_empty()) {
+        let counts = Verdict::ALL.map(|verdict| (verdict, panel.count(verdict)));
+        let counts =
+            counts.iter().filter(|(_, count)| *count > 0).map(|(verdict, count)| format!("{count:4} {verdict}"));
+        let _ = writeln!(text, "  {:40} {}", panel.title, counts.collect::<Vec<_>>().join("  "));
+    }
+    for finding in &map.findings {
+        let _ = writeln!(text, "  {finding}");
+    }
+    text
+}
+
+/// The page with all maps: what each shows, the picture, the numbers of its runs and what is seen.
+fn index(chapters: &[(Definition, Map)]) -> String {
+    let mut text = String::from(
+        "# Stability maps\n\n\
+         Where each method is right, rings, hides growth, grows or refuses, over the ranges that decide it, with the \
+         bound of the theory drawn in (dashed). Pictures, tables and every number on this page are written by \
+         `cargo fmu stability -o documentation/stability`; `--map NAME` computes one map, `--fine` twice as many points on \
+         each axis.\n\n",
+    );
+    for (definition, map) in chapters {
+        let anchor = map.title.to_lowercase().replace(' ', "-").replace(',', "");
+        let _ = writeln!(text, "- [{}](#{anchor}) (`{}`): {}", map.title, definition.name, definition.summary);
+    }
+    for (definition, map) in chapters {
+        let name = definition.name;
+        let _ = writeln!(text, "\n## {}\n\n{}\n\n![{}]({name}.svg)\n", map.title, map.header.join("\n\n"), map.title);
+        for finding in &map.findings {
+            let _ = writeln!(text, "- {finding}");
+        }
+        let judged: Vec<_> = map.panels.iter().filter(|panel| !panel.points.is_empty()).collect();
+        let verdicts: Vec<Verdict> =
+            Verdict::ALL.into_iter().filter(|&verdict| judged.iter().any(|panel| panel.count(verdict) > 0)).collect();
+        let names: Vec<String> = verdicts.iter().map(Verdict::to_string).collect();
+        let _ = writeln!(text, "\n| runs | {} |\n|---|{}", names.join(" | "), "---:|".repeat(names.len()));
+        for panel in judged {
+            let counts: Vec<String> = verdicts.iter().map(|&verdict| panel.count(verdict).to_string()).collect();
+            let _ = writeln!(text, "| {} | {} |", panel.title, counts.join(" | "));
+        }
+        let _ = writeln!(text, "\nAll runs: [{name}.csv]({name}.csv).");
     }
     text
 }
@@ -179,7 +252,8 @@ fn record(name: &str, map: &Map) -> Value {
             "curves": curves.collect::<Vec<_>>(),
         })
     });
-    json!({ "map": name, "title": map.title, "header": map.header, "panels": panels.collect::<Vec<_>>() })
+    let findings = &map.findings;
+    json!({ "map": name, "title": map.title, "header": map.header, "findings": findings, "panels": panels.collect::<Vec<_>>() })
 }
 
 #[cfg(test)]
@@ -193,6 +267,7 @@ mod tests {
         Map {
             title: "A map",
             header: vec!["what it shows".into()],
+            findings: vec!["what is seen".into()],
             panels: vec![stability::Panel {
                 title: "a method".into(),
                 x: axis("cells"),
@@ -218,7 +293,25 @@ mod tests {
         let record = record("a", &map);
         assert_eq!(record["panels"][0]["points"][1]["verdict"], "refused");
         assert!(record["panels"][0]["points"][1]["error"].is_null());
-        assert!(summary(&map).contains("1 right"));
+        assert!(summary(&map).contains("1 right") && summary(&map).contains("what is seen"));
+    }
+
+    #[test]
+    fn the_page_shows_every_map_with_its_numbers() {
+        let definition = stability::maps().remove(0);
+        let page = index(&[(definition, sample())]);
+        for text in
+            ["[A map](#a-map)", "## A map", "what it shows", "- what is seen", "| a method | 1 | 1 |", ".svg)", ".csv)"]
+        {
+            assert!(page.contains(text), "{text} is missing in\n{page}");
+        }
+        assert!(!page.contains("grows |"), "only verdicts that occur");
+    }
+
+    #[test]
+    fn long_lines_are_cut_between_words() {
+        assert_eq!(wrapped("one two three four", 9), ["one two", "three", "four"]);
+        assert_eq!(wrapped("αβγ δ", 5), ["αβγ δ"]);
     }
 
     #[test]

@@ -1,8 +1,11 @@
 //! `cargo fmu steady`: the steady state of a scene, without time integration.
 
+mod heat;
+mod law;
+
 use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 use sliding_contact::coupled::line::profile::Profile;
 use sliding_contact::elastic::Cells;
@@ -10,6 +13,7 @@ use sliding_contact::elastic::scene::{cells_for, compliances};
 use sliding_contact::scene::{Constraint, STATIONS, Scene};
 use sliding_contact::steady::relative_velocity::{RelativeVelocity, assess};
 use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
+use sliding_contact::steady::thermal::{HotState, has_hot_state, hot_state};
 
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
@@ -17,11 +21,15 @@ use crate::scenes;
 /// Cells where neither the scene nor the command says how many.
 const CELLS: usize = 65;
 
+/// The same for the law, which is many states.
+const LAW_CELLS: usize = 33;
+
 /// Compute a scene's steady state under nominal load and sliding, without time integration, print and draw it.
 ///
 /// Pressure of both directions, worn shape, wear rate, wear dissipation power; and how large the parts of the relative
-/// velocity are that rigid motion leaves out. Without heat. Ends with an error that gives the reason where there is no
-/// steady state.
+/// velocity are that rigid motion leaves out. First without heat, then with it: temperatures and their range in a cycle,
+/// heat flows, pressure and shape. Ends with an error that gives the reason where there is no steady state; where there is
+/// one without heat but not with it, it says why.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
@@ -38,7 +46,14 @@ pub struct Arguments {
     /// Give a variable of the scene another value, as holder.pivot_height="30 mm"; may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Draw pressure and shape as SVG into this file.
+    /// Leave heat out.
+    #[arg(long)]
+    cold: bool,
+    /// Instead of one state, the law that says when heat changes the steady pressures: their difference with and without
+    /// heat against the length of a cycle over the thermal time of the contact, over five decades.
+    #[arg(long, conflicts_with_all = ["cold", "return_speed"])]
+    law: bool,
+    /// Draw pressure, shape and temperature as SVG into this file; of the law, its curves, and a table (CSV) beside them.
     #[arg(short, long, value_name = "FILE.svg")]
     output: Option<PathBuf>,
 }
@@ -50,6 +65,8 @@ struct Solved {
     cells: Cells,
     state: SteadyState,
     velocity: RelativeVelocity,
+    /// With heat, or why not; `None`: nothing is heated, or heat was left out.
+    hot: Option<Result<HotState, String>>,
 }
 
 /// Runs the command.
@@ -57,6 +74,9 @@ struct Solved {
 /// # Errors
 /// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    if arguments.law {
+        return write_law(arguments);
+    }
     let solved = solve(arguments)?;
     if arguments.json {
         println!("{:#}", solved.record());
@@ -79,11 +99,21 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 pub fn record(scene: &str, cells: u16, set: &[&str]) -> Result<Value> {
     let set = set.iter().map(|&assignment| assignment.to_owned()).collect();
     let scene = Some(scene.to_owned());
-    let arguments = Arguments { scene, json: true, cells: Some(cells), return_speed: None, set, output: None };
+    let arguments = Arguments {
+        scene,
+        json: true,
+        cells: Some(cells),
+        return_speed: None,
+        set,
+        cold: true,
+        law: false,
+        output: None,
+    };
     Ok(solve(&arguments)?.record())
 }
 
-fn solve(arguments: &Arguments) -> Result<Solved> {
+/// The scene with what the command sets, its name, and the number of cells.
+fn read(arguments: &Arguments) -> Result<(String, Scene, usize)> {
     let mut scene = scenes::load(arguments.scene.as_deref())?;
     for assignment in &arguments.set {
         scenes::assign(&mut scene, assignment)?;
@@ -91,16 +121,42 @@ fn solve(arguments: &Arguments) -> Result<Solved> {
     let packaged = scene.packaged;
     let scene = Scene::new(&packaged.starts, None)?;
     let own = if scene.cells > 0 { scene.cells } else { CELLS };
-    let cells = cells_for(&scene, arguments.cells.map_or(own, usize::from))?;
+    Ok((packaged.name, scene, arguments.cells.map_or(own, usize::from)))
+}
+
+fn solve(arguments: &Arguments) -> Result<Solved> {
+    let (name, scene, count) = read(arguments)?;
+    let cells = cells_for(&scene, count)?;
     let mut sliding = Sliding::nominal(&scene);
     if let (Some(speed), Sliding::ToAndFro { speeds, .. }) = (arguments.return_speed, &mut sliding) {
         speeds[1] = speed;
     }
     let bodies = compliances(&scene, &cells)?;
-    let name = packaged.name;
     let state = steady_state(&scene, &cells, &bodies, &sliding).with_context(|| format!("the scene {name}"))?;
     let velocity = assess(&scene, &cells, &bodies, &state)?;
-    Ok(Solved { name, scene, cells, state, velocity })
+    let warm = !arguments.cold && has_hot_state(&scene);
+    let hot = warm.then(|| hot_state(&scene, &cells, &bodies, &sliding).map_err(|error| error.to_string()));
+    Ok(Solved { name, scene, cells, state, velocity, hot })
+}
+
+fn write_law(arguments: &Arguments) -> Result<()> {
+    let (name, scene, _) = read(arguments)?;
+    if scene.nominal_stroke == 0.0 {
+        bail!("the law is one of to-and-fro sliding; the scene {name} slides one way (nominal.stroke = 0 m)");
+    }
+    let law = law::Law::new(&name, &scene, arguments.cells.map_or(LAW_CELLS, usize::from))?;
+    if arguments.json {
+        println!("{:#}", law.record());
+    } else {
+        print!("{}", law.table());
+    }
+    if let Some(path) = &arguments.output {
+        law.write(path)?;
+        if !arguments.json {
+            println!("drawn in {}", path.display());
+        }
+    }
+    Ok(())
 }
 
 fn direction(stroke: &SteadyStroke) -> &'static str {
@@ -202,6 +258,7 @@ impl Solved {
             "wear_dissipation_power": self.state.dissipation_power,
             "friction_power": self.state.friction_power,
             "relative_velocity": { "wear": self.velocity.wear, "elastic": elastic },
+            "heat": heat::record(self),
         })
     }
 
@@ -241,6 +298,7 @@ impl Solved {
             ("relative velocity beyond the rigid motion, over it".into(), String::new()),
         ]);
         lines.extend(self.neglected().into_iter().map(|(name, value)| (format!("  {name}"), number(value))));
+        lines.extend(heat::lines(self));
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let line = |(name, value): &(String, String)| format!("{}\n", format!("{name:<width$}  {value}").trim_end());
         lines.iter().map(line).collect()
@@ -277,6 +335,8 @@ impl Solved {
             let mark = if index == 0 { Mark::Line } else { Mark::Dashes };
             pressures.push(Series::line(name, over(&stroke.pressure, 1e-6)).with(mark));
         }
+        let [hot_pressures, hot_shape] = heat::series(self, &over);
+        pressures.extend(hot_pressures);
         pressures.push(Series::line("mean", vec![(-half_width, mean), (half_width, mean)]).coloured(6));
         let most = self.state.strokes.iter().map(|stroke| 1e-6 * largest(&stroke.pressure)).fold(0.0, f64::max);
         // Contact without wear of the punch is singular at its edges.
@@ -286,6 +346,7 @@ impl Solved {
         if self.state.groove.iter().any(|depth| *depth > 0.0) {
             shapes.push(Series::line("groove of the strip", over(&self.state.groove, 1e6)).with(Mark::Dashes));
         }
+        shapes.extend(hot_shape);
         let header = vec![
             format!(
                 "{}; load {} N, mean pressure {:.4} MPa, {} cells",
@@ -302,10 +363,11 @@ impl Solved {
             ),
         ];
         let shape_axis = Axis::new("depth of the unloaded surface, um");
-        let panels = vec![
+        let mut panels = vec![
             Panel::new("Pressure", axis(), pressure, pressures).with_legend(Legend::Bottom),
             Panel::new("Worn shape", axis(), shape_axis, shapes).with_legend(Legend::Top),
         ];
+        panels.extend(heat::panel(self, axis(), &over));
         Figure::new(format!("Steady state of {}", self.name), panels).with_header(header)
     }
 }
@@ -321,6 +383,8 @@ mod tests {
             cells: Some(33),
             return_speed: None,
             set: Vec::new(),
+            cold: false,
+            law: false,
             output: None,
         }
     }
@@ -338,6 +402,23 @@ mod tests {
         assert!(record["relative_velocity"]["elastic"]["reversal"].as_f64().unwrap() > 0.0);
         let drawing = solved.figure().svg().unwrap();
         assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
+        // With heat: everything that friction gives leaves the bodies.
+        assert!(table.contains("contact temperature, degC") && drawing.contains("temperature, degC"), "{table}");
+        let flow = |name: &str| record["heat"]["heat_flow"][name].as_f64().unwrap();
+        let lost = flow("punch_top") + flow("strip_base") + flow("ambient");
+        assert!((lost / flow("friction") - 1.0).abs() < 1e-6, "{lost} of {}", flow("friction"));
+        assert!((flow("friction") / record["friction_power"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn heat_that_cannot_leave_is_refused_beside_the_state_without() {
+        let mut closed = arguments("reciprocating_punch");
+        let insulated = ["punch.top_thermal=insulated", "strip.base_thermal=insulated"];
+        closed.set = insulated.map(str::to_owned).to_vec();
+        closed.set.extend(["punch.convection=0", "strip.convection=0"].map(str::to_owned));
+        let solved = solve(&closed).unwrap();
+        let refused = solved.record()["heat"]["refused"].as_str().unwrap().to_owned();
+        assert!(refused.contains("no heat can leave") && solved.table().contains(&refused), "{refused}");
     }
 
     #[test]

@@ -4,7 +4,7 @@ mod platforms;
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{batch, bench, package, project, run, scenes, tables};
+use crate::{batch, bench, package, project, realtime, run, scenes, tables};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -28,6 +28,9 @@ pub struct Arguments {
     /// All tiers.
     #[arg(long)]
     all: bool,
+    /// Only the tiers named here, not what is tested otherwise.
+    #[arg(long, conflicts_with = "all")]
+    only: bool,
     /// Print the counts as JSON; the log goes to the error stream.
     #[arg(long)]
     json: bool,
@@ -38,8 +41,32 @@ pub struct Arguments {
 /// # Errors
 /// Where anything failed.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    if arguments.only && !(arguments.importers || arguments.platforms) {
+        bail!("--only needs the name of a tier: --importers or --platforms");
+    }
     let mut tally = Tally::new(arguments.json);
-    lints(&mut tally);
+    if arguments.only {
+        tally.skip("everything else", "not asked for: --only");
+    } else {
+        usual(&mut tally);
+    }
+    if arguments.importers || arguments.all {
+        tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
+        tally.step("other importers", |step| step.run(wheels()?, Counter::Pytest));
+    } else {
+        tally.skip("importer tests", "not asked for: --importers");
+    }
+    if arguments.platforms || arguments.all {
+        platforms::check(&mut tally);
+    } else {
+        tally.skip("platforms", "not asked for: --platforms");
+    }
+    tally.close()
+}
+
+/// What every change must pass.
+fn usual(tally: &mut Tally) {
+    lints(tally);
     tally.step("Rust tests", |step| {
         let command = cargo(&["test", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
         step.run(command, Counter::CargoTest)
@@ -79,21 +106,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             }
             Ok(())
         });
+        tally.step("real time", |step| {
+            let run = realtime::measure(&realtime::Case::new(realtime::Contact::Cold))?;
+            step.judge(&run.summary(), run.is_tolerable());
+            Ok(())
+        });
     } else {
-        tally.skip("cost of a step", "the FMU that is packaged holds the library for Linux on x86-64 only");
+        for name in ["cost of a step", "real time"] {
+            tally.skip(name, "the FMU that is packaged holds the library for Linux on x86-64 only");
+        }
     }
-    if arguments.importers || arguments.all {
-        tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
-        tally.step("other importers", |step| step.run(wheels()?, Counter::Pytest));
-    } else {
-        tally.skip("importer tests", "not asked for: --importers");
-    }
-    if arguments.platforms || arguments.all {
-        platforms::check(&mut tally);
-    } else {
-        tally.skip("platforms", "not asked for: --platforms");
-    }
-    tally.close()
 }
 
 /// Formatting and lints change with the toolchain, so they are judged by the one that the project names.

@@ -108,6 +108,7 @@ impl Component {
         // Outputs keep their last values until they are computed anew.
         self.values[..INPUTS].copy_from_slice(&values[..INPUTS]);
         self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
+        self.suspect = true;
         self.slopes = from.slopes;
         self.sloped = from.slopes != [0.0; INPUTS];
         self.phase = match from.phase {

@@ -43,7 +43,7 @@ impl Operators {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene) -> Result<Operators, String> {
         Ok(match scene.fidelity {
-            Fidelity::Line => Operators::Line(Arc::new(line::operators::Operators::new(scene)?)),
+            Fidelity::Line | Fidelity::Field => Operators::Line(Arc::new(line::operators::Operators::new(scene)?)),
             _ => Operators::Lumped(Arc::new(lumped::operators::Operators::new(scene))),
         })
     }
@@ -178,6 +178,14 @@ impl Model {
     #[inline]
     pub fn limits(&self) -> u8 {
         each!(self, model => model.limits())
+    }
+
+    /// What a bit of the limits says where its text depends on numbers.
+    pub fn warning(&self, bit: u8, inputs: &[f64; INPUTS]) -> Option<String> {
+        match self {
+            Model::Lumped(_) => None,
+            Model::Line(model) => model.warning(bit, inputs),
+        }
     }
 
     /// Accepted and rejected internal steps.

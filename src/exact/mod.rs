@@ -7,6 +7,7 @@ mod cyclic;
 mod flat_punch;
 mod galin;
 mod hertz;
+pub mod instability;
 mod pressure_wave;
 mod special;
 mod wear;

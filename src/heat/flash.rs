@@ -134,7 +134,7 @@ impl Flash {
     }
 
     /// Rate sigma(v), 1/s, by which sliding at `speed` = |v| (m/s) adds to every decay.
-    #[inline]
+    #[inline(always)]
     pub fn sliding_rate(&self, speed: f64) -> f64 {
         self.speed.rate(speed)
     }
@@ -197,7 +197,7 @@ impl SpeedTable {
     }
 
     /// sigma (1/s) at `speed` >= 0 (m/s).
-    #[inline]
+    #[inline(always)]
     fn rate(&self, speed: f64) -> f64 {
         if speed <= 0.0 {
             return 0.0;
@@ -214,6 +214,7 @@ impl SpeedTable {
     }
 
     /// sigma and its derivative by the speed (> 0) from the spline.
+    #[inline(never)]
     fn by_spline(&self, speed: f64) -> (f64, f64) {
         let position = (speed.ln() - self.low) * KNOTS_PER_UNIT;
         let last = self.knots.len() - 1;

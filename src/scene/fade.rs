@@ -40,6 +40,12 @@ impl FadeLine {
     }
 }
 
+/// A piece without slope.
+#[inline(always)]
+fn level(low: f64, high: f64, value: f64) -> FadeLine {
+    FadeLine { low, high, start: 0.0, value, slope: 0.0 }
+}
+
 impl FadeTable {
     /// A table of eight increasing temperatures (K) and their factors.
     pub fn new(temperature: [f64; 8], factor: [f64; 8]) -> FadeTable {
@@ -60,12 +66,13 @@ impl FadeTable {
     }
 
     /// The piece of the table that `temperature` (K) is on.
-    #[inline]
+    #[inline(always)]
     pub fn line(&self, temperature: f64) -> FadeLine {
-        let level = |low, high, value| FadeLine { low, high, start: 0.0, value, slope: 0.0 };
-        if self.flat {
-            return level(f64::NEG_INFINITY, f64::INFINITY, self.factor[0]);
-        }
+        if self.flat { level(f64::NEG_INFINITY, f64::INFINITY, self.factor[0]) } else { self.piece(temperature) }
+    }
+
+    #[inline(never)]
+    fn piece(&self, temperature: f64) -> FadeLine {
         let after = self.temperature.iter().position(|knot| temperature < *knot).unwrap_or(8);
         match after {
             0 => level(f64::NEG_INFINITY, self.temperature[0], self.factor[0]),

@@ -182,20 +182,23 @@ fn level(scene: &Scene) -> Result<(), Broken> {
             "punch.body = rigid on strip.body = rigid can only be lumped; set solver.fidelity to lumped or auto".into(),
         );
     }
-    if scene.fidelity == Fidelity::Field {
-        return broken("solver.fidelity = field is not part of this version; lumped, line and auto are".into());
-    }
-    if scene.scheme == Scheme::Staggered {
+    if scene.fidelity == Fidelity::Field && scene.geometry != Geometry::Line {
         return broken(
-            "solver.scheme = staggered splits heat from contact, which this version does not couple along the contact line; \
-             monolithic and explicit are there"
+            "solver.fidelity = field has finite elements of a block with free sides and needs contact.geometry = line"
                 .into(),
         );
     }
-    if scene.scheme == Scheme::Explicit && scene.fidelity != Fidelity::Line {
-        return broken(
-            "solver.scheme = explicit compares methods along the contact line and needs solver.fidelity = line".into(),
-        );
+    let compared = match scene.scheme {
+        Scheme::Monolithic => None,
+        Scheme::Staggered => Some("staggered"),
+        Scheme::Explicit => Some("explicit"),
+    };
+    if let Some(name) = compared
+        && !matches!(scene.fidelity, Fidelity::Line | Fidelity::Field)
+    {
+        return broken(format!(
+            "solver.scheme = {name} compares methods along the contact line and needs solver.fidelity = line"
+        ));
     }
     Ok(())
 }

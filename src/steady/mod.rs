@@ -4,12 +4,14 @@
 //! punch. That fixes the pressure, and elasticity the shape. To-and-fro sliding has two pressures, one per direction,
 //! over one common shape.
 
+pub(crate) mod acceleration;
 mod box_programme;
 mod cycle;
 mod one_way;
 pub mod relative_velocity;
 mod rocking;
 pub mod scene;
+pub mod thermal;
 mod to_and_fro;
 
 pub use box_programme::{BoxProgramme, BoxSolution, ProgrammeError};
@@ -65,6 +67,20 @@ pub enum SteadyError {
     OnlyStripWears,
     /// A strip that wears on a straight to-and-fro track: its ends are hardly visited and never run in.
     WearingStripToAndFro,
+    /// With heat: nothing takes away what friction gives.
+    NoHeatLeaves {
+        /// Where heat could leave and does not.
+        closed: &'static str,
+    },
+    /// With heat: temperatures and pressure of one-way sliding that agree were not found.
+    NotSettled {
+        /// Iterations done.
+        iterations: usize,
+        /// Last change of the temperature, in K.
+        change: f64,
+    },
+    /// With heat: the bodies, or a cycle of the contact line.
+    Heat(String),
     /// The pressure of a stage could not be found.
     Stage(StageError),
     /// The quadratic programme has no solution.
@@ -118,6 +134,13 @@ impl fmt::Display for SteadyError {
                 f,
                 "no steady state: the strip wears on a straight to-and-fro track, whose ends are hardly visited"
             ),
+            Self::NoHeatLeaves { closed } => write!(f, "no steady state with heat: no heat can leave, since {closed}"),
+            Self::NotSettled { iterations, change } => write!(
+                f,
+                "no steady state with heat found in {iterations} iterations: the last one changed the temperature by \
+                 {change:.1e} K"
+            ),
+            Self::Heat(text) => write!(f, "with heat: {text}"),
             Self::Stage(error) => error.fmt(f),
             Self::Programme(error) => error.fmt(f),
         }

@@ -181,27 +181,32 @@ fn interpolant_integral(values: &[f64], t: f64) -> f64 {
 }
 
 /// One stroke before its pressure is known.
-struct Stroke {
-    velocity: f64,
+pub(in crate::steady) struct Stroke {
+    pub(in crate::steady) velocity: f64,
     duration: f64,
     /// s mu.
-    friction: f64,
+    pub(in crate::steady) friction: f64,
     /// Depth rates of punch and strip.
-    rates: [CellRate; 2],
+    pub(in crate::steady) rates: [CellRate; 2],
 }
 
-struct Contact<'a> {
-    scene: &'a Scene,
-    cells: &'a Cells,
+pub(in crate::steady) struct Contact<'a> {
+    pub(in crate::steady) scene: &'a Scene,
+    pub(in crate::steady) cells: &'a Cells,
     compliances: &'a [Compliance; 2],
-    weights: Vec<f64>,
-    strokes: Vec<Stroke>,
+    pub(in crate::steady) weights: Vec<f64>,
+    pub(in crate::steady) strokes: Vec<Stroke>,
     /// Load of one punch per depth, in N/m.
-    load: f64,
+    pub(in crate::steady) load: f64,
 }
 
 impl<'a> Contact<'a> {
-    fn new(scene: &'a Scene, cells: &'a Cells, compliances: &'a [Compliance; 2], sliding: &Sliding) -> Self {
+    pub(in crate::steady) fn new(
+        scene: &'a Scene,
+        cells: &'a Cells,
+        compliances: &'a [Compliance; 2],
+        sliding: &Sliding,
+    ) -> Self {
         let law = FrictionLaw::new(scene);
         let faded: f64 = law.faded(scene.ambient_temperature);
         let radii = relative_radii(scene, cells);
@@ -247,7 +252,7 @@ impl<'a> Contact<'a> {
         (self.scene.constraint == Constraint::TranslateAndRotate).then_some(self.scene.pivot_height)
     }
 
-    fn tilt(&self, stroke: &Stroke) -> Tilt {
+    pub(in crate::steady) fn tilt(&self, stroke: &Stroke) -> Tilt {
         match self.pivot_height() {
             None => Tilt::Fixed(0.0),
             // Friction acts across the line.
@@ -256,12 +261,12 @@ impl<'a> Contact<'a> {
         }
     }
 
-    fn compliance(&self, stroke: &Stroke) -> DMatrix<f64> {
+    pub(in crate::steady) fn compliance(&self, stroke: &Stroke) -> DMatrix<f64> {
         let [punch, strip] = self.compliances;
         pair_compliance(punch, strip, stroke.friction)
     }
 
-    fn groove_depth(&self, stroke: &Stroke, pressure: &[f64]) -> Vec<f64> {
+    pub(in crate::steady) fn groove_depth(&self, stroke: &Stroke, pressure: &[f64]) -> Vec<f64> {
         let rate = per_distance(&stroke.rates[1], stroke.velocity);
         let depth = DVector::from_fn(pressure.len(), |i, _| rate.rate(i, pressure[i]));
         (groove_operator(self.cells, direction(stroke.velocity)) * depth).as_slice().to_vec()
@@ -368,7 +373,13 @@ impl<'a> Contact<'a> {
         Ok(self.state(SteadyKind::RunIn, pressures, shape, vec![0.0; self.cells.count()]))
     }
 
-    fn state(&self, kind: SteadyKind, pressures: Vec<Vec<f64>>, shape: Vec<f64>, groove: Vec<f64>) -> SteadyState {
+    pub(in crate::steady) fn state(
+        &self,
+        kind: SteadyKind,
+        pressures: Vec<Vec<f64>>,
+        shape: Vec<f64>,
+        groove: Vec<f64>,
+    ) -> SteadyState {
         let mut strokes = Vec::with_capacity(pressures.len());
         for (stroke, pressure) in self.strokes.iter().zip(pressures) {
             let rates = stroke
@@ -420,12 +431,18 @@ impl<'a> Contact<'a> {
     }
 }
 
-fn direction(velocity: f64) -> Direction {
+pub(in crate::steady) fn direction(velocity: f64) -> Direction {
     if velocity < 0.0 { Direction::Backward } else { Direction::Forward }
 }
 
 /// Depth rate of a body on the cells at a sliding velocity, in m/s.
-fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction: f64) -> CellRate {
+pub(in crate::steady) fn depth_rate(
+    scene: &Scene,
+    body: &Body,
+    radii: &[f64],
+    velocity: f64,
+    friction: f64,
+) -> CellRate {
     let law = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let at = |radius: &f64| -> f64 {
         let speed = velocity.abs() * radius;
@@ -438,7 +455,7 @@ fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction
 }
 
 /// The same depth per sliding distance.
-fn per_distance(rate: &CellRate, velocity: f64) -> CellRate {
+pub(in crate::steady) fn per_distance(rate: &CellRate, velocity: f64) -> CellRate {
     let slower = |term: &WearTerm| WearTerm {
         coefficient: scaled(&term.coefficient, 1.0 / velocity.abs()),
         exponent: term.exponent,

@@ -11,10 +11,16 @@ mod driver;
 #[cfg(feature = "scene-file")]
 pub mod drives;
 mod heat_line;
+mod hot_states;
+mod instability;
 mod moving_source;
+mod operator_split;
+pub mod path_modes;
+mod punch_heat;
 pub mod reference;
 pub mod stability;
 mod steady_states;
+pub mod wave;
 mod wear_line;
 
 use std::time::Instant;
@@ -94,10 +100,14 @@ pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
     all.extend(heat_line::problems());
+    all.extend(punch_heat::problems());
+    all.extend(instability::problems());
     all.extend(component::problems());
+    all.extend(operator_split::problems());
     all.extend(contact_line::problems());
     all.extend(wear_line::problems());
     all.extend(steady_states::problems());
+    all.extend(hot_states::problems());
     all
 }
 

@@ -82,6 +82,36 @@ pub fn band_mean(peclet: f64, layer: Option<(f64, LayerBase)>) -> f64 {
     }) / PI
 }
 
+/// Quasi-steady temperature T k/(q l) of the half-plane at `x` (over l, inside the band) under a uniform band source that
+/// moves at `peclet` towards +x: the kernel of [`band_mean`] on both sides of x.
+pub fn band_temperature(peclet: f64, x: f64) -> f64 {
+    let behind = |d: f64| (-2.0 * peclet * d).exp() * scaled_bessel_k0(peclet * d);
+    let ahead = |d: f64| scaled_bessel_k0(peclet * d);
+    (integral_from_singularity(1.0 + x, behind) + integral_from_singularity(1.0 - x, ahead)) / PI
+}
+
+/// Largest temperature under that source, T k/(q l), and where it is (over l).
+pub fn band_maximum(peclet: f64) -> (f64, f64) {
+    // Golden section: the temperature has one maximum.
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (-1.0, 1.0);
+    let mut inner = [high - golden * (high - low), low + golden * (high - low)];
+    let mut values = inner.map(|x| band_temperature(peclet, x));
+    while high - low > 1e-6 {
+        if values[0] > values[1] {
+            high = inner[1];
+            inner = [high - golden * (high - low), inner[0]];
+            values = [band_temperature(peclet, inner[0]), values[0]];
+        } else {
+            low = inner[0];
+            inner = [inner[1], low + golden * (high - low)];
+            values = [values[1], band_temperature(peclet, inner[1])];
+        }
+    }
+    let x = 0.5 * (low + high);
+    (band_temperature(peclet, x), x)
+}
+
 /// A closed path round a layer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ClosedPath {
@@ -166,6 +196,17 @@ mod tests {
     fn band_means_of_jaeger() {
         for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132)] {
             assert!((band_mean(peclet, None) - mean).abs() < 5e-5, "{peclet}: {}", band_mean(peclet, None));
+        }
+    }
+
+    #[test]
+    fn band_maxima_of_jaeger() {
+        for (peclet, value, place) in [(0.1, 2.20033, -0.2435), (1.0, 0.99185, -0.6664), (10.0, 0.34850, -0.9244)] {
+            let (found, at) = band_maximum(peclet);
+            assert!((found - value).abs() < 5e-6 && (at - place).abs() < 5e-5, "{peclet}: {found} at {at}");
+            // The mean of the temperature is the mean by its own formula.
+            let mean = (0..200).map(|k| band_temperature(peclet, -0.995 + 0.01 * f64::from(k))).sum::<f64>() / 200.0;
+            assert!((mean / band_mean(peclet, None) - 1.0).abs() < 1e-3, "{peclet}: {mean}");
         }
     }
 

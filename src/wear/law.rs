@@ -29,6 +29,8 @@ pub struct WearLaw {
     pub fade: FadeTable,
     /// mu_ref.
     pub reference_friction: f64,
+    /// a = b = 1 and a constant fade factor.
+    plain: bool,
     /// k times the fade factor where that is constant: the rate is this times p v for a = b = 1.
     archard: f64,
     /// k at the hottest: with the largest factors of both tables.
@@ -45,6 +47,7 @@ impl WearLaw {
             velocity_exponent: body.wear_velocity_exponent,
             fade: body.wear_fade,
             reference_friction,
+            plain: body.wear_pressure_exponent == 1.0 && body.wear_velocity_exponent == 1.0 && body.wear_fade.flat,
             archard: body.wear_coefficient * body.wear_fade.factor[0],
             highest_coefficient: body.wear_coefficient
                 * largest(&body.wear_fade)
@@ -55,6 +58,12 @@ impl WearLaw {
     /// Whether the body wears at all.
     pub fn active(&self) -> bool {
         self.coefficient > 0.0
+    }
+
+    /// Whether the rate is the coefficient times pressure and speed at all of these friction coefficients.
+    #[inline]
+    pub fn is_archard(&self, friction: [f64; 2]) -> bool {
+        self.plain && friction == [self.reference_friction; 2]
     }
 
     /// Whether the rate depends on the temperature, through its own table or through mu.
@@ -78,12 +87,19 @@ impl WearLaw {
     /// without Stribeck factor `mu` and contact temperature `t` (K).
     #[inline]
     pub fn rate<S: Scalar>(&self, p: S, v: S, mu: S, t: S) -> S {
-        if self.coefficient == 0.0 || p.value() <= 0.0 || v.value() == 0.0 {
+        if p.value() <= 0.0 || v.value() == 0.0 {
             return S::from(0.0);
         }
-        let plain = self.pressure_exponent == 1.0 && self.velocity_exponent == 1.0 && self.fade.flat;
-        if plain && mu.value() == self.reference_friction {
+        if self.plain && mu.value() == self.reference_friction {
             return p * v * self.archard;
+        }
+        self.general_rate(p, v, mu, t)
+    }
+
+    #[inline(never)]
+    fn general_rate<S: Scalar>(&self, p: S, v: S, mu: S, t: S) -> S {
+        if self.coefficient == 0.0 {
+            return S::from(0.0);
         }
         let pressure = p * (1.0 / REFERENCE_PRESSURE);
         let speed = v * (1.0 / REFERENCE_VELOCITY);

@@ -3,7 +3,7 @@
 //! A pressure wave of the number m grows at the rate b with `z (1 + z) = 2 R`, `z^2 = 1 + b/(kd m^2)`, R the speed over
 //! `2 K m (1 - nu)/(mu E alpha)`.
 
-use crate::drive::Drive;
+use crate::drive::{Drive, reference};
 use std::f64::consts::PI;
 
 const STATIONS: usize = 33;
@@ -14,11 +14,14 @@ const CAPACITY: f64 = 7800.0 * 460.0;
 const YOUNGS_MODULUS: f64 = 2e11;
 const EXPANSION: f64 = 1.1e-5;
 
-/// Growth rate in 1/s at R times the critical speed.
-fn computed(ratio: f64, step: f64, samples: [u32; 3]) -> f64 {
+type Changes = Vec<(String, f64)>;
+
+/// Full contact of a conducting half-plane with a rigid insulator, at R times the critical speed, with a gap of one wave of
+/// the amplitude `gap` (m).
+fn ring_changes(ratio: f64, gap: f64) -> Changes {
     let wave = 2.0 * PI / WAVELENGTH;
     let critical = 2.0 * CONDUCTIVITY * wave * 0.7 / (FRICTION * YOUNGS_MODULUS * EXPANSION);
-    let mut changes = vec![
+    let fixed = [
         ("solver.fidelity", 3.0),
         ("solver.cells", 32.0),
         ("contact.geometry", 3.0),
@@ -46,13 +49,29 @@ fn computed(ratio: f64, step: f64, samples: [u32; 3]) -> f64 {
         ("nominal.duration", 1.0),
         ("solver.tolerance", 1e-5),
     ];
-    let names: Vec<String> = (1..=STATIONS).map(|station| format!("contact.initial_gap[{station}]")).collect();
-    for (station, name) in names.iter().enumerate() {
-        let x = station as f64 / (STATIONS - 1) as f64;
-        changes.push((name.as_str(), 1e-12 * (1.0 + (2.0 * PI * x).cos())));
+    let mut changes: Changes = fixed.iter().map(|(name, value)| ((*name).into(), *value)).collect();
+    for station in 1..=STATIONS {
+        let x = (station - 1) as f64 / (STATIONS - 1) as f64;
+        changes.push((format!("contact.initial_gap[{station}]"), gap * (1.0 + (2.0 * PI * x).cos())));
     }
-    let mut drive = Drive::stock(&changes);
-    drive.set("normal_load", 1e4).set("sliding_velocity", ratio * critical);
+    changes
+}
+
+fn with_names<'a>(changes: &'a Changes, more: &[(&'a str, f64)]) -> Vec<(&'a str, f64)> {
+    changes.iter().map(|(name, value)| (name.as_str(), *value)).chain(more.iter().copied()).collect()
+}
+
+/// That contact, loaded and sliding.
+fn ring(ratio: f64, changes: &[(&str, f64)], gap: f64) -> Drive {
+    let mut drive = Drive::stock(&with_names(&ring_changes(ratio, gap), changes));
+    let speed = drive.get("nominal.velocity");
+    drive.set("normal_load", 1e4).set("sliding_velocity", speed);
+    drive
+}
+
+/// Growth rate in 1/s at R times the critical speed.
+fn rate_of(ratio: f64, step: f64, samples: [u32; 3], changes: &[(&str, f64)], gap: f64) -> f64 {
+    let mut drive = ring(ratio, changes, gap);
     let mut amplitudes = Vec::new();
     for number in 1..=samples[2] {
         drive.step(step);
@@ -85,11 +104,101 @@ fn the_longest_wave_grows_at_the_rate_of_theory() {
     ] {
         let z = 0.5 * ((1.0_f64 + 8.0 * ratio).sqrt() - 1.0);
         let exact = unit * (z * z - 1.0);
-        let rate = computed(ratio, step, samples);
+        let rate = rate_of(ratio, step, samples, &[], 1e-12);
         println!("R = {ratio}: {rate} against {exact} 1/s");
         assert!(
             (rate - exact).abs() < 1e-2 * unit * (1.0 + (z * z - 1.0).abs()),
             "R = {ratio}: {rate} against {exact} 1/s"
         );
     }
+}
+
+/// Steps three times as long as a wave takes to grow by e, at a tolerance that lets them pass: what grows must be followed all
+/// the same, or an L-stable step gets its rate wrong.
+#[test]
+fn long_steps_follow_what_grows() {
+    let wave = 2.0 * PI / WAVELENGTH;
+    let z = 0.5 * (41.0_f64.sqrt() - 1.0);
+    let exact = CONDUCTIVITY / CAPACITY * wave * wave * (z * z - 1.0);
+    let rate = rate_of(5.0, 0.1, [2, 3, 4], &[("solver.tolerance", 1e-2)], 1e-14);
+    println!("b h = {}: {rate} against {exact} 1/s", 0.1 * exact);
+    assert!((rate / exact - 1.0).abs() < 0.05, "{rate} {exact}");
+}
+
+/// Beyond the critical speed a small disturbance grows until the surfaces part, and the run goes on: patches that carry the
+/// load, whatever the pressure does.
+#[test]
+fn above_the_critical_speed_the_contact_parts_into_patches() {
+    let mut drive = ring(2.0, &[("solver.tolerance", 1e-3), ("nominal.duration", 2.0)], 1e-9);
+    let texts: Vec<String> = drive.0.messages().map(|message| message.text).collect();
+    let critical = drive.get("critical_speed");
+    let speed = drive.get("nominal.velocity");
+    assert!((speed / critical - 2.0).abs() < 1e-12);
+    let said = format!("thermoelastically unstable: nominal.velocity = {speed} m/s is above {critical} m/s");
+    assert!(texts.iter().any(|text| text.starts_with(&said)), "{texts:?} {said}");
+    let area = drive.area();
+    let mut parted = None;
+    for number in 0..150 {
+        drive.step(0.02);
+        let load = drive.get("pressure_mean") * area;
+        assert!((load / 1e4 - 1.0).abs() < 1e-12, "{load}");
+        let values = ["pressure_max", "contact_temperature_max", "contact_fraction"].map(|name| drive.get(name));
+        assert!(values.iter().all(|value| value.is_finite()), "{values:?}");
+        if values[2] < 1.0 {
+            parted.get_or_insert(number);
+        }
+    }
+    let (imbalance, fraction) = (drive.imbalance(), drive.get("contact_fraction"));
+    println!("parted after {parted:?} steps of 20 ms, then {fraction} in contact, imbalance {imbalance:e}");
+    assert!(parted.is_some_and(|number| number < 120) && fraction > 0.0 && fraction < 1.0);
+    assert!(imbalance < 1e-9, "{imbalance:e}");
+    assert!(drive.get("pressure_max") > 2.0 * drive.get("pressure_mean"));
+}
+
+#[test]
+fn speeds_that_the_scene_does_not_announce_are_said_once() {
+    let mut drive = ring(0.5, &[], 1e-12);
+    let critical = drive.get("critical_speed");
+    drive.0.messages();
+    let said = |drive: &mut Drive| drive.0.messages().filter(|message| message.text.contains("unstable")).count();
+    drive.step(1e-3);
+    assert_eq!(said(&mut drive), 0);
+    drive.set("sliding_velocity", -1.1 * critical).step(1e-3);
+    assert_eq!(said(&mut drive), 1);
+    drive.step(1e-3);
+    assert_eq!(said(&mut drive), 0);
+}
+
+/// Wear holds growth back by w = k K/(mu alpha (1 + nu) kd): accelerated, it is warned of above 0.05 and refused above 0.5.
+#[test]
+fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
+    let wear = 1e-14;
+    let w = wear * CAPACITY / (FRICTION * EXPANSION * 1.3);
+    let start = |acceleration: f64| {
+        let changes = [("punch.wear_coefficient", wear), ("wear_acceleration", acceleration)];
+        Drive::attempt(&sliding_contact::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &changes))
+    };
+    let warned = |drive: &mut Drive| {
+        drive.set("normal_load", 1e4).set("sliding_velocity", 0.01).step(1e-3);
+        drive.0.messages().filter(|message| message.text.starts_with("wear_acceleration = ")).count()
+    };
+    for (share, warnings) in [(0.99 * 0.05, 0), (1.01 * 0.05, 1), (0.99 * 0.5, 1)] {
+        assert_eq!(warned(&mut start(share / w).unwrap()), warnings, "w = {share}");
+    }
+    let message = start(1.01 * 0.5 / w).err().unwrap();
+    for part in ["wear_acceleration = ", "kd) = 0.505", "the limit is 0.5"] {
+        assert!(message.contains(part), "{message}");
+    }
+    // The parameter is tunable: the next step refuses, and takes it back when it is lowered again.
+    let mut drive = start(1.0).unwrap();
+    assert_eq!(warned(&mut drive), 0);
+    drive.0.set_parameter(reference("wear_acceleration"), 1.01 * 0.5 / w);
+    let message = drive.0.step(1e-3).unwrap_err();
+    assert!(message.contains("the limit is 0.5"), "{message}");
+    drive.0.set_parameter(reference("wear_acceleration"), 0.99 * 0.5 / w);
+    assert_eq!(warned(&mut drive), 1);
+    // Wear that is as fast by itself is physics.
+    let own = [("punch.wear_coefficient", wear / w)];
+    let natural = Drive::attempt(&sliding_contact::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &own));
+    assert_eq!(warned(&mut natural.unwrap()), 0);
 }

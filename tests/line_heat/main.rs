@@ -9,5 +9,9 @@
 mod drive;
 
 mod account;
+mod cycles;
+mod extremes;
+mod field;
 mod growth;
+mod split;
 mod steps;

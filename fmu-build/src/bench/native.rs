@@ -73,9 +73,12 @@ struct StateFunctions {
     size: unsafe extern "C" fn(Handle, Handle, *mut usize) -> Status,
 }
 
+type SetInputDerivatives = unsafe extern "C" fn(Handle, *const c_uint, usize, *const c_int, *const c_double) -> Status;
+
 /// A loaded library.
 pub struct Component {
     functions: Functions,
+    set_derivatives: Option<SetInputDerivatives>,
     state: Option<StateFunctions>,
     guid: CString,
     // Last: the functions must not outlive it.
@@ -105,7 +108,9 @@ impl Component {
                 _ => None,
             }
         };
-        Ok(Self { functions, state, guid: CString::new(guid)?, _library: library })
+        // SAFETY: as above.
+        let set_derivatives = unsafe { library.get(b"fmi2SetRealInputDerivatives").ok().map(|function| *function) };
+        Ok(Self { functions, set_derivatives, state, guid: CString::new(guid)?, _library: library })
     }
 
     /// A new instance, not initialised.
@@ -176,17 +181,29 @@ impl Instance<'_> {
         ok(unsafe { (self.component.functions.reset)(self.handle.as_ptr()) }, "fmi2Reset")
     }
 
-    /// Sets two inputs, steps, gets three outputs: what is timed.
+    /// Sets two inputs, and their derivatives if there are any, steps, gets three outputs: what is timed.
     ///
     /// # Errors
-    /// See [`Self::initialise`].
+    /// See [`Self::initialise`]; also where the library takes no derivatives.
     #[inline]
-    pub fn exchange(&mut self, variables: &Variables, inputs: &[f64; 2], step: f64) -> Result<[f64; 3]> {
+    pub fn exchange(
+        &mut self,
+        variables: &Variables,
+        inputs: &[f64; 2],
+        slopes: Option<&[f64; 2]>,
+        step: f64,
+    ) -> Result<[f64; 3]> {
         let (functions, handle) = (&self.component.functions, self.handle.as_ptr());
         let mut outputs = [0.0; 3];
         // SAFETY: the arrays have the lengths given.
         unsafe {
             ok((functions.set)(handle, variables.inputs.as_ptr(), 2, inputs.as_ptr()), "fmi2SetReal")?;
+            if let Some(slopes) = slopes {
+                const FIRST: [c_int; 2] = [1; 2];
+                let Some(set) = self.component.set_derivatives else { bail!("the library takes no input derivatives") };
+                let status = set(handle, variables.inputs.as_ptr(), 2, FIRST.as_ptr(), slopes.as_ptr());
+                ok(status, "fmi2SetRealInputDerivatives")?;
+            }
             ok((functions.step)(handle, self.time, step, 1), "fmi2DoStep")?;
             ok((functions.get)(handle, variables.outputs.as_ptr(), 3, outputs.as_mut_ptr()), "fmi2GetReal")?;
         }
@@ -258,4 +275,18 @@ pub struct Variables {
     pub inputs: [u32; 2],
     /// Wear depth, contact temperature and friction force.
     pub outputs: [u32; 3],
+}
+
+impl Variables {
+    /// Those of this project's FMU.
+    ///
+    /// # Errors
+    /// Where the table of variables has them no more.
+    pub fn of_the_contact() -> Result<Self> {
+        let reference = |name| sliding_contact::variables::find(name).with_context(|| format!("no variable {name}"));
+        Ok(Self {
+            inputs: [reference("sliding_velocity")?, reference("normal_load")?],
+            outputs: [reference("wear_depth")?, reference("contact_temperature")?, reference("friction_force")?],
+        })
+    }
 }

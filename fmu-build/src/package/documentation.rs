@@ -18,6 +18,14 @@ const IMPORTERS: &str = include_str!("../../../modelDescription/documentation/im
 /// Its section on messages.
 const MESSAGES: &str = include_str!("../../../modelDescription/documentation/messages.html");
 
+/// Pictures of the page, under their names beside it.
+pub const PICTURES: [(&str, &[u8]); 4] = [
+    ("stopping_distance.png", include_bytes!("../../../examples/vehicle_brake/stopping_distance.png")),
+    ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
+    ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
+    ("sensitivities.png", include_bytes!("../../../examples/batch/sensitivities.png")),
+];
+
 /// Writes the page for a scene.
 pub fn write(scene: &SceneFile) -> String {
     let packaged = &scene.packaged;
@@ -201,9 +209,12 @@ mod tests {
     fn every_message_of_the_model_stands_in_the_page() {
         let page = plain(MESSAGES);
         let sources = [
-            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 21),
+            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 20),
             ("lumped level", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 3),
-            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
+            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 2),
+            ("operator split", include_str!("../../../src/coupled/line/heat/staggered.rs"), "StepFailure(", 1),
+            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Err(", 1),
+            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Some(", 2),
             ("step of the line", include_str!("../../../src/coupled/line/step.rs"), "StepFailure(", 3),
             ("steady states", include_str!("../../../src/steady/mod.rs"), "write!(", 7),
             ("contact", include_str!("../../../src/contact/problem.rs"), "write!(", 4),
@@ -251,13 +262,18 @@ mod tests {
     #[test]
     fn the_page_needs_nothing_from_outside() {
         let page = write(&scenes::load(None).unwrap());
-        for outside in ["http:", "https:", "src=", "<script", "<link", "@import", "url("] {
+        for outside in ["http:", "https:", "<script", "<link", "@import", "url("] {
             assert!(!page.contains(outside), "{outside}");
         }
         for anchor in page.split("href=\"").skip(1).map(|rest| rest.split('"').next().unwrap()) {
             let target = anchor.strip_prefix('#').unwrap_or_else(|| panic!("{anchor} leads out of the page"));
             assert!(page.contains(&format!("id=\"{target}\"")), "{anchor} leads nowhere");
         }
+        // Pictures lie beside the page, each is shown, and each says in words what it shows.
+        let shown: Vec<&str> = page.split("<img src=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+        assert_eq!(shown, PICTURES.map(|(name, _)| name));
+        assert_eq!(page.matches("src=").count(), PICTURES.len());
+        assert_eq!(page.matches("\" alt=\"").count(), PICTURES.len());
     }
 
     #[test]

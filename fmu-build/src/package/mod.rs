@@ -96,9 +96,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 /// # Errors
 /// Everything wrong with the scene, a failed build, or a file that cannot be written.
 pub fn build(scene: Option<&str>, options: &Options) -> Result<PathBuf> {
-    let scene = scenes::load(scene)?;
-    let path = options.output.clone().unwrap_or_else(|| default_path(&scene, "fmu"));
-    write(&path, &archive::pack(&files(&scene, &options.platforms)?)?)?;
+    build_scene(&scenes::load(scene)?, options)
+}
+
+/// As [`build`], of a scene that has been read, and perhaps changed.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
+    let path = options.output.clone().unwrap_or_else(|| default_path(scene, "fmu"));
+    write(&path, &archive::pack(&files(scene, &options.platforms)?)?)?;
     Ok(path)
 }
 
@@ -130,6 +137,7 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     let pictures =
         [("model.png", MODEL_ICON), ("terminalsAndIcons/icon.png", MODEL_ICON), (TERMINAL_ICON_PATH, TERMINAL_ICON)];
     files.extend(pictures.map(|(path, bytes)| (path.to_owned(), bytes.to_vec())));
+    files.extend(documentation::PICTURES.map(|(name, bytes)| (format!("documentation/{name}"), bytes.to_vec())));
     licences::add(&mut files)?;
     reference::add(&mut files, &scene.packaged)?;
     Ok(files)

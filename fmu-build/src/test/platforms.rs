@@ -113,7 +113,8 @@ impl Drive {
             .flat_map(|row| (0..row.count()).map(|index| row.element_name(index)))
             .map(|name| find(&name).map(|reference| (name.clone(), reference)).context(name))
             .collect::<Result<Vec<_>>>()?;
-        let inputs: Vec<u8> = bench::inputs()?.concat().iter().flat_map(|value| value.to_le_bytes()).collect();
+        let inputs: Vec<u8> =
+            bench::Drive::udds()?.inputs.concat().iter().flat_map(|value| value.to_le_bytes()).collect();
         fs::write(folder.join("inputs"), inputs)?;
         let mut drive = Self { folder: folder.to_owned(), guid: String::new(), outputs, expected: Vec::new() };
         let fmu = drive.fmu(&[Platform::Linux64])?;

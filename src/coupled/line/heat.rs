@@ -15,6 +15,7 @@ mod growth;
 mod outputs;
 pub mod split;
 mod stage;
+mod staggered;
 pub mod state;
 
 use super::operators::Operators;
@@ -22,6 +23,19 @@ use crate::heat::line::{LineHeat, Surroundings};
 use crate::wear::line::WearingContact;
 use bodies::Bodies;
 use split::Split;
+
+/// Where operators kept from step to step are made.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reference {
+    /// Sliding velocity, m/s.
+    velocity: f64,
+    /// The step under way has this velocity throughout.
+    exact: bool,
+    /// mu s v, m/s.
+    per_pressure: f64,
+    /// mu of the shear coupling.
+    friction: f64,
+}
 
 /// What a step with heat works with.
 #[derive(Debug)]
@@ -46,8 +60,22 @@ pub struct Heat {
     pub surroundings: [Surroundings; 2],
     /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
     pub distortion: Vec<f64>,
-    /// Step and velocities that the bodies are prepared for.
-    key: (f64, [f64; 2]),
+    /// Length of the step under way, s, and the velocities at its ends, m/s.
+    step: f64,
+    velocity: [f64; 2],
+    /// Where the operators kept from step to step were made.
+    reference: Reference,
+    /// The operators of the stage are those of its own gains instead.
+    renewed: [bool; 2],
+    /// The operators of the stage are exact, so that nothing has to be repeated.
+    exact: [bool; 2],
+    /// Punch and strip move under heat.
+    expands: [bool; 2],
+    /// Larger diffusivity of both bodies, m2/s.
+    diffusivity: f64,
+    /// Pressure that the stage's heat is made of, Pa, and mu s v of the cells, m/s.
+    pressure: Vec<f64>,
+    per_pressure: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
     /// Cells taken to be in contact.
@@ -55,7 +83,7 @@ pub struct Heat {
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
     difference: Vec<f64>,
-    /// N x N, by columns.
+    /// N x N, by columns, for the check of growth.
     matrix: Vec<f64>,
     base: [Vec<f64>; 2],
     base_distortion: [Vec<f64>; 2],
@@ -70,6 +98,12 @@ impl Heat {
         let zeros = || vec![0.0; count];
         let pair = || [zeros(), zeros()];
         let conductance = operators.scene.conductance;
+        let strip = &operators.scene.strip;
+        let expands = [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0);
+        let diffusivity = [&operators.scene.punch, strip]
+            .map(|body| body.conductivity / body.capacity())
+            .into_iter()
+            .fold(0.0, f64::max);
         let mut bodies = bodies.copies();
         // The first preparation takes memory, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
@@ -84,7 +118,15 @@ impl Heat {
             laws: pair(),
             surroundings: [Surroundings::default(); 2],
             distortion: zeros(),
-            key: (0.0, [0.0; 2]),
+            step: 0.0,
+            velocity: [0.0; 2],
+            reference: Reference::default(),
+            renewed: [false; 2],
+            exact: [false; 2],
+            expands,
+            diffusivity,
+            pressure: zeros(),
+            per_pressure: zeros(),
             half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
             closed: vec![false; count],
             felt: zeros(),
@@ -111,7 +153,15 @@ impl Clone for Heat {
             laws: self.laws.clone(),
             surroundings: self.surroundings,
             distortion: self.distortion.clone(),
-            key: self.key,
+            step: self.step,
+            velocity: self.velocity,
+            reference: self.reference,
+            renewed: self.renewed,
+            exact: self.exact,
+            expands: self.expands,
+            diffusivity: self.diffusivity,
+            pressure: self.pressure.clone(),
+            per_pressure: self.per_pressure.clone(),
             half_resistance: self.half_resistance,
             closed: self.closed.clone(),
             felt: self.felt.clone(),

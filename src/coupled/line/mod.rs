@@ -5,6 +5,7 @@
 //! contact. The two meet once per piece of a communication step: the contact line needs the temperature where tables or
 //! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
 
+pub mod cycle;
 pub mod heat;
 pub mod operators;
 mod outputs;
@@ -24,13 +25,19 @@ use crate::wear::line::{Conditions, WearingContact};
 use heat::Heat as LineHeat;
 use heat::state::HeatState;
 use operators::Operators;
-use path::{Heat, Moment, Path, edges};
+use path::{Heat, Moment, Path, Slipped, edges};
 use state::State;
 use std::sync::Arc;
 use step::Work;
 
 /// Part of a body's height that may be worn off before compliance and conduction must be rebuilt.
 const HIGHEST_VALID_WEAR: f64 = 0.5;
+
+/// Whether an input differs from what it was at the end of the last step by more than rounding.
+fn jumps(before: f64, now: f64) -> bool {
+    // Written so that no number before counts as a jump.
+    !((now - before).abs() <= 1e-6 * now.abs().max(before.abs()))
+}
 
 /// A scene at the line level.
 #[derive(Clone, Debug)]
@@ -163,7 +170,8 @@ impl Line {
         self.backup.0.clone_from(self.mean.state());
         self.state.status.copy_from(self.contact.status());
         self.backup.1.copy_from(&self.state);
-        let outcome = self.pieces(inputs, slopes, step).and_then(|()| self.watch());
+        let outcome =
+            self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
         if outcome.is_err() {
             self.mean.set_state(&self.backup.0);
             self.state.copy_from(&self.backup.1);
@@ -181,8 +189,18 @@ impl Line {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
-        for piece in edges[..=count].windows(2) {
+        if let Some(heat) = &mut self.state.heat
+            && inputs[..3].iter().zip(&self.state.end_inputs).any(|(&now, &before)| jumps(before, now))
+        {
+            heat.jump();
+        }
+        for (number, piece) in edges[..=count].windows(2).enumerate() {
             let length = piece[1] - piece[0];
+            if number > 0
+                && let Some(heat) = &mut self.state.heat
+            {
+                heat.reverse();
+            }
             if length > 0.0 {
                 let mut start = *inputs;
                 if let Some(slopes) = slopes {
@@ -240,13 +258,26 @@ impl Line {
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
 
-    /// A piece with heat along the contact line: the mean only counts distance.
+    /// A piece with heat along the contact line: the mean only counts distance, and carries a bristle.
     fn warm_piece(
         &mut self,
         inputs: &[f64; INPUTS],
         slopes: Option<&[f64; INPUTS]>,
         length: f64,
     ) -> Result<(), StepFailure> {
+        if self.mean.has_bristle() {
+            // Its heat is the work of the mean force, so the mean comes first.
+            let mut loaded = *inputs;
+            loaded[1] = self.carried(inputs);
+            let mut rates = slopes.copied();
+            if let (Some(rates), true) = (&mut rates, self.operators.decides_load()) {
+                rates[1] = 0.0;
+            }
+            let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
+            self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+            self.tell_friction();
+            return Ok(());
+        }
         let heat = Heat::constant(self.mean.state().reference, 0.0);
         if !self.operators.decides_load() {
             self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
@@ -277,14 +308,17 @@ impl Line {
             return Ok(Heat::constant(self.mean.state().reference, 0.0));
         }
         let (temperature, expansion) = (self.temperature(inputs), self.expansion());
-        let distance = self.mean.state().distance;
+        let (distance, dissipated) = (self.mean.state().distance, self.mean.state().dissipated);
         self.mean.step(inputs, slopes, length)?;
         let state = self.mean.state();
         let slipped = self.mean.has_bristle().then(|| {
             let carried = inputs[1].max(0.0) + slopes.map_or(0.0, |slopes| slopes[1] * length);
             let full = carried * self.operators.mean.scene.faces * self.operators.mean.power_factor;
             let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
-            (state.distance - distance, ratio)
+            let work = (state.dissipated - dissipated) * self.operators.mean.area;
+            let impulse = 0.5 * length * (inputs[1].max(0.0) + carried.max(0.0));
+            let heat_per_pressure = if impulse > 0.0 { work / impulse } else { 0.0 };
+            Slipped { distance: state.distance - distance, ratio, heat_per_pressure }
         });
         Ok(Heat {
             temperature: [temperature, state.end_temperature + state.reference],
@@ -367,6 +401,14 @@ impl Line {
             }
         }
         if let Some(heat) = &self.state.heat {
+            let lowest = heat.lowest() + self.mean.state().reference;
+            if lowest.is_nan() || lowest < 0.0 {
+                return Err(StepFailure(format!(
+                    "heat along the contact line has lost its balance: a surface of {lowest} K, which cannot be below 0 K, at \
+                     punch.conductivity = {} and strip.conductivity = {} W/(m.K)",
+                    scene.punch.conductivity, scene.strip.conductivity
+                )));
+            }
             self.state.limits |= lumped::limits_of_temperature(scene, heat.highest() + self.mean.state().reference);
         }
         if self.state.track.as_ref().is_some_and(|track| track.revisited()) {

@@ -6,9 +6,10 @@ use crate::contact::{ContactState, Normal, Tilt};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
-use crate::scene::{Constraint, FadeTable, Geometry, InitialShape, Path, Scene, Scheme};
+use crate::scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
 use crate::steady::rocking_limit;
 use crate::steady::scene::run_in_shape;
+use crate::steady::thermal::{has_hot_state, hot_run_in_shape};
 use crate::wear::law::{REFERENCE_PRESSURE, WearLaw};
 use crate::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
 use nalgebra::DMatrix;
@@ -16,6 +17,9 @@ use std::sync::Arc;
 
 /// Cells where the scene leaves the choice: pressure to about 1e-3 away from the edges.
 const CHOSEN_CELLS: usize = 33;
+
+/// The same for the reference level.
+const FINEST_CELLS: usize = 257;
 
 /// How the strip's worn depth moves under the punch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -74,7 +78,19 @@ impl Operators {
     /// # Errors
     /// A text with the numbers where the bodies or the run-in shape do not exist.
     pub fn new(scene: &Scene) -> Result<Operators, String> {
-        let count = if scene.cells == 0 { CHOSEN_CELLS } else { scene.cells };
+        Self::with_heat(scene, distribution_feeds_back(scene))
+    }
+
+    /// The same with heat along the contact line, or without, whether it feeds back or not.
+    ///
+    /// # Errors
+    /// As [`Operators::new`].
+    pub fn with_heat(scene: &Scene, heat: bool) -> Result<Operators, String> {
+        let count = match (scene.cells, scene.fidelity) {
+            (0, Fidelity::Field) => FINEST_CELLS,
+            (0, _) => CHOSEN_CELLS,
+            (cells, _) => cells,
+        };
         let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
         let weights = load_weights(scene, &cells);
         let radius_ratio = relative_radii(scene, &cells);
@@ -86,8 +102,9 @@ impl Operators {
             InitialShape::Tabulated(values) => cell_means(&cells, values),
         };
         if scene.initial_shape == InitialShape::RunIn {
-            initial_gap = run_in_shape(scene, &cells, &bodies)
-                .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
+            let shape = if heat && has_hot_state(scene) { hot_run_in_shape } else { run_in_shape };
+            initial_gap =
+                shape(scene, &cells, &bodies).map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
         }
         let normal = &punch.normal + &strip.normal;
         let shear = &strip.shear - &punch.shear;
@@ -111,9 +128,9 @@ impl Operators {
             .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
-        let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene)));
-        let heat = distribution_feeds_back(scene).then(|| Bodies::new(scene, &cells)).transpose()?;
-        Ok(Operators {
+        let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene, heat)));
+        let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
+        let operators = Operators {
             heat,
             profile: Profile::new(&cells),
             wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
@@ -131,7 +148,9 @@ impl Operators {
             displacement_scale,
             strip_wear,
             rotates,
-        })
+        };
+        operators.check_acceleration(scene.friction_coefficient, scene.wear_acceleration)?;
+        Ok(operators)
     }
 
     /// N.
@@ -188,8 +207,10 @@ impl Operators {
         let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
         let heat = match &self.heat {
             Some(bodies) => format!(
-                "heat along the contact line, thermal states: punch {}, strip {}, with its distortion of the shape",
-                bodies.states[0], bodies.states[1]
+                "heat along the contact line, thermal states: punch {}{}, strip {}, with its distortion of the shape",
+                bodies.states[0],
+                if self.scene.fidelity == Fidelity::Field { " (finite elements, unreduced)" } else { "" },
+                bodies.states[1]
             ),
             None => "heat by its mean, without distortion of the shape".into(),
         };
@@ -230,12 +251,12 @@ impl Operators {
         let expands = scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0;
         if expands && self.heat.is_none() {
             warnings.push(
-                "thermal distortion of the shape is not part of this level on an annulus, with contact.stick_stiffness, or \
-                 with a solver.scheme other than monolithic: the bodies' mean expansion acts on holder.stiffness only"
+                "thermal distortion of the shape is not part of this level on an annulus or with solver.scheme = explicit: the \
+                 bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );
         }
-        let critical = lumped::outputs::critical_speed(scene, scene.friction_coefficient);
+        let critical = self.mean.critical_speed.at(scene.friction_coefficient);
         if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
             warnings.push(format!(
                 "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, from which on the contact's \
@@ -261,14 +282,14 @@ impl Operators {
 
 /// The scene whose mean quantities the lumped level carries: the contact line does the wear and stands between holder and
 /// load.
-fn mean_scene(scene: &Scene) -> Scene {
+fn mean_scene(scene: &Scene, heat: bool) -> Scene {
     let mut mean = scene.clone();
     for body in [&mut mean.punch, &mut mean.strip] {
         body.wear_coefficient = 0.0;
         body.wear_limit = 0.0;
     }
     mean.holder_stiffness = 0.0;
-    if distribution_feeds_back(scene) {
+    if heat {
         // The contact line tells the mean its friction coefficient.
         mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
     }

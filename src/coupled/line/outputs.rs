@@ -60,6 +60,7 @@ impl Line {
             faded: point.faded,
             temperature: felt.unwrap_or(point.contact_temperature) + self.mean.state().reference,
             expansion: self.expansion(),
+            heat_per_pressure: None,
         }
     }
 

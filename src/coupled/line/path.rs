@@ -11,8 +11,19 @@ pub struct Heat {
     pub temperature: [f64; 2],
     /// Displacement of both surfaces by heat, m into the bodies.
     pub expansion: [f64; 2],
-    /// With a bristle: distance slipped in the piece (m), and friction force over normal load, signed.
-    pub slipped: Option<(f64, f64)>,
+    /// What a bristle did in the piece.
+    pub slipped: Option<Slipped>,
+}
+
+/// What a bristle did in a piece, all cells alike.
+#[derive(Clone, Copy, Debug)]
+pub struct Slipped {
+    /// Distance slipped, m.
+    pub distance: f64,
+    /// Friction force over normal load at the end, signed.
+    pub ratio: f64,
+    /// Mean friction heat flux over the pressure, m/s.
+    pub heat_per_pressure: f64,
 }
 
 impl Heat {
@@ -37,6 +48,26 @@ pub struct Moment {
     pub temperature: f64,
     /// Displacement of both surfaces by heat, m into the bodies.
     pub expansion: f64,
+    /// Friction heat flux over the pressure, m/s, where a bristle decides it.
+    pub heat_per_pressure: Option<f64>,
+}
+
+impl Moment {
+    /// Takes the friction coefficient `faded` over; `direction` is s with the Stribeck factor. A bristle's force stays.
+    pub fn follow(&mut self, direction: f64) {
+        if self.heat_per_pressure.is_none() {
+            self.signed_friction = direction * self.faded;
+        }
+    }
+
+    /// Friction heat flux over the friction coefficient (without Stribeck factor) and the pressure, m/s.
+    pub fn slip(&self, stribeck: f64) -> f64 {
+        match self.heat_per_pressure {
+            Some(heat) if self.faded > 0.0 => heat / self.faded,
+            Some(_) => 0.0,
+            None => stribeck * self.speed,
+        }
+    }
 }
 
 /// Conditions over a piece.
@@ -81,14 +112,16 @@ impl Path {
         let temperature = between(self.heat.temperature);
         let faded = self.friction.faded(temperature);
         let (signed_friction, speed) = match self.heat.slipped {
-            Some((distance, ratio)) => (ratio, distance / self.length),
+            Some(slipped) => (slipped.ratio, slipped.distance / self.length),
             None => {
                 let sign = self.friction.sign(velocity);
                 (sign * (faded * self.friction.stribeck(velocity)), sign * velocity)
             }
         };
         let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
-        Moment { signed_friction, load, speed, faded, temperature, expansion: between(self.heat.expansion) }
+        let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
+        let expansion = between(self.heat.expansion);
+        Moment { signed_friction, load, speed, faded, temperature, expansion, heat_per_pressure }
     }
 
     /// Whether the contact is open or at rest throughout.

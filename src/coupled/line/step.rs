@@ -103,8 +103,11 @@ impl Line {
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.stand(path, length);
         }
-        if operators.scene.scheme == Scheme::Explicit {
-            return self.explicit(path, length);
+        match operators.scene.scheme {
+            Scheme::Explicit => return self.explicit(path, length),
+            Scheme::Staggered if self.heat.is_some() => return self.staggered(path, length),
+            // Without heat along the line there is nothing to split.
+            Scheme::Staggered | Scheme::Monolithic => {}
         }
         let mut level = self.state.refinement;
         let (mut part, mut attempts, mut failures) = (0_u64, 0, 0);
@@ -144,7 +147,9 @@ impl Line {
                 Outcome::Tried(_) => 2,
                 Outcome::Failed(error) => {
                     failures += 1;
-                    if failures > CUTS_WITHOUT_SOLUTION || !matches!(error, StageError::NotConverged { .. }) {
+                    // Heat of a long step may let the pressure run away where that of a short one does not.
+                    let curable = self.heat.is_some() || matches!(error, StageError::NotConverged { .. });
+                    if failures > CUTS_WITHOUT_SOLUTION || !curable {
                         return Err(self.failure(path, start, &error));
                     }
                     2
@@ -166,7 +171,7 @@ impl Line {
         Ok(())
     }
 
-    fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
+    pub(super) fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
         let moment = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
@@ -177,7 +182,7 @@ impl Line {
     }
 
     /// A strip that keeps its track may move at most a quarter of the half-width under the punch in one step.
-    fn too_far(&self, path: &Path, start: f64, step: f64) -> bool {
+    pub(super) fn too_far(&self, path: &Path, start: f64, step: f64) -> bool {
         let travel = step * path.velocity(start + 0.5 * step).abs();
         self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
     }
@@ -339,7 +344,7 @@ impl Line {
     }
 
     /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.
-    fn meet_track(&mut self, travel: f64) {
+    pub(super) fn meet_track(&mut self, travel: f64) {
         let (state, work) = (&self.state, &mut self.work);
         let Some(track) = &work.track else { return };
         track.depth_under(state.position + travel, &mut work.strip);
@@ -349,7 +354,7 @@ impl Line {
     }
 
     /// Deposits the first stage's wear of `duration` (s) over the first `travel` (m) on the step's track.
-    fn leave_first_stage(&mut self, travel: f64, duration: f64) {
+    pub(super) fn leave_first_stage(&mut self, travel: f64, duration: f64) {
         let (state, work) = (&self.state, &mut self.work);
         let Some(track) = &mut work.track else { return };
         for (deposit, rate) in work.deposit.iter_mut().zip(&work.rates[0][1]) {
@@ -395,7 +400,7 @@ impl Line {
     }
 
     /// Takes the part that was tried.
-    fn accept(&mut self, path: &Path, start: f64, step: f64) {
+    pub(super) fn accept(&mut self, path: &Path, start: f64, step: f64) {
         let operators = self.operators.clone();
         let count = operators.count();
         let travel = step * path.velocity(start + 0.5 * step);
@@ -441,7 +446,7 @@ impl Line {
             }
         }
         self.state.position += travel;
-        self.accept_heat(step);
+        self.accept_heat(step, path.velocity(start + step));
         self.keep_end();
     }
 

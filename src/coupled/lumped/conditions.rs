@@ -56,7 +56,7 @@ impl<S: Scalar> Conditions<S> {
         let cools = operators.punch.forced > 0.0 || operators.strip.forced > 0.0;
         let forced = if cools {
             let air = (velocity.abs() + inputs.cooling_velocity).positive();
-            if air.value() > 0.0 { air.powf(0.8) } else { S::from(0.0) }
+            if air.value() > 0.0 { air.four_fifths() } else { S::from(0.0) }
         } else {
             S::from(0.0)
         };

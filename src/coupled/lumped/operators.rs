@@ -1,6 +1,7 @@
 //! What the lumped level is made of, built once from the scene and shared by every state.
 
 use crate::contact::friction::FrictionLaw;
+use crate::coupled::instability::CriticalSpeed;
 use crate::elastic::mean::mean_compliance;
 use crate::heat::flash::Flash;
 use crate::heat::moving_source::{self, MovingSource};
@@ -47,6 +48,41 @@ pub struct BodyOperators {
     pub expansion: f64,
 }
 
+/// Bounds within which a step has nothing to report and cannot fail by wear.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Unremarkable {
+    /// Worn depths of punch and strip (m) below which no limit is reached.
+    pub depth: [f64; 2],
+    /// Worn depths (m) that a step may reach without a look at the bodies' ends before it.
+    pub depth_before_step: [f64; 2],
+    /// Speed, m/s.
+    pub speed: f64,
+    /// Load, N.
+    pub load: f64,
+    /// Contact temperature, K.
+    pub temperature: f64,
+}
+
+impl Unremarkable {
+    fn new(scene: &Scene) -> Unremarkable {
+        let bodies = [&scene.punch, &scene.strip];
+        let limited = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
+        let mut depth = bodies
+            .map(|body| limited(body.wear_limit).min(super::HIGHEST_VALID_WEAR * body.height) - body.initial_wear);
+        if scene.path == Path::Straight {
+            // The track says what is worn.
+            depth[1] = f64::NEG_INFINITY;
+        }
+        Unremarkable {
+            depth,
+            depth_before_step: bodies.map(|body| super::NEAR_END * body.height - body.initial_wear),
+            speed: super::NOMINAL_MARGIN * limited(scene.nominal_velocity),
+            load: super::NOMINAL_MARGIN * limited(scene.nominal_load),
+            temperature: limited(scene.temperature_limit).min(super::HIGHEST_VALID_TEMPERATURE),
+        }
+    }
+}
+
 /// See the module.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Operators {
@@ -76,10 +112,14 @@ pub struct Operators {
     pub least_flux: f64,
     /// The step may take its plain form: see [`super::plain`].
     pub plain: bool,
+    /// What most steps stay within.
+    pub unremarkable: Unremarkable,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
     pub half_resistance: f64,
     /// Part of a closed path that the punches cover.
     pub strip_coverage: f64,
+    /// Where pressure waves begin to grow.
+    pub critical_speed: CriticalSpeed,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
     /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
@@ -125,6 +165,7 @@ impl Operators {
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         let mut operators = Operators {
             plain: false,
+            unremarkable: Unremarkable::new(scene),
             half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
             strip_coverage: scene.coverage(),
             wear_follows_temperature: follows(&punch) || follows(&strip),
@@ -139,6 +180,7 @@ impl Operators {
             effective_radius,
             tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
+            critical_speed: CriticalSpeed::new(scene),
             compliance,
             series_stiffness,
             scene: scene.clone(),

@@ -8,9 +8,8 @@ use super::point::{self, Point};
 use super::state::BodyState;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
-use crate::scene::{MechanicalBody, STATIONS, Scene, value};
+use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, ValueReference, reference};
-use std::f64::consts::PI;
 
 macro_rules! emit {
     ($emit:ident, $($name:literal = $value:expr),* $(,)?) => {
@@ -151,7 +150,7 @@ impl Lumped {
             "friction_coefficient" = point.friction_coefficient,
             "friction_force_kinetic" = kinetic,
             "friction_force_limit" = limit,
-            "critical_speed" = critical_speed(scene, point.friction_coefficient),
+            "critical_speed" = operators.critical_speed.at(point.friction_coefficient),
             "pressure_mean" = point.pressure,
             "pressure_max" = point.pressure,
             "contact_fraction" = S::from(carries),
@@ -289,29 +288,6 @@ impl Lumped {
     pub fn limits(&self) -> u8 {
         self.state.limits & (limit::WEAR | limit::TEMPERATURE | limit::VALIDITY | limit::NEGATIVE_LOAD)
     }
-}
-
-/// Speed (m/s) above which the contact's longest wave grows: V = 2 K m/(mu alpha (1 + nu) E*) with
-/// m = 2 pi over the contact's length and 1/E* the sum of both bodies' (1 - nu^2)/E, each body taken for
-/// the only conductor, sliding on the other as an insulator; the lower value of both. With a rigid mate that is
-/// 2 K m (1 - nu)/(mu E alpha). 0 where nothing expands.
-pub fn critical_speed<S: Scalar>(scene: &Scene, friction: S) -> S {
-    let wave = 2.0 * PI / scene.sliding_extent();
-    let compliance = |body: &crate::scene::Body| match body.mechanical {
-        MechanicalBody::Rigid => 0.0,
-        _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
-    };
-    let pair = compliance(&scene.punch) + compliance(&scene.strip);
-    let product = |body: &crate::scene::Body| {
-        let drive = body.thermal_expansion * (1.0 + body.poissons_ratio);
-        if drive > 0.0 && body.conductivity > 0.0 {
-            2.0 * body.conductivity * wave * pair / drive
-        } else {
-            f64::INFINITY
-        }
-    };
-    let lowest = product(&scene.punch).min(product(&scene.strip));
-    if lowest.is_finite() && friction.value() > 0.0 { S::from(lowest) / friction } else { S::from(0.0) }
 }
 
 #[derive(Default)]

@@ -1,18 +1,18 @@
-//! The step in the regime that most drives are in, written out: both bodies conduct, dead load, constant
-//! conditions, friction and temperature on one segment of the fade table, no bristle, everything at ambient temperature but
+//! The step in the regime that most drives are in, written out: both bodies conduct, dead load, friction and temperature on one segment of the fade table, no bristle, everything at ambient temperature but
 //! what friction has heated.
 //!
 //! The same equations as [`super::stages`], whose general form costs three times as much here. Nothing is solved
 //! differently. A test runs both side by side.
 
 use super::conditions::Conditions;
+use super::estimate::layer_allowance;
 use super::operators::{BodyOperators, Operators};
 use super::point::{cooling_flux, cooling_slope, strip_entry};
-use super::stage::QUADRATURE;
-use super::stages::layer_allowance;
+use super::stage::{BASIS, Observed, QUADRATURE};
+
 use super::state::State;
 use super::step::{Attempt, Stepper};
-use crate::heat::reduced::{PORTS, Port};
+use crate::heat::reduced::Port;
 
 const COOLING: usize = Port::Cooling as usize;
 
@@ -29,122 +29,205 @@ pub fn possible(operators: &Operators) -> bool {
 }
 
 type Pair = [f64; 2];
+/// Rows for the stages.
+type Matrix = [Pair; 2];
 
 /// Product of a matrix with the values at both stages.
-#[inline]
-fn apply(matrix: &[Pair; 2], values: Pair) -> Pair {
+#[inline(always)]
+fn apply(matrix: &Matrix, values: Pair) -> Pair {
     [matrix[0][0] * values[0] + matrix[0][1] * values[1], matrix[1][0] * values[0] + matrix[1][1] * values[1]]
 }
 
 /// Product of two matrices.
-#[inline]
-fn product(left: &[Pair; 2], right: &[Pair; 2]) -> [Pair; 2] {
+#[inline(always)]
+fn product(left: &Matrix, right: &Matrix) -> Matrix {
     let columns = [apply(left, [right[0][0], right[1][0]]), apply(left, [right[0][1], right[1][1]])];
     [[columns[0][0], columns[1][0]], [columns[0][1], columns[1][1]]]
 }
 
-#[inline]
-fn inverse(matrix: &[Pair; 2]) -> [Pair; 2] {
+#[inline(always)]
+fn inverse(matrix: &Matrix) -> Matrix {
     let factor = 1.0 / (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]);
     [[matrix[1][1] * factor, -matrix[0][1] * factor], [-matrix[1][0] * factor, matrix[0][0] * factor]]
 }
 
-/// Cooling of the strip's surface, linearised: the flux into it at both stages is `level + gain into`, with `into` the
-/// contact's heat into the strip.
-struct Air {
-    level: Pair,
-    gain: [Pair; 2],
+#[inline(always)]
+fn sum(left: Pair, right: Pair) -> Pair {
+    [left[0] + right[0], left[1] + right[1]]
 }
 
-impl Air {
-    /// The law made straight at the temperatures that the heat `into` gives; `cooled` is the surface without contact and
-    /// cooling flux, `contact` and `own` are its gains from both, `forced` as in [`Conditions`].
-    #[inline]
-    fn new(
-        body: &BodyOperators,
-        reference: f64,
-        cooled: Pair,
-        contact: &[Pair; 2],
-        own: &[Pair; 2],
-        into: Pair,
-        forced: f64,
-    ) -> Air {
-        let heated = apply(contact, into);
-        let (mut level, mut slope) = ([0.0; 2], [0.0; 2]);
-        for i in 0..2 {
-            let guess = cooled[i] + heated[i];
-            slope[i] = cooling_slope(body, reference, guess, forced);
-            let straight = cooling_flux(body, reference, guess, 0.0, forced) + slope[i] * guess;
-            level[i] = straight - slope[i] * cooled[i];
+/// A function of the conditions at both stages, evaluated once where they are the same.
+#[inline(always)]
+fn both<const SAME: bool>(at: [&Conditions; 2], of: impl Fn(&Conditions) -> f64) -> Pair {
+    if SAME { [of(at[0]); 2] } else { at.map(of) }
+}
+
+/// Gains of an observation at the stages from the stage fluxes of `port`.
+#[inline(always)]
+fn gain_at_stages(observed: &Observed, port: usize) -> Matrix {
+    [observed.gain[port][0], observed.gain[port][2]]
+}
+
+/// The strip's surface, solved for its cooling: at both stages its temperature without the moving source is
+/// `level + gain into`, with `into` the contact's heat into the strip, and the cooling flux into it is
+/// `offset - slope T` of that temperature T.
+struct Surface {
+    level: Pair,
+    gain: Matrix,
+    offset: Pair,
+    slope: Pair,
+}
+
+impl Surface {
+    /// A surface of the temperatures `level` without contact and cooling flux; `forced` as in [`Conditions`].
+    /// Radiation is made straight at the temperatures that the heat `guess` gives; forced convection is.
+    #[inline(always)]
+    fn new(body: &BodyOperators, strip: &Observed, reference: f64, level: Pair, guess: Pair, forced: Pair) -> Surface {
+        let (contact, air) = (gain_at_stages(strip, 0), gain_at_stages(strip, COOLING));
+        let mut surface =
+            Surface { level, gain: contact, offset: [0.0; 2], slope: forced.map(|forced| forced * body.forced) };
+        if body.emissivity > 0.0 {
+            let heated = apply(&contact, guess);
+            for i in 0..2 {
+                let t = level[i] + heated[i];
+                surface.slope[i] = cooling_slope(body, reference, t, forced[i]);
+                surface.offset[i] = cooling_flux(body, reference, t, 0.0, forced[i]) + surface.slope[i] * t;
+            }
+            surface.level = sum(level, apply(&air, surface.offset));
         }
-        let implicit = inverse(&[
-            [1.0 + slope[0] * own[0][0], slope[0] * own[0][1]],
-            [slope[1] * own[1][0], 1.0 + slope[1] * own[1][1]],
+        let slope = surface.slope;
+        let settle = inverse(&[
+            [1.0 + air[0][0] * slope[0], air[0][1] * slope[1]],
+            [air[1][0] * slope[0], 1.0 + air[1][1] * slope[1]],
         ]);
-        let driven = [
-            [-slope[0] * contact[0][0], -slope[0] * contact[0][1]],
-            [-slope[1] * contact[1][0], -slope[1] * contact[1][1]],
-        ];
-        Air { level: apply(&implicit, level), gain: product(&implicit, &driven) }
+        surface.level = apply(&settle, surface.level);
+        surface.gain = product(&settle, &contact);
+        surface
     }
 
-    #[inline]
+    #[inline(always)]
+    fn temperature(&self, into: Pair) -> Pair {
+        sum(self.level, apply(&self.gain, into))
+    }
+
+    #[inline(always)]
     fn flux(&self, into: Pair) -> Pair {
-        let driven = apply(&self.gain, into);
-        [self.level[0] + driven[0], self.level[1] + driven[1]]
+        let t = self.temperature(into);
+        [self.offset[0] - self.slope[0] * t[0], self.offset[1] - self.slope[1] * t[1]]
+    }
+
+    /// The most that the straight law leaves of the true one at either stage, as the temperature (K) that it makes at the
+    /// end of the step.
+    fn left(&self, body: &BodyOperators, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
+        let (t, flux, gain) = (self.temperature(into), self.flux(into), strip.gain[COOLING][2]);
+        let left = |i: usize| ((cooling_flux(body, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
+        left(0).max(left(1))
+    }
+}
+
+/// What wears: conditions at the start and the three points, and pressure, friction coefficient and temperature (K) at both
+/// stages.
+struct Wearing<'a> {
+    at: [&'a Conditions; 4],
+    pressure: Pair,
+    faded: Pair,
+    temperature: Pair,
+}
+
+impl Wearing<'_> {
+    /// Wear rates of a body at both stages, m/s.
+    #[inline(always)]
+    fn rates<const CONSTANT: bool>(&self, stepper: &Stepper, body: &BodyOperators) -> Pair {
+        let factor = body.wear_factor * stepper.tunables.wear_acceleration;
+        let [_, first, _, last] = self.at;
+        let rate = |now: &Conditions, i: usize| {
+            body.wear.rate(self.pressure[i], now.slip, self.faded[i], self.temperature[i]) * factor
+        };
+        let before = rate(first, 0);
+        if CONSTANT && !stepper.operators.wear_follows_temperature { [before; 2] } else { [before, rate(last, 1)] }
+    }
+
+    /// See [`Stepper::wear_error`].
+    #[inline(always)]
+    fn error(&self, stepper: &Stepper, body: &BodyOperators, rates: &Pair, peak: f64) -> f64 {
+        // A product of a linear pressure and a linear speed has no third difference.
+        let is_quadratic = stepper.friction.regularization_velocity == 0.0 && body.wear.is_archard(self.faded);
+        if is_quadratic || !body.wear.active() {
+            return 0.0;
+        }
+        self.general_error(stepper, body, rates, peak)
+    }
+
+    #[inline(never)]
+    fn general_error(&self, stepper: &Stepper, body: &BodyOperators, rates: &Pair, peak: f64) -> f64 {
+        let factor = body.wear_factor * stepper.tunables.wear_acceleration;
+        let [start, _, middle, _] = self.at;
+        // Linear continuation of what the stages found.
+        let rate = |now: &Conditions, stages: Pair| {
+            let between = |values: Pair| stages[0] * values[0] + stages[1] * values[1];
+            let pressure = now.load / stepper.operators.area;
+            body.wear.rate(pressure, now.slip, between(self.faded), between(self.temperature)) * factor
+        };
+        let others = [rate(start, [1.5, -0.5]), rate(middle, BASIS[1])];
+        stepper.wear_error(body, rates, others, 0.0, (self.faded[1], self.temperature[1]), peak)
     }
 }
 
 impl Stepper<'_> {
-    /// Carries `state` over the step if the regime and the bound of the error allow it.
-    #[inline]
-    pub fn plain(&mut self, state: &mut State, now: &Conditions) -> Option<Attempt> {
+    /// Carries `state` over the step if the regime and the error allow it; conditions `at` the start and the three points,
+    /// all the same if `CONSTANT`. The moving source is prepared. Unless the error found is at most 1, nothing has changed.
+    #[inline(always)]
+    pub fn plain<const CONSTANT: bool>(&mut self, state: &mut State, at: [&Conditions; 4]) -> Option<Attempt> {
         let operators = self.operators;
-        if !operators.plain || now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0 {
+        // The compiler then knows that they are the same.
+        let at = if CONSTANT { [at[0]; 4] } else { at };
+        let [start, first, middle, last] = at;
+        let elsewhere = |now: &Conditions| now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0;
+        // What is linear and 0 at two points is 0 at all.
+        if !operators.plain || elsewhere(first) || !CONSTANT && elsewhere(last) {
             return None;
         }
         let (punch, strip) = (self.propagators.punch.as_ref()?, self.propagators.strip.as_ref()?);
         let (punch_count, strip_count) = (operators.punch.heat.as_ref()?.count, operators.strip.heat.as_ref()?.count);
         let reference = state.reference;
-        let punch_of = |point: usize| punch.contact.of_states(point, &state.punch.heat, punch_count);
-        let strip_of = |point: usize| strip.contact.of_states(point, &state.strip.heat, strip_count);
-        let punch_level = [punch_of(0), punch_of(2)];
-        let cooled = [strip_of(0), strip_of(2)];
-        let entry = strip_entry(operators, state);
-        let mut strip_level = [cooled[0] + entry, cooled[1] + entry];
-        let punch_gain = [punch.contact.gain[0][0], punch.contact.gain[0][2]];
-        let own_gain = [strip.contact.gain[0][0], strip.contact.gain[0][2]];
-        let mut strip_gain = own_gain;
-        if operators.flash.is_some() {
-            for (i, point) in [0, 2].into_iter().enumerate() {
-                strip_level[i] += self.flash.homogeneous(point, &state.flash);
-                strip_gain[i][0] += self.flash.gain[point][0];
-                strip_gain[i][1] += self.flash.gain[point][1];
-            }
-        }
-        let pressure = now.load / operators.area;
+        // A piece has no sign change of the load inside: its middle says whether the contact is closed.
+        let closed = middle.load > 0.0;
+        let pressure_at = |now: &Conditions| if closed { now.load / operators.area } else { 0.0 };
+        let pressure = both::<CONSTANT>([first, last], pressure_at);
         // Friction on the segment of its table that the last step has left it on.
         let fade = self.friction.fade.line(state.end_temperature + reference);
-        let driver = self.friction.coefficient * now.stribeck * now.slip * operators.power_factor * pressure;
+        let scaled_friction = self.friction.coefficient * operators.power_factor;
+        let driver_at = |now: &Conditions, pressure: f64| scaled_friction * now.stribeck * now.slip * pressure;
+        let driver = if CONSTANT {
+            [driver_at(first, pressure[0]); 2]
+        } else {
+            [driver_at(first, pressure[0]), driver_at(last, pressure[1])]
+        };
+        let forced = both::<CONSTANT>([first, last], |now| now.forced);
 
+        let punch_level = punch.contact_at_stages(&state.punch.heat, punch_count);
+        let punch_gain = gain_at_stages(&punch.contact, 0);
+        let uncooled = strip.contact_at_stages(&state.strip.heat, strip_count);
         let cools = operators.strip.variable_cooling;
-        let air_gain = [strip.contact.gain[COOLING][0], strip.contact.gain[COOLING][2]];
-        let mut air = Air { level: [0.0; 2], gain: [[0.0; 2]; 2] };
-        if cools {
+        let surface = if cools {
             // Nearly all of the heat enters the better conductor.
-            let guess = [driver * fade.factor(state.end_temperature + reference); 2];
-            air = Air::new(&operators.strip, reference, cooled, &own_gain, &air_gain, guess, now.forced);
-            let levels = apply(&air_gain, air.level);
-            let gains = product(&air_gain, &air.gain);
-            for i in 0..2 {
-                strip_level[i] += levels[i];
-                strip_gain[i][0] += gains[i][0];
-                strip_gain[i][1] += gains[i][1];
-            }
+            let factor = fade.factor(state.end_temperature + reference);
+            let guess = driver.map(|driver| driver * factor);
+            Surface::new(&operators.strip, &strip.contact, reference, uncooled, guess, forced)
+        } else {
+            let gain = gain_at_stages(&strip.contact, 0);
+            Surface { level: uncooled, gain, offset: [0.0; 2], slope: [0.0; 2] }
+        };
+        let entry = strip_entry(operators, state);
+        let mut strip_level = [surface.level[0] + entry, surface.level[1] + entry];
+        let mut strip_gain = surface.gain;
+        if operators.flash.is_some() {
+            strip_level = sum(strip_level, self.flash.homogeneous_at_stages(&state.flash));
+            strip_gain = [sum(strip_gain[0], self.flash.gain[0]), sum(strip_gain[1], self.flash.gain[2])];
         }
         let half_resistance = operators.half_resistance;
         let (mut into_punch, mut into_strip, mut heat, mut error) = ([0.0; 2], [0.0; 2], [0.0; 2], 0.0);
-        if pressure > 0.0 {
+        if closed {
             let exchange = [
                 [punch_gain[0][0] + strip_gain[0][0] + 2.0 * half_resistance, punch_gain[0][1] + strip_gain[0][1]],
                 [punch_gain[1][0] + strip_gain[1][0], punch_gain[1][1] + strip_gain[1][1] + 2.0 * half_resistance],
@@ -152,7 +235,7 @@ impl Stepper<'_> {
             let split = inverse(&exchange);
             let between = [strip_level[0] - punch_level[0], strip_level[1] - punch_level[1]];
             heat = if fade.slope == 0.0 {
-                [driver * fade.value; 2]
+                driver.map(|driver| driver * fade.value)
             } else {
                 // Temperature over heat is affine too: friction and temperature agree by one more solution of two equations.
                 let by_heat = [
@@ -167,17 +250,17 @@ impl Stepper<'_> {
                 let mut gain = product(&by_flux, &product(&split, &by_heat));
                 gain[0][0] -= 0.5 * half_resistance;
                 gain[1][1] -= 0.5 * half_resistance;
-                let feedback = driver * fade.slope;
+                let feedback = driver.map(|driver| driver * fade.slope);
                 // Friction that rises steeply with its own heat may have several solutions.
-                if feedback * (gain[0][0].abs() + gain[0][1].abs()).max(gain[1][0].abs() + gain[1][1].abs()) > 0.5 {
+                if (0..2).any(|i| feedback[i] * (gain[i][0].abs() + gain[i][1].abs()) > 0.5) {
                     return None;
                 }
                 let agree = inverse(&[
-                    [1.0 - feedback * gain[0][0], -feedback * gain[0][1]],
-                    [-feedback * gain[1][0], 1.0 - feedback * gain[1][1]],
+                    [1.0 - feedback[0] * gain[0][0], -feedback[0] * gain[0][1]],
+                    [-feedback[1] * gain[1][0], 1.0 - feedback[1] * gain[1][1]],
                 ]);
                 let level = |i: usize| fade.factor(punch_level[i] + none[i] + reference);
-                apply(&agree, [driver * level(0), driver * level(1)])
+                apply(&agree, [driver[0] * level(0), driver[1] * level(1)])
             };
             let kept = apply(&strip_gain, heat);
             into_punch = apply(
@@ -190,55 +273,56 @@ impl Stepper<'_> {
                 .max(0.1 * into_punch[0].abs().max(into_punch[1].abs()))
                 .max(0.02 * state.peak_flux)
                 .max(operators.least_flux);
-            let defect = 0.5 * (into_punch[1] - into_punch[0]).abs();
-            // The resistance grows during the step: at its end it bounds that at the point 2/3.
-            let resistance = exchange[1][0] + exchange[1][1];
             let allowed = 2.0 * operators.scene.tolerance * scale;
-            error = (defect / layer_allowance(resistance, scale, state) + 0.5 * (heat[1] - heat[0]).abs()) / allowed;
+            error = f64::INFINITY;
+            if CONSTANT {
+                let defect = 0.5 * (into_punch[1] - into_punch[0]).abs();
+                // The resistance grows during the step: at its end it bounds that at the point 2/3.
+                let resistance = exchange[1][0] + exchange[1][1];
+                error =
+                    (defect / layer_allowance(resistance, scale, state) + 0.5 * (heat[1] - heat[0]).abs()) / allowed;
+            }
             if error.is_nan() || error > 1.0 {
-                // The bound is not enough: the residual of the contact conditions at the point 2/3 decides.
+                // No bound, or it is not enough: the residual of the contact conditions at the point 2/3 decides.
                 self.flash.prepare_middle(operators);
                 let mut gain = strip.contact.gain[0][1];
-                let mut strip_middle = strip_of(1) + entry;
+                let mut strip_middle = strip.contact_at_middle(&state.strip.heat, strip_count) + entry;
                 if operators.flash.is_some() {
                     strip_middle += self.flash.homogeneous(1, &state.flash);
-                    gain = [gain[0] + self.flash.gain[1][0], gain[1] + self.flash.gain[1][1]];
+                    gain = sum(gain, self.flash.gain[1]);
                 }
                 if cools {
-                    strip_middle += strip.contact.of_flux(COOLING, 1, air.flux(into_strip));
+                    strip_middle += strip.contact.of_flux(COOLING, 1, surface.flux(into_strip));
                 }
                 let own = &punch.contact.gain[0][1];
-                let punch_middle = punch_of(1) + own[0] * into_punch[0] + own[1] * into_punch[1];
+                let punch_middle = punch.contact_at_middle(&state.punch.heat, punch_count)
+                    + own[0] * into_punch[0]
+                    + own[1] * into_punch[1];
                 strip_middle += gain[0] * into_strip[0] + gain[1] * into_strip[1];
                 let between = 0.5 * (into_strip[0] + into_strip[1] - into_punch[0] - into_punch[1]);
                 let jump = punch_middle - strip_middle - half_resistance * between;
                 let resistance = 2.0 * half_resistance + own[0] + own[1] + gain[0] + gain[1];
                 let factor = fade.factor(0.5 * (punch_middle + strip_middle) + reference);
-                let other_heat = (driver * factor - 0.5 * (heat[0] + heat[1])).abs();
-                error = (jump.abs() / (resistance * layer_allowance(resistance, scale, state)) + other_heat) / allowed;
+                let driver_in_middle = if CONSTANT { driver[0] } else { driver_at(middle, pressure_at(middle)) };
+                let other_heat = (driver_in_middle * factor - 0.5 * (heat[0] + heat[1])).abs();
+                let exchange = jump.abs() / (resistance * layer_allowance(resistance, scale, state));
+                error = if CONSTANT { exchange + other_heat } else { 2.0 * exchange + 4.0 * other_heat } / allowed;
+                if !CONSTANT && operators.flash.is_some() {
+                    error = error.max(self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));
+                }
                 if error.is_nan() || error > 1.0 {
                     return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
                 }
             }
         }
-        let air_flux = air.flux(into_strip);
-        if cools {
-            // What the straight law leaves of the true one.
-            let heated = apply(&own_gain, into_strip);
-            let aired = apply(&air_gain, air_flux);
-            let mut left: f64 = 0.0;
-            for i in 0..2 {
-                let t = cooled[i] + heated[i] + aired[i];
-                let wanted = cooling_flux(&operators.strip, reference, t, 0.0, now.forced);
-                left = left.max(((wanted - air_flux[i]) * air_gain[1][i]).abs());
-            }
+        if cools && operators.strip.emissivity > 0.0 {
+            let left = surface.left(&operators.strip, &strip.contact, reference, into_strip, forced);
             if left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
                 return None;
             }
         }
-        let (punch_rise, strip_rise) = (apply(&punch_gain, into_punch), apply(&strip_gain, into_strip));
-        let punch_surface = [punch_level[0] + punch_rise[0], punch_level[1] + punch_rise[1]];
-        let strip_surface = [strip_level[0] + strip_rise[0], strip_level[1] + strip_rise[1]];
+        let punch_surface = sum(punch_level, apply(&punch_gain, into_punch));
+        let strip_surface = sum(strip_level, apply(&strip_gain, into_strip));
         let hottest = punch_surface[1].max(strip_surface[1]);
         if !hottest.is_finite() {
             return None;
@@ -248,46 +332,51 @@ impl Stepper<'_> {
             return None;
         }
         let faded = rises.map(|rise| self.friction.coefficient * fade.factor(rise + reference));
-        let mut rates = [[0.0; 2]; 2];
-        for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&mut rates) {
-            let rate = |i: usize| {
-                body.wear.rate(pressure, now.slip, faded[i], rises[i] + reference)
-                    * (body.wear_factor * self.tunables.wear_acceleration)
-            };
-            rates[0] = rate(0);
-            rates[1] = rates[0];
-            if operators.wear_follows_temperature {
-                rates[1] = rate(1);
+        let wearing = Wearing { at, pressure, faded, temperature: rises.map(|rise| rise + reference) };
+        let rates =
+            [wearing.rates::<CONSTANT>(self, &operators.punch), wearing.rates::<CONSTANT>(self, &operators.strip)];
+        if CONSTANT && operators.wear_follows_temperature {
+            for (body, [first, last]) in [(&operators.punch, rates[0]), (&operators.strip, rates[1])] {
                 // Twice the change bounds the third difference that the general form measures.
-                let scale = rates[0].max(rates[1]).max(0.02 * state.peak_wear).max(body.least_wear);
-                if 2.0 * (rates[1] - rates[0]).abs() > 10.0 * operators.scene.tolerance * scale {
+                let scale = first.max(last).max(0.02 * state.peak_wear).max(body.least_wear);
+                if 2.0 * (last - first).abs() > 10.0 * operators.scene.tolerance * scale {
                     return None;
                 }
             }
         }
-
+        if !CONSTANT && closed {
+            error = error.max(wearing.error(self, &operators.punch, &rates[0], state.peak_wear));
+            error = error.max(wearing.error(self, &operators.strip, &rates[1], state.peak_wear));
+        }
+        if error.is_nan() || error > 1.0 {
+            return error.is_finite().then_some(Attempt { error, hottest });
+        }
         let step = self.propagators.step;
-        let mut fluxes = [[0.0; 2]; PORTS];
-        fluxes[0] = into_punch;
-        punch.advance(&mut state.punch.heat, punch_count, &fluxes, [true, false, false, false]);
-        fluxes[0] = into_strip;
-        fluxes[COOLING] = air_flux;
-        strip.advance(&mut state.strip.heat, strip_count, &fluxes, [true, cools, false, false]);
+        let mean = |values: Pair| step * (QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1]);
+        let worn = rates.map(mean);
+        let room = &operators.unremarkable.depth_before_step;
+        if state.punch.depth + worn[0] > room[0] || state.strip.depth + worn[1] > room[1] {
+            return None;
+        }
+
+        punch.advance_surface(&mut state.punch.heat, punch_count, into_punch, None);
+        let air_flux = cools.then(|| surface.flux(into_strip));
+        strip.advance_surface(&mut state.strip.heat, strip_count, into_strip, air_flux);
         if operators.flash.is_some() {
             self.flash.advance(&mut state.flash, into_strip);
         }
-        let mean = |values: [f64; 2]| step * (QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1]);
         state.punch.received[0] += mean(into_punch);
         state.strip.received[0] += mean(into_strip);
-        state.strip.received[COOLING] += mean(air_flux);
-        let travel = step * now.velocity;
+        if let Some(air_flux) = air_flux {
+            state.strip.received[COOLING] += mean(air_flux);
+        }
+        let travel = if CONSTANT { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
         state.dissipated += mean(heat);
         state.distance += travel.abs();
-        let worn = rates.map(mean);
         state.wear(operators, worn, travel);
         state.far = [0.0; 2];
         state.end_temperature = rises[1];
-        state.end_force = faded[1] * now.stribeck * now.sign * pressure * operators.per_pressure;
+        state.end_force = faded[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
         state.peak_rise = state.peak_rise.max(rises[0].abs()).max(rises[1].abs());
         state.peak_flux = state.peak_flux.max(heat[0]).max(heat[1]);
         state.peak_wear = state.peak_wear.max(rates[0][1].max(rates[1][1]));

@@ -10,7 +10,7 @@
 //! without error at any r h. [`Propagator`] holds these weights for one step size at the three points
 //! at which the contact is solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
 
-use crate::heat::reduced::{MAX_STATES, Observation, PORTS, ReducedBody};
+use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
 pub const POINTS: [f64; 3] = [1.0 / 3.0, 2.0 / 3.0, 1.0];
@@ -50,14 +50,13 @@ pub fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
 /// added: the compiler makes vector instructions of them, in an order that is the same everywhere.
 #[inline]
 fn dot(left: &[f64; MAX_STATES], right: &[f64; MAX_STATES], count: usize) -> f64 {
-    let groups = count.div_ceil(4);
-    let mut sum = [0.0; 4];
-    for (left, right) in left.as_chunks::<4>().0.iter().zip(right.as_chunks::<4>().0).take(groups) {
-        for lane in 0..4 {
-            sum[lane] += left[lane] * right[lane];
-        }
+    let mut sum = [0.0; LANES];
+    for (left, right) in
+        left.as_chunks::<LANES>().0.iter().zip(right.as_chunks::<LANES>().0).take(count.div_ceil(LANES))
+    {
+        accumulate(&mut sum, left, right);
     }
-    (sum[0] + sum[2]) + (sum[1] + sum[3])
+    total(sum)
 }
 
 /// An observed temperature over a step: what the initial states give, and what the stage fluxes add.
@@ -118,6 +117,36 @@ pub struct Propagator {
     pub mean: Observed,
     decay: [f64; MAX_STATES],
     update: [[[f64; MAX_STATES]; 2]; PORTS],
+    surface: [Group; MAX_STATES / LANES],
+}
+
+/// States that a vector unit treats together.
+const LANES: usize = 4;
+
+/// What the plain step needs of some neighbouring states, side by side in memory: the same numbers as in the rows above.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Group {
+    /// Weights of the contact temperature at every point.
+    contact: [[f64; LANES]; 3],
+    decay: [f64; LANES],
+    /// Gain from the stage fluxes of the contact.
+    update: [[f64; LANES]; 2],
+    /// Gain from the stage fluxes of the cooling.
+    cooling: [[f64; LANES]; 2],
+}
+
+#[inline(always)]
+fn accumulate(sum: &mut [f64; LANES], left: &[f64; LANES], right: &[f64; LANES]) {
+    for lane in 0..LANES {
+        sum[lane] += left[lane] * right[lane];
+    }
+}
+
+/// Sum over the lanes, in an order that is the same everywhere.
+#[inline(always)]
+fn total(sum: [f64; LANES]) -> f64 {
+    (sum[0] + sum[2]) + (sum[1] + sum[3])
 }
 
 impl Propagator {
@@ -138,12 +167,72 @@ impl Propagator {
                 }
             }
         }
+        let contact = Observed::new(body, &body.contact_temperature, &decay, step);
+        let surface = std::array::from_fn(|group| {
+            let of = |row: &[f64; MAX_STATES]| std::array::from_fn(|lane| row[LANES * group + lane]);
+            Group {
+                contact: contact.homogeneous.each_ref().map(of),
+                decay: of(&decay[2]),
+                update: update[Port::Contact as usize].each_ref().map(of),
+                cooling: update[Port::Cooling as usize].each_ref().map(of),
+            }
+        });
         Propagator {
-            contact: Observed::new(body, &body.contact_temperature, &decay, step),
+            contact,
             cooled: Observed::new(body, &body.cooled_temperature, &decay, step),
             mean: Observed::new(body, &body.mean_temperature, &decay, step),
             decay: decay[2],
             update,
+            surface,
+        }
+    }
+
+    /// Temperature of the contact surface at both stages from the initial states alone.
+    #[inline(always)]
+    pub fn contact_at_stages(&self, states: &[f64; MAX_STATES], count: usize) -> [f64; 2] {
+        let (mut first, mut last) = ([0.0; LANES], [0.0; LANES]);
+        let groups = self.surface.iter().zip(states.as_chunks::<LANES>().0).take(count.div_ceil(LANES));
+        for (weights, states) in groups {
+            let states = *states;
+            accumulate(&mut first, &weights.contact[0], &states);
+            accumulate(&mut last, &weights.contact[2], &states);
+        }
+        [total(first), total(last)]
+    }
+
+    /// The same at the point 2/3.
+    #[inline(always)]
+    pub fn contact_at_middle(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
+        let mut sum = [0.0; LANES];
+        for (weights, states) in self.surface.iter().zip(states.as_chunks::<LANES>().0).take(count.div_ceil(LANES)) {
+            accumulate(&mut sum, &weights.contact[1], states);
+        }
+        total(sum)
+    }
+
+    /// [`Propagator::advance`] where only contact and cooling have fluxes.
+    #[inline(always)]
+    pub fn advance_surface(
+        &self,
+        states: &mut [f64; MAX_STATES],
+        count: usize,
+        contact: [f64; 2],
+        cooling: Option<[f64; 2]>,
+    ) {
+        for (weights, states) in self.surface.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES))
+        {
+            // In numbers of its own, stored at the end: the compiler then needs no proof that nothing overlaps.
+            let mut new = *states;
+            for lane in 0..LANES {
+                new[lane] = weights.decay[lane] * new[lane]
+                    + weights.update[0][lane] * contact[0]
+                    + weights.update[1][lane] * contact[1];
+            }
+            if let Some(cooling) = cooling {
+                accumulate(&mut new, &weights.cooling[0], &[cooling[0]; LANES]);
+                accumulate(&mut new, &weights.cooling[1], &[cooling[1]; LANES]);
+            }
+            *states = new;
         }
     }
 

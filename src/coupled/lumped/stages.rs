@@ -2,6 +2,7 @@
 
 use super::bristle::{Bristle, Line, Moved};
 use super::conditions::Conditions;
+use super::estimate::layer_allowance;
 use super::flash_step::FlashStep;
 use super::interface::agree;
 use super::operators::BodyOperators;
@@ -303,7 +304,7 @@ impl Stages {
             + self.strip_gain[1][1] * strip.flux[0][1];
         let temperature = 0.5 * (punch_temperature + strip_temperature);
         let scale = self.flux_scale(stepper, state, punch);
-        let mut defect = 0.0;
+        let (mut exchange, mut defect) = (0.0, 0.0);
         let conductance = operators.scene.conductance;
         let both = punch.propagator.is_some() && strip.propagator.is_some();
         if both && conductance > 0.0 && self.split.closed {
@@ -311,8 +312,10 @@ impl Stages {
             let strip_gain = self.strip_gain[1];
             let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
             let jump = punch_temperature - strip_temperature - 0.5 * (into_strip - into_punch) / conductance;
-            let allowance = if constant { layer_allowance(resistance, scale, state) } else { 1.0 };
-            defect += jump.abs() / (resistance * allowance);
+            // Between sticking and slipping the heat has layers of its own in the midst of a step.
+            let is_layer = constant || self.bristle.is_none();
+            let allowance = if is_layer { layer_allowance(resistance, scale, state) } else { 0.5 };
+            exchange = jump.abs() / (resistance * allowance);
         }
         let faded = stepper.friction.faded(temperature + self.reference);
         if self.bristle.is_some() {
@@ -331,13 +334,11 @@ impl Stages {
             defect += (heat - heats).abs();
         }
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
-        let mut error =
-            if defect > 0.0 { defect / (if constant { 2.0 } else { 0.5 } * tolerance * scale) } else { 0.0 };
+        // What changes during the step is not over when the step is.
+        let defect = if constant { exchange + defect } else { 2.0 * exchange + 4.0 * defect };
+        let mut error = if defect > 0.0 { defect / (2.0 * tolerance * scale) } else { 0.0 };
         if !constant && operators.flash.is_some() {
-            // The weights hold the sliding rate at its value at each stage.
-            let carried = (strip_temperature - punch_temperature).abs().max(strip_temperature.abs());
-            error =
-                error.max(stepper.flash.unsteadiness() * carried / (tolerance * (1e-3 + state.peak_rise.max(carried))));
+            error = error.max(stepper.flash.error(strip.flux[0], tolerance, state.peak_rise));
         }
         // At constant conditions only the temperature can make the wear rate change.
         let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
@@ -385,20 +386,9 @@ impl Stages {
         };
         // Linear continuation of what the stages found to the start and to the point 2/3.
         let (start, middle) = ([1.5, -0.5], BASIS[1]);
-        let first = rate(0, pressure(0, start), start);
-        let second = rate(2, pressure(2, middle), middle);
-        let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs() + uneven;
-        // Near standstill a rate like |v|^a, a < 1, is no polynomial at any step; what it adds there is little
-        // beside the wear of the whole piece.
-        let whole = stepper.ends.map_or(0.0, |ends| {
-            let load = ends[0].load.max(ends[1].load);
-            let slip = ends[0].slip.max(ends[1].slip);
-            0.1 * stepper.cut
-                * body.wear.rate(load / operators.area, slip, self.faded[1], self.temperature[1] + self.reference)
-                * (body.wear_factor * stepper.tunables.wear_acceleration)
-        });
-        let scale = rates[0].max(rates[1]).max(0.02 * peak).max(body.least_wear).max(whole);
-        if third > 0.0 { third / (5.0 * stepper.operators.scene.tolerance * scale) } else { 0.0 }
+        let others = [rate(0, pressure(0, start), start), rate(2, pressure(2, middle), middle)];
+        let end = (self.faded[1], self.temperature[1] + self.reference);
+        stepper.wear_error(body, rates, others, uneven, end, peak)
     }
 
     /// Highest surface temperature at the end of the step, K above the reference.
@@ -414,14 +404,6 @@ impl Stages {
 fn scaled(values: [f64; 2], mean: f64) -> [f64; 2] {
     let own = QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
     if own > 0.0 { values.map(|value| value * (mean / own)) } else { [mean; 2] }
-}
-
-/// How much more than the tolerance of the flux `scale` (W/m2) the exchange between the bodies may be off at
-/// constant conditions. Its residual there belongs to the layer that the last jump of the inputs has left, which hardly
-/// outlasts the step: what counts is the temperature across `resistance` (K m2/W) beside the largest rise so far.
-#[inline]
-pub fn layer_allowance(resistance: f64, scale: f64, state: &State) -> f64 {
-    (state.peak_rise / (resistance * scale)).max(1.0)
 }
 
 /// The linear map from the friction heats of both stages to the fluxes and the contact temperatures.

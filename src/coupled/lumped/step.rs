@@ -62,6 +62,11 @@ pub struct Stepper<'a> {
 }
 
 impl Stepper<'_> {
+    /// The same for a shorter time.
+    pub fn reborrow(&mut self) -> Stepper<'_> {
+        Stepper { flash: &mut *self.flash, ..*self }
+    }
+
     /// Tries the step from `state`; `conditions` at the start and at the three points,
     /// all the same where `constant`. On success
     /// (error at most 1) `state` is carried over, otherwise it is left as it was.

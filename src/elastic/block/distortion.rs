@@ -9,12 +9,12 @@
 //! Normal displacements count positive into the body (+z), so heating gives negative ones: the surface moves towards
 //! the partner and closes the gap.
 
-use super::BlockError;
 use super::boundary::{contact_cells, contact_integrals};
 use super::element::{Shape, dilatation, local_functions};
 use super::lobatto::{ReferenceMatrices, gauss_legendre, shape_derivatives, shape_values};
 use super::mechanical::Block;
 use super::thermal::ThermalBlock;
+use super::{BlockError, check_same_mesh};
 use faer::Mat;
 use nalgebra::DMatrix;
 
@@ -43,12 +43,7 @@ impl Block {
         fields: &Mat<f64>,
         boundaries: &[f64],
     ) -> Result<DMatrix<f64>, BlockError> {
-        if self.mesh.x != thermal.mesh.x || self.mesh.z != thermal.mesh.z {
-            return Err(BlockError::DifferentMeshes {
-                mechanical: self.mesh.elements(),
-                thermal: thermal.mesh.elements(),
-            });
-        }
+        check_same_mesh(&self.mesh, &thermal.mesh)?;
         self.distortion(boundaries, fields.ncols(), |element| {
             let degrees = thermal.local_degrees(element);
             DMatrix::from_fn(degrees.len(), fields.ncols(), |i, k| degrees[i].map_or(0.0, |d| fields[(d, k)]))

@@ -35,13 +35,14 @@ pub mod tangential;
 #[cfg(test)]
 mod tests;
 pub mod thermal;
+pub mod unreduced;
 
 pub use mechanical::{Block, BlockProperties, Compliance};
 pub use thermal::{ThermalBlock, ThermalProperties, TopCondition};
 
 use condense::FactorizationError;
 use lobatto::MAXIMUM_ORDER;
-use mesh::{Division, Grid};
+use mesh::{Division, Grid, Mesh};
 use std::fmt;
 
 /// Largest height / width: the bending of a more slender block amplifies rounding beyond 1e-4 of S.
@@ -159,6 +160,14 @@ impl Discretization {
         let z = Division { first_layers: contact_layers, last_layers: top_layers, grading, largest: width };
         (Grid::graded(-0.5 * width, 0.5 * width, x, order), Grid::graded(0.0, height, z, order))
     }
+}
+
+/// Temperatures of one mesh belong to the block of the same.
+fn check_same_mesh(mechanical: &Mesh, thermal: &Mesh) -> Result<(), BlockError> {
+    if mechanical.x == thermal.x && mechanical.z == thermal.z {
+        return Ok(());
+    }
+    Err(BlockError::DifferentMeshes { mechanical: mechanical.elements(), thermal: thermal.elements() })
 }
 
 /// Width and height of a block, within the limits of the mesh.

@@ -75,16 +75,16 @@ impl ThermalProperties {
 /// A conducting block.
 #[derive(Debug)]
 pub struct ThermalBlock {
-    properties: ThermalProperties,
+    pub(super) properties: ThermalProperties,
     discretization: Discretization,
     pub(super) mesh: Mesh,
     pattern: Pattern,
     /// Distinct element matrices K (without convection) and M, and which of them each element has.
-    conduction: Vec<DMatrix<f64>>,
+    pub(super) conduction: Vec<DMatrix<f64>>,
     capacity: Vec<DMatrix<f64>>,
-    kind: Vec<usize>,
+    pub(super) kind: Vec<usize>,
     /// Convection per unit temperature: (element, matrix on its skeleton).
-    convection: Vec<(usize, DMatrix<f64>)>,
+    pub(super) convection: Vec<(usize, DMatrix<f64>)>,
 }
 
 /// Factor of K + shift M.

@@ -6,10 +6,14 @@
 //!
 //! # Fluxes over a step
 //!
-//! In the first stage the flux into a cell is constant, `q_1` on `[0, gamma h]`. In the second it is linear through
-//! `q_1` at `gamma h` and `q_2` at `h`, back to the start of the step. What enters over the step is therefore
+//! In the first stage the flux into a cell is linear on `[0, gamma h]`, from `q_1 + e` to `q_1`; the deviation `e` at the
+//! start is known before the stage is solved (that of the slope of the step before, 0 after a jump). In the second it is
+//! linear through `q_1` at `gamma h` and `q_2` at `h`, back to the start of the step. What enters over the step is therefore
 //! `h [(1 - gamma) q_1 + gamma q_2]`, the weights of the wear in the same step. States follow these fluxes without
 //! error (exponentially), so no decay, however fast, rings or blows up.
+//!
+//! With `e = 0` the first stage would take its flux for constant, which is wrong by `h`: a conductor answers fluxes like the
+//! root of time, so temperatures would converge at order 3/2 only.
 //!
 //! # Units and signs
 //!
@@ -17,6 +21,7 @@
 //! contact zone, positive into the body. Distortion is the displacement of the surface *into* the body in m, so heating
 //! gives negative values. Energies are per depth, J/m, flows W/m. Cells run from the -x to the +x edge.
 
+pub mod field;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
@@ -81,22 +86,33 @@ pub trait LineHeat: Debug + Send {
     /// State of a body that is `rise` (K) above the reference everywhere.
     fn uniform(&self, rise: f64, state: &mut [f64]);
 
+    /// Rates (1/s, >= 0) at which the leading entries of the state, those that hold temperatures, fade without heat; what
+    /// the state holds behind them is the account. Empty: not known.
+    fn fading(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// Weights and gains for a step of `step` s in which the sliding velocity changes linearly between the two values
     /// (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments cost a comparison.
     /// Gains are functions of the arguments alone, never of what was prepared before.
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
 
+    /// The same for one implicit Euler step, as an operator split takes it: both stages lie at the end of the step and
+    /// answer to a flux that is constant over it, which [`Self::advance`] takes twice.
+    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
+
     /// Response at `stage` to the fluxes of that stage.
     fn gains(&self, stage: Stage) -> &Gains;
 
     /// Temperature and distortion of the N cells at `stage` if the flux of that stage were 0: from the state at the
-    /// start of the step, the surroundings and, at the end, the fluxes `first` of the first stage.
+    /// start of the step, the surroundings and `known`: in the first stage the deviation e of the flux at the start from
+    /// that of the stage, at the end the fluxes of the first stage, W/m2.
     fn base(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
         stage: Stage,
-        first: &[f64],
+        known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
     );
@@ -105,11 +121,18 @@ pub trait LineHeat: Debug + Send {
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]);
 
     /// Temperature (K above the reference) of the N cells with the state held and the flux `flux` into the cells, which
-    /// acts through the static remainder only: what outputs between steps are made of.
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]);
+    /// acts at the sliding velocity `velocity` (m/s) through what answers at once only.
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]);
 
-    /// Distortion of the N cells with the state held, m into the body.
-    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]);
+    /// Distortion of the N cells with the state held, m into the body; arguments as in [`LineHeat::held`].
+    fn held_distortion(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        distortion: &mut [f64],
+    );
 
     /// Mean temperature of the cooled surface, with the state held.
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64;

@@ -105,6 +105,8 @@ pub(super) struct Operators {
 #[derive(Clone, Debug)]
 struct Weights {
     step: f64,
+    /// Of one implicit Euler step.
+    euler: bool,
     last_used: u64,
     stages: [StageWeights; 2],
 }
@@ -116,8 +118,8 @@ struct StageWeights {
     decay: Vec<f64>,
     /// Of inputs that are constant from the start to the stage, s.
     constant: Vec<f64>,
-    /// Of the fluxes of the first stage, at the end of the step, s.
-    first: Vec<f64>,
+    /// Of the fluxes known before the stage (see [`LineHeat::base`]), s.
+    known: Vec<f64>,
     /// Of the fluxes of the stage itself, s.
     own: Vec<f64>,
     gains: Gains,
@@ -144,6 +146,21 @@ impl ReducedHeat {
     /// Number of states that decay; the state vector holds four entries more, for the account.
     pub fn decaying_states(&self) -> usize {
         self.operators.rate.len()
+    }
+
+    /// Makes the weights of a step the current ones.
+    fn select(&mut self, step: f64, euler: bool) {
+        if self.kept.is_empty() {
+            self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
+        }
+        self.clock += 1;
+        let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
+        self.current = known.unwrap_or_else(|| {
+            let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            self.operators.fill(&mut self.kept[oldest], step, euler, &mut self.scratch);
+            oldest
+        });
+        self.kept[self.current].last_used = self.clock;
     }
 
     fn stage(&self, stage: Stage) -> &StageWeights {
@@ -226,26 +243,38 @@ impl Operators {
         let stage = || StageWeights {
             decay: states(),
             constant: states(),
-            first: states(),
+            known: states(),
             own: states(),
             gains: Gains { temperature: DMatrix::zeros(cells, cells), distortion: DMatrix::zeros(cells, cells) },
         };
-        Weights { step: f64::NAN, last_used: 0, stages: [stage(), stage()] }
+        Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()] }
     }
 
-    fn fill(&self, weights: &mut Weights, step: f64, scratch: &mut [f64]) {
-        weights.step = step;
+    fn fill(&self, weights: &mut Weights, step: f64, euler: bool, scratch: &mut [f64]) {
+        (weights.step, weights.euler) = (step, euler);
         let [first, end] = &mut weights.stages;
+        if euler {
+            for stage in [first, end] {
+                for (k, &rate) in self.rate.iter().enumerate() {
+                    stage.decay[k] = (1.0 + rate * step).recip();
+                    stage.constant[k] = step * stage.decay[k];
+                    (stage.known[k], stage.own[k]) = (0.0, stage.constant[k]);
+                }
+                self.fill_gains(&stage.own, &mut stage.gains, scratch);
+            }
+            return;
+        }
         for (k, &rate) in self.rate.iter().enumerate() {
             let (early, whole) = (rate * GAMMA * step, rate * step);
             first.decay[k] = (-early).exp();
             first.constant[k] = GAMMA * step * mean_decay(early);
             first.own[k] = first.constant[k];
+            first.known[k] = GAMMA * step * first_moment(early);
             end.decay[k] = (-whole).exp();
             end.constant[k] = step * mean_decay(whole);
             // Flux q2 + (q2 - q1) (t - h)/((1 - gamma) h).
-            end.first[k] = step * first_moment(whole) / (1.0 - GAMMA);
-            end.own[k] = end.constant[k] - end.first[k];
+            end.known[k] = step * first_moment(whole) / (1.0 - GAMMA);
+            end.own[k] = end.constant[k] - end.known[k];
         }
         for stage in [first, end] {
             self.fill_gains(&stage.own, &mut stage.gains, scratch);
@@ -293,18 +322,16 @@ impl LineHeat for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = rise;
     }
 
+    fn fading(&self) -> Vec<f64> {
+        self.operators.rate.clone()
+    }
+
     fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
-        if self.kept.is_empty() {
-            self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
-        }
-        self.clock += 1;
-        let known = self.kept.iter().position(|weights| weights.step == step);
-        self.current = known.unwrap_or_else(|| {
-            let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
-            self.operators.fill(&mut self.kept[oldest], step, &mut self.scratch);
-            oldest
-        });
-        self.kept[self.current].last_used = self.clock;
+        self.select(step, false);
+    }
+
+    fn prepare_euler(&mut self, step: f64, _velocity: [f64; 2]) {
+        self.select(step, true);
     }
 
     fn gains(&self, stage: Stage) -> &Gains {
@@ -316,19 +343,18 @@ impl LineHeat for ReducedHeat {
         state: &[f64],
         surroundings: &Surroundings,
         stage: Stage,
-        first: &[f64],
+        known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
         let ports = surroundings.ports();
-        let first = (stage == Stage::End).then_some(first);
         distortion.fill(0.0);
         let distortion = (!operators.distortion.is_empty()).then_some(distortion);
-        operators.observe(Some(temperature), distortion, &ports, first, |k, flux| {
+        operators.observe(Some(temperature), distortion, &ports, Some(known), |k, flux| {
             weights.decay[k] * state[k]
                 + weights.constant[k] * operators.input_of(k, &ports)
-                + weights.first[k] * operators.contact[k] * flux
+                + weights.known[k] * operators.contact[k] * flux
         });
     }
 
@@ -342,7 +368,7 @@ impl LineHeat for ReducedHeat {
             for k in mode.states.clone() {
                 states[k] = weights.decay[k] * states[k]
                     + weights.constant[k] * operators.input_of(k, &ports)
-                    + operators.contact[k] * (weights.first[k] * before + weights.own[k] * after);
+                    + operators.contact[k] * (weights.known[k] * before + weights.own[k] * after);
             }
         }
         // What enters over the step, with the weights of both stages.
@@ -356,13 +382,20 @@ impl LineHeat for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = surroundings.far;
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         operators.observe(Some(temperature), None, &surroundings.ports(), None, |k, _| state[k]);
         multiply_add(&operators.temperature_by_flux, flux, temperature);
     }
 
-    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]) {
+    fn held_distortion(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        distortion: &mut [f64],
+    ) {
         let operators = &*self.operators;
         distortion.fill(0.0);
         if !operators.distortion.is_empty() {

@@ -43,15 +43,15 @@ use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use operators::Operators;
 use std::cell::RefCell;
 use std::sync::Arc;
-use step::{Scratch, StageWeights, Step};
+use step::{OWN, Scratch, StageWeights, Step};
 
 const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
 const BASE: usize = Port::Base as usize;
 
 /// State entries behind those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
-/// the base, velocity.
-const TAIL: usize = 5;
+/// the base.
+const TAIL: usize = 4;
 
 /// A conducting strip as the cells of the contact see it.
 #[derive(Clone, Debug)]
@@ -115,7 +115,8 @@ impl StripHeat {
         if end.is_some() {
             let weights = &self.step.end;
             self.wave_amplitudes(scratch, state, weights);
-            self.add_first_flux(scratch);
+            operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+            self.add_known_flux(scratch, weights);
             let mut level = give_back.project(operators, &scratch.amplitude);
             let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
             level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, fluxes, true);
@@ -142,24 +143,23 @@ impl StripHeat {
         }
     }
 
-    /// Adds what the first stage's total flux leaves at the end of the step.
-    fn add_first_flux(&self, scratch: &mut Scratch) {
+    /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
+    fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
-        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         for wave in 0..operators.waves.len() {
-            let (heat, gain) = (scratch.heat[wave], self.step.end.carried[wave]);
+            let (heat, gain) = (scratch.heat[wave], weights.carried[wave]);
             scratch.amplitude[wave][0] += gain.re * heat[0] - gain.im * heat[1];
             scratch.amplitude[wave][1] += gain.re * heat[1] + gain.im * heat[0];
             if operators.expands {
-                let gain = self.step.end.carried_distortion[wave];
+                let gain = weights.carried_distortion[wave];
                 scratch.moved[wave][0] += gain.re * heat[0] - gain.im * heat[1];
                 scratch.moved[wave][1] += gain.re * heat[1] + gain.im * heat[0];
             }
         }
     }
 
-    /// Surface temperature (`surface`), or mean temperature through the depth, of the mean wave at a stage with the mean
-    /// fluxes of both stages.
+    /// Surface temperature (`surface`), or mean temperature through the depth, of the mean wave at a stage with the mean of
+    /// the known fluxes and of the stage's own.
     fn mean_level(
         &self,
         state: &[f64],
@@ -170,10 +170,9 @@ impl StripHeat {
     ) -> f64 {
         let mean = &self.operators.mean;
         let observed = if surface { &mean.contact_temperature } else { &mean.mean_temperature };
-        let own = if weights.at_end { 1 } else { 0 };
         let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
         let background = self.operators.background(state);
-        let mut sum = observed.direct[CONTACT] * (fluxes[own] + surroundings.cooling)
+        let mut sum = observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
             + observed.direct[AMBIENT] * surroundings.ambient
             + observed.direct[BASE] * surroundings.far;
         for k in 0..mean.count {
@@ -192,13 +191,14 @@ impl StripHeat {
         k: usize,
     ) -> f64 {
         let mean = &self.operators.mean;
-        let [falling, rising] = weights.mean_weight[k];
+        let [known, own] = weights.mean_weight[k];
+        let whole = if weights.at_end { known + own } else { own };
         let constant = mean.input[CONTACT][k] * surroundings.cooling
             + mean.input[AMBIENT][k] * surroundings.ambient
             + mean.input[BASE][k] * surroundings.far;
         weights.mean_factor[k] * state[k]
-            + mean.input[CONTACT][k] * (falling * fluxes[0] + rising * fluxes[1])
-            + (falling + rising) * constant
+            + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
+            + whole * constant
     }
 
     /// Mean flux into the period's surface with the state held (contact, cooling beside it, heat transfer given back), and
@@ -303,8 +303,18 @@ impl LineHeat for StripHeat {
         state[tail] = self.account(state).stored;
     }
 
+    fn fading(&self) -> Vec<f64> {
+        let operators = &*self.operators;
+        let mean = (0..operators.mean_states()).map(|k| operators.mean.rate[k % operators.mean.count]);
+        mean.chain(operators.rate.iter().chain(&operators.rate).copied()).collect()
+    }
+
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
         self.step.prepare(&self.operators, step, velocity);
+    }
+
+    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare_euler(&self.operators, step, velocity);
     }
 
     fn gains(&self, stage: Stage) -> &Gains {
@@ -316,22 +326,27 @@ impl LineHeat for StripHeat {
         state: &[f64],
         surroundings: &Surroundings,
         stage: Stage,
-        first: &[f64],
+        known: &[f64],
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
         let weights = self.step.stage(stage);
-        if stage == Stage::End {
-            self.effective(scratch, state, surroundings, first, None);
+        match stage {
+            Stage::First => scratch.first.copy_from_slice(known),
+            Stage::End => self.effective(scratch, state, surroundings, known, None),
         }
         self.wave_amplitudes(scratch, state, weights);
-        let mut fluxes = [0.0, 0.0];
-        if stage == Stage::End {
-            self.add_first_flux(scratch);
-            fluxes[0] = self.mean_flux(&scratch.first, 0.0);
+        // The heat transfer given back in the first stage does not know of the deviation, which `advance` is not told.
+        let mut projected = [0.0; give_back::RANK];
+        if let (Some(give_back), Stage::First) = (&operators.give_back, stage) {
+            projected = give_back.project(operators, &scratch.amplitude);
+            projected[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, [0.0; 2], true);
         }
+        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        self.add_known_flux(scratch, weights);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
         let level = self.mean_level(state, surroundings, weights, fluxes, true);
         operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
         if operators.expands {
@@ -346,8 +361,10 @@ impl LineHeat for StripHeat {
         }
         scratch.end.fill(-surroundings.cooling);
         if let Some(give_back) = &operators.give_back {
-            let mut projected = give_back.project(operators, &scratch.amplitude);
-            projected[0] += give_back.unit[0] * level;
+            if stage == Stage::End {
+                projected = give_back.project(operators, &scratch.amplitude);
+                projected[0] += give_back.unit[0] * level;
+            }
             give_back.add(&weights.closure, &projected, surroundings.ambient, &mut scratch.end);
         }
         for (gain, values) in [(&weights.slow, temperature), (&weights.slow_distortion, distortion)] {
@@ -380,21 +397,26 @@ impl LineHeat for StripHeat {
                     factor.re * x[1] + factor.im * x[0] + w1.re * h1[1] + w1.im * h1[0] + w2.re * h2[1] + w2.im * h2[0];
             }
         }
-        let last = state.len() - 1;
-        state[last] = self.step.velocity[1];
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], temperature: &mut [f64]) {
+    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
         operators.observe(&scratch.amplitude, &mut scratch.answer, level, temperature);
-        self.add_remainder(scratch, state[state.len() - 1], flux, false, temperature);
+        self.add_remainder(scratch, velocity, flux, false, temperature);
     }
 
-    fn held_distortion(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], distortion: &mut [f64]) {
+    fn held_distortion(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        distortion: &mut [f64],
+    ) {
         let operators = &*self.operators;
         distortion.fill(0.0);
         if !operators.expands {
@@ -405,7 +427,7 @@ impl LineHeat for StripHeat {
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
         operators.observe(&scratch.moved, &mut scratch.answer, operators.mean_distortion * level, distortion);
-        self.add_remainder(scratch, state[state.len() - 1], flux, true, distortion);
+        self.add_remainder(scratch, velocity, flux, true, distortion);
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {

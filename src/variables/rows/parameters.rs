@@ -69,7 +69,7 @@ pub static FIDELITY: EnumerationType = EnumerationType {
         ("auto", "Chosen for the scene; lumped in this version"),
         ("lumped", "Uniform pressure, a few thermal states"),
         ("line", "Pressure, wear and shape on cells along the contact"),
-        ("field", "Unreduced finite elements; not in this version"),
+        ("field", "The line with an unreduced punch, at its finest: the reference"),
     ],
 };
 pub static SCHEME: EnumerationType = EnumerationType {

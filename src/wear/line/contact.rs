@@ -177,6 +177,11 @@ impl WearingContact {
         self.solver.add_displacement(signed_friction, pressure, target);
     }
 
+    /// `target += S traction`, N values each: what a friction traction does without its pressure.
+    pub fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
+        self.solver.add_shear_displacement(traction, target);
+    }
+
     /// Work of the contact solver.
     pub fn counter(&self) -> WorkCounter {
         self.solver.counter()

@@ -13,18 +13,6 @@ import xml.etree.ElementTree as xml
 import zipfile
 from pathlib import Path
 
-MODEL_EXCHANGE = (
-    "fmi2EnterEventMode",
-    "fmi2NewDiscreteStates",
-    "fmi2EnterContinuousTimeMode",
-    "fmi2CompletedIntegratorStep",
-    "fmi2SetTime",
-    "fmi2SetContinuousStates",
-    "fmi2GetDerivatives",
-    "fmi2GetEventIndicators",
-    "fmi2GetContinuousStates",
-    "fmi2GetNominalsOfContinuousStates",
-)
 INPUTS = ("sliding_velocity", "normal_load")
 
 
@@ -37,22 +25,8 @@ def description(fmu):
 
 
 def fmuloader(fmu, step, inputs, names):
-    import fmuloader.fmi2
     from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
 
-    class Library(ctypes.CDLL):
-        """fmuloader binds the functions of model exchange too, which a co-simulation FMU need not export. They get a
-        stand-in that the C library has and that nothing calls."""
-
-        def __getattr__(self, name):
-            try:
-                return super().__getattr__(name)
-            except AttributeError:
-                if name not in MODEL_EXCHANGE:
-                    raise
-                return ctypes.CDLL(None).abort
-
-    fmuloader.fmi2.CDLL = Library
     guid, references = description(fmu)
     slave = Fmi2Slave(fmu, model_identifier="SlidingContact")
     slave.instantiate("contact", Fmi2Type.CO_SIMULATION, guid=guid)
@@ -142,10 +116,37 @@ def pathsim_fmi(fmu, step, inputs, names):
     return rows
 
 
+def gemseo_fmu(fmu, step, inputs, names):
+    from gemseo_fmu.disciplines.fmu_discipline import FMUDiscipline
+    from numpy import array
+
+    contact = FMUDiscipline(
+        fmu,
+        input_names=INPUTS,
+        output_names=names,
+        initial_time=0.0,
+        final_time=step * len(inputs),
+        time_step=step,
+        restart=False,
+        do_step=True,
+    )
+    for row in inputs:
+        data = contact.execute({name: array([value]) for name, value in zip(INPUTS, row)})
+        yield [float(data[name][0]) for name in names]
+
+
+IMPORTERS = {
+    "ecospy": ecospy,
+    "fmuloader": fmuloader,
+    "gemseo-fmu": gemseo_fmu,
+    "libcosimpy": libcosimpy,
+    "pathsim-fmi": pathsim_fmi,
+}
+
+
 def main():
     importer, fmu, step, inputs, outputs, *names = sys.argv[1:]
-    drive = {"ecospy": ecospy, "fmuloader": fmuloader, "libcosimpy": libcosimpy, "pathsim-fmi": pathsim_fmi}[importer]
-    rows = list(drive(fmu, float(step), json.loads(Path(inputs).read_text()), names))
+    rows = list(IMPORTERS[importer](fmu, float(step), json.loads(Path(inputs).read_text()), names))
     Path(outputs).write_text(json.dumps(rows))
 
 

@@ -2,10 +2,10 @@
 
 use crate::elastic::{self, Cells, Material};
 use crate::heat::line::LineHeat;
-use crate::heat::line::punch;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
+use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
-use crate::scene::{self, Body, Geometry, Scene, Scheme, ThermalBoundary};
+use crate::scene::{self, Body, Fidelity, Geometry, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 
 /// Most states of a strip: with everything else a saved state stays below 256 KB.
@@ -14,21 +14,20 @@ const MOST_STATES: usize = 16_000;
 /// Whether heat is carried along the contact line, or by its mean alone.
 ///
 /// It is where its distribution feeds back: it distorts the shape, or friction or wear follow the local temperature. Where
-/// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands.
+/// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands. The
+/// reference level carries it in any case.
 ///
-/// Three kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated
-/// from cell to cell is not the body of these equations; a bristle's heat is the work of the mean friction force; and
-/// schemes other than the monolithic one step the shape alone.
+/// Two kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated from cell
+/// to cell is not the body of these equations; and the explicit scheme steps the shape alone.
 pub fn distribution_feeds_back(scene: &Scene) -> bool {
     let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
     let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
     conducts
-        && (expands || follows)
+        && (expands || follows || scene.fidelity == Fidelity::Field)
         && scene.geometry != Geometry::Annular
-        && scene.stick_stiffness == 0.0
-        && scene.scheme == Scheme::Monolithic
+        && scene.scheme != Scheme::Explicit
 }
 
 /// Punch and strip as every copy of a scene begins with them.
@@ -54,8 +53,12 @@ impl Bodies {
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let tolerance = scene.tolerance.max(2e-5);
         let duration = scene.nominal_duration;
-        let punch = punch::reduce(scene, cells, tolerance, duration).map_err(|error| format!("punch: {error}"))?;
-        let punch = punch.map(|body| Box::new(body) as Box<dyn LineHeat>);
+        let punch: Option<Box<dyn LineHeat>> = if scene.fidelity == Fidelity::Field {
+            field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
+        } else {
+            punch::reduce(scene, cells, tolerance, duration).map(|body| body.map(|body| Box::new(body) as _))
+        }
+        .map_err(|error| format!("punch: {error}"))?;
         let strip = strip(scene, cells, tolerance)?;
         let cooled = if scene.punch.cooled_area > 0.0 {
             scene.punch.cooled_area / (scene.depth * scene.count)

@@ -12,22 +12,117 @@
 //! the pressures that load and contact allow.
 
 use super::Heat;
+use crate::coupled::instability::driving_body;
 use crate::coupled::line::Line;
-use crate::coupled::lumped::outputs::critical_speed;
+use crate::coupled::line::operators::Operators;
+use crate::coupled::lumped::limit;
+use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::line::GAMMA;
 
 /// Largest b h.
 const GROWTH: f64 = 0.3;
 
+/// Largest w by accelerated wear that goes without a warning, and that is accepted.
+const UNNOTICED_WEAR: f64 = 0.05;
+const LARGEST_WEAR: f64 = 0.5;
+
 /// Penalty on a change of the load against the largest diagonal entry.
 const PENALTY: f64 = 1e4;
 
+impl Operators {
+    /// w = k K/(mu alpha (1 + nu) kd): what wear takes off a growing pressure wave against what heat adds to it, k the depth
+    /// that both bodies lose per pressure and distance at nominal load and speed, `acceleration` times as fast as in truth. Of
+    /// the body whose waves grow first. 0 where nothing grows.
+    pub fn wear_against_growth(&self, friction: f64, acceleration: f64) -> f64 {
+        let scene = &self.scene;
+        let Some(body) = driving_body(scene).filter(|_| self.heat.is_some() && friction > 0.0) else { return 0.0 };
+        let (load, speed) = (scene.nominal_load, scene.nominal_velocity);
+        let pressure = load / (self.shared_depth * self.weights.iter().sum::<f64>());
+        if load == 0.0 || speed == 0.0 {
+            return 0.0;
+        }
+        let wear = (0..2).filter(|&side| self.reshapes(side)).map(|side| {
+            let (law, factor) = &self.wear[side];
+            law.pressure_exponent * law.rate(pressure, speed, friction, scene.ambient_temperature) * factor
+        });
+        let depth = acceleration * wear.sum::<f64>() / (pressure * speed);
+        depth * body.capacity() / (friction * body.thermal_expansion * (1.0 + body.poissons_ratio))
+    }
+
+    /// Refuses wear that is accelerated until it hides what grows.
+    ///
+    /// # Errors
+    /// A text with variable, value and limit.
+    pub fn check_acceleration(&self, friction: f64, acceleration: f64) -> Result<(), String> {
+        let w = self.wear_against_growth(friction, acceleration);
+        if acceleration > 1.0 && w > LARGEST_WEAR {
+            return Err(format!(
+                "wear_acceleration = {acceleration} hides thermoelastic instability: k K/(mu alpha (1 + nu) kd) = {w} with it, \
+                 the limit is {LARGEST_WEAR}"
+            ));
+        }
+        Ok(())
+    }
+}
+
 impl Line {
+    /// What a bit of [`limit`] that depends on numbers says.
+    pub fn warning(&self, bit: u8, inputs: &[f64; INPUTS]) -> Option<String> {
+        match bit {
+            limit::ACCELERATED => {
+                let (friction, acceleration) = (self.tunables.friction_coefficient, self.tunables.wear_acceleration);
+                let w = self.operators.wear_against_growth(friction, acceleration);
+                Some(format!(
+                    "wear_acceleration = {acceleration} holds thermoelastic instability back: k K/(mu alpha (1 + nu) kd) = {w} \
+                     with it is above {UNNOTICED_WEAR}"
+                ))
+            }
+            limit::UNSTABLE => {
+                let (speed, critical) = self.speeds(inputs);
+                Some(format!(
+                    "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, from which on the contact's \
+                     longest pressure wave grows"
+                ))
+            }
+            _ => None,
+        }
+    }
+
+    /// Sliding speed and the critical one, m/s; 0: nothing grows.
+    fn speeds(&self, inputs: &[f64; INPUTS]) -> (f64, f64) {
+        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+        let faded = self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.faded);
+        (velocity.abs(), self.operators.mean.critical_speed.at(faded * self.friction.stribeck(velocity)))
+    }
+
+    /// Notes what a user should know about the step that begins at `inputs`.
+    ///
+    /// # Errors
+    /// Wear accelerated too much.
+    pub(in crate::coupled::line) fn watch_growth(&mut self, inputs: &[f64; INPUTS]) -> Result<(), StepFailure> {
+        let (operators, tunables) = (&self.operators, &self.tunables);
+        if self.heat.is_none() {
+            return Ok(());
+        }
+        let acceleration = tunables.wear_acceleration;
+        if acceleration > 1.0 {
+            operators.check_acceleration(tunables.friction_coefficient, acceleration).map_err(StepFailure)?;
+            if operators.wear_against_growth(tunables.friction_coefficient, acceleration) > UNNOTICED_WEAR {
+                self.state.limits |= limit::ACCELERATED;
+            }
+        }
+        let (speed, critical) = self.speeds(inputs);
+        // A scene that is made for such speeds has said so from the start.
+        if critical > 0.0 && speed > critical && inputs[1] > 0.0 && self.operators.scene.nominal_velocity <= critical {
+            self.state.limits |= limit::UNSTABLE;
+        }
+        Ok(())
+    }
+
     /// Whether the part just tried, of `step` s at the speed `speed` (m/s), follows what grows.
     pub(in crate::coupled::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
-        let critical = critical_speed(&self.operators.scene, friction);
-        if critical == 0.0 || speed <= critical {
+        if speed * friction <= 0.0 || speed <= self.operators.mean.critical_speed.harmless(friction) {
             return true;
         }
         let (operators, conditions, pressure) = (&self.operators, &self.conditions, &self.work.end.pressure);

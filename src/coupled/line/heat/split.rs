@@ -1,4 +1,4 @@
-//! The split of the friction heat as an operator on the pressure.
+//! The split of the friction heat between the bodies, and the distortion by it, as operators on the pressure.
 //!
 //! On the cells in contact
 //!
@@ -8,7 +8,11 @@
 //! ```
 //!
 //! An insulator takes nothing. At h_c = 0 the surfaces do not exchange heat and share that of friction equally.
+//!
+//! These operators cost N^3, and the strip's gains change with the velocity. So they are made at a reference velocity and
+//! kept while the velocity stays near it; a stage repeats their solution on the residual of its own gains, at N^2 each.
 
+use crate::contact::dense;
 use crate::heat::line::Gains;
 use nalgebra::DMatrix;
 
@@ -16,132 +20,145 @@ use nalgebra::DMatrix;
 #[derive(Clone, Debug)]
 pub struct Split {
     resistance: Option<f64>,
-    /// Step and velocities that the gains belong to, and the cells in contact, for which the factors were made.
-    key: Option<(f64, [f64; 2])>,
+    /// Step and velocity that the operators were made for.
+    key: Option<(f64, f64)>,
+    /// G_1 + G_2 + I/h_c on all cells, by columns, and its factors.
+    matrix: Vec<f64>,
+    all: Vec<f64>,
+    all_exchanged: Vec<usize>,
+    /// Cells that exchange heat, and the factors of their part where it is not all.
     closed: Vec<bool>,
     indices: Vec<usize>,
-    /// Factors of G_1 + G_2 + I/h_c on the cells in contact, by columns, with the rows exchanged at each pivot.
+    known: bool,
     factors: Vec<f64>,
-    pivots: Vec<usize>,
-    /// Y on the cells in contact, by columns.
+    exchanged: Vec<usize>,
+    /// Y on all cells, by columns.
     shares: Vec<f64>,
-    /// E_0, m per W/m2; columns of open cells are 0.
-    pub distortion: DMatrix<f64>,
-    /// E_0 diag(mu s v), m/Pa: what the contact has on top of its compliance, and mu s v of the cells.
+    /// E_0 of all cells, m per W/m2.
+    distortion: DMatrix<f64>,
+    /// E_0 mu s v, m/Pa: what the contact has on top of its compliance, and mu s v.
     extra: DMatrix<f64>,
-    per_pressure: Vec<f64>,
+    per_pressure: f64,
     column: Vec<f64>,
 }
 
 impl Split {
     /// For `count` cells of the contact conductance `conductance` (W/(m2 K)).
     pub fn new(count: usize, conductance: f64) -> Split {
+        let square = || vec![0.0; count * count];
         Split {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
+            matrix: square(),
+            all: square(),
+            all_exchanged: vec![0; count],
             closed: vec![false; count],
             indices: Vec::with_capacity(count),
-            factors: Vec::with_capacity(count * count),
-            pivots: Vec::with_capacity(count),
-            shares: Vec::with_capacity(count * count),
+            known: false,
+            factors: square(),
+            exchanged: vec![0; count],
+            shares: square(),
             distortion: DMatrix::zeros(count, count),
             extra: DMatrix::zeros(count, count),
-            per_pressure: vec![f64::NAN; count],
+            per_pressure: f64::NAN,
             column: vec![0.0; count],
         }
     }
 
-    /// Cells that exchange heat.
-    pub fn closed(&self) -> &[bool] {
-        &self.closed
+    /// Whether the operators are those of this step (s) and reference velocity (m/s).
+    pub fn is_for(&self, key: (f64, f64)) -> bool {
+        self.key == Some(key)
     }
 
-    /// Makes the operator for the cells `closed`; `key` are step and velocities of the gains (`None`: an insulator).
-    pub fn prepare(&mut self, key: (f64, [f64; 2]), gains: [Option<&Gains>; 2], closed: &[bool]) {
-        if self.key == Some(key) && self.closed == closed {
+    /// Makes the operators of the given gains (`None`: an insulator).
+    pub fn build(&mut self, key: (f64, f64), gains: [Option<&Gains>; 2]) {
+        let count = self.closed.len();
+        self.key = Some(key);
+        self.known = false;
+        self.per_pressure = f64::NAN;
+        match gains {
+            [Some(punch), Some(strip)] => {
+                let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
+                self.shares.fill(0.0);
+                for (entry, (own, other)) in self.matrix.iter_mut().zip(own.iter().zip(other)) {
+                    *entry = own + other;
+                }
+                if let Some(resistance) = self.resistance {
+                    self.shares.copy_from_slice(own);
+                    for i in 0..count {
+                        self.matrix[i * count + i] += resistance;
+                        self.shares[i * count + i] += 0.5 * resistance;
+                    }
+                    self.all.copy_from_slice(&self.matrix);
+                    dense::factorise(&mut self.all, count, &mut self.all_exchanged);
+                    for column in self.shares.chunks_exact_mut(count) {
+                        dense::substitute(&self.all, count, &self.all_exchanged, column);
+                    }
+                } else {
+                    (0..count).for_each(|i| self.shares[i * count + i] = 0.5);
+                }
+                // The room of the factors holds D_1 - D_2 for now.
+                let (own, other) = (strip.distortion.as_slice(), punch.distortion.as_slice());
+                for (entry, (own, other)) in self.factors.iter_mut().zip(own.iter().zip(other)) {
+                    *entry = other - own;
+                }
+                self.distortion.copy_from(&strip.distortion);
+                for (target, share) in
+                    self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
+                {
+                    dense::multiply_add(&self.factors, share, target);
+                }
+            }
+            [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
+            [None, None] => self.distortion.fill(0.0),
+        }
+    }
+
+    /// Takes the cells `closed` for those that exchange heat.
+    pub fn close(&mut self, closed: &[bool]) {
+        if self.known && self.closed == closed {
             return;
         }
-        self.key = Some(key);
+        self.known = true;
         self.closed.copy_from_slice(closed);
         self.indices.clear();
         self.indices.extend((0..closed.len()).filter(|&i| closed[i]));
-        self.per_pressure.fill(f64::NAN);
-        self.distortion.fill(0.0);
-        match gains {
-            [Some(punch), Some(strip)] => {
-                if let Some(resistance) = self.resistance {
-                    self.factor(punch, strip, resistance);
-                }
-                self.distort(punch, strip);
-            }
-            [Some(only), None] | [None, Some(only)] => {
-                for &j in &self.indices {
-                    self.distortion.column_mut(j).copy_from(&only.distortion.column(j));
-                }
-            }
-            [None, None] => {}
+        let (count, m) = (closed.len(), self.indices.len());
+        if m == count || self.resistance.is_none() {
+            return;
+        }
+        for (target, &j) in self.factors.chunks_exact_mut(m.max(1)).zip(&self.indices) {
+            let column = &self.matrix[j * count..(j + 1) * count];
+            target.iter_mut().zip(&self.indices).for_each(|(entry, &i)| *entry = column[i]);
+        }
+        dense::factorise(&mut self.factors[..m * m], m, &mut self.exchanged[..m]);
+    }
+
+    /// Adds to the punch's flux what takes the temperature difference `lacking` (strip above punch, resistance of the
+    /// interface included, K) away on the cells that exchange heat.
+    pub fn exchange(&mut self, lacking: &[f64], flux: &mut [f64]) {
+        let (count, m) = (self.closed.len(), self.indices.len());
+        for (value, &i) in self.column.iter_mut().zip(&self.indices) {
+            *value = lacking[i];
+        }
+        let column = &mut self.column[..m];
+        if m == count {
+            dense::substitute(&self.all, count, &self.all_exchanged, column);
+        } else {
+            dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], column);
+        }
+        for (value, &i) in column.iter().zip(&self.indices) {
+            flux[i] += value;
         }
     }
 
-    fn factor(&mut self, punch: &Gains, strip: &Gains, resistance: f64) {
-        let m = self.indices.len();
-        self.factors.clear();
-        self.shares.clear();
-        for (column, &j) in self.indices.iter().enumerate() {
-            for (row, &i) in self.indices.iter().enumerate() {
-                let (own, both) = (strip.temperature[(i, j)], punch.temperature[(i, j)] + strip.temperature[(i, j)]);
-                let diagonal = if row == column { resistance } else { 0.0 };
-                self.factors.push(both + diagonal);
-                self.shares.push(own + 0.5 * diagonal);
-            }
-        }
-        self.pivots.clear();
-        let a = &mut self.factors;
-        for k in 0..m {
-            let mut pivot = k;
-            for i in k + 1..m {
-                if a[k * m + i].abs() > a[k * m + pivot].abs() {
-                    pivot = i;
-                }
-            }
-            self.pivots.push(pivot);
-            if pivot != k {
-                for column in 0..m {
-                    a.swap(column * m + k, column * m + pivot);
-                }
-            }
-            let inverse = 1.0 / a[k * m + k];
-            for entry in &mut a[k * m + k + 1..(k + 1) * m] {
-                *entry *= inverse;
-            }
-            let (left, right) = a.split_at_mut((k + 1) * m);
-            let lower = &left[k * m + k + 1..];
-            for column in right.chunks_exact_mut(m) {
-                let factor = column[k];
-                column[k + 1..].iter_mut().zip(lower).for_each(|(entry, l)| *entry -= factor * l);
-            }
-        }
-        for column in self.shares.chunks_exact_mut(m.max(1)) {
-            solve(&self.factors, &self.pivots, column);
-        }
-    }
-
-    /// E_0 of two conductors.
-    fn distort(&mut self, punch: &Gains, strip: &Gains) {
-        let m = self.indices.len();
-        for (column, &j) in self.indices.iter().enumerate() {
-            let mut target = self.distortion.column_mut(j);
-            target.copy_from(&strip.distortion.column(j));
-            for (row, &k) in self.indices.iter().enumerate() {
-                let share = match self.resistance {
-                    Some(_) => self.shares[column * m + row],
-                    None if row == column => 0.5,
-                    None => 0.0,
-                };
-                if share != 0.0 {
-                    target.axpy(share, &punch.distortion.column(k), 1.0);
-                    target.axpy(-share, &strip.distortion.column(k), 1.0);
-                }
+    /// Adds to the punch's flux its share of additional friction heat (W/m2), which is 0 on open cells.
+    pub fn share(&mut self, heat: &[f64], flux: &mut [f64]) {
+        self.column.fill(0.0);
+        dense::multiply_add(&self.shares, heat, &mut self.column);
+        for (i, value) in flux.iter_mut().enumerate() {
+            if self.closed[i] {
+                *value += self.column[i];
             }
         }
     }
@@ -151,64 +168,20 @@ impl Split {
         self.extra[(row, column)]
     }
 
-    /// The extra compliance for the heat `per_pressure` (m/s: mu s v) of every cell; `None` where it is the last one.
-    pub fn extra(&mut self, per_pressure: &[f64]) -> Option<&DMatrix<f64>> {
+    /// The extra compliance last made, by columns, m/Pa.
+    pub fn extra_values(&self) -> &[f64] {
+        self.extra.as_slice()
+    }
+
+    /// The extra compliance for the heat `per_pressure` (m/s: mu s v); `None` where it is the last one.
+    pub fn extra(&mut self, per_pressure: f64) -> Option<&DMatrix<f64>> {
         if self.per_pressure == per_pressure {
             return None;
         }
-        self.per_pressure.copy_from_slice(per_pressure);
-        for (j, factor) in per_pressure.iter().enumerate() {
-            let (source, mut target) = (self.distortion.column(j), self.extra.column_mut(j));
-            target.iter_mut().zip(source.iter()).for_each(|(entry, value)| *entry = factor * value);
-        }
+        self.per_pressure = per_pressure;
+        self.extra.copy_from(&self.distortion);
+        self.extra *= per_pressure;
         Some(&self.extra)
-    }
-
-    /// Flux into the punch: that of the temperatures `base` without flux, with the friction heat `friction` (W/m2).
-    pub fn punch_flux(&mut self, conducts: [bool; 2], base: [&[f64]; 2], friction: &[f64], flux: &mut [f64]) {
-        flux.fill(0.0);
-        match conducts {
-            [true, true] => {}
-            [true, false] => return self.indices.iter().for_each(|&i| flux[i] = friction[i]),
-            [false, _] => return,
-        }
-        let m = self.indices.len();
-        if self.resistance.is_none() {
-            return self.indices.iter().for_each(|&i| flux[i] = 0.5 * friction[i]);
-        }
-        for (row, &i) in self.indices.iter().enumerate() {
-            self.column[row] = base[1][i] - base[0][i];
-        }
-        solve(&self.factors, &self.pivots, &mut self.column[..m]);
-        for (column, &j) in self.indices.iter().enumerate() {
-            let heat = friction[j];
-            if heat != 0.0 {
-                let shares = &self.shares[column * m..(column + 1) * m];
-                self.column[..m].iter_mut().zip(shares).for_each(|(value, share)| *value += heat * share);
-            }
-        }
-        for (row, &i) in self.indices.iter().enumerate() {
-            flux[i] = self.column[row];
-        }
-    }
-}
-
-/// Solves with the factors by columns and the rows exchanged, in place.
-fn solve(factors: &[f64], pivots: &[usize], values: &mut [f64]) {
-    let m = pivots.len();
-    for (k, &pivot) in pivots.iter().enumerate() {
-        values.swap(k, pivot);
-    }
-    for k in 0..m {
-        let value = values[k];
-        let lower = &factors[k * m + k + 1..(k + 1) * m];
-        values[k + 1..].iter_mut().zip(lower).for_each(|(entry, l)| *entry -= value * l);
-    }
-    for k in (0..m).rev() {
-        values[k] /= factors[k * m + k];
-        let value = values[k];
-        let upper = &factors[k * m..k * m + k];
-        values[..k].iter_mut().zip(upper).for_each(|(entry, u)| *entry -= value * u);
     }
 }
 
@@ -227,36 +200,57 @@ mod tests {
             distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
         };
         let (punch, strip) = (gains(2.0, 0.0), gains(1.0, 0.05));
-        let closed = [true, true, false, true, true, true, false];
-        let (base, heat) =
-            ([vec![3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], vec![0.5; 7]], [4.0, 5.0, 0.0, 6.0, 1.0, 2.0, 0.0]);
+        let rise =
+            |gains: &Gains, q: &[f64], i: usize| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
+        let base = [[3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], [0.5; 7]];
+        for closed in [[true; 7], [true, true, false, true, true, true, false]] {
+            let heat: Vec<f64> = (0..7).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
+            for conductance in [0.3, 1e9] {
+                let mut split = Split::new(count, conductance);
+                split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+                split.close(&closed);
+                // From any guess the laws' residual leads to the solution at once.
+                let mut q1: Vec<f64> = (0..7).map(|i| if closed[i] { 1.0 - i as f64 } else { 0.0 }).collect();
+                let lacking = |q1: &[f64]| -> Vec<f64> {
+                    let q2: Vec<f64> = (0..7).map(|i| heat[i] - q1[i]).collect();
+                    (0..7)
+                        .map(|i| {
+                            let jump = base[1][i] + rise(&strip, &q2, i) - base[0][i] - rise(&punch, q1, i);
+                            jump + 0.5 * (q2[i] - q1[i]) / conductance
+                        })
+                        .collect()
+                };
+                let residual = lacking(&q1);
+                split.exchange(&residual, &mut q1);
+                let residual = lacking(&q1);
+                for i in 0..7 {
+                    assert!(if closed[i] { residual[i].abs() < 1e-12 } else { q1[i] == 0.0 }, "{conductance} {i}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn distortion_is_that_of_the_shared_heat() {
+        let count = 5;
+        let gains = |scale: f64| Gains {
+            temperature: DMatrix::from_fn(count, count, |i, j| scale / (1.0 + i.abs_diff(j) as f64)),
+            distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
+        };
+        let (punch, strip) = (gains(2.0), gains(1.0));
         for conductance in [0.0, 0.3, 1e9] {
             let mut split = Split::new(count, conductance);
-            split.prepare((1.0, [0.0; 2]), [Some(&punch), Some(&strip)], &closed);
+            split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+            split.close(&[true; 5]);
+            let heat = [4.0, 5.0, 0.0, 6.0, 1.0];
             let mut q1 = vec![0.0; count];
-            split.punch_flux([true; 2], [&base[0], &base[1]], &heat, &mut q1);
-            let q2: Vec<f64> = (0..count).map(|i| if closed[i] { heat[i] - q1[i] } else { 0.0 }).collect();
-            for i in 0..count {
-                if !closed[i] {
-                    assert_eq!(q1[i], 0.0);
-                    continue;
-                }
-                let rise = |gains: &Gains, q: &[f64]| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
-                let jump = base[0][i] + rise(&punch, &q1) - base[1][i] - rise(&strip, &q2);
-                let residual =
-                    if conductance > 0.0 { jump - 0.5 * (q2[i] - q1[i]) / conductance } else { q2[i] - q1[i] };
-                assert!(residual.abs() < 1e-12, "{conductance} {i}: {residual}");
-            }
-            // The distortion of the friction heat alone.
-            let zero = vec![0.0; count];
-            split.punch_flux([true; 2], [&zero, &zero], &heat, &mut q1);
+            split.share(&heat, &mut q1);
             for i in 0..count {
                 let direct: f64 = (0..count)
-                    .filter(|&j| closed[j])
                     .map(|j| punch.distortion[(i, j)] * q1[j] + strip.distortion[(i, j)] * (heat[j] - q1[j]))
                     .sum();
                 let by_operator: f64 = (0..count).map(|j| split.distortion[(i, j)] * heat[j]).sum();
-                assert!((direct - by_operator).abs() < 1e-10 * direct.abs(), "{conductance} {i}");
+                assert!((direct - by_operator).abs() < 1e-12 * direct.abs(), "{conductance} {i}");
             }
         }
     }

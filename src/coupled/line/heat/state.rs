@@ -10,10 +10,14 @@ pub struct HeatState {
     pub bodies: [Vec<f64>; 2],
     /// Fluxes into the cells at the end of the last step, W/m2.
     pub flux: [Vec<f64>; 2],
+    /// Rates of these fluxes over the last step, W/(m2 s); 0 behind a jump.
+    pub slope: [Vec<f64>; 2],
     /// Temperatures of the cells there.
     pub temperature: [Vec<f64>; 2],
     /// Displacement of both surfaces there, m into the bodies.
     pub distortion: Vec<f64>,
+    /// Where the operators kept from step to step were made.
+    pub reference: Place,
     /// Friction coefficient without Stribeck factor there, weighted with the pressure.
     pub faded: f64,
     /// Friction heat of all steps, J per m of depth.
@@ -22,6 +26,37 @@ pub struct HeatState {
     pub cooling: [f64; 2],
     /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
     pub start: [[f64; 4]; 2],
+}
+
+/// Where the operators kept from step to step were made.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Place {
+    /// Sliding velocity, m/s.
+    pub velocity: f64,
+    /// Sliding velocity at the end of the last step, m/s.
+    pub last: f64,
+    /// Friction coefficient over that without fade.
+    pub fade: f64,
+}
+
+/// Part by which the velocity may differ from that of the reference in any case.
+const RELATIVE_ZONE: f64 = 0.1;
+
+impl Place {
+    /// Reference velocity for a step between two velocities: the last one within the zone (m/s) around it, the velocity itself
+    /// where it stays, and otherwise one ahead.
+    pub fn choose(&self, velocity: [f64; 2], zone: f64) -> f64 {
+        let [from, to] = velocity;
+        if from == to && from == self.last {
+            return from;
+        }
+        let middle = 0.5 * (from + to);
+        let zone = zone.max(RELATIVE_ZONE * middle.abs());
+        if (middle - self.velocity).abs() <= zone {
+            return self.velocity;
+        }
+        if from == to { middle } else { middle + 0.8 * zone.copysign(to - from) }
+    }
 }
 
 /// The entries of an account in their order.
@@ -37,8 +72,10 @@ impl HeatState {
         let mut state = HeatState {
             bodies: bodies.states.map(|states| vec![0.0; states]),
             flux: [zeros(), zeros()],
+            slope: [zeros(), zeros()],
             temperature: rise.map(|rise| vec![rise; count]),
             distortion: zeros(),
+            reference: Place { velocity: f64::NAN, last: f64::NAN, fade: 1.0 },
             faded,
             dissipated: 0.0,
             cooling: [0.0; 2],
@@ -49,11 +86,21 @@ impl HeatState {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
                 let mut moved = zeros();
-                heat.held_distortion(&state.bodies[body], &Default::default(), &state.flux[body], &mut moved);
+                heat.held_distortion(&state.bodies[body], &Default::default(), &state.flux[body], 0.0, &mut moved);
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }
         }
         state
+    }
+
+    /// Forgets how the fluxes changed: what they follow has jumped.
+    pub fn jump(&mut self) {
+        self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
+    }
+
+    /// Sliding has turned round: friction heat rises as fast as it fell.
+    pub fn reverse(&mut self) {
+        self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
 
     /// Where the heat of a body went since initialisation, J per m of depth.
@@ -70,16 +117,27 @@ impl HeatState {
         (0..widths.len()).map(|i| 0.5 * widths[i] * (punch[i] + strip[i])).sum::<f64>() / total
     }
 
+    /// Lowest temperature of either surface.
+    pub fn lowest(&self) -> f64 {
+        self.temperature
+            .iter()
+            .flatten()
+            .copied()
+            .fold(f64::INFINITY, |lowest, t| if lowest.is_nan() || t >= lowest { lowest } else { t })
+    }
+
     /// Highest temperature of either surface.
     pub fn highest(&self) -> f64 {
         self.temperature.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
-        let HeatState { bodies, flux, temperature, distortion, faded, dissipated, cooling, start } = self;
-        (bodies.iter_mut().chain(flux).chain(temperature).flatten())
+        let HeatState { bodies, flux, slope, temperature, distortion, reference, faded, dissipated, cooling, start } =
+            self;
+        let Place { velocity, last, fade } = reference;
+        (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
             .chain(distortion)
-            .chain([faded, dissipated])
+            .chain([velocity, last, fade, faded, dissipated])
             .chain(cooling)
             .chain(start.iter_mut().flatten())
     }
@@ -89,11 +147,12 @@ impl HeatState {
         for body in 0..2 {
             self.bodies[body].copy_from_slice(&other.bodies[body]);
             self.flux[body].copy_from_slice(&other.flux[body]);
+            self.slope[body].copy_from_slice(&other.slope[body]);
             self.temperature[body].copy_from_slice(&other.temperature[body]);
         }
         self.distortion.copy_from_slice(&other.distortion);
         (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
-        self.start = other.start;
+        (self.start, self.reference) = (other.start, other.reference);
     }
 
     /// Appends all numbers.

@@ -20,6 +20,9 @@ use std::f64::consts::PI;
 /// Frequencies at which the error is looked for, per mode.
 const FREQUENCIES: usize = 64;
 
+/// Modes that get their states before all others: the uniform one, and those that tilt and bend.
+const LONGEST: usize = 3;
+
 /// A constant flux has content below its own frequency: the slowest looked at, over 1/duration.
 const SLOWEST: f64 = 0.03;
 
@@ -193,8 +196,10 @@ impl Selection {
             if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
                 modes.push(Mode::new(across.wave(modes.len()), width, depth, scale));
             }
-            let open = (0..modes.len()).filter(|&m| !modes[m].exhausted);
-            let worst = open.max_by(|&m, &n| modes[m].error.total_cmp(&modes[n].error));
+            let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
+            // The longest carry the mean: they come first, so that it is right even where the states do not suffice for all.
+            let long = open().find(|&m| m < LONGEST && modes[m].error > scale.tolerance);
+            let worst = long.or_else(|| open().max_by(|&m, &n| modes[m].error.total_cmp(&modes[n].error)));
             let Some(worst) = worst.filter(|&m| modes[m].error > scale.tolerance && states < most_states) else {
                 break;
             };

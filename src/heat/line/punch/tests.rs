@@ -282,8 +282,8 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
         // What is held between steps is what the step ended with.
         let (mut held, mut held_distortion) = (vec![0.0; 17], vec![0.0; 17]);
-        run.heat.held(&run.state, &run.surroundings, &spiked, &mut held);
-        run.heat.held_distortion(&run.state, &run.surroundings, &spiked, &mut held_distortion);
+        run.heat.held(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
+        run.heat.held_distortion(&run.state, &run.surroundings, &spiked, 0.0, &mut held_distortion);
         assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
         assert!(largest_difference(&held_distortion, &run.distortion) < 1e-12 * largest(&held_distortion));
     }

@@ -11,7 +11,7 @@ use super::operators::Forgetting;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::elastic::Cells;
 use crate::heat::slab::Slab;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use std::f64::consts::PI;
 
 /// A translation-invariant response on symmetric cells, per heat (W/m) into a cell, split by parity.
@@ -110,6 +110,28 @@ impl Blocks {
     pub fn make_symmetric(&mut self) {
         let size = self.half * self.half;
         self.values[size..2 * size].fill(0.0);
+    }
+
+    /// Takes away what would give more heat back than it is given: negative eigenvalues of the symmetric part, which is that of the
+    /// even and of the odd half.
+    ///
+    /// What a reduction leaves out at a frequency just beyond its range has a real part of either sign. As an answer at
+    /// once, a negative one lets two bodies that exchange heat raise each other's flux without end in steps short
+    /// against the range; what is taken away is below the reduction's own error.
+    pub fn make_passive(&mut self) {
+        let (half, size) = (self.half, self.half * self.half);
+        for block in [0, 2] {
+            let values = &mut self.values[block * size..(block + 1) * size];
+            let mut matrix = DMatrix::from_column_slice(half, half, values);
+            matrix = 0.5 * (&matrix + matrix.transpose());
+            let shift = 1e-12 * matrix.diagonal().amax();
+            if (&matrix + DMatrix::identity(half, half) * shift).cholesky().is_some() {
+                continue;
+            }
+            let mut eigen = SymmetricEigen::new(matrix);
+            eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(0.0));
+            values.copy_from_slice(eigen.recompose().as_slice());
+        }
     }
 
     /// Adds `factor` times the response to the even and odd parts of heat to the even and odd parts of the answer.

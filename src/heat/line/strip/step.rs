@@ -14,9 +14,10 @@ pub struct StageWeights {
     pub at_end: bool,
     /// Factor of each state of the waves.
     pub factor: Vec<Complex<f64>>,
-    /// Weights of the two stages' fluxes in each state, input included.
+    /// Weights of the fluxes in each state, input included: of those known before the stage (in the first stage the
+    /// deviation at its start, at the end the fluxes of the first) and of its own.
     pub weight: Vec<[Complex<f64>; 2]>,
-    /// Surface amplitude and distortion that the first stage's flux leaves in a wave.
+    /// Surface amplitude and distortion that the known flux leaves in a wave.
     pub carried: Vec<Complex<f64>>,
     pub carried_distortion: Vec<Complex<f64>>,
     /// Factor and weights of the mean wave's states, without input.
@@ -45,6 +46,9 @@ struct Knots {
     slots: Vec<(i64, [Blocks; 2])>,
 }
 
+/// Index of the stage's own flux among its weights.
+pub const OWN: usize = 1;
+
 /// Knots kept.
 const SLOTS: i64 = 8;
 /// Turn of the shortest wave from knot to knot, rad: the cubic through four knots is off by .023 of its fourth power for that
@@ -56,6 +60,8 @@ pub struct Step {
     /// Length, s, and velocities; not a number before the first one.
     pub length: f64,
     pub velocity: [f64; 2],
+    /// One implicit Euler step.
+    euler: bool,
     pub first: StageWeights,
     pub end: StageWeights,
     blocks: [Blocks; 2],
@@ -123,18 +129,18 @@ impl StageWeights {
         }
     }
 
-    /// Weights of the two stages' fluxes from those of a flux falling to 0 and one rising from 0 over the interval. In the
-    /// first stage the flux is constant; at the end it is `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
+    /// Weights of the known flux and the stage's own from those of a flux falling to 0 and one rising from 0 over the
+    /// interval. In the first stage the flux is `q1 + e (1 - t/(gamma h))`, at the end
+    /// `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
     fn stage_fluxes<T>(&self, falling: T, rising: T) -> [T; 2]
     where
-        T: Copy + Default + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
+        T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
     {
         if self.at_end {
             let by_first = falling * (1.0 / (1.0 - GAMMA));
             [by_first, falling + rising - by_first]
         } else {
-            let all = falling + rising;
-            [all, T::default()]
+            [falling, falling + rising]
         }
     }
 
@@ -159,7 +165,6 @@ impl StageWeights {
         let [warm, moved] = blocks;
         warm.clear();
         moved.clear();
-        let own = usize::from(self.at_end);
         let fade = operators.forgetting.mean(velocity);
         let faded = (-fade * length).exp();
         for (wave, range) in operators.ranges.iter().enumerate() {
@@ -176,7 +181,7 @@ impl StageWeights {
                 self.weight[k] = weight;
                 for (part, observed) in [operators.temperature[k], operators.distortion[k]].into_iter().enumerate() {
                     carried[part] += weight[0] * observed;
-                    gain[part] += weight[own] * observed;
+                    gain[part] += weight[OWN] * observed;
                 }
             }
             (self.carried[wave], self.carried_distortion[wave]) = (carried[0], carried[1]);
@@ -190,6 +195,45 @@ impl StageWeights {
         }
         if between {
             self.interpolate(operators, shortest, 0.5 * (velocity[0] + velocity[1]), blocks);
+        }
+        self.assemble(operators, velocity[1], blocks);
+    }
+
+    /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
+    fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], blocks: &mut [Blocks; 2]) {
+        let own = usize::from(self.at_end);
+        let mean = &operators.mean;
+        for k in 0..mean.count {
+            let (factor, weight) = Motion { turning: [0.0; 2], step: length }.euler(mean.rate[k]);
+            self.mean_factor[k] = factor.re;
+            self.mean_weight[k] = [0.0; 2];
+            self.mean_weight[k][own] = weight.re;
+        }
+        let zero = Complex::from(0.0);
+        self.carried.fill(zero);
+        self.carried_distortion.fill(zero);
+        let [warm, moved] = blocks;
+        warm.clear();
+        moved.clear();
+        let fade = operators.forgetting.mean(velocity);
+        for (wave, range) in operators.ranges.iter().enumerate() {
+            let number = operators.waves[wave].number;
+            let motion = Motion { turning: velocity.map(|v| number * v), step: length };
+            let mut gain = [zero; 2];
+            for k in range.clone() {
+                let (factor, weight) = motion.euler(operators.rate[k] + fade);
+                let weight = weight * operators.temperature[k];
+                self.factor[k] = factor;
+                self.weight[k] = [zero; 2];
+                self.weight[k][own] = weight;
+                gain[0] += weight * operators.temperature[k];
+                gain[1] += weight * operators.distortion[k];
+            }
+            let (even, odd) = operators.shapes.rows(wave);
+            warm.add_wave(gain[0] * operators.weight[wave], even, odd);
+            if operators.expands {
+                moved.add_wave(gain[1] * operators.weight[wave], even, odd);
+            }
         }
         self.assemble(operators, velocity[1], blocks);
     }
@@ -229,7 +273,6 @@ impl StageWeights {
         let [warm, moved] = blocks;
         warm.clear();
         moved.clear();
-        let own = usize::from(self.at_end);
         let fade = operators.forgetting.rate(velocity);
         let faded = (-fade * self.length).exp();
         for (wave, range) in operators.ranges.iter().enumerate() {
@@ -240,7 +283,7 @@ impl StageWeights {
             for k in range.clone() {
                 let (_, falling, rising) =
                     motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
-                let weight = self.stage_fluxes(falling, rising)[own] * operators.temperature[k];
+                let weight = self.stage_fluxes(falling, rising)[OWN] * operators.temperature[k];
                 gain[0] += weight * operators.temperature[k];
                 gain[1] += weight * operators.distortion[k];
             }
@@ -255,7 +298,6 @@ impl StageWeights {
     /// Gains from the waves' response in `blocks`, the mean wave's, and what answers at once at the stage's velocity.
     fn assemble(&mut self, operators: &Operators, velocity: f64, blocks: &mut [Blocks; 2]) {
         let mean = &operators.mean;
-        let own = usize::from(self.at_end);
         for (moving, (slow, gain)) in
             [(&mut self.slow, &mut self.gains.temperature), (&mut self.slow_distortion, &mut self.gains.distortion)]
                 .into_iter()
@@ -267,7 +309,7 @@ impl StageWeights {
             let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
             let mut level = observed.direct[super::CONTACT];
             for k in 0..mean.count {
-                level += observed.states[k] * mean.input[super::CONTACT][k] * self.mean_weight[k][own];
+                level += observed.states[k] * mean.input[super::CONTACT][k] * self.mean_weight[k][OWN];
             }
             level *= operators.remembered();
             if moving == 1 {
@@ -306,6 +348,7 @@ impl Step {
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
+            euler: false,
             first: StageWeights::new(operators, false),
             end: StageWeights::new(operators, true),
             blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
@@ -320,12 +363,23 @@ impl Step {
     }
 
     pub fn prepare(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
-        if self.length == length && self.velocity == velocity {
+        if self.length == length && self.velocity == velocity && !self.euler {
             return;
         }
-        (self.length, self.velocity) = (length, velocity);
+        (self.length, self.velocity, self.euler) = (length, velocity, false);
         let middle = velocity[0] + GAMMA * (velocity[1] - velocity[0]);
         self.first.prepare(operators, GAMMA * length, [velocity[0], middle], &mut self.blocks);
         self.end.prepare(operators, length, velocity, &mut self.blocks);
+    }
+
+    /// One implicit Euler step: both stages are its end.
+    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+        if self.length == length && self.velocity == velocity && self.euler {
+            return;
+        }
+        (self.length, self.velocity, self.euler) = (length, velocity, true);
+        for stage in [&mut self.first, &mut self.end] {
+            stage.prepare_euler(operators, length, velocity, &mut self.blocks);
+        }
     }
 }

@@ -36,6 +36,7 @@ impl VelocityTable {
                 warm.make_symmetric();
                 moved.make_symmetric();
             }
+            warm.make_passive();
             temperature.push(warm);
             if expands {
                 distortion.push(moved);

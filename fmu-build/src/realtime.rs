@@ -1,0 +1,446 @@
+//! `cargo fmu realtime`: the line level at 1 kHz, every step timed.
+
+mod histogram;
+
+use crate::bench::native::{Component, Instance, Variables};
+use crate::plot::{Axis, Figure, Legend, Panel, Series};
+use crate::{bench, package, project, scenes};
+use anyhow::{Context, Result, bail, ensure};
+use histogram::Histogram;
+use std::fmt;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Communication step, s.
+const STEP: f64 = 1e-3;
+/// 99.9 % of the steps must take less than this, microseconds.
+const USUAL: f64 = 100.0;
+/// No step may take longer, microseconds.
+const LONGEST: f64 = 1000.0;
+/// The limits are only enforced while the machine takes less than this from the probe, microseconds.
+const QUIET: f64 = 200.0;
+/// Time that the probe's work takes where nothing is taken from it.
+const PROBE: Duration = Duration::from_micros(5);
+/// Load that the pads always drag with, N: every step has a contact to solve.
+const DRAG: f64 = 100.0;
+/// Steps before the timing starts: caches, branch prediction, the clock of the processor.
+const WARM_UP: usize = 2000;
+
+/// Step the contact line at 1 kHz through ten minutes of the UDDS, time every step, and print the histogram.
+///
+/// The scene is the stock front disc brake on the line level, its pads never off the disc. Beside every step a probe does a fixed work: what that
+/// takes beyond its fastest time is what the machine takes from both. 99.9 % of the steps must take less than 100 us
+/// and none more than 1 ms; that is enforced where the probe loses less than 200 us, and reported beside it elsewhere.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Bodies that do not expand, or heat along the contact that distorts them.
+    #[arg(long, value_enum, default_value = "cold")]
+    contact: Contact,
+    /// Cells of the contact line.
+    #[arg(long, default_value_t = 33)]
+    cells: u16,
+    /// Simulated time in seconds.
+    #[arg(long, default_value_t = 600.0)]
+    seconds: f64,
+    /// Factor on the sliding velocity of the drive.
+    #[arg(long, default_value_t = 1.0)]
+    speed: f64,
+    /// Wait for the clock's next millisecond before every step, as a real-time host does, instead of stepping back to
+    /// back.
+    #[arg(long)]
+    paced: bool,
+    /// Folder for the histogram as CSV and SVG; by default realtime in cargo's target folder.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Print the results as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What of the contact line is stepped.
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Contact {
+    /// Pressure and wear along the line; heat by its mean.
+    Cold,
+    /// Pressure, wear and heat along the line, with thermal distortion.
+    Heat,
+}
+
+impl Contact {
+    fn name(self) -> &'static str {
+        match self {
+            Contact::Cold => "cold",
+            Contact::Heat => "heat",
+        }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where the FMU cannot be built or refuses a step, a file cannot be written, or a limit is exceeded that is enforced.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    let Arguments { contact, cells, seconds, speed, paced, .. } = *arguments;
+    let run = measure(&Case { contact, cells, seconds, speed, paced })?;
+    let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("realtime"));
+    fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
+    let name = format!("{}{}", run.case.contact.name(), if run.case.paced { "-paced" } else { "" });
+    let (csv, svg) = (folder.join(format!("{name}.csv")), folder.join(format!("{name}.svg")));
+    fs::write(&csv, run.table()).with_context(|| format!("writing {}", csv.display()))?;
+    run.figure().write(&svg)?;
+    if arguments.json {
+        println!("{:#}", run.record());
+    } else {
+        print!("{run}");
+        println!("  {}\n  {}", csv.display(), svg.display());
+    }
+    ensure!(run.is_tolerable(), "too slow for real time: {}", run.summary());
+    Ok(())
+}
+
+/// What is run.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct Case {
+    /// What of the contact line is stepped.
+    pub contact: Contact,
+    /// Its cells.
+    pub cells: u16,
+    /// Simulated time, s.
+    pub seconds: f64,
+    /// Factor on the sliding velocity of the drive.
+    pub speed: f64,
+    /// One step every millisecond of the clock, or back to back.
+    pub paced: bool,
+}
+
+impl Case {
+    /// Ten minutes of the brake, back to back.
+    pub fn new(contact: Contact) -> Self {
+        Self { contact, cells: 33, seconds: 600.0, speed: 1.0, paced: false }
+    }
+}
+
+/// Times of the steps of a run.
+pub struct Run {
+    case: Case,
+    /// Of every step: inputs, step, outputs.
+    steps: Histogram,
+    /// Of every probe, beyond its fastest time.
+    taken: Histogram,
+    /// Of a paced run: how late the steps started.
+    late: Option<Histogram>,
+}
+
+/// Runs the stock brake on the line level.
+///
+/// # Errors
+/// Where the FMU cannot be built or refuses a step.
+pub fn measure(case: &Case) -> Result<Run> {
+    let Case { contact, cells, seconds, speed, paced } = *case;
+    ensure!(speed.is_finite(), "--speed {speed} must be finite");
+    let count = (seconds / STEP).round();
+    ensure!((1.0..=1e8).contains(&count), "--seconds {seconds} must be from {STEP} to {}", 1e8 * STEP);
+    let count = count as usize;
+    let folder = project::target().join("realtime");
+    let fmu = build(contact, cells, &folder)?;
+    let (library, guid) = bench::unpack(&fmu, &folder)?;
+    let component = Component::load(&library, &guid)?;
+    let variables = Variables::of_the_contact()?;
+    let mut instance = component.instantiate()?;
+    instance.initialise()?;
+
+    let drive = bench::drive(STEP)?;
+    let mut inputs = drive.iter().cycle().map(|&[velocity, load]| [speed * velocity, load.max(DRAG)]);
+    let mut next = || inputs.next().expect("a drive has steps");
+    let probe = Probe::calibrate();
+    // Everything that is written during the run is there, and its memory is too, before it starts.
+    let (mut steps, mut taken, mut late) = (vec![u32::MAX; count], vec![u32::MAX; count], vec![u32::MAX; count]);
+    for _ in 0..WARM_UP.min(count) {
+        exchange(&mut instance, &variables, next())?;
+        probe.run();
+    }
+    let begin = Instant::now();
+    for index in 0..count {
+        let pair = next();
+        if paced {
+            late[index] = nanoseconds(wait(begin + Duration::from_millis(1) * (index as u32 + 1)));
+        }
+        let start = Instant::now();
+        exchange(&mut instance, &variables, pair)?;
+        let stepped = Instant::now();
+        probe.run();
+        steps[index] = nanoseconds(stepped - start);
+        taken[index] = nanoseconds(stepped.elapsed());
+    }
+    let fastest = taken.iter().copied().min().unwrap_or(0);
+    taken.iter_mut().for_each(|time| *time -= fastest);
+    Ok(Run {
+        case: *case,
+        steps: Histogram::of(steps),
+        taken: Histogram::of(taken),
+        late: paced.then(|| Histogram::of(late)),
+    })
+}
+
+/// The FMU of the scene.
+fn build(contact: Contact, cells: u16, folder: &Path) -> Result<PathBuf> {
+    let mut scene = scenes::load(None)?;
+    let cold = ["punch.thermal_expansion=0", "strip.thermal_expansion=0"];
+    let level = ["solver.fidelity=line".to_owned(), format!("solver.cells={cells}")];
+    let changes = level.iter().map(String::as_str).chain(cold.into_iter().filter(|_| contact == Contact::Cold));
+    for change in changes {
+        scenes::assign(&mut scene, change)?;
+    }
+    fs::create_dir_all(folder)?;
+    let output = Some(folder.join(format!("SlidingContact.{}.fmu", contact.name())));
+    package::build_scene(&scene, &package::Options { output, ..package::Options::default() })
+}
+
+fn exchange(instance: &mut Instance<'_>, variables: &Variables, pair: [f64; 2]) -> Result<()> {
+    let outputs = instance.exchange(variables, &pair, None, STEP)?;
+    if outputs.iter().any(|value| !value.is_finite()) {
+        bail!("the outputs are not finite: {outputs:?}");
+    }
+    Ok(())
+}
+
+/// Waits for a point in time and returns how long ago it is: sleeps while there is time for it, then looks at the
+/// clock.
+fn wait(tick: Instant) -> Duration {
+    const BEFORE: Duration = Duration::from_micros(150);
+    if let Some(left) = tick.checked_duration_since(Instant::now() + BEFORE) {
+        std::thread::sleep(left);
+    }
+    loop {
+        if let Some(late) = Instant::now().checked_duration_since(tick) {
+            return late;
+        }
+        std::hint::spin_loop();
+    }
+}
+
+fn nanoseconds(time: Duration) -> u32 {
+    u32::try_from(time.as_nanos()).unwrap_or(u32::MAX)
+}
+
+/// A work that always takes the same time where nothing disturbs it.
+struct Probe {
+    rounds: u32,
+}
+
+impl Probe {
+    /// As many rounds as take [`PROBE`] at best.
+    fn calibrate() -> Self {
+        let rounds = 10_000;
+        let fastest = (0..200)
+            .map(|_| {
+                let begin = Instant::now();
+                Self { rounds }.run();
+                begin.elapsed()
+            })
+            .min()
+            .unwrap_or(PROBE);
+        let per_round = fastest.as_secs_f64().max(1e-9) / f64::from(rounds);
+        Self { rounds: (PROBE.as_secs_f64() / per_round).ceil() as u32 }
+    }
+
+    /// Multiplications that wait for each other, out of reach of memory and caches.
+    fn run(&self) {
+        let mut value = 1.0_f64;
+        for _ in 0..self.rounds {
+            value = std::hint::black_box(value * 0.999_999);
+        }
+    }
+}
+
+impl Run {
+    /// 99.9 % of the steps take no longer, microseconds.
+    fn usual(&self) -> f64 {
+        self.steps.quantile(0.999)
+    }
+
+    /// Whether the machine left the run alone.
+    pub fn is_quiet(&self) -> bool {
+        self.taken.longest() < QUIET
+    }
+
+    /// Whether the limits hold.
+    pub fn is_within(&self) -> bool {
+        self.usual() < USUAL && self.steps.longest() < LONGEST
+    }
+
+    /// Whether the limits hold, or were not to be enforced.
+    pub fn is_tolerable(&self) -> bool {
+        self.is_within() || !self.is_quiet()
+    }
+
+    /// The result in one line.
+    pub fn summary(&self) -> String {
+        let verdict = match (self.is_within(), self.is_quiet()) {
+            (true, _) => "within the limits",
+            (false, true) => "beyond the limits",
+            (false, false) => "beyond the limits, which are not enforced on a machine that takes so much",
+        };
+        format!(
+            "{} steps of the line ({}, N = {}), median {:.1} us, 99.9 % below {:.1} us, longest {:.0} us; the machine \
+             took up to {:.0} us from the probe: {verdict}",
+            self.steps.count(),
+            self.case.contact.name(),
+            self.case.cells,
+            self.steps.quantile(0.5),
+            self.usual(),
+            self.steps.longest(),
+            self.taken.longest()
+        )
+    }
+
+    /// The histogram: bounds in microseconds, steps, probes.
+    fn table(&self) -> String {
+        let mut text = String::from("from_us,to_us,steps,taken_from_probe\n");
+        for ((from, to, steps), (.., taken)) in self.steps.fine().zip(self.taken.fine()) {
+            if steps + taken > 0 {
+                text.push_str(&format!("{from:.3},{to:.3},{steps},{taken}\n"));
+            }
+        }
+        text
+    }
+
+    fn figure(&self) -> Figure {
+        let tail = |name: &str, times: &Histogram| Series::line(name, times.tail());
+        let mut series = vec![tail("step", &self.steps), tail("taken from the probe", &self.taken)];
+        series.extend(self.late.as_ref().map(|late| tail("late start", late)));
+        let lowest = 0.5 / self.steps.count() as f64;
+        series.push(
+            Series::line("limits", vec![(USUAL, 1.0), (USUAL, 1e-3), (LONGEST, 1e-3), (LONGEST, lowest)]).coloured(6),
+        );
+        let axis = Axis::logarithmic("time, µs");
+        let share = Axis::logarithmic("share that takes longer, 1").over(lowest, 1.0);
+        let panel = Panel::new("How many steps take longer", axis, share, series).with_legend(Legend::UpperRight);
+        let how = if self.case.paced { "one every millisecond of the clock" } else { "back to back" };
+        let mut figure = Figure::new(
+            format!("Contact line ({}), N = {}, at 1 kHz", self.case.contact.name(), self.case.cells),
+            vec![panel],
+        );
+        figure.panel_size = (760, 420);
+        figure.with_header(vec![
+            format!(
+                "Front disc brake, UDDS at {} times its speed, pads never off the disc, {} steps of 1 ms {how}",
+                self.case.speed,
+                self.steps.count()
+            ),
+            format!(
+                "median {:.1} µs, 99.9 % below {:.1} µs, longest {:.0} µs; taken from a probe of 5 µs: up to {:.0} µs",
+                self.steps.quantile(0.5),
+                self.usual(),
+                self.steps.longest(),
+                self.taken.longest()
+            ),
+        ])
+    }
+
+    fn record(&self) -> serde_json::Value {
+        let times = |times: &Histogram| {
+            serde_json::json!({
+                "median_us": times.quantile(0.5),
+                "p99_us": times.quantile(0.99),
+                "p999_us": times.quantile(0.999),
+                "longest_us": times.longest(),
+                "histogram": times.coarse().collect::<Vec<_>>(),
+            })
+        };
+        serde_json::json!({
+            "case": self.case,
+            "steps": self.steps.count(),
+            "step": times(&self.steps),
+            "taken_from_probe": times(&self.taken),
+            "late_start": self.late.as_ref().map(times),
+            "within_limits": self.is_within(),
+            "enforced": self.is_quiet(),
+        })
+    }
+}
+
+impl fmt::Display for Run {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let late = self.late.as_ref();
+        let head = if late.is_some() { "late start" } else { "" };
+        writeln!(formatter, "  {:>20} {:>10} {:>18} {head:>11}", "time, us", "steps", "taken from probe")?;
+        let late: Vec<u64> = late.map(|late| late.coarse().map(|(.., count)| count).collect()).unwrap_or_default();
+        let rows = self.steps.coarse().zip(self.taken.coarse());
+        for (at, ((from, to, steps), (.., taken))) in rows.enumerate() {
+            let late = late.get(at).map(u64::to_string).unwrap_or_default();
+            writeln!(formatter, "  {from:>8} ... {to:>7} {steps:>10} {taken:>18} {late:>11}")?;
+        }
+        writeln!(formatter, "  {}", self.summary())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(steps: Vec<u32>, taken: u32) -> Run {
+        let count = steps.len();
+        Run {
+            case: Case::new(Contact::Cold),
+            steps: Histogram::of(steps),
+            taken: Histogram::of(vec![taken; count]),
+            late: None,
+        }
+    }
+
+    #[test]
+    fn limits_count_where_the_machine_is_quiet_only() {
+        let with = |slow: usize, time: u32| {
+            let mut steps = vec![5_000; 10_000];
+            steps[..slow].fill(time);
+            steps
+        };
+        // One in a thousand may take longer than 100 us, none longer than 1 ms.
+        for (slow, time, within) in
+            [(9, 500_000, true), (11, 500_000, false), (1, 1_100_000, false), (11, 99_000, true)]
+        {
+            let quiet = run(with(slow, time), 150_000);
+            assert_eq!(
+                (quiet.is_within(), quiet.is_quiet(), quiet.is_tolerable()),
+                (within, true, within),
+                "{slow} {time}"
+            );
+            let busy = run(with(slow, time), 250_000);
+            assert_eq!(
+                (busy.is_within(), busy.is_quiet(), busy.is_tolerable()),
+                (within, false, true),
+                "{slow} {time}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_histogram_is_printed_and_drawn() {
+        let run = run(vec![3_000, 4_000, 150_000], 700);
+        let text = run.to_string();
+        assert!(text.contains("longest 150 us") && text.contains("beyond the limits"), "{text}");
+        assert!(run.table().lines().count() > 3, "{}", run.table());
+        assert!(run.figure().svg().unwrap().contains("share that takes longer"));
+        assert_eq!(run.record()["steps"], 3);
+    }
+
+    #[test]
+    fn a_probe_takes_about_what_it_should_and_ticks_are_waited_for() {
+        let probe = Probe::calibrate();
+        let fastest = (0..1000)
+            .map(|_| {
+                let begin = Instant::now();
+                probe.run();
+                begin.elapsed()
+            })
+            .min()
+            .unwrap();
+        assert!(fastest > PROBE / 4 && fastest < 4 * PROBE, "{fastest:?}");
+        let tick = Instant::now() + Duration::from_millis(1);
+        let late = wait(tick);
+        assert!(Instant::now() >= tick + late);
+    }
+}

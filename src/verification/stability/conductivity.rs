@@ -1,0 +1,91 @@
+//! A body that conducts a millionth of the other, and one that does not conduct at all.
+//!
+//! Two half-spaces of equal heat capacity in perfect contact take the friction heat as their effusivities: the part
+//! `sqrt r/(1 + sqrt r)` of the heat enters the body of the conductivity ratio r, from the first moment on. Its layer of heat
+//! is `sqrt r` times as deep, so at 10^-6 both bodies have to be resolved on depths a thousand times apart. An insulator
+//! takes nothing.
+
+use super::conductance::{AGREEMENT, run};
+use super::half_spaces::HalfSpaces;
+use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
+
+/// What the map is about.
+pub const SUMMARY: &str =
+    "conductivity of one body 0 to 1 times the other's by step: the heat split against its closed form";
+
+/// Stands for perfect contact.
+const CONDUCTANCE: f64 = 1e12;
+/// Where the map shows a ratio of 0.
+const NONE: f64 = 1e-9;
+
+/// Computes the map.
+///
+/// # Errors
+/// Where the component does not run.
+pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+    let mut ratios = grid.spread(1e-8, 1.0, 9);
+    ratios.insert(0, 0.0);
+    let step_sizes = grid.spread(1e-3, 10.0, 6);
+    let (mut points, mut shares) = (Vec::new(), Vec::new());
+    for (index, &ratio) in ratios.iter().enumerate() {
+        for &step in &step_sizes {
+            let (verdict, error) = run(ratio, CONDUCTANCE, step);
+            points.push(Point { x: ratio.max(NONE), y: step, verdict, error });
+        }
+        shares.push((ratio.max(NONE), HalfSpaces { ratio, conductance: CONDUCTANCE }.stepped(0.1, 10)?.0));
+        progress((index + 1) as f64 / ratios.len() as f64);
+    }
+    Ok(assemble(points, shares))
+}
+
+fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
+    let ratio = || axis("conductivity of the punch over the strip's (left: 0)", true, (5e-10, 2.0));
+    let part = |ratio: f64| ratio.sqrt() / (1.0 + ratio.sqrt());
+    let known: Vec<(f64, f64)> =
+        (0..=90).map(|k| 10f64.powf(-9.0 + 0.1 * f64::from(k))).map(|ratio| (ratio, part(ratio))).collect();
+    let judged = Panel {
+        title: "default: part of the heat in the punch".to_owned(),
+        x: ratio(),
+        y: axis("communication step, s", true, (6e-4, 300.0)),
+        points,
+        curves: Vec::new(),
+    };
+    let conducting = shares.iter().filter(|point| point.0 > NONE);
+    let apart = conducting.map(|&(ratio, share)| (share / part(ratio) - 1.0).abs()).fold(0.0, f64::max);
+    let insulator = shares.first().map_or(f64::NAN, |point| point.1);
+    let findings = vec![
+        format!(
+            "The default is right in {} of {} runs with conductivities 10⁻⁸ to 1 apart and with an insulator; largest error \
+             {:.1e} of the heat.",
+            judged.count(Verdict::Right),
+            judged.points.len(),
+            judged.largest_error()
+        ),
+        format!(
+            "The part of the heat in the poor conductor itself is within {apart:.1e} (relative) of √r/(1 + √r) down to r = \
+             10⁻⁸; an insulator takes {insulator:.1e}."
+        ),
+    ];
+    let split = Panel {
+        title: "after ten steps of .1 s".to_owned(),
+        x: ratio(),
+        y: axis("part of the heat in the punch", true, (1e-5, 10.0)),
+        points: Vec::new(),
+        curves: vec![
+            curve("theory", known, true),
+            curve("default", shares.into_iter().filter(|point| point.0 > NONE).collect(), false),
+        ],
+    };
+    Map {
+        title: "A body that hardly conducts",
+        header: vec![
+            "Two half-spaces of equal heat capacity in perfect contact (10¹² W/(m².K)), heated by friction from rest; line \
+             level, solver.tolerance = 10⁻³, ten communication steps, against the closed form."
+                .to_owned(),
+            format!("right: part of the heat, and its sum over both bodies, within {AGREEMENT}. inexact: beyond it."),
+        ],
+        findings,
+        panels: vec![judged, split],
+        columns: 2,
+    }
+}

@@ -1,0 +1,371 @@
+//! Steady states with heat and jumps over cycles, against time stepping.
+
+use crate::drive::{Drive, scene};
+use sliding_contact::coupled::line::cycle::map::sliding_scene;
+use sliding_contact::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, SolveOptions};
+use sliding_contact::coupled::line::operators::Operators;
+use sliding_contact::elastic::Cells;
+use sliding_contact::elastic::scene::{cells_for, compliances};
+use sliding_contact::exact::GalinRelaxation;
+use sliding_contact::scene::Scene;
+use sliding_contact::steady::SteadyError;
+use sliding_contact::steady::scene::{Sliding, SteadyKind, steady_state};
+use sliding_contact::steady::thermal::law::{endless_cycles, law};
+use sliding_contact::steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
+use sliding_contact::variables::find;
+
+/// The reciprocating punch at a tenth of its size: heat settles in 2 s, ten cycles, and the wear in some fifty.
+const SMALL: &[(&str, f64)] = &[
+    ("solver.fidelity", 3.0),
+    ("solver.cells", 17.0),
+    ("punch.width", 6e-3),
+    ("punch.height", 6e-3),
+    ("strip.height", 6e-3),
+    ("punch.wear_coefficient", 4e-13),
+    ("nominal.stroke", 1e-3),
+    ("nominal.velocity", 0.01),
+    ("nominal.load", 1e3),
+    ("nominal.duration", 60.0),
+];
+
+fn made(changes: &[(&str, f64)]) -> Scene {
+    let mut values = scene("reciprocating_punch");
+    for (name, value) in SMALL.iter().chain(changes) {
+        values[find(name).unwrap_or_else(|| panic!("no variable {name}")) as usize] = *value;
+    }
+    Scene::new(&values, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn hot(scene: &Scene) -> Result<(Cells, HotState), SteadyError> {
+    let cells = cells_for(scene, scene.cells).unwrap();
+    let bodies = compliances(scene, &cells).unwrap();
+    hot_state(scene, &cells, &bodies, &Sliding::nominal(scene)).map(|hot| (cells, hot))
+}
+
+/// The component with half-strokes of `steps` equal steps.
+fn to_and_fro(drive: &mut Drive, cycles: u32, steps: u32, mut watch: impl FnMut(&mut Drive, f64)) {
+    let (speed, stroke) = (0.01, 1e-3);
+    for _ in 0..cycles {
+        for velocity in [speed, -speed] {
+            drive.set("sliding_velocity", velocity);
+            for _ in 0..steps {
+                drive.step(stroke / speed / f64::from(steps));
+                watch(drive, velocity);
+            }
+        }
+    }
+}
+
+/// The cycle found directly is the one that the component ends in, stepped by its own step control from cold and flat.
+#[test]
+fn stepping_ends_in_the_cycle_found_directly() {
+    for holder in [&[][..], &[("holder.constraint", 2.0), ("holder.pivot_height", 3e-3)]] {
+        let (cells, hot) = hot(&made(holder)).unwrap();
+        let line = [&[("solver.tolerance", 1e-4)], holder].concat();
+        let mut drive = Drive::from_starts(&scene("reciprocating_punch"), &[SMALL, &line].concat());
+        drive.set("normal_load", 1e3);
+        to_and_fro(&mut drive, 300, 10, |_, _| ());
+        let (mut least, mut most, mut highest) = (f64::INFINITY, f64::NEG_INFINITY, [0.0; 2]);
+        to_and_fro(&mut drive, 1, 40, |drive, velocity| {
+            let t = drive.get("contact_temperature");
+            (least, most) = (least.min(t), most.max(t));
+            highest[usize::from(velocity < 0.0)] = drive.get("pressure_max");
+        });
+        let [low, mean, high] = hot.heat.contact_temperature;
+        let rise = mean - 293.15;
+        println!("{holder:?}: {low} {high} K against {least} {most}; {} cycles", hot.heat.accuracy.iterations);
+        assert!((low - least).abs() < 2e-3 * rise && (high - most).abs() < 2e-3 * rise);
+        let pressure = 1e3 / (6e-3 * 0.01);
+        for (stroke, highest) in hot.heat.strokes.iter().zip(highest) {
+            let direct = stroke.pressure_at[1].iter().copied().fold(0.0, f64::max);
+            println!("  pressure {} against {}", direct / pressure, highest / pressure);
+            assert!((direct - highest).abs() < 5e-3 * pressure);
+        }
+        // The shape, without its rigid motion.
+        let stations: Vec<f64> = (1..=33).map(|i| drive.get(&format!("profile.wear_punch[{i}]"))).collect();
+        let spread = |values: &[f64]| {
+            values.iter().copied().fold(0.0, f64::max) - values.iter().copied().fold(f64::INFINITY, f64::min)
+        };
+        if holder.is_empty() {
+            let at = |values: &[f64], x: f64| cells.point_value(values, x);
+            for (i, depth) in stations.iter().enumerate().skip(2).take(29) {
+                let x = -3e-3 + 6e-3 * i as f64 / 32.0;
+                let difference = (at(&hot.state.shape, x) - at(&hot.state.shape, 0.0)) - (depth - stations[16]);
+                assert!(difference.abs() < 0.01 * spread(&stations), "{x}: {difference} of {}", spread(&stations));
+            }
+        }
+    }
+}
+
+/// The bodies lose what friction gives, wear is even, and the means of the half-strokes add to twice the mean pressure.
+#[test]
+fn the_hot_cycle_balances_force_heat_and_wear() {
+    let scene = made(&[]);
+    let (_, hot) = hot(&scene).unwrap();
+    let (flows, accuracy) = (hot.heat.flows, hot.heat.accuracy);
+    let lost = flows.punch_top + flows.strip_base + flows.ambient;
+    assert!((lost / flows.friction - 1.0).abs() < 1e-6, "{flows:?}");
+    assert!((flows.punch + flows.strip) / flows.friction - 1.0 < 1e-9);
+    assert!((flows.friction / (0.25 * 1e3 * 0.01) - 1.0).abs() < 1e-9);
+    assert!(accuracy.iterations < 25 && accuracy.shape < 1e-6 && accuracy.heat < 1e-6, "{accuracy:?}");
+    let mean = 1e3 / (6e-3 * 0.01);
+    let [forward, backward] = &hot.state.strokes[..] else { panic!("two strokes") };
+    for (forward, backward) in forward.pressure.iter().zip(&backward.pressure) {
+        assert!((forward + backward - 2.0 * mean).abs() < 1e-5 * mean, "{}", forward + backward);
+    }
+}
+
+#[test]
+fn what_has_no_steady_state_with_heat_is_refused() {
+    let insulated = [
+        ("punch.top_thermal", 3.0),
+        ("strip.base_thermal", 3.0),
+        ("punch.convection", 0.0),
+        ("strip.convection", 0.0),
+        ("punch.emissivity", 0.0),
+        ("strip.emissivity", 0.0),
+        ("punch.convection_forced", 0.0),
+        ("strip.convection_forced", 0.0),
+    ];
+    let refused = hot(&made(&insulated)).unwrap_err();
+    assert!(matches!(refused, SteadyError::NoHeatLeaves { .. }), "{refused}");
+    // Radiation alone takes the heat in the end.
+    let mut radiating = insulated.to_vec();
+    radiating.extend([("strip.emissivity", 0.9), ("punch.emissivity", 0.9), ("nominal.load", 1.0)]);
+    let (_, state) = hot(&made(&radiating)).unwrap();
+    let flows = state.heat.flows;
+    assert!((flows.ambient / flows.friction - 1.0).abs() < 1e-4, "{flows:?}");
+    // What does not exist cold does not exist hot.
+    let rocking = hot(&made(&[("holder.constraint", 2.0), ("holder.pivot_height", 8e-3)])).unwrap_err();
+    assert!(matches!(rocking, SteadyError::RocksItselfRound { .. }), "{rocking}");
+    let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
+    assert!(matches!(wearing, SteadyError::WearingStripToAndFro), "{wearing}");
+}
+
+/// A contact that starts with the shape of the hot steady state wears evenly once it is hot.
+#[test]
+fn a_run_in_start_is_that_of_the_hot_contact() {
+    let uneven = |shape: f64| {
+        let changes = [("contact.initial_shape", shape), ("solver.cells", 9.0)];
+        let mut drive = Drive::from_starts(&scene("reciprocating_punch"), &[SMALL, &changes].concat());
+        drive.set("normal_load", 1e3);
+        let worn =
+            |drive: &mut Drive| (3..=31).map(|i| drive.get(&format!("profile.wear_punch[{i}]"))).collect::<Vec<_>>();
+        to_and_fro(&mut drive, 60, 8, |_, _| ());
+        let before = worn(&mut drive);
+        to_and_fro(&mut drive, 1, 8, |_, _| ());
+        let depths: Vec<f64> = worn(&mut drive).iter().zip(before).map(|(after, before)| after - before).collect();
+        let mean = depths.iter().sum::<f64>() / depths.len() as f64;
+        depths.iter().map(|depth| (depth / mean - 1.0).abs()).fold(0.0, f64::max)
+    };
+    let (run_in, flat) = (uneven(3.0), uneven(1.0));
+    println!("unevenness of the wear {run_in} run in, {flat} flat");
+    assert!(run_in < 0.02 && flat > 5.0 * run_in, "{run_in} {flat}");
+}
+
+/// One way: pressure, temperature and shape in one stroke are those after long stepping.
+#[test]
+fn one_way_stepping_ends_in_the_state_found_directly() {
+    let disc = [("strip.path", 2.0), ("strip.length", 0.05)];
+    let cases: [(&str, &[(&str, f64)]); 4] = [
+        ("closed path, both wear", &[disc[0], disc[1], ("strip.wear_coefficient", 1e-13)]),
+        (
+            "closed path, only the strip wears",
+            &[disc[0], disc[1], ("punch.wear_coefficient", 0.0), ("strip.wear_coefficient", 1e-13)],
+        ),
+        ("straight path", &[("strip.convection", 0.0)]),
+        (
+            "forced air, radiation and a friction table",
+            &[
+                disc[0],
+                disc[1],
+                ("punch.convection_forced", 3000.0),
+                ("strip.emissivity", 0.9),
+                ("contact.friction_fade.temperature[1]", 293.0),
+                ("contact.friction_fade.temperature[2]", 294.0),
+                ("contact.friction_fade.temperature[3]", 300.0),
+                ("contact.friction_fade.temperature[4]", 400.0),
+                ("contact.friction_fade.temperature[5]", 500.0),
+                ("contact.friction_fade.temperature[6]", 600.0),
+                ("contact.friction_fade.temperature[7]", 700.0),
+                ("contact.friction_fade.temperature[8]", 800.0),
+                ("contact.friction_fade.factor[3]", 0.9),
+                ("contact.friction_fade.factor[4]", 0.5),
+                ("contact.friction_fade.factor[5]", 0.5),
+                ("contact.friction_fade.factor[6]", 0.5),
+                ("contact.friction_fade.factor[7]", 0.5),
+                ("contact.friction_fade.factor[8]", 0.5),
+            ],
+        ),
+    ];
+    for (name, case) in cases {
+        let changes =
+            [&[("nominal.stroke", 0.0), ("nominal.velocity", 0.05), ("nominal.duration", 400.0)], case].concat();
+        let (_, hot) = hot(&made(&changes)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let all = [SMALL, &changes, &[("solver.tolerance", 1e-5)]].concat();
+        let mut drive = Drive::from_starts(&scene("reciprocating_punch"), &all);
+        drive.set("normal_load", 1e3).set("sliding_velocity", 0.05);
+        for step in 0..60 {
+            drive.step(0.01 * 1.2f64.powi(step));
+        }
+        let t = drive.get("contact_temperature");
+        let rise = hot.heat.contact_temperature[1] - 293.15;
+        let highest = hot.state.strokes[0].pressure.iter().copied().fold(0.0, f64::max);
+        let stepped = drive.get("pressure_max");
+        let flows = hot.heat.flows;
+        println!("{name}: {} against {t} K, pressure {highest} against {stepped} Pa, {flows:?}", rise + 293.15);
+        assert!((t - rise - 293.15).abs() < 2e-3 * rise, "{name}");
+        assert!((highest / stepped - 1.0).abs() < 2e-3, "{name}");
+        assert!((drive.get("friction_force") / (flows.friction / 0.05) - 1.0).abs() < 1e-3, "{name}");
+        assert!((drive.get("heat_flow_punch") - flows.punch).abs() < 3e-3 * flows.friction, "{name}");
+        assert_eq!(hot.state.kind == SteadyKind::Elastic, name.contains("only"));
+    }
+}
+
+/// Both ends of the law: short cycles leave the means alone; endless ones have the difference that follows from the steady
+/// distortion. Temperatures swing like the root of the length.
+#[test]
+fn heat_changes_the_steady_pressures_of_long_cycles_only() {
+    // A short stroke: what a strip's warm track does as it moves under the punch goes with it.
+    let scene = made(&[("nominal.stroke", 3e-5)]);
+    let cells = cells_for(&scene, 17).unwrap();
+    let bodies = compliances(&scene, &cells).unwrap();
+    let at = |ratio: f64| law(&scene, &cells, &bodies, ratio).unwrap();
+    let [shortest, short, long] = [1e-3, 1e-2, 1e3].map(at);
+    let endless = endless_cycles(&scene, &cells, &bodies).unwrap();
+    println!("{shortest:?}\n{short:?}\n{long:?}\n{endless:?}");
+    assert!(endless.inside > 3e-3);
+    for (short, endless) in [
+        (shortest.inside, endless.inside),
+        (short.inside, endless.inside),
+        (shortest.everywhere, endless.everywhere),
+        (short.everywhere, endless.everywhere),
+    ] {
+        assert!(short < 0.01 * endless, "{short} {endless}");
+    }
+    let swing = (short.swing / shortest.swing).log10();
+    assert!((swing - 0.5).abs() < 0.1, "{swing}");
+    for (long, endless) in [(long.inside, endless.inside), (long.everywhere, endless.everywhere)] {
+        assert!((long / endless - 1.0).abs() < 0.03, "{long} {endless}");
+    }
+}
+
+fn map(changes: &[(&str, f64)], heat: bool) -> CycleMap {
+    let scene = made(changes);
+    let operators = Operators::with_heat(&sliding_scene(&scene), heat).unwrap();
+    let resolution = if heat { Resolution { levels: 2, parts: 2 } } else { Resolution::COLD };
+    CycleMap::new(operators, nominal_half_strokes(&scene), resolution).unwrap()
+}
+
+/// Jumps against every cycle, with and without heat: the sum of the estimates bounds the error.
+#[test]
+fn jumps_end_where_every_cycle_ends() {
+    for (heat, cycles, tolerance) in [(false, 400, 1e-2), (false, 400, 1e-3), (true, 200, 1e-2)] {
+        let mut map = map(&[("punch.wear_coefficient", 1e-13)], heat);
+        let mut memory = map.start();
+        for _ in 0..cycles {
+            let change = map.pass(&memory).unwrap().change;
+            memory.iter_mut().zip(change).for_each(|(z, change)| *z += change);
+        }
+        let start = map.start();
+        let punch = map.worn_ranges()[0].clone();
+        let mut jumps = Jumps::new(&mut map, start, JumpOptions { tolerance, ..JumpOptions::default() });
+        let mut last = None;
+        jumps.carry_to(f64::from(cycles), |jump| last = Some(jump.clone())).unwrap();
+        let last = last.unwrap();
+        let error: Vec<f64> = last.memory.iter().zip(&memory).map(|(jumped, exact)| jumped - exact).collect();
+        let [shape, warmth] = map.size_of(&error, &memory);
+        let widths = map.operators().cells.widths();
+        let mean = |values: &[f64]| values.iter().zip(widths).map(|(v, c)| v * c).sum::<f64>();
+        let wear = mean(&error[punch.clone()]) / mean(&memory[punch]);
+        println!(
+            "heat {heat}, {cycles} cycles: {} computed, errors {shape:.1e} {warmth:.1e} {wear:.1e} of {:.1e}",
+            last.computed, last.accumulated
+        );
+        assert!(shape <= last.accumulated && warmth <= last.accumulated && last.accumulated > 0.0);
+        assert!(shape > 1e-12, "not the same computation");
+        assert!(wear.abs() < 1e-9 && (last.cycles - f64::from(cycles)).abs() < 0.5);
+        assert!(last.computed < cycles as usize, "{}", last.computed);
+    }
+}
+
+/// A million cycles end in the steady cycle found directly.
+#[test]
+fn a_million_cycles_end_in_the_steady_cycle() {
+    let wear = &[("punch.wear_coefficient", 4e-14)];
+    let mut hot = map(wear, true);
+    let start = hot.start();
+    let mut jumps = Jumps::new(&mut hot, start, JumpOptions { tolerance: 1e-2, ..JumpOptions::default() });
+    let mut last = None;
+    jumps.carry_to(1e6, |jump| last = Some(jump.clone())).unwrap();
+    let last = last.unwrap();
+    let scene = made(wear);
+    let cells = cells_for(&scene, 17).unwrap();
+    let cold = steady_state(&scene, &cells, &compliances(&scene, &cells).unwrap(), &Sliding::nominal(&scene)).unwrap();
+    let mut begin = hot.start();
+    begin[hot.worn_ranges()[0].clone()].copy_from_slice(&cold.shape);
+    let direct = hot.steady(&begin, &SolveOptions::default()).unwrap();
+    let mean = 1e3 / (6e-3 * 0.01);
+    println!("{} cycles computed, sum of estimates {:.1e}", last.computed, last.accumulated);
+    for (jumped, direct) in last.passage.strokes.iter().zip(&direct.passage.strokes) {
+        for (jumped, direct) in jumped.pressure.iter().zip(&direct.pressure) {
+            assert!((jumped - direct).abs() < 1e-3 * mean, "{jumped} {direct}");
+        }
+    }
+    let [least, _, most] = last.passage.contact_temperature;
+    let [low, _, high] = direct.passage.contact_temperature;
+    assert!((least - low).abs() < 1e-3 * low && (most - high).abs() < 1e-3 * high);
+    assert!(last.computed < 3000 && last.cycles == 1e6);
+    // Load and distance decide the wear.
+    let depth = last.totals.volume[0] / 6e-3;
+    assert!((depth / (4e-14 * mean * 2e-3 * 1e6) - 1.0).abs() < 1e-6, "{depth}");
+}
+
+/// A flat rigid punch on a half-plane relaxes as Galin has it, in a million cycles.
+#[test]
+fn a_million_cycles_relax_as_theory_has_it() {
+    let modulus = 2e11 / (1.0 - 0.09);
+    let cycles = 1e6;
+    // tau = k s E*/a = 1 in the end.
+    let wear = 1.0 / (cycles * 2e-3 * modulus / 3e-3);
+    let changes = [
+        ("punch.body", 1.0),
+        ("strip.body", 3.0),
+        ("contact.shear_coupling", 0.0),
+        ("punch.wear_coefficient", wear),
+        ("solver.cells", 65.0),
+    ];
+    let mut map = map(&changes, false);
+    let cells = map.operators().cells.clone();
+    let start = map.start();
+    let mut jumps = Jumps::new(&mut map, start, JumpOptions::default());
+    let mean = 1e3 / (6e-3 * 0.01);
+    let exact = GalinRelaxation::new(150);
+    for (tau, at) in [(0.1, 1e5), (0.5, 5e5), (1.0, 1e6)] {
+        let mut last = None;
+        jumps.carry_to(at, |jump| last = Some(jump.clone())).unwrap();
+        let last = last.unwrap();
+        for x in [0.0, 0.5, 0.9] {
+            let found = cells.point_value(&last.passage.strokes[1].pressure, 3e-3 * x) / mean;
+            let expected = exact.pressure(tau, x);
+            println!("tau {tau} x {x}: {found} {expected}, {} computed, {:.1e}", last.computed, last.accumulated);
+            assert!((found - expected).abs() < 3e-3, "tau {tau}, x {x}: {found} {expected}");
+        }
+    }
+}
+
+/// A direct cycle with steps a quarter as long is the same to the stated error.
+#[test]
+fn the_steps_of_a_cycle_are_short_enough() {
+    let scene = made(&[]);
+    let [coarse, fine] = [Resolution::WITH_HEAT, Resolution { levels: 6, parts: 8 }].map(|resolution| {
+        let mut map = cycle_map(&scene, nominal_half_strokes(&scene), resolution).unwrap();
+        let start = map.start();
+        map.steady(&start, &SolveOptions::default()).unwrap()
+    });
+    let mean = 1e3 / (6e-3 * 0.01);
+    let errors = coarse.passage.strokes[0].pressure.iter().zip(&fine.passage.strokes[0].pressure);
+    let error = errors.map(|(coarse, fine)| (coarse - fine).abs() / mean).fold(0.0, f64::max);
+    println!("{error:e} of the mean pressure");
+    assert!(error < 1e-3, "{error:e}");
+}

@@ -1,0 +1,122 @@
+//! Heat along the contact line where numbers become large, small or 0.
+
+use crate::drive::{Drive, scene};
+
+fn scene_on_line(changes: &[(&str, f64)]) -> Drive {
+    let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-3)];
+    Drive::from_starts(&scene("reciprocating_punch"), &[&line[..], changes].concat())
+}
+
+/// All outputs are numbers, and the heat balance closes.
+fn check(drive: &mut Drive, label: &dyn std::fmt::Debug) {
+    for output in 7..250 {
+        assert!(drive.0.get(output).is_finite(), "{label:?}: {output}");
+    }
+    let imbalance = drive.imbalance();
+    assert!(imbalance < 1e-9, "{label:?}: {imbalance:e}");
+    assert!(drive.get("contact_temperature") > 250.0, "{label:?}: {}", drive.get("contact_temperature"));
+}
+
+/// A start, a reversal through 0, a contact that opens and closes, and a rest.
+fn through_everything(drive: &mut Drive, speed: f64, label: &dyn std::fmt::Debug) {
+    let step = 0.02;
+    for (velocity, last, load, last_load) in [
+        (0.0, speed, 1e4, 1e4),
+        (speed, -speed, 1e4, 1e4),
+        (-speed, -speed, 1e4, -1e3),
+        (-speed, speed, 0.0, 0.0),
+        (speed, speed, 0.0, 1e4),
+        (speed, 0.0, 1e4, 1e4),
+        (0.0, 0.0, 1e4, 1e4),
+    ] {
+        drive.set("sliding_velocity", velocity).slope("sliding_velocity", (last - velocity) / step);
+        drive.set("normal_load", load).slope("normal_load", (last_load - load) / step);
+        drive.step(step);
+        check(drive, label);
+    }
+}
+
+#[test]
+fn every_conductance_splits_the_heat() {
+    let mut jumps = Vec::new();
+    for conductance in [0.0, 1.0, 1e4, 1e8, 1e12] {
+        let mut drive = scene_on_line(&[("contact.conductance", conductance)]);
+        through_everything(&mut drive, 0.05, &conductance);
+        jumps.push(drive.get("heat_received_punch") / drive.get("dissipated_energy"));
+    }
+    println!("{jumps:?}");
+    // Equal halves without conductance and, between equal bodies, about that with any.
+    assert!((jumps[0] - 0.5).abs() < 1e-12 && jumps.iter().all(|part| (part - 0.5).abs() < 0.1), "{jumps:?}");
+    assert!((jumps[4] - jumps[3]).abs() < 1e-4, "{jumps:?}");
+}
+
+#[test]
+fn a_body_that_hardly_conducts_takes_hardly_any_heat() {
+    for (poor, received, conductivities) in
+        [("punch", "heat_received_punch", &[0.0, 55e-6][..]), ("strip", "heat_received_strip", &[0.0])]
+    {
+        for &conductivity in conductivities {
+            let name = format!("{poor}.conductivity");
+            let mut drive = scene_on_line(&[(&name, conductivity)]);
+            through_everything(&mut drive, 0.05, &(poor, conductivity));
+            let part = drive.get(received) / drive.get("dissipated_energy");
+            println!("{poor} {conductivity}: {part}");
+            assert!(if conductivity == 0.0 { part == 0.0 } else { part.abs() < 2e-3 }, "{poor} {conductivity}: {part}");
+        }
+    }
+}
+
+#[test]
+fn peclet_numbers_from_0_to_a_million_are_stepped_over() {
+    // Pe = v a/(2 kd) with a = 30 mm and kd = 1.5e-5 m2/s; friction so low that heat stays bounded.
+    for (closed, numbers) in [(1.0, [0.0, 1.0, 1e3]), (2.0, [1e-3, 1e2, 1e6])] {
+        for peclet in numbers {
+            let speed: f64 = peclet * 1e-3;
+            let changes = [
+                ("contact.friction_coefficient", 1e-6),
+                ("nominal.velocity", speed.max(1e-6)),
+                ("nominal.stroke", 0.0),
+                ("nominal.duration", 1.0),
+                ("punch.wear_coefficient", 0.0),
+                ("strip.path", closed),
+                ("strip.length", if closed == 2.0 { 0.3 } else { 0.0 }),
+            ];
+            through_everything(&mut scene_on_line(&changes), speed, &(closed, peclet));
+        }
+    }
+}
+
+/// A bristle's heat is the work that its force does not give back; it heats the cells as sliding does.
+#[test]
+fn a_bristle_heats_the_contact_line_with_what_it_dissipates() {
+    let bristle = [("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)];
+    let run = |level: f64, changes: &[(&str, f64)]| {
+        let levels = [("solver.fidelity", level)];
+        let mut drive = scene_on_line(&[&bristle[..], changes, &levels].concat());
+        drive.set("normal_load", 1e4);
+        for (velocity, last) in [(0.0, 0.02), (0.02, -0.02), (-0.02, 0.0), (0.0, 0.0), (0.0, 0.01)] {
+            for part in 0..5 {
+                let rate = (last - velocity) / 0.1;
+                drive.set("sliding_velocity", velocity + 0.02 * rate * f64::from(part)).slope("sliding_velocity", rate);
+                drive.step(0.02);
+            }
+            check(&mut drive, &(level, changes));
+        }
+        let names =
+            ["dissipated_energy", "friction_force", "sliding_distance", "wear_depth_punch", "contact_temperature"];
+        names.map(|name| drive.get(name))
+    };
+    let (line, lumped) = (run(3.0, &[]), run(2.0, &[]));
+    println!("{line:?} {lumped:?}");
+    for index in 0..3 {
+        assert!((line[index] / lumped[index] - 1.0).abs() < 1e-6, "{index}: {line:?} {lumped:?}");
+    }
+    assert!((line[3] / lumped[3] - 1.0).abs() < 1e-3, "{line:?} {lumped:?}");
+    assert!((line[4] - lumped[4]).abs() < 0.05 * (lumped[4] - 293.15), "{line:?} {lumped:?}");
+    for changes in
+        [&[("holder.stiffness", 1e8)][..], &[("contact.friction_fade.factor[1]", 0.9)], &[("solver.scheme", 2.0)]]
+    {
+        let values = run(3.0, changes);
+        assert!(values[0] > 0.5 * line[0], "{changes:?}: {values:?}");
+    }
+}
