@@ -5,6 +5,9 @@ use super::{Chart, table};
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use sliding_contact::verification::drives::Quantity;
 
+/// What stands on the horizontal axis.
+type Cost = fn(&Point) -> f64;
+
 /// Errors below are drawn here.
 const LEAST: f64 = 1e-8;
 /// Height at which runs are marked that did not come to their end.
@@ -30,7 +33,7 @@ fn look(name: &str, peer: bool) -> (usize, Mark) {
 
 /// The whole picture.
 pub fn draw(chart: &Chart) -> Figure {
-    let costs: [(&str, fn(&Point) -> f64); 2] =
+    let costs: [(&str, Cost); 2] =
         [("processor time of the whole run, s", Point::cost), ("internal time steps", |point| point.steps as f64)];
     let mut panels = Vec::new();
     for quantity in Quantity::ALL {
@@ -67,7 +70,7 @@ pub fn draw(chart: &Chart) -> Figure {
     }
 }
 
-fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: fn(&Point) -> f64) -> Panel {
+fn panel(chart: &Chart, quantity: Quantity, label: &str, cost: Cost) -> Panel {
     let mut series = Vec::new();
     for name in chart.families() {
         let peer = chart.family(name).any(|point| point.peer);
