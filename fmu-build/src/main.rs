@@ -3,6 +3,7 @@
 mod batch;
 mod bench;
 mod package;
+mod plan;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
 mod plot;
 mod project;
@@ -41,6 +42,7 @@ enum Command {
     #[command(hide = true)]
     BatchWorker,
     Stability(stability::Arguments),
+    Plan(plan::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         Command::Batch(arguments) => batch::execute(&arguments),
         Command::BatchWorker => batch::worker::execute(),
         Command::Stability(arguments) => stability::execute(&arguments),
+        Command::Plan(arguments) => plan::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -10,6 +10,7 @@ mod contact_line;
 mod driver;
 mod heat_line;
 mod moving_source;
+pub mod planning;
 pub mod reference;
 pub mod stability;
 mod steady_states;

@@ -10,4 +10,5 @@ mod drive;
 
 mod account;
 mod growth;
+mod plans;
 mod steps;

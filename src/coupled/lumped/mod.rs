@@ -335,6 +335,7 @@ impl Lumped {
             if attempt.error <= 1.0 {
                 self.state.steps += 1;
                 self.judge_temperature(attempt.hottest);
+                self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 part += 1;
                 // The error falls by about eight when the step is halved: room for doubling it.
                 if level > 0 && part.is_multiple_of(2) && attempt.error < 0.3 {
