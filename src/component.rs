@@ -3,6 +3,7 @@
 //! This is what the C interface, the native host and the tests drive. It knows the variable table
 //! but not FMI: phases, status codes and times are the importer's side.
 
+mod escalation;
 mod rates;
 mod snapshot;
 
@@ -11,7 +12,8 @@ pub use snapshot::Snapshot;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::limit;
-use crate::coupled::model::{Model, Operators};
+use crate::coupled::model::Model;
+use crate::plan::ladder::Ladder;
 use crate::scene::{Scene, ThermalBoundary, value};
 use crate::variables::{COUNT, ValueReference, lookup, reference};
 use std::sync::Arc;
@@ -135,8 +137,18 @@ pub struct Component {
     /// The model must be built anew before outputs are read (while initialising).
     stale: bool,
     tolerance: Option<f64>,
-    /// Operators last built: used again where the scene is the same.
-    operators: Option<Operators>,
+    /// Rungs last built: used again where the scene is the same.
+    ladder: Option<Arc<Ladder>>,
+    /// The rung above, ready to take over; after that the one below.
+    prepared: Option<Box<Model>>,
+    /// A plan compared levels: steps are watched.
+    planned: bool,
+    /// The rung above has taken over.
+    escalated: bool,
+    /// The run has left what was planned for, and the log knows.
+    left_plan: bool,
+    /// How far it was beyond the plan at most; see [`Ladder::excess`].
+    excess: f64,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
@@ -161,7 +173,12 @@ impl Component {
             current: 0,
             stale: true,
             tolerance: None,
-            operators: None,
+            ladder: None,
+            prepared: None,
+            planned: false,
+            escalated: false,
+            left_plan: false,
+            excess: 0.0,
             at_end: false,
             last_step: 0.0,
             reported: 0,
@@ -169,11 +186,11 @@ impl Component {
         }
     }
 
-    /// Back to what [`Component::new`] gives; operators are kept for use with the same scene.
+    /// Back to what [`Component::new`] gives; rungs are kept for use with the same scene.
     pub fn reset(&mut self) {
-        let operators = self.operators.take();
+        let ladder = self.ladder.take();
         *self = Component::new(self.starts.clone());
-        self.operators = operators;
+        self.ladder = ladder;
     }
 
     /// Value of the variable `reference` (below [`COUNT`]). Outputs answer the present inputs; before
@@ -217,7 +234,10 @@ impl Component {
                     *highest = highest.max(mean);
                     self.current |= group::MAIN | group::CONTACT;
                 }
-                group::ACCOUNT => model.write_account(&mut self.values),
+                group::ACCOUNT => {
+                    model.write_account(&mut self.values);
+                    self.add_level_error();
+                }
                 _ => model.write_rest(&inputs, &mut self.values),
             }
         }
@@ -225,14 +245,18 @@ impl Component {
     }
 
     fn build(&mut self, scene: &Scene) -> Result<(), String> {
-        let known = self.operators.take().filter(|operators| operators.scene() == scene);
-        let operators = match known {
-            Some(operators) => operators,
-            None => Operators::new(scene)?,
+        let known = self.ladder.take().filter(|ladder| ladder.requested == *scene);
+        let ladder = match known {
+            Some(ladder) => ladder,
+            None => Arc::new(Ladder::new(scene)?),
         };
         let inputs = inputs_of(&self.values);
-        self.model = Some(Model::new(&operators, tunables_of(&self.values), &inputs));
-        self.operators = Some(operators);
+        let tunables = tunables_of(&self.values);
+        self.model = Some(Model::new(&ladder.first, tunables, &inputs));
+        self.prepared = ladder.next.as_ref().map(|next| Box::new(Model::new(next, tunables, &inputs)));
+        (self.escalated, self.left_plan, self.excess) = (false, false, 0.0);
+        self.planned = ladder.plan.as_ref().is_some_and(|plan| plan.probe_steps > 0);
+        self.ladder = Some(ladder);
         self.current = 0;
         self.at_end = false;
         Ok(())
@@ -303,10 +327,13 @@ impl Component {
             (false, Some(_)) => "the importer",
             (false, None) => "the default",
         };
-        let operators = self.operators.as_ref().expect("built just before");
-        let text = format!("tolerance {:e} from {source}; {}", scene.tolerance, operators.plan());
+        let ladder = self.ladder.as_ref().expect("built just before");
+        let mut lines = ladder.lines().into_iter();
+        let first = lines.next().unwrap_or_default();
+        let text = format!("tolerance {:e} from {source}; {first}", scene.tolerance);
         self.messages.push(Message { subject: Subject::Plan, text });
-        for text in operators.warnings() {
+        self.messages.extend(lines.map(|text| Message { subject: Subject::Plan, text }));
+        for text in ladder.first.warnings() {
             self.messages.push(Message { subject: Subject::Warning, text });
         }
     }
@@ -380,6 +407,9 @@ impl Component {
         let limits = model.limits();
         if limits & !self.reported != 0 {
             self.report(limits);
+        }
+        if self.planned {
+            self.watch_plan();
         }
         Ok(())
     }

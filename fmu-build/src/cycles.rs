@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use sliding_contact::coupled::line::cycle::map::sliding_scene;
 use sliding_contact::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
-use sliding_contact::coupled::line::heat::bodies::distribution_feeds_back;
+use sliding_contact::coupled::line::heat::bodies::on_the_cells;
 use sliding_contact::coupled::line::operators::Operators;
 use sliding_contact::scene::Scene;
 use sliding_contact::steady::thermal::nominal_half_strokes;
@@ -119,7 +119,7 @@ fn course(arguments: &Arguments) -> Result<Course> {
     let period = half_strokes[0].1 + half_strokes[1].1;
     // The bodies must be good for the whole time.
     scene.nominal_duration = scene.nominal_duration.max(period * arguments.cycles);
-    let warm = !arguments.cold && distribution_feeds_back(&scene);
+    let warm = !arguments.cold && on_the_cells(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
     let operators = Operators::with_heat(&sliding_scene(&scene), warm)
         .map_err(|error| anyhow::anyhow!(error))

@@ -5,6 +5,7 @@ mod bench;
 mod chart;
 mod cycles;
 mod package;
+mod plan;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
 mod plot;
 mod project;
@@ -47,6 +48,7 @@ enum Command {
     BatchWorker,
     Stability(stability::Arguments),
     Chart(chart::Arguments),
+    Plan(plan::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
         Command::BatchWorker => batch::worker::execute(),
         Command::Stability(arguments) => stability::execute(&arguments),
         Command::Chart(arguments) => chart::execute(&arguments),
+        Command::Plan(arguments) => plan::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -3,10 +3,12 @@
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::state::{BodyState, State as MeanState};
-use crate::coupled::model::{Model, Operators, State};
+use crate::coupled::model::{Model, State};
+use crate::plan::ladder::Ladder;
 use crate::scene::{Scene, value};
 use crate::variables::COUNT;
 use crate::wear::track::Track;
+use std::sync::Arc;
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -19,6 +21,10 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
+    /// The rung above the planned one has taken over; the log knows that the plan was left; how far at most.
+    escalated: bool,
+    left_plan: bool,
+    excess: f64,
     /// Friction coefficient and so on with which the model was built: the wear law refers to them.
     built: [f64; 3],
     state: Option<State>,
@@ -44,6 +50,7 @@ impl Component {
         into.reported = self.reported;
         into.at_end = self.at_end;
         into.last_step = self.last_step;
+        (into.escalated, into.left_plan, into.excess) = (self.escalated, self.left_plan, self.excess);
         into.state = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
@@ -81,23 +88,33 @@ impl Component {
                     .iter()
                     .zip(&values[FIRST_PARAMETER..])
                     .all(|(mine, saved)| mine.to_bits() == saved.to_bits());
-            let operators = match &self.model {
-                Some(model) if same => model.operators(),
-                _ => {
+            let same = same && self.ladder.is_some();
+            let ladder = match self.ladder.clone() {
+                Some(ladder) if same => ladder,
+                known => {
                     let scene = Scene::new(&at_start, from.tolerance).map_err(|broken| broken.to_string())?;
-                    match self.operators.clone().filter(|operators| *operators.scene() == scene) {
+                    match known.filter(|ladder| ladder.requested == scene) {
                         Some(known) => known,
-                        None => Operators::new(&scene)?,
+                        None => Arc::new(Ladder::new(&scene)?),
                     }
                 }
+            };
+            let stays = same && self.escalated == from.escalated;
+            let operators = match &self.model {
+                Some(model) if stays => model.operators(),
+                _ => ladder.rung(from.escalated)?,
             };
             if !state.fits(&operators) {
                 return Err("the saved states do not fit the scene".into());
             }
             // Nothing has been changed up to here, and nothing can fail from here on.
-            if !same {
-                self.model = Some(Model::new(&operators, super::tunables_of(&values), &from.inputs));
-                self.operators = Some(operators);
+            if !stays {
+                let tunables = super::tunables_of(&values);
+                self.model = Some(Model::new(&operators, tunables, &from.inputs));
+                let above = ladder.next.as_ref().filter(|_| !from.escalated);
+                self.prepared = above.map(|next| Box::new(Model::new(next, tunables, &from.inputs)));
+                self.planned = ladder.plan.as_ref().is_some_and(|plan| plan.probe_steps > 0);
+                self.ladder = Some(ladder);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
             model.set_tunables(super::tunables_of(&values));
@@ -120,6 +137,7 @@ impl Component {
         self.reported = from.reported;
         self.at_end = from.at_end;
         self.last_step = from.last_step;
+        (self.escalated, self.left_plan, self.excess) = (from.escalated, from.left_plan, from.excess);
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -134,6 +152,9 @@ impl Snapshot {
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
+        put(f64::from(u8::from(self.escalated)));
+        put(f64::from(u8::from(self.left_plan)));
+        put(self.excess);
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -162,7 +183,7 @@ impl Snapshot {
             Some(State::Lumped(mean)) => mean.numbers().len(),
             Some(State::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
-        8 * (6 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (9 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -181,6 +202,7 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
+        let (escalated, left_plan, excess) = (next()? != 0.0, next()? != 0.0, next()?);
         let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
         {
@@ -191,6 +213,9 @@ impl Snapshot {
             reported: reported as u8,
             at_end: at_end != 0.0,
             last_step,
+            escalated,
+            left_plan,
+            excess,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
             ..Snapshot::default()
         };

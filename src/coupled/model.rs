@@ -56,6 +56,19 @@ impl Operators {
         }
     }
 
+    /// The lumped level with steps of another tolerance, or a contact line that carries its heat by the mean with such steps:
+    /// no elastic body is built anew.
+    pub fn of_the_mean(&self, tolerance: f64) -> Operators {
+        match self {
+            Operators::Lumped(operators) => {
+                let mut copy = lumped::operators::Operators::clone(operators);
+                copy.scene.tolerance = tolerance;
+                Operators::Lumped(Arc::new(copy))
+            }
+            Operators::Line(operators) => Operators::Line(Arc::new(operators.with_heat_by_its_mean(tolerance))),
+        }
+    }
+
     /// What was chosen, for the log.
     pub fn plan(&self) -> String {
         let mean = match self {
@@ -160,6 +173,25 @@ impl Model {
                 }
             }
             _ => unreachable!("State::fits was asked before"),
+        }
+    }
+
+    /// Rise of the contact temperature (K above the ambient one of initialisation) at the end of the last step.
+    #[inline]
+    pub fn contact_rise(&self) -> f64 {
+        match self {
+            Model::Lumped(model) => model.state().end_temperature,
+            Model::Line(model) => model.contact_rise(),
+        }
+    }
+
+    /// Takes over where `from` stands, which knows the same scene on a lower rung: worn volumes and heat to rounding. Nothing
+    /// is allocated. `false`, and nothing happens, where the states of the two do not belong together.
+    pub fn take_over(&mut self, from: &Model) -> bool {
+        match (self, from) {
+            (Model::Line(line), Model::Lumped(lower)) => line.take_over_mean(lower),
+            (Model::Line(line), Model::Line(lower)) => line.take_over_line(lower),
+            _ => false,
         }
     }
 

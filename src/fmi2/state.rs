@@ -23,7 +23,7 @@ use super::policy::Phase;
 use crate::component::Snapshot;
 
 const MAGIC: [u8; 4] = *b"SCfs";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 /// Bytes before the GUID.
 pub const HEADER: usize = 20;
 const CHECKSUM: core::ops::Range<usize> = 12..20;

@@ -89,6 +89,18 @@ pub enum Fidelity {
     Field,
 }
 
+/// How a contact line carries its heat. No parameter: the plan decides, or the line itself.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum HeatAlongContact {
+    /// On the cells where its distribution feeds back on pressure, friction or wear; by its mean elsewhere.
+    #[default]
+    WhereItFeedsBack,
+    /// By its mean.
+    ByItsMean,
+    /// On the cells, wherever the scene allows it: the mean temperature then knows where the pressure is.
+    OnTheCells,
+}
+
 /// Time stepping.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Scheme {
@@ -98,6 +110,17 @@ pub enum Scheme {
     Staggered,
     /// Explicit wear.
     Explicit,
+}
+
+/// What happens when a run leaves what was planned for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Escalation {
+    /// The level stays.
+    Off,
+    /// The next rung is built at initialisation.
+    Prepared,
+    /// The next rung is built when it is needed.
+    NextCommunicationPoint,
 }
 
 /// Freedom of the punch in its holder.
@@ -198,8 +221,13 @@ pub struct Scene {
     pub fidelity: Fidelity,
     /// Cells of the contact line; 0: chosen.
     pub cells: usize,
+    /// Heat of a contact line.
+    pub heat_along_contact: HeatAlongContact,
     pub scheme: Scheme,
+    pub escalation: Escalation,
     pub tolerance: f64,
+    /// The tolerance is the scene's own, neither the importer's nor the default.
+    pub own_tolerance: bool,
     pub wear_acceleration: f64,
 }
 
@@ -317,12 +345,19 @@ impl Scene {
                 _ => Fidelity::Field,
             },
             cells: value!(v, "solver.cells") as usize,
+            heat_along_contact: HeatAlongContact::WhereItFeedsBack,
             scheme: match value!(v, "solver.scheme") as i32 {
                 1 => Scheme::Monolithic,
                 2 => Scheme::Staggered,
                 _ => Scheme::Explicit,
             },
+            escalation: match value!(v, "solver.escalation") as i32 {
+                1 => Escalation::Off,
+                2 => Escalation::Prepared,
+                _ => Escalation::NextCommunicationPoint,
+            },
             tolerance: tolerance.clamp(1e-10, 0.5),
+            own_tolerance: own_tolerance > 0.0,
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene)?;

@@ -11,18 +11,19 @@ mod driver;
 #[cfg(feature = "scene-file")]
 pub mod drives;
 mod heat_line;
-mod hot_states;
 mod heat_punch;
+mod hot_states;
 mod instability;
 mod moving_source;
 mod operator_split;
 pub mod path_modes;
+pub mod planning;
 mod punch_heat;
 pub mod reference;
 pub mod stability;
 mod steady_states;
-pub mod wave;
 pub mod unreduced_punch;
+pub mod wave;
 mod wear_line;
 
 use std::time::Instant;

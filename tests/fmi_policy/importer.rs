@@ -122,6 +122,11 @@ impl Importer {
         Importer { component, log }
     }
 
+    /// The lumped level: what is about calls and states needs no plan.
+    fn choose_level(&self) {
+        assert_eq!(self.set_integer("solver.fidelity", 2), Status::Ok);
+    }
+
     /// An instance in a phase, with nothing in its log.
     pub fn at(stage: Stage) -> Importer {
         let importer = Importer::new();
@@ -135,6 +140,7 @@ impl Importer {
         if stage == Stage::Instantiated {
             return;
         }
+        self.choose_level();
         assert_eq!(self.setup(None, 0.0, Some(100.0)), Status::Ok);
         assert_eq!(self.enter(), Status::Ok);
         if stage == Stage::Initialization {

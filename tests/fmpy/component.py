@@ -19,6 +19,9 @@ from fmpy.logging import addLoggerProxy
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
 
 
+AUTO = 1
+
+
 def status_of(call, *arguments):
     """Status that a call of fmpy ends with; fmpy raises where it is worse than a warning."""
     try:
@@ -122,8 +125,10 @@ class Component:
         return dict(zip(names, self.get(*names)))
 
     def initialise(self, values=(), start=0.0, stop=None, tolerance=None, **named):
-        """Set-up and initialisation with these parameters and inputs."""
+        """Set-up and initialisation with these parameters and inputs; lumped, unless they or the scene name a level."""
         self.slave.setupExperiment(tolerance=tolerance, startTime=start, stopTime=stop)
+        if "solver.fidelity" not in dict(values) | named and self.slave.getInteger([self.fmu.variables["solver.fidelity"].valueReference])[0] == AUTO:
+            self.set({"solver.fidelity": "lumped"})
         self.set(values, **named)
         self.slave.enterInitializationMode()
         self.slave.exitInitializationMode()

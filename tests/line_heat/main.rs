@@ -13,5 +13,6 @@ mod cycles;
 mod extremes;
 mod field;
 mod growth;
+mod plans;
 mod split;
 mod steps;

@@ -4,6 +4,9 @@ use sliding_contact::component::{Component, Values};
 use sliding_contact::variables::{STARTS, ValueReference, find};
 use std::sync::Arc;
 
+pub const AUTO: f64 = 1.0;
+pub const LUMPED: f64 = 2.0;
+
 pub const HELD: f64 = 1.0;
 pub const CONVECTING: f64 = 2.0;
 pub const INSULATED: f64 = 3.0;
@@ -26,8 +29,13 @@ impl Drive {
         Drive::attempt(starts, changes).unwrap()
     }
 
+    /// At the lumped level, unless `starts` or the changes say otherwise: auto would choose by the tolerance.
     pub fn attempt(starts: &Values, changes: &[(&str, f64)]) -> Result<Drive, String> {
         let mut starts = *starts;
+        let level = &mut starts[reference("solver.fidelity") as usize];
+        if *level == AUTO {
+            *level = LUMPED;
+        }
         for (name, value) in changes {
             starts[reference(name) as usize] = *value;
         }

@@ -227,6 +227,7 @@ mod tests {
                 "warnings.push(format!(",
                 1,
             ),
+            ("escalation", include_str!("../../../src/component/escalation.rs"), "let beyond = format!(", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::WEAR, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::TEMPERATURE, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "limit::VALIDITY,", 1),

@@ -14,6 +14,7 @@ pub mod profile;
 mod saved;
 pub mod state;
 mod step;
+mod take_over;
 
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt};
@@ -149,6 +150,14 @@ impl Line {
 
     fn forget_shown(&mut self) {
         self.shown.0 = [f64::NAN; INPUTS];
+    }
+
+    /// Mean rise of the contact temperature at the end of the last step, K above the reference.
+    pub fn contact_rise(&self) -> f64 {
+        match &self.state.heat {
+            Some(heat) => heat.mean(self.operators.cells.widths()),
+            None => self.mean.state().end_temperature,
+        }
     }
 
     /// Limits reached so far; see [`limit`].

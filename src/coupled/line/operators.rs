@@ -1,12 +1,12 @@
 //! What the contact line is made of, built once from the scene and shared by every state.
 
-use super::heat::bodies::{Bodies, distribution_feeds_back};
+use super::heat::bodies::{Bodies, on_the_cells};
 use super::profile::{Profile, cell_means};
 use crate::contact::{ContactState, Normal, Tilt};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
-use crate::scene::{Constraint, FadeTable, Fidelity, Geometry, InitialShape, Path, Scene, Scheme};
+use crate::scene::{Constraint, FadeTable, Fidelity, Geometry, HeatAlongContact, InitialShape, Path, Scene, Scheme};
 use crate::steady::rocking_limit;
 use crate::steady::scene::run_in_shape;
 use crate::steady::thermal::{has_hot_state, hot_run_in_shape};
@@ -32,6 +32,17 @@ pub enum StripWear {
     ByRadius,
     /// A straight path keeps a track in its own coordinate.
     Track,
+}
+
+/// How uneven a pressure is, relative to its mean.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Unevenness {
+    /// Root mean square of its deviation from the mean.
+    pub pressure: f64,
+    /// Root mean square of what shear coupling changes.
+    pub shear: f64,
+    /// The same of the moment about the pivot.
+    pub rotation: f64,
 }
 
 /// See the module.
@@ -78,7 +89,7 @@ impl Operators {
     /// # Errors
     /// A text with the numbers where the bodies or the run-in shape do not exist.
     pub fn new(scene: &Scene) -> Result<Operators, String> {
-        Self::with_heat(scene, distribution_feeds_back(scene))
+        Self::with_heat(scene, on_the_cells(scene))
     }
 
     /// The same with heat along the contact line, or without, whether it feeds back or not.
@@ -192,6 +203,65 @@ impl Operators {
             normal: Normal::Load(0.0),
             tilt: Tilt::Fixed(0.0),
             rate: CellRate { reference_pressure: REFERENCE_PRESSURE, terms },
+        }
+    }
+
+    /// The same contact with its heat by the mean and steps of another tolerance; nothing but the mean is built anew.
+    pub fn with_heat_by_its_mean(&self, tolerance: f64) -> Operators {
+        let mut scene = self.scene.clone();
+        (scene.heat_along_contact, scene.tolerance) = (HeatAlongContact::ByItsMean, tolerance);
+        Operators {
+            mean: Arc::new(lumped::operators::Operators::new(&mean_scene(&scene, false))),
+            heat: None,
+            cells: self.cells.clone(),
+            weights: self.weights.clone(),
+            radius_ratio: self.radius_ratio.clone(),
+            radial: self.radial.clone(),
+            initial_gap: self.initial_gap.clone(),
+            normal: self.normal.clone(),
+            shear: self.shear.clone(),
+            displacement_scale: self.displacement_scale,
+            wear: self.wear.clone(),
+            strip_wear: self.strip_wear,
+            profile: self.profile.clone(),
+            shared_depth: self.shared_depth,
+            pivot: self.pivot,
+            rotates: self.rotates,
+            scene,
+        }
+    }
+
+    /// How uneven the pressure of the unworn, cold contact is at nominal load.
+    pub fn unevenness(&self) -> Unevenness {
+        let scene = &self.scene;
+        let friction = scene.friction_coefficient;
+        let coupled = if scene.shear_coupling && scene.geometry != Geometry::Annular { friction } else { 0.0 };
+        let lever = self.pivot.map_or(0.0, |height| friction * height);
+        let pressure = |signed: f64, lever: f64| -> Option<Vec<f64>> {
+            let (mut contact, mut conditions) = (self.contact(), self.conditions());
+            conditions.normal = Normal::Load(scene.nominal_load / self.shared_depth);
+            conditions.signed_friction = signed;
+            if self.rotates {
+                conditions.tilt = Tilt::ResultantAt(lever);
+            }
+            let mut state = ContactState::new(self.count());
+            contact.stage_into(&self.initial_gap, 0.0, &conditions, &mut state).ok().map(|()| state.pressure)
+        };
+        let width = 2.0 * self.cells.half_width();
+        let root_mean_square = |of: &dyn Fn(usize) -> f64| {
+            let square: f64 = self.cells.widths().iter().enumerate().map(|(i, c)| c * of(i) * of(i)).sum();
+            (square / width).sqrt()
+        };
+        let Some(full) = pressure(coupled, lever) else { return Unevenness::default() };
+        let mean = self.cells.integral(&full) / width;
+        let apart = |other: Option<Vec<f64>>| match other {
+            Some(other) if mean > 0.0 => root_mean_square(&|i| full[i] - other[i]) / mean,
+            _ => 0.0,
+        };
+        Unevenness {
+            pressure: if mean > 0.0 { root_mean_square(&|i| full[i] - mean) / mean } else { 0.0 },
+            shear: if coupled == 0.0 { 0.0 } else { apart(pressure(0.0, lever)) },
+            rotation: if lever == 0.0 { 0.0 } else { apart(pressure(coupled, 0.0)) },
         }
     }
 

@@ -100,6 +100,7 @@ impl Lumped {
     fn conclude(&mut self, inputs: &[f64; INPUTS], step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
         let (state, within) = (&mut self.state, &self.operators.unremarkable);
         state.steps += 1;
+        state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
         let is_unremarkable = state.punch.depth < within.depth[0]
             && state.strip.depth < within.depth[1]
             && inputs[0].abs() <= within.speed
@@ -266,6 +267,7 @@ impl Lumped {
             });
             if attempt.error <= 1.0 {
                 self.state.steps += 1;
+                self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 self.judge_temperature(attempt.hottest);
                 part += 1;
                 // The error falls by about eight when the step is halved: room for doubling it.

@@ -6,6 +6,7 @@ use super::limit;
 use super::operators::BodyOperators;
 use super::point::{self, Point};
 use super::state::BodyState;
+use crate::coupled::REPORTED;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
 use crate::scene::{STATIONS, value};
@@ -281,7 +282,7 @@ impl Lumped {
             .filter_map(|body| body.heat.as_ref())
             .map(|heat| heat.error)
             .fold(0.0, f64::max);
-        reduction + self.state.error
+        REPORTED * (reduction + self.state.error)
     }
 
     /// Limits reached so far; see [`limit`].

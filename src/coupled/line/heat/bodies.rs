@@ -5,7 +5,7 @@ use crate::heat::line::LineHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
-use crate::scene::{self, Body, Fidelity, Geometry, Scene, Scheme, ThermalBoundary};
+use crate::scene::{self, Body, Fidelity, Geometry, HeatAlongContact, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 
 /// Most states of a strip: with everything else a saved state stays below 256 KB.
@@ -19,15 +19,25 @@ const MOST_STATES: usize = 16_000;
 ///
 /// Two kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated from cell
 /// to cell is not the body of these equations; and the explicit scheme steps the shape alone.
-pub fn distribution_feeds_back(scene: &Scene) -> bool {
+///
+/// [`HeatAlongContact`] overrules the first of these reasons: by its mean also where it feeds back, on the cells also where
+/// only the contact temperature would notice.
+pub fn on_the_cells(scene: &Scene) -> bool {
     let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
     let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
+    let wanted = match scene.heat_along_contact {
+        HeatAlongContact::WhereItFeedsBack => expands || follows || scene.fidelity == Fidelity::Field,
+        HeatAlongContact::ByItsMean => false,
+        HeatAlongContact::OnTheCells => true,
+    };
+    wanted && possible_on_the_cells(scene)
+}
+
+/// Whether the contact line of this scene can carry heat on its cells.
+pub fn possible_on_the_cells(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
-    conducts
-        && (expands || follows || scene.fidelity == Fidelity::Field)
-        && scene.geometry != Geometry::Annular
-        && scene.scheme != Scheme::Explicit
+    conducts && scene.geometry != Geometry::Annular && scene.scheme != Scheme::Explicit
 }
 
 /// Punch and strip as every copy of a scene begins with them.

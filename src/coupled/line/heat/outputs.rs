@@ -1,6 +1,7 @@
 //! Outputs of heat along the contact line, by value reference. They are those of the end of the last step: the bodies'
 //! states are held in between.
 
+use crate::coupled::REPORTED;
 use crate::coupled::line::Line;
 use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::scalar::Dual;
@@ -73,7 +74,7 @@ impl Line {
         if let Some(own) = &heat.bodies[1] {
             value!(values, "strip.mean_temperature") = own.mean_temperature(&state.bodies[1]) + absolute;
         }
-        value!(values, "estimated_error") = bodies.error + self.state.error;
+        value!(values, "estimated_error") = REPORTED * (bodies.error + self.state.error);
     }
 
     /// Temperature of the contact along the line, mean of both surfaces.

@@ -1,0 +1,231 @@
+//! `cargo fmu plan`: what `solver.fidelity = auto` chooses for a scene, and how good its choices are.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, anyhow, bail};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde_json::{Value, json};
+use sliding_contact::plan::{self, Plan};
+use sliding_contact::scene::{Fidelity, Scene};
+use sliding_contact::verification::planning::judge::{Judged, judge, truth};
+use sliding_contact::verification::planning::scenes::{Generated, generate};
+
+use crate::scenes;
+
+/// Tolerances of the campaign.
+const TOLERANCES: [f64; 3] = [1e-1, 1e-2, 1e-3];
+
+/// Print what `solver.fidelity = auto` takes for a scene: effects with the number that decided, kept or dropped, and
+/// what that costs.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Scene file, or name of a folder in `examples`; by default the stock scene.
+    scene: Option<String>,
+    /// Give a variable another value, as KEY=VALUE.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Tolerance of the importer, where `solver.tolerance` is 0.
+    #[arg(long)]
+    tolerance: Option<f64>,
+    /// Print JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+    /// Try plans on generated scenes against every fixed setting, with a far finer run as the truth.
+    #[arg(long)]
+    campaign: bool,
+    /// Generated scenes of the campaign.
+    #[arg(long, default_value_t = 50, requires = "campaign")]
+    scenes: u64,
+    /// Seed of the first of them.
+    #[arg(long, default_value_t = 0, requires = "campaign")]
+    first: u64,
+    /// Cells of the truth.
+    #[arg(long, default_value_t = 65, requires = "campaign")]
+    cells: usize,
+    /// File to write the campaign's table to.
+    #[arg(short, long, value_name = "FILE", requires = "campaign")]
+    output: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Where the scene is refused, or a level cannot be built.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    if arguments.campaign {
+        return campaign(arguments);
+    }
+    let mut file = scenes::load(arguments.scene.as_deref())?;
+    for assignment in &arguments.set {
+        scenes::assign(&mut file, assignment)?;
+    }
+    let starts = &file.packaged.starts;
+    let importer = arguments.tolerance.or(Some(file.packaged.experiment.tolerance));
+    let mut scene = Scene::new(starts, importer).map_err(|broken| anyhow!("{broken}"))?;
+    // The plan is printed also where the scene fixes its level.
+    let fixed = scene.fidelity;
+    scene.fidelity = Fidelity::Auto;
+    let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
+    if arguments.json {
+        println!("{:#}", record(&planned.plan));
+        return Ok(());
+    }
+    println!(
+        "{}: load {} N, speed {} m/s, {} s",
+        file.packaged.name, scene.nominal_load, scene.nominal_velocity, scene.nominal_duration
+    );
+    for line in planned.plan.lines() {
+        println!("{line}");
+    }
+    if fixed != Fidelity::Auto {
+        println!("The scene itself sets solver.fidelity = {}.", format!("{fixed:?}").to_lowercase());
+    }
+    Ok(())
+}
+
+fn record(plan: &Plan) -> Value {
+    let effects = plan.effects.iter().map(|effect| {
+        json!({
+            "effect": effect.name,
+            "measure": effect.measure,
+            "number": effect.number,
+            "kept": effect.kept,
+            "error": effect.error,
+        })
+    });
+    let candidates = plan.candidates.iter().map(|candidate| {
+        let [wear, temperature, force] = candidate.errors;
+        json!({
+            "level": candidate.rung.level(),
+            "cells": candidate.rung.cells(),
+            "name": candidate.rung.to_string(),
+            "error_wear_depth": wear,
+            "error_contact_temperature": temperature,
+            "error_friction_force": force,
+            "cost_per_step_microseconds": candidate.cost,
+        })
+    });
+    let groups: serde_json::Map<String, Value> =
+        plan.groups().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
+    json!({
+        "tolerance": plan.tolerance,
+        "level": plan.rung.level(),
+        "cells": plan.rung.cells(),
+        "rung": plan.rung.to_string(),
+        "meets_tolerance": plan.meets,
+        "reason": plan.reason,
+        "order": plan.order,
+        "thermal_states": { "punch": plan.states[0], "strip": plan.states[1], "moving_source": plan.states[2] },
+        "estimated_error": plan.estimated_error,
+        "reduction_error": plan.reduction_error,
+        "cost_per_step_microseconds": plan.cost_per_step,
+        "probe_steps": plan.probe_steps,
+        "effects": effects.collect::<Vec<_>>(),
+        "groups": groups,
+        "candidates": candidates.collect::<Vec<_>>(),
+    })
+}
+
+/// A generated scene at a tolerance.
+struct Case {
+    scene: Generated,
+    judged: Judged,
+}
+
+fn campaign(arguments: &Arguments) -> Result<()> {
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?;
+    let bar = ProgressBar::new(arguments.scenes).with_style(style);
+    let (mut cases, mut left_out) = (Vec::new(), Vec::new());
+    for seed in arguments.first..arguments.first + arguments.scenes {
+        let scene = generate(seed);
+        bar.set_message(scene.name());
+        match truth(&scene, arguments.cells, 1e-4) {
+            Ok(truth) => {
+                for tolerance in TOLERANCES {
+                    match judge(&scene, tolerance, &truth) {
+                        Ok(judged) => cases.push(Case { scene: scene.clone(), judged }),
+                        Err(text) => left_out.push(format!("{} at {tolerance:e}: {text}", scene.name())),
+                    }
+                }
+            }
+            Err(text) => left_out.push(format!("{}: {text}", scene.name())),
+        }
+        // A long campaign shows what it has.
+        if let Some(path) = &arguments.output {
+            fs::write(path, table(&cases, &left_out, arguments.cells))
+                .with_context(|| format!("writing {}", path.display()))?;
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if cases.is_empty() {
+        bail!("no scene could be run: {}", left_out.join("; "));
+    }
+    if arguments.output.is_none() {
+        print!("{}", table(&cases, &left_out, arguments.cells));
+    }
+    print!("{}", verdict(&cases));
+    Ok(())
+}
+
+fn table(cases: &[Case], left_out: &[String], cells: usize) -> String {
+    let mut text = format!(
+        "# Plans of solver.fidelity = auto on generated scenes; truth: {cells} cells at solver.tolerance 1e-4.\n\
+         # Errors of wear depth (of the most worn), contact temperature (of the peak rise), friction force (of its peak).\n"
+    );
+    left_out.iter().for_each(|reason| {
+        let _ = writeln!(text, "# left out: {reason}");
+    });
+    text.push_str(
+        "group,seed,tolerance,rung,planned_error,estimated_error,error_wear,error_temperature,error_force,work_us,seconds,\
+         planning_seconds,cheapest,cheapest_work_us\n",
+    );
+    for Case { scene, judged } in cases {
+        let [wear, temperature, force] = judged.chosen.errors;
+        let (cheapest, work) =
+            judged.cheapest().map_or((String::new(), f64::NAN), |cheapest| (cheapest.rung.to_string(), cheapest.work));
+        let _ = writeln!(
+            text,
+            "{},{},{:e},\"{}\",{:.2e},{:.2e},{wear:.2e},{temperature:.2e},{force:.2e},{:.0},{:.2e},{:.2e},\"{cheapest}\",{work:.0}",
+            scene.group.name(),
+            scene.seed,
+            judged.tolerance,
+            judged.chosen.rung,
+            judged.planned_error,
+            judged.estimated_error,
+            judged.chosen.work,
+            judged.chosen.seconds,
+            judged.planning_seconds,
+        );
+    }
+    text
+}
+
+/// The campaign's numbers, a line per tolerance.
+fn verdict(cases: &[Case]) -> String {
+    let mut text = String::new();
+    let part = |count: usize, all: usize| if all > 0 { 100.0 * count as f64 / all as f64 } else { f64::NAN };
+    for tolerance in TOLERANCES {
+        let of: Vec<&Judged> =
+            cases.iter().map(|case| &case.judged).filter(|judged| judged.tolerance == tolerance).collect();
+        let met = of.iter().filter(|judged| judged.chosen.error() <= tolerance).count();
+        let worst = of.iter().map(|judged| judged.chosen.error() / tolerance).fold(0.0, f64::max);
+        let possible = of.iter().filter(|judged| judged.cheapest().is_some()).count();
+        let cheap = of.iter().filter(|judged| judged.cost_ratio().is_some_and(|ratio| ratio <= 2.0)).count();
+        let ratio = |judged: &&Judged| judged.estimated_error / judged.chosen.error().max(1e-12);
+        let honest = of.iter().filter(|judged| (0.2..=5.0).contains(&ratio(judged))).count();
+        let lowest = of.iter().map(ratio).fold(f64::INFINITY, f64::min);
+        let _ = writeln!(
+            text,
+            "tolerance {tolerance:e}: met by {met} of {} ({:.0} %), at worst {worst:.2} times; a fixed setting meets it in {possible}; \
+             at most twice the cheapest in {cheap} ({:.0} %); estimated_error within 5 in {honest} ({:.0} %), lowest {lowest:.2} of the error",
+            of.len(),
+            part(met, of.len()),
+            part(cheap, possible),
+            part(honest, of.len()),
+        );
+    }
+    text
+}

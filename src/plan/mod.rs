@@ -1,0 +1,320 @@
+//! What `solver.fidelity = auto` chooses where `solver.tolerance` is set: the cheapest rung whose error is below it.
+//!
+//! # How
+//!
+//! The lumped level, nine cells and five take the same short probe at nominal conditions ([`probe`]). With `d` the largest
+//! difference of wear depth (relative to the most worn), contact temperature (to the peak rise) and friction force (to
+//! its peak):
+//!
+//! ```text
+//! error(N cells) = c d(5 cells, 9 cells) (9/N)^(3/2)
+//! error(lumped)  = d(lumped, 9 cells) + error(9 cells)
+//! error(N cells, mean heat) = d(9 cells with mean heat, 9 cells) + error(N cells)
+//! ```
+//!
+//! c and the exponent are measured on generated scenes: graded cells converge with N^-2 where the pressure is finite, and
+//! slower where friction follows the temperature of edges that carry much. The plan depends on computed numbers alone, never
+//! on timings: the same scene has the same plan everywhere.
+//!
+//! Where the lumped level is good enough with d(lumped, 9 cells) in the place of d(5 cells, 9 cells), the probe of five
+//! cells is left out: cells are closer to each other than to a uniform pressure.
+//!
+//! # Limits
+//!
+//! Nominal values of 0 leave nothing to compare: the plan is then lumped and says so. Sliding to and fro is probed over a
+//! few strokes with wear accelerated to that of the whole duration, so slow heating of thick bodies is judged by its
+//! beginning.
+
+pub mod effects;
+pub mod groups;
+pub mod ladder;
+pub mod probe;
+pub mod rung;
+mod text;
+
+use crate::coupled::line::heat::bodies::possible_on_the_cells;
+use crate::coupled::model::Operators;
+use crate::scene::{Escalation, HeatAlongContact, MechanicalBody, Path, Scene};
+use effects::Effect;
+use groups::Groups;
+use probe::{Course, History, distance};
+use rung::Rung;
+
+/// Part of the tolerance that a level may take; the rest is for the time steps.
+const LEVEL_SHARE: f64 = 0.9;
+
+/// c of the module's text: error of nine cells over their difference to five.
+const REMAINDER: f64 = 0.6;
+
+/// Exponent of the cells in the error.
+const ORDER: f64 = 1.5;
+
+/// Error of a level that nothing could be compared with.
+const UNKNOWN: f64 = 1.0;
+
+/// Tolerance of a probe over that of the scene, and its bounds.
+const PROBE_TOLERANCE: (f64, f64, f64) = (3.0, 1e-3, 1e-2);
+
+/// A rung with its estimated errors.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Candidate {
+    /// The rung.
+    pub rung: Rung,
+    /// Relative errors of wear depth, contact temperature and friction force.
+    pub errors: [f64; 3],
+    /// Expected cost of an internal step, microseconds; see [`rung::cost_per_step`].
+    pub cost: f64,
+}
+
+impl Candidate {
+    /// The largest of the errors.
+    pub fn error(&self) -> f64 {
+        self.errors.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// What was chosen, and why.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Plan {
+    /// The tolerance it was made for.
+    pub tolerance: f64,
+    /// The rung.
+    pub rung: Rung,
+    /// Whether its estimated error is below the tolerance.
+    pub meets: bool,
+    /// Why it is this rung.
+    pub reason: String,
+    /// Effects, what decided on them, and what they cost.
+    pub effects: Vec<Effect>,
+    /// Dimensionless groups at nominal conditions.
+    pub groups: Groups,
+    /// Every rung that was looked at, by cost; empty where there was nothing to choose.
+    pub candidates: Vec<Candidate>,
+    /// Thermal states of punch, strip and moving source.
+    pub states: [usize; 3],
+    /// Order of the time steps.
+    pub order: u8,
+    /// Estimated relative error of the rung, the largest of the three main outputs; 1 where nothing could be
+    /// compared, 0 where both bodies are rigid.
+    pub estimated_error: f64,
+    /// Relative error of the reduced thermal bodies.
+    pub reduction_error: f64,
+    /// Expected cost of an internal step, microseconds; see [`rung::cost_per_step`].
+    pub cost_per_step: f64,
+    /// Internal steps that the probes took.
+    pub probe_steps: u64,
+    /// Peak rise of the contact temperature at nominal conditions, K; 0 where nothing was probed.
+    pub rise: f64,
+    /// The rung that a run goes on with when it leaves what was planned for.
+    pub next: Option<Rung>,
+}
+
+/// A plan and the operators that it needs.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// The plan.
+    pub plan: Plan,
+    /// Of the chosen rung.
+    pub operators: Operators,
+    /// Of [`Plan::next`], where it is to be prepared.
+    pub prepared: Option<Operators>,
+}
+
+/// What the probes found.
+struct Findings {
+    fine: Operators,
+    candidates: Vec<Candidate>,
+    /// Peak rise of the contact temperature, K.
+    rise: f64,
+    steps: u64,
+}
+
+/// Plans `scene`.
+///
+/// # Errors
+/// A text with the numbers where the chosen level cannot be built.
+pub fn make(scene: &Scene) -> Result<Planned, String> {
+    let lumped = Operators::new(&Rung::Lumped.apply(scene))?;
+    if [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2] {
+        return Ok(only_lumped(scene, lumped, "both bodies are rigid".into()));
+    }
+    let Some(course) = Course::new(scene) else {
+        let reason = format!(
+            "nominal.load = {} N and nominal.velocity = {} m/s leave nothing to compare levels with",
+            scene.nominal_load, scene.nominal_velocity
+        );
+        return Ok(unknown(only_lumped(scene, lumped, reason)));
+    };
+    let mut reasons = Vec::new();
+    // Where heat on the cells has no solution (friction that runs away, instability), its mean still has one.
+    for by_cells in [true, false] {
+        if by_cells && !possible_on_the_cells(scene) {
+            continue;
+        }
+        match explore(scene, &lumped, &course, by_cells) {
+            Ok(findings) => return decide(scene, lumped, findings),
+            Err(reason) => reasons.push(reason),
+        }
+    }
+    // The lumped level knows nothing of what the contact line refuses.
+    let reason = format!("no contact line to compare with: {}", reasons.join("; "));
+    Ok(unknown(only_lumped(scene, lumped, reason)))
+}
+
+/// A plan that nothing was compared for.
+fn unknown(mut planned: Planned) -> Planned {
+    (planned.plan.meets, planned.plan.estimated_error) = (false, UNKNOWN);
+    planned
+}
+
+/// The scene of a probe on a rung: its steps need not be finer than the comparison.
+fn coarse(scene: &Scene, rung: Rung) -> Scene {
+    let (factor, low, high) = PROBE_TOLERANCE;
+    let mut scene = rung.apply(scene);
+    scene.tolerance = (factor * scene.tolerance).clamp(low, high);
+    scene
+}
+
+fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -> Result<Findings, String> {
+    let heat = if by_cells { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
+    let cells = if scene.cells > 0 { scene.cells } else { rung::CELLS[0] };
+    let coarser = if scene.cells > 0 { scene.cells.div_ceil(2) } else { rung::COARSER };
+    let mut steps = 0;
+    let mut probe = |operators: &Operators| -> Result<History, String> {
+        let (history, (accepted, rejected)) = course.run(operators)?;
+        steps += accepted + rejected;
+        Ok(history)
+    };
+    let fine = Operators::new(&coarse(scene, Rung::Line { cells, heat }))?;
+    let finest = probe(&fine)?;
+    let tolerance = fine.scene().tolerance;
+    let uniform = probe(&lumped.of_the_mean(tolerance))?;
+    let apart = distance(&uniform, &finest);
+    // Cells are closer to each other than to the lumped level: where that is enough, nothing finer is asked.
+    let enough = apart.iter().all(|&apart| (1.0 + REMAINDER) * apart <= LEVEL_SHARE * scene.tolerance);
+    let closest = if enough {
+        apart
+    } else {
+        distance(&probe(&Operators::new(&coarse(scene, Rung::Line { cells: coarser, heat }))?)?, &finest)
+    };
+    let averaged = if by_cells { Some(probe(&fine.of_the_mean(tolerance))?) } else { None };
+    let own = closest.map(|apart| REMAINDER * apart);
+    let add = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|output| a[output] + b[output]);
+    let mut candidates =
+        vec![Candidate { rung: Rung::Lumped, errors: add(apart, own), cost: rung::cost_per_step(lumped) }];
+    let Operators::Line(line) = &fine else { return Err("the contact line is not one".into()) };
+    let states = line.heat.as_ref().map(|bodies| bodies.states[0] + bodies.states[1]);
+    let ladder = if scene.cells > 0 { vec![cells] } else { rung::CELLS.to_vec() };
+    for count in ladder {
+        let errors = own.map(|error| error * (cells as f64 / count as f64).powf(ORDER));
+        if let Some(averaged) = &averaged {
+            let errors = add(distance(averaged, &finest), errors);
+            let heat = HeatAlongContact::ByItsMean;
+            candidates.push(Candidate {
+                rung: Rung::Line { cells: count, heat },
+                errors,
+                cost: rung::cost(count, None),
+            });
+        }
+        candidates.push(Candidate { rung: Rung::Line { cells: count, heat }, errors, cost: rung::cost(count, states) });
+    }
+    candidates.sort_by(|one, other| one.cost.total_cmp(&other.cost));
+    let rise = finest.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
+    Ok(Findings { fine, candidates, rise, steps })
+}
+
+fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planned, String> {
+    let enough = LEVEL_SHARE * scene.tolerance;
+    let good = findings.candidates.iter().find(|candidate| candidate.error() <= enough);
+    let best = findings.candidates.iter().min_by(|one, other| one.error().total_cmp(&other.error()));
+    let Some(&chosen) = good.or(best) else { return Err("a plan without candidates".into()) };
+    let reason = match good {
+        Some(_) => "the cheapest whose estimated error is below the tolerance".to_owned(),
+        None => format!("no rung has an estimated error below the tolerance; this one has {:.1e}", chosen.error()),
+    };
+    // Elastic bodies are built to the tolerance of the probe, or to a thousandth.
+    let known = |rung: Rung| {
+        let probed = findings.fine.scene();
+        let enough = scene.tolerance >= 1e-3 || probed.tolerance <= scene.tolerance;
+        let mean = matches!(rung, Rung::Line { heat: HeatAlongContact::ByItsMean, .. });
+        if mean && enough && probed.cells == rung.cells() {
+            return Ok(findings.fine.of_the_mean(scene.tolerance));
+        }
+        let wanted = rung.apply(scene);
+        if *probed == wanted { Ok(findings.fine.clone()) } else { Operators::new(&wanted) }
+    };
+    // Going on from a lower rung is possible where heat is carried by the mean.
+    let above = match chosen.rung {
+        Rung::Lumped => Some(findings.fine.scene().cells),
+        Rung::Line { cells, heat: HeatAlongContact::ByItsMean } if scene.cells == 0 => {
+            rung::CELLS.into_iter().find(|&count| count > cells)
+        }
+        Rung::Line { .. } => None,
+    };
+    let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
+    let next = above.filter(|_| !tracked).map(|cells| Rung::Line { cells, heat: HeatAlongContact::ByItsMean });
+    let prepared = match (next, scene.escalation) {
+        (Some(next), Escalation::Prepared) => Some(known(next)?),
+        _ => None,
+    };
+    let operators = if chosen.rung == Rung::Lumped { lumped } else { known(chosen.rung)? };
+    let groups = Groups::new(scene, findings.rise);
+    let effects = effects::judge(scene, &groups, &findings.fine, &findings.candidates, chosen.rung);
+    let (states, order, reduction_error) = made_of(&operators);
+    let plan = Plan {
+        tolerance: scene.tolerance,
+        rung: chosen.rung,
+        meets: good.is_some(),
+        reason,
+        effects,
+        groups,
+        candidates: findings.candidates,
+        states,
+        order,
+        estimated_error: chosen.error(),
+        reduction_error,
+        cost_per_step: rung::cost_per_step(&operators),
+        probe_steps: findings.steps,
+        rise: findings.rise,
+        next,
+    };
+    Ok(Planned { plan, operators, prepared })
+}
+
+fn only_lumped(scene: &Scene, operators: Operators, reason: String) -> Planned {
+    let (states, order, reduction_error) = made_of(&operators);
+    let plan = Plan {
+        tolerance: scene.tolerance,
+        rung: Rung::Lumped,
+        meets: true,
+        reason,
+        effects: Vec::new(),
+        groups: Groups::new(scene, 0.0),
+        candidates: Vec::new(),
+        states,
+        order,
+        estimated_error: 0.0,
+        reduction_error,
+        cost_per_step: rung::cost_per_step(&operators),
+        probe_steps: 0,
+        rise: 0.0,
+        next: None,
+    };
+    Planned { plan, operators, prepared: None }
+}
+
+/// Thermal states of punch, strip and moving source, order of the time steps, error of the reduced bodies.
+fn made_of(operators: &Operators) -> ([usize; 3], u8, f64) {
+    let (mean, line, order) = match operators {
+        Operators::Lumped(mean) => (mean, None, 3),
+        Operators::Line(line) => (&line.mean, line.heat.as_ref(), 2),
+    };
+    if let Some(bodies) = line {
+        return ([bodies.states[0], bodies.states[1], 0], order, bodies.error);
+    }
+    let bodies = [&mean.punch, &mean.strip].map(|body| body.heat.as_ref());
+    let [punch, strip] = bodies.map(|heat| heat.map_or(0, |heat| heat.count));
+    let source = mean.flash.as_ref().map_or(0, |flash| flash.decays.rate.len());
+    let error = bodies.into_iter().flatten().map(|heat| heat.error).fold(0.0, f64::max);
+    ([punch, strip, source], order, error)
+}

@@ -1,0 +1,131 @@
+//! Short runs of a scene at its nominal conditions: what two levels differ by, where groups do not tell.
+//!
+//! A probe takes a few coarse steps over the nominal duration, or over the first strokes of it. What wear does to the
+//! shape over a longer run, it does to the probe's: wear is accelerated by what the probe is shorter. All levels take the
+//! same steps, so that their time errors cancel and the differences are those of the levels.
+
+use crate::coupled::INPUTS;
+use crate::coupled::lumped::conditions::Tunables;
+use crate::coupled::model::{Model, Operators};
+use crate::scene::{Path, Scene};
+use crate::variables::{COUNT, reference};
+use std::f64::consts::PI;
+
+/// Steps of a probe that slides one way: their ends, in parts of it.
+const ONE_WAY: [f64; 7] = [0.0, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0];
+
+/// Steps in a half-stroke.
+const IN_HALF_STROKE: usize = 4;
+
+/// Half-strokes of a probe that slides to and fro.
+const HALF_STROKES: f64 = 4.0;
+
+/// Widths that a probe slides where the strip keeps a worn track: in one width the groove is steady.
+const WIDTHS: f64 = 2.0;
+
+/// Internal steps after which a probe ends early: planning must stay cheap.
+const MOST_STEPS: u64 = 250;
+
+/// Velocity (m/s) at both ends of a step, and its length (s).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Segment {
+    /// At the start and the end.
+    pub velocity: [f64; 2],
+    /// s.
+    pub duration: f64,
+}
+
+/// What a probe does.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Course {
+    /// Steps.
+    pub segments: Vec<Segment>,
+    /// Load, N.
+    pub load: f64,
+    /// What wear is multiplied by.
+    pub wear_acceleration: f64,
+}
+
+/// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the steps.
+pub type History = Vec<[f64; 3]>;
+
+impl Course {
+    /// The probe of a scene; `None` where the nominal conditions leave nothing to be seen.
+    pub fn new(scene: &Scene) -> Option<Course> {
+        let (speed, load) = (scene.nominal_velocity, scene.nominal_load);
+        if !(speed > 0.0 && load > 0.0) {
+            return None;
+        }
+        let duration = scene.nominal_duration;
+        if scene.nominal_stroke > 0.0 {
+            let half = scene.nominal_stroke / speed;
+            let halves = (duration / half).clamp(1.0, HALF_STROKES).round();
+            let mut segments = Vec::new();
+            for n in 0..halves as usize * IN_HALF_STROKE {
+                // Sinusoidal, with the nominal speed as its mean.
+                let at = |n: usize| 0.5 * PI * speed * (PI * n as f64 / IN_HALF_STROKE as f64).sin();
+                let clean = |v: f64| if v.abs() < 1e-9 * speed { 0.0 } else { v };
+                let velocity = [clean(at(n)), clean(at(n + 1))];
+                segments.push(Segment { velocity, duration: half / IN_HALF_STROKE as f64 });
+            }
+            let wear_acceleration = scene.wear_acceleration * (duration / (half * halves)).max(1.0);
+            return Some(Course { segments, load, wear_acceleration });
+        }
+        let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
+        let probed = if tracked { duration.min(WIDTHS * scene.width / speed) } else { duration };
+        let segment = |ends: &[f64]| Segment { velocity: [speed; 2], duration: probed * (ends[1] - ends[0]) };
+        let segments = ONE_WAY.windows(2).map(segment).collect();
+        Some(Course { segments, load, wear_acceleration: scene.wear_acceleration })
+    }
+
+    /// Runs the probe; its accepted and rejected internal steps beside it. Where it needs many of them it ends early, and its
+    /// history is shorter.
+    ///
+    /// # Errors
+    /// What a step refuses.
+    pub fn run(&self, operators: &Operators) -> Result<(History, (u64, u64)), String> {
+        let scene = operators.scene();
+        let tunables = Tunables {
+            friction_coefficient: scene.friction_coefficient,
+            ambient_temperature: scene.ambient_temperature,
+            wear_acceleration: self.wear_acceleration,
+        };
+        let ambient = scene.ambient_temperature;
+        let mut inputs: [f64; INPUTS] = [self.segments[0].velocity[0], self.load, 0.0, 0.0, 0.0, ambient, ambient];
+        let mut model = Model::new(operators, tunables, &inputs);
+        let mut values = vec![0.0; COUNT];
+        let values: &mut [f64; COUNT] = values.as_mut_slice().try_into().map_err(|_| "no memory for a probe")?;
+        let mut history = Vec::with_capacity(self.segments.len());
+        for segment in &self.segments {
+            let (accepted, rejected) = model.work();
+            if accepted + rejected > MOST_STEPS {
+                break;
+            }
+            let [first, last] = segment.velocity;
+            let mut slopes = [0.0; INPUTS];
+            slopes[0] = (last - first) / segment.duration;
+            inputs[0] = first;
+            let sloped = (first != last).then_some(&slopes);
+            model.step(&inputs, sloped, segment.duration).map_err(|failure| failure.to_string())?;
+            model.write_end(values);
+            let of = |name: usize| values[name];
+            history.push([
+                of(const { reference("wear_depth") } as usize),
+                of(const { reference("contact_temperature") } as usize) - ambient,
+                of(const { reference("friction_force") } as usize),
+            ]);
+        }
+        Ok((history, model.work()))
+    }
+}
+
+/// Largest difference of two histories in each of the three outputs, relative to the largest value of the second, over the
+/// time that both cover.
+pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
+    let other = &other[..other.len().min(one.len())];
+    std::array::from_fn(|output| {
+        let scale = other.iter().map(|main| main[output].abs()).fold(0.0, f64::max);
+        let apart = one.iter().zip(other).map(|(a, b)| (a[output] - b[output]).abs()).fold(0.0, f64::max);
+        if apart == 0.0 || scale == 0.0 { 0.0 } else { apart / scale }
+    })
+}

@@ -1,0 +1,88 @@
+//! A plan as lines that people can read: what the command prints and the log says.
+
+use super::Plan;
+use super::rung::Rung;
+use crate::scene::HeatAlongContact;
+
+impl Plan {
+    /// The plan's level in one line.
+    pub fn summary(&self) -> String {
+        let heat = match self.rung {
+            Rung::Lumped => "heat of the mean",
+            Rung::Line { heat: HeatAlongContact::ByItsMean, .. } => "heat by its mean",
+            Rung::Line { .. } => "heat on the cells",
+        };
+        format!(
+            "auto takes {}, {heat}, order {}, thermal states: punch {}, strip {}, moving source {}: {}",
+            self.rung, self.order, self.states[0], self.states[1], self.states[2], self.reason
+        )
+    }
+
+    /// Every line: the summary, effects, groups and the rungs that were looked at.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![self.summary()];
+        lines.push(format!(
+            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} us for an internal step; {} internal \
+             steps of probes",
+            short(self.estimated_error),
+            short(self.tolerance),
+            short(self.reduction_error),
+            self.cost_per_step,
+            self.probe_steps
+        ));
+        for effect in &self.effects {
+            lines.push(format!(
+                "{:28} {:34} {:>9}  {}",
+                effect.name,
+                effect.measure,
+                short(effect.number),
+                if effect.kept { "kept".into() } else { format!("dropped, costs {}", short(effect.error)) }
+            ));
+        }
+        for (name, value) in self.groups() {
+            lines.push(format!("{name:63} {:>9}", short(value)));
+        }
+        for candidate in &self.candidates {
+            let [wear, temperature, force] = candidate.errors.map(short);
+            let rung = candidate.rung.to_string();
+            let chosen = if candidate.rung == self.rung { "  <" } else { "" };
+            lines.push(format!(
+                "{rung:28} errors of wear {wear}, temperature {temperature}, force {force}; {:.1} us a step{chosen}",
+                candidate.cost
+            ));
+        }
+        lines
+    }
+
+    /// The dimensionless groups with their names.
+    pub fn groups(&self) -> [(&'static str, f64); 15] {
+        let groups = &self.groups;
+        [
+            ("Peclet number of the strip", groups.peclet),
+            ("Fourier number of the punch", groups.fourier[0]),
+            ("Fourier number of the strip", groups.fourier[1]),
+            ("Biot number of the punch", groups.biot[0]),
+            ("Biot number of the strip", groups.biot[1]),
+            ("Dundurs parameter", groups.dundurs),
+            ("compliance of the strip over that of both", groups.strip_compliance),
+            ("thermal distortion over elastic approach", groups.distortion_over_approach),
+            ("wear over elastic approach", groups.wear_over_approach),
+            ("wear of the strip over that of both", groups.strip_wear),
+            ("speed over critical speed", groups.speed_over_critical),
+            ("lever of the friction force over half-width", groups.lever),
+            ("pressure exponent less 1", groups.exponent),
+            ("change of friction by fade", groups.fade[0]),
+            ("change of wear by fade", groups.fade[1]),
+        ]
+    }
+}
+
+fn short(value: f64) -> String {
+    if value == 0.0 {
+        "0".into()
+    } else if (0.01..1e4).contains(&value.abs()) {
+        format!("{value:.3}")
+    } else {
+        format!("{value:.1e}")
+    }
+}

@@ -1,0 +1,109 @@
+//! What a plan chose against every fixed setting, with a far finer run as the truth.
+
+use super::runs::{Record, distance, processor_seconds, run, run_with};
+use super::scenes::Generated;
+use crate::coupled::line::heat::bodies::possible_on_the_cells;
+use crate::plan::{self, rung::Rung};
+use crate::scene::{HeatAlongContact, Scene};
+
+/// Cells of the fixed settings that plans compete with.
+const FIXED: [usize; 2] = [9, 17];
+
+/// Far finer run of a scene.
+///
+/// # Errors
+/// What the set-up or a step refuses.
+pub fn truth(generated: &Generated, cells: usize, tolerance: f64) -> Result<Record, String> {
+    let scene = generated.scene(tolerance)?;
+    run(generated, &best(&scene, cells).apply(&scene))
+}
+
+fn best(scene: &Scene, cells: usize) -> Rung {
+    let heat = if possible_on_the_cells(scene) { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
+    Rung::Line { cells, heat }
+}
+
+/// A setting that ran.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Outcome {
+    /// The rung.
+    pub rung: Rung,
+    /// Errors of wear depth, contact temperature and friction force against the truth.
+    pub errors: [f64; 3],
+    /// Expected cost of the run, microseconds.
+    pub work: f64,
+    /// Processor time of its steps, s.
+    pub seconds: f64,
+}
+
+impl Outcome {
+    /// The largest of the errors.
+    pub fn error(&self) -> f64 {
+        self.errors.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// A plan that was judged.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Judged {
+    /// What the plan was made for.
+    pub tolerance: f64,
+    /// The planned run.
+    pub chosen: Outcome,
+    /// Error that the plan expected of its rung.
+    pub planned_error: f64,
+    /// `estimated_error` at the end of the planned run.
+    pub estimated_error: f64,
+    /// Processor time of planning, s.
+    pub planning_seconds: f64,
+    /// Every fixed setting that ran.
+    pub fixed: Vec<Outcome>,
+}
+
+impl Judged {
+    /// The cheapest fixed setting that meets the tolerance.
+    pub fn cheapest(&self) -> Option<&Outcome> {
+        let good = self.fixed.iter().filter(|outcome| outcome.error() <= self.tolerance);
+        good.min_by(|one, other| one.work.total_cmp(&other.work))
+    }
+
+    /// Work of the plan over that of [`Judged::cheapest`].
+    pub fn cost_ratio(&self) -> Option<f64> {
+        self.cheapest().map(|cheapest| self.chosen.work / cheapest.work)
+    }
+}
+
+/// Runs a plan and all fixed settings of a scene at a tolerance.
+///
+/// # Errors
+/// What the scene, the plan or its run refuses.
+pub fn judge(generated: &Generated, tolerance: f64, truth: &Record) -> Result<Judged, String> {
+    let scene = generated.scene(tolerance)?;
+    let begin = processor_seconds();
+    let planned = plan::make(&scene)?;
+    let planning_seconds = processor_seconds() - begin;
+    let outcome = |rung: Rung, record: &Record| Outcome {
+        rung,
+        errors: distance(record, truth),
+        work: record.work,
+        seconds: record.seconds[0],
+    };
+    let record = run_with(generated, &planned.operators)?;
+    let chosen = outcome(planned.plan.rung, &record);
+    let mut rungs = vec![Rung::Lumped];
+    for cells in FIXED {
+        rungs.push(Rung::Line { cells, heat: HeatAlongContact::ByItsMean });
+        if possible_on_the_cells(&scene) {
+            rungs.push(Rung::Line { cells, heat: HeatAlongContact::OnTheCells });
+        }
+    }
+    let fixed = rungs.into_iter().filter_map(|rung| Some(outcome(rung, &run(generated, &rung.apply(&scene)).ok()?)));
+    Ok(Judged {
+        tolerance,
+        chosen,
+        planned_error: planned.plan.estimated_error,
+        estimated_error: planned.plan.estimated_error + record.estimated.last().copied().unwrap_or(0.0),
+        planning_seconds,
+        fixed: fixed.collect(),
+    })
+}
