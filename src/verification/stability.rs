@@ -173,8 +173,11 @@ pub struct Definition {
     /// What it is about, in one line.
     pub summary: &'static str,
     /// Computes it on a grid; the function is told the part that is done, from 0 to 1.
-    pub compute: fn(Grid, &dyn Fn(f64)) -> Result<Map, String>,
+    pub compute: Compute,
 }
+
+/// What computes a map.
+pub type Compute = fn(Grid, &dyn Fn(f64)) -> Result<Map, String>;
 
 /// Every map.
 pub fn maps() -> Vec<Definition> {

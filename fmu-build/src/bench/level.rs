@@ -119,14 +119,19 @@ fn steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
     Ok(())
 }
 
+/// Velocity, its rate and load of a step.
+type Drive = fn(usize) -> [f64; 3];
+
+/// Name, start values and inputs of what is timed.
+type Case<'a> = (&'static str, &'a [(&'static str, f64)], Drive);
+
 /// Steps of 1 ms of the reciprocating punch with heat along the contact, against the same steps without; both in turns.
 fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
     let starts = scenes::load(Some("reciprocating_punch"))?.packaged.starts;
     let line = [("solver.fidelity", 3.0), ("solver.cells", count as f64)];
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let one_way = [("nominal.stroke", 0.0), ("strip.path", 1.0)];
-    type Drive = fn(usize) -> [f64; 3];
-    let cases: [(&str, &[(&str, f64)], Drive); 2] = [
+    let cases: [Case<'_>; 2] = [
         ("to and fro", &[], |n| {
             let velocity = |n: usize| 0.015 * (0.01 * n as f64).cos();
             [velocity(n), (velocity(n + 1) - velocity(n)) / 1e-3, 1e4]

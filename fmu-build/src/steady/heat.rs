@@ -117,8 +117,11 @@ pub fn known(solved: &Solved) -> Option<&HotState> {
     solved.hot.as_ref().and_then(|hot| hot.as_ref().ok())
 }
 
+/// Values on the cells, with a factor, as points of a line.
+type Course<'a> = dyn Fn(&[f64], f64) -> Vec<(f64, f64)> + 'a;
+
 /// Pressure and shape with heat, for the panels of those without.
-pub fn series(solved: &Solved, over: &dyn Fn(&[f64], f64) -> Vec<(f64, f64)>) -> [Vec<Series>; 2] {
+pub fn series(solved: &Solved, over: &Course<'_>) -> [Vec<Series>; 2] {
     let Some(hot) = known(solved) else { return [Vec::new(), Vec::new()] };
     let pressures = hot.state.strokes.iter().enumerate().map(|(index, stroke)| {
         let name = if index == 0 { "with heat" } else { "" };
@@ -129,7 +132,7 @@ pub fn series(solved: &Solved, over: &dyn Fn(&[f64], f64) -> Vec<(f64, f64)>) ->
 }
 
 /// Temperatures of the surfaces.
-pub fn panel(solved: &Solved, axis: Axis, over: &dyn Fn(&[f64], f64) -> Vec<(f64, f64)>) -> Option<Panel> {
+pub fn panel(solved: &Solved, axis: Axis, over: &Course<'_>) -> Option<Panel> {
     let hot = known(solved)?;
     let celsius = |values: &[f64]| over(&values.iter().map(|t| t - 273.15).collect::<Vec<f64>>(), 1.0);
     let mut series = Vec::new();

@@ -36,8 +36,8 @@ const HIGHEST_VALID_WEAR: f64 = 0.5;
 
 /// Whether an input differs from what it was at the end of the last step by more than rounding.
 fn jumps(before: f64, now: f64) -> bool {
-    // Written so that no number before counts as a jump.
-    !((now - before).abs() <= 1e-6 * now.abs().max(before.abs()))
+    // Before the first step there is no number.
+    before.is_nan() || (now - before).abs() > 1e-6 * now.abs().max(before.abs())
 }
 
 /// A scene at the line level.

@@ -291,12 +291,10 @@ fn rates(contacts: &[(Method, WaveContact)], ratio: f64, grid: Grid) -> (f64, Ve
     (ratio, measured.collect())
 }
 
-fn assemble(
-    points: [Vec<Point>; 3],
-    theory: Vec<(f64, f64)>,
-    measured: Vec<(f64, f64)>,
-    rates: [(f64, Vec<Vec<(f64, f64)>>); 2],
-) -> Map {
+/// A speed ratio and, by method, growth rates over steps.
+type Rates = (f64, Vec<Vec<(f64, f64)>>);
+
+fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64, f64)>, rates: [Rates; 2]) -> Map {
     let speed = || axis("speed over the critical speed, V/Vcr", true, (0.3, 33.0));
     let step = || axis("step times kd m²", true, (0.008, 300.0));
     let critical = || curve("exact: grows to the right", vec![(1.0, 0.008), (1.0, 300.0)], true);

@@ -244,14 +244,13 @@ impl Line {
         let acceleration = self.tunables.wear_acceleration;
         let reference =
             operators.coefficients(heat.reference.speed, heat.reference.faded, moment.temperature, acceleration);
-        let mut term = 0;
-        for body in (0..2).filter(|&body| operators.reshapes(body)) {
+        let reshaping = (0..2).filter(|&body| operators.reshapes(body));
+        for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
             let lacking = tau * (heat.laws[body][0] - reference[body]);
             for (i, gap) in heat.gap.iter_mut().enumerate() {
                 *gap += lacking * operators.relative_rate(body, i, heat.pressure[i]);
             }
-            self.conditions.rate.terms[term].coefficient = Coefficient::Uniform(reference[body]);
-            term += 1;
+            term.coefficient = Coefficient::Uniform(reference[body]);
         }
     }
 

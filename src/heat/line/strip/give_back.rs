@@ -141,7 +141,7 @@ impl GiveBack {
             for (a, value) in returned.iter_mut().enumerate() {
                 *value = (0..self.rank).map(|b| parts.solution[a * RANK + b] * parts.response[b * count + j]).sum();
             }
-            dense::multiply_add(&parts.lifted[moving], &returned, gain);
+            dense::multiply_add(parts.lifted[moving], &returned, gain);
         }
     }
 }
