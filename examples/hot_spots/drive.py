@@ -14,7 +14,7 @@ from pathlib import Path
 import report
 import ring
 
-SPEEDS = (0.6, 3.0)  # over the critical speed
+SPEEDS = (0.6, 2.0)  # over the critical speed
 
 
 def arguments():

@@ -415,7 +415,10 @@ mod tests {
         let mut closed = arguments("reciprocating_punch");
         let insulated = ["punch.top_thermal=insulated", "strip.base_thermal=insulated"];
         closed.set = insulated.map(str::to_owned).to_vec();
-        closed.set.extend(["punch.convection=0", "strip.convection=0"].map(str::to_owned));
+        // Air that moves with the strip and radiation cool as well.
+        for variable in ["convection", "convection_forced", "emissivity"] {
+            closed.set.extend(["punch", "strip"].map(|body| format!("{body}.{variable}=0")));
+        }
         let solved = solve(&closed).unwrap();
         let refused = solved.record()["heat"]["refused"].as_str().unwrap().to_owned();
         assert!(refused.contains("no heat can leave") && solved.table().contains(&refused), "{refused}");

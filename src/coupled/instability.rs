@@ -99,6 +99,20 @@ fn speed_at(index: f64) -> f64 {
     SLOWEST * 10f64.powf(index / PER_DECADE)
 }
 
+/// No wave grows faster than this at the speed `speed` (m/s), 1/s: the fastest of all wave numbers on either body by itself,
+/// with the mate for an insulator.
+///
+/// With z(1+z) = mu V alpha (1+nu) E*/(K m) and b = kd m^2 (z^2 - 1) the largest b over m is at the golden ratio z:
+/// `.0902 kd (mu V alpha (1+nu) E*/K)^2`.
+pub fn fastest_growth(scene: &Scene, friction: f64, speed: f64) -> f64 {
+    let pair = Waves::pair(scene, 1.0);
+    let own = |body: &Conductor| {
+        let drive = friction * speed * body.expansion * pair.modulus / body.conductivity;
+        0.0902 * body.conductivity / body.capacity * drive * drive
+    };
+    pair.bodies.iter().filter(|body| body.expansion > 0.0).map(own).fold(0.0, f64::max)
+}
+
 /// The body that carries the waves which grow first, the better conductor of those that expand: a wave that rests in the
 /// other one sweeps over it and is cooled.
 pub fn driving_body(scene: &Scene) -> Option<&Body> {
@@ -190,18 +204,8 @@ struct Waves {
 impl Waves {
     /// The waves of the scene's geometry.
     fn of(scene: &Scene) -> Vec<Waves> {
-        let compliance = |body: &Body| match body.mechanical {
-            MechanicalBody::Rigid => 0.0,
-            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
-        };
-        let pair = |length: f64| Pair {
-            bodies: [Conductor::of(&scene.punch), Conductor::of(&scene.strip)],
-            wave: 2.0 * PI / length,
-            modulus: 1.0 / (compliance(&scene.punch) + compliance(&scene.strip)),
-            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE },
-        };
         let mut waves = Vec::new();
-        let mut add = |length: f64, motion: Motion| waves.push(Waves { pair: pair(length), motion });
+        let mut add = |length: f64, motion: Motion| waves.push(Waves { pair: Waves::pair(scene, length), motion });
         match scene.geometry {
             Geometry::Periodic => add(scene.width, Motion::Free),
             Geometry::Annular => {
@@ -216,6 +220,20 @@ impl Waves {
             }
         }
         waves
+    }
+
+    /// Both bodies under a wave of the length `length`, m.
+    fn pair(scene: &Scene, length: f64) -> Pair {
+        let compliance = |body: &Body| match body.mechanical {
+            MechanicalBody::Rigid => 0.0,
+            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
+        };
+        Pair {
+            bodies: [Conductor::of(&scene.punch), Conductor::of(&scene.strip)],
+            wave: 2.0 * PI / length,
+            modulus: 1.0 / (compliance(&scene.punch) + compliance(&scene.strip)),
+            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE },
+        }
     }
 
     /// The least Re Z over the wave's motions at the sliding speed `speed`, Pa.m/s; infinite: there is no such wave.

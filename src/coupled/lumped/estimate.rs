@@ -13,6 +13,12 @@ pub fn layer_allowance(resistance: f64, scale: f64, state: &State) -> f64 {
 }
 
 impl Stepper<'_> {
+    /// Whether the piece begins with the bodies coming together. Its heat rises from nothing: no layer of a jump, so that the
+    /// exchange counts in full ([`layer_allowance`] is not for it).
+    pub fn touches_down(&self) -> bool {
+        self.ends.is_some_and(|ends| ends[0].load <= 1e-6 * ends[1].load && ends[1].load > 0.0)
+    }
+
     /// Third difference of the wear rate over the start and the three points, which the quadrature leaves, in units of the
     /// tolerance: `rates` at the stages, `others` at the start and at the point 2/3, m/s; what comes on top, `uneven`; the
     /// friction coefficient and the temperature (K) at the end of the step; the highest rate so far.

@@ -305,7 +305,9 @@ impl Stepper<'_> {
                 let factor = fade.factor(0.5 * (punch_middle + strip_middle) + reference);
                 let driver_in_middle = if CONSTANT { driver[0] } else { driver_at(middle, pressure_at(middle)) };
                 let other_heat = (driver_in_middle * factor - 0.5 * (heat[0] + heat[1])).abs();
-                let exchange = jump.abs() / (resistance * layer_allowance(resistance, scale, state));
+                let allowance =
+                    if !CONSTANT && self.touches_down() { 0.5 } else { layer_allowance(resistance, scale, state) };
+                let exchange = jump.abs() / (resistance * allowance);
                 error = if CONSTANT { exchange + other_heat } else { 2.0 * exchange + 4.0 * other_heat } / allowed;
                 if !CONSTANT && operators.flash.is_some() {
                     error = error.max(self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));

@@ -313,7 +313,7 @@ impl Stages {
             let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
             let jump = punch_temperature - strip_temperature - 0.5 * (into_strip - into_punch) / conductance;
             // Between sticking and slipping the heat has layers of its own in the midst of a step.
-            let is_layer = constant || self.bristle.is_none();
+            let is_layer = constant || self.bristle.is_none() && !stepper.touches_down();
             let allowance = if is_layer { layer_allowance(resistance, scale, state) } else { 0.5 };
             exchange = jump.abs() / (resistance * allowance);
         }
