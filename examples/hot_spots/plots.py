@@ -49,7 +49,7 @@ def growth(runs, rings, critical, path):
         whole = run.scalars["contact_fraction"] > 0.999
         last = len(whole) - 1 if whole.all() else max(int(np.argmin(whole)) - 1, 1)
         for index, colour in enumerate(colours):
-            axis.semilogy(run.time, amplitudes[:, index], color=colour, linewidth=1.1, label=f"{index + 1} waves")
+            axis.semilogy(run.time, amplitudes[:, index], color=colour, linewidth=1.1, label="1 wave" if index == 0 else f"{index + 1} waves")
             rate = rings.growth(index + 1, run.speed)
             middle = last // 2
             if amplitudes[middle, index] > 0.0 and rate > 0.0:
@@ -57,8 +57,8 @@ def growth(runs, rings, critical, path):
                 axis.semilogy(run.time[: last + 1], line, "--", color=colour, linewidth=0.9)
         if not whole.all():
             axis.axvline(run.time[last], color="#888888", linewidth=0.8)
-            axis.annotate("the rings part", (run.time[last], 1.5e-4), (3, 0), textcoords="offset points", color="#666666")
-        axis.set_ylim(1e-4, 20.0)
+            axis.annotate("the rings part", (run.time[last], 2.6e-3), (3, 0), textcoords="offset points", color="#666666")
+        axis.set_ylim(2e-3, 20.0)
         axis.set_xlabel("time [s]")
         axis.set_title(title(run, critical), fontsize=9)
         axis.legend(loc="upper left", ncols=2)
