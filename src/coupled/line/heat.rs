@@ -11,6 +11,7 @@
 //! the stage stays one contact problem ([`split`]); which cells exchange heat is found by repetition ([`stage`]).
 
 pub mod bodies;
+mod fading;
 mod growth;
 mod outputs;
 pub mod split;
@@ -19,9 +20,11 @@ mod staggered;
 pub mod state;
 
 use super::operators::Operators;
+use crate::coupled::fastest_growth::FastestGrowth;
 use crate::heat::line::{LineHeat, Surroundings};
 use crate::wear::line::WearingContact;
 use bodies::Bodies;
+use fading::Fading;
 use split::Split;
 
 /// Where operators kept from step to step are made.
@@ -72,6 +75,10 @@ pub struct Heat {
     reference: Reference,
     /// The operators of the stage are those of its own gains instead.
     renewed: [bool; 2],
+    /// Friction that follows the temperature; `None`: it does not.
+    fading: Option<Box<Fading>>,
+    /// The operators of the stage hold its derivative.
+    linearised: bool,
     /// The operators of the stage are exact, so that nothing has to be repeated.
     exact: [bool; 2],
     /// Punch and strip move under heat.
@@ -88,7 +95,9 @@ pub struct Heat {
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
     difference: Vec<f64>,
-    /// N x N, by columns, for the check of growth.
+    /// How fast waves can grow at most; the split of a stage by which growth is looked for, and room for its matrix, N x N.
+    growth: FastestGrowth,
+    watched: Split,
     matrix: Vec<f64>,
     base: [Vec<f64>; 2],
     base_distortion: [Vec<f64>; 2],
@@ -109,6 +118,7 @@ impl Heat {
             .map(|body| body.conductivity / body.capacity())
             .into_iter()
             .fold(0.0, f64::max);
+        let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let mut bodies = bodies.copies();
         // The first preparation takes memory, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
@@ -128,6 +138,8 @@ impl Heat {
             velocity: [0.0; 2],
             reference: Reference::default(),
             renewed: [false; 2],
+            fading: (!operators.scene.friction_fade.flat).then(|| Box::new(Fading::new(count))),
+            linearised: false,
             exact: [false; 2],
             expands,
             diffusivity,
@@ -137,6 +149,8 @@ impl Heat {
             closed: vec![false; count],
             felt: zeros(),
             difference: zeros(),
+            growth: FastestGrowth::new(&operators.scene, smallest),
+            watched: Split::new(count, conductance),
             matrix: vec![0.0; count * count],
             base: pair(),
             base_distortion: pair(),
@@ -164,6 +178,8 @@ impl Clone for Heat {
             velocity: self.velocity,
             reference: self.reference,
             renewed: self.renewed,
+            fading: self.fading.clone(),
+            linearised: self.linearised,
             exact: self.exact,
             expands: self.expands,
             diffusivity: self.diffusivity,
@@ -173,6 +189,8 @@ impl Clone for Heat {
             closed: self.closed.clone(),
             felt: self.felt.clone(),
             difference: self.difference.clone(),
+            growth: self.growth.clone(),
+            watched: self.watched.clone(),
             matrix: self.matrix.clone(),
             base: self.base.clone(),
             base_distortion: self.base_distortion.clone(),

@@ -3,6 +3,7 @@
 use super::bodies::cooled_part;
 use super::{Heat, Reference};
 use crate::contact::dense;
+use crate::contact::friction::FrictionLaw;
 use crate::coupled::Inputs;
 use crate::coupled::line::Line;
 use crate::coupled::line::path::{Moment, Path};
@@ -26,6 +27,11 @@ const SAME_TEMPERATURE: f64 = 1e-8;
 /// Repetition from which on the operators are those of the stage instead of the reference.
 const EXACT_FROM: usize = 12;
 
+/// Ratio of successive changes, and repetition, from which on friction that follows the temperature takes its derivative along
+/// instead of going on like a geometric series.
+const SLOW: f64 = 0.4;
+const SLOW_FROM: usize = 3;
+
 /// Part by which velocity or fade may differ from the reference.
 const ZONE: f64 = 0.1;
 
@@ -36,12 +42,14 @@ const REACH: f64 = 0.25;
 #[derive(Clone, Copy, Debug, Default)]
 struct Convergence {
     last: Option<f64>,
+    slow: bool,
 }
 
 impl Convergence {
     /// Whether the last change (relative) leaves an error below what counts: the changes fall like a geometric series.
     fn reached(&mut self, change: f64) -> bool {
         let last = self.last.replace(change);
+        self.slow = last.is_some_and(|last| change > SLOW * last);
         let error = match last {
             Some(last) if change < 0.5 * last => change * change / (last - change),
             _ => change,
@@ -179,18 +187,23 @@ impl Line {
             heat.felt[i] = 0.5 * (earlier[0][i] + earlier[1][i]) + reference;
             heat.faded[i] = self.friction.faded(heat.felt[i]);
         }
+        heat.linearised = false;
         let mut slip = moment.slip(stribeck);
         let mut convergence = Convergence::default();
         for repetition in 0..MOST_REPETITIONS {
-            if repetition == EXACT_FROM {
-                heat.renew(stage, slip);
-                convergence = Convergence::default();
-            }
-            heat.operator(stage)?;
             if fades {
                 moment.faded = weighted(&heat.faded, &heat.pressure, &operators.weights);
                 moment.follow(sign * stribeck);
                 slip = moment.slip(stribeck);
+            }
+            let slow = fades && repetition >= SLOW_FROM && convergence.slow;
+            if !heat.renewed[s] && (repetition == EXACT_FROM || slow) {
+                heat.renew(stage, slip);
+                convergence = Convergence::default();
+            }
+            heat.operator(stage)?;
+            if heat.renewed[s] && fades {
+                heat.linearise(stage, slip, &self.friction)?;
             }
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
@@ -416,12 +429,30 @@ impl Heat {
         let s = stage as usize;
         let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(stage)));
         self.splits[s].build((f64::NAN, f64::NAN), gains);
+        if let Some(fading) = &mut self.fading {
+            fading.build(&self.splits[s], gains, self.half_resistance);
+        }
         let mean = self.faded.iter().sum::<f64>() / self.faded.len() as f64;
         if let Some(extra) = self.splits[s].extra(mean * slip) {
             // Gains are finite, and so is their product with a velocity.
             let _ = self.contacts[s].set_extra(Some(extra));
         }
         self.renewed[s] = true;
+    }
+
+    /// Takes into the operators of the stage that friction follows the temperature.
+    fn linearise(&mut self, stage: Stage, slip: f64, friction: &FrictionLaw) -> Result<(), StageError> {
+        let s = stage as usize;
+        let Some(fading) = &mut self.fading else { return Ok(()) };
+        let (closed, pressure) = (&self.closed, &self.pressure);
+        let (faded, felt) = (&self.faded, &self.felt);
+        let heat = fading.linearise(
+            |i| if closed[i] { slip * faded[i] } else { 0.0 },
+            |i| if closed[i] { slip * pressure[i] * friction.fall(felt[i]) } else { 0.0 },
+        );
+        self.contacts[s].set_extra(Some(self.splits[s].extra_by(heat)))?;
+        self.linearised = true;
+        Ok(())
     }
 
     /// Friction heat of the stage with the pressure known so far, and the split of it in which both surfaces agree; `fresh`
@@ -512,9 +543,17 @@ impl Heat {
             change = change.max(difference.abs());
             largest = largest.max(pressure[i]).max(self.pressure[i]);
             let heat = if self.closed[i] { self.per_pressure[i] * pressure[i] } else { 0.0 };
+            self.gap[i] = difference;
             self.difference[i] = heat - self.friction[s][i];
-            self.friction[s][i] = heat;
             self.pressure[i] = pressure[i];
+        }
+        if let (Some(fading), true) = (&self.fading, self.linearised) {
+            // The temperature that follows is that of the friction at that temperature.
+            self.difference.fill(0.0);
+            fading.add_heat(&self.gap, &mut self.difference);
+        }
+        for (friction, more) in self.friction[s].iter_mut().zip(&self.difference) {
+            *friction += more;
         }
         let conducts = self.conducts();
         let [punch, strip] = &mut self.flux[s];
