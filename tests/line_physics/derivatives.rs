@@ -64,7 +64,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
     // Heat on the cells that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,
     // so that nothing grows at these speeds.
     if random.next() < 0.5 {
-        changes.extend([("punch.thermal_expansion", 1e-7), ("strip.thermal_expansion", 1e-7)]);
+        changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);
     }
     let mut drive = line(&changes);
     let direction = if random.next() < 0.5 { -1.0 } else { 1.0 };
