@@ -250,4 +250,3 @@ pub(super) fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64
     }
     if load > 0.0 { sum / load } else { plain / total }
 }
-

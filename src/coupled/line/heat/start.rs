@@ -38,8 +38,7 @@ impl Heat {
         let [first, end] = &mut self.flux;
         for i in 0..pressure[0].len() {
             end[0][i] = on_the_parabola(state.flux[0][i], first[0][i], state.slope[0][i], step, last);
-            let expected =
-                on_the_parabola(pressure[0][i], pressure[1][i], state.pressure_slope[i], step, last);
+            let expected = on_the_parabola(pressure[0][i], pressure[1][i], state.pressure_slope[i], step, last);
             self.pressure[i] = expected.max(0.0);
         }
     }

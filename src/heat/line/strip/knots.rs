@@ -71,7 +71,10 @@ impl Knots {
     }
 
     /// The answer of `interval`, `length` s long, at a constant velocity, with what answers at once.
-    #[expect(clippy::too_many_arguments, reason = "an interval, its velocity, and where to build what is not there yet")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval, its velocity, and where to build what is not there yet"
+    )]
     pub fn interpolate(
         &mut self,
         operators: &Operators,

@@ -38,7 +38,13 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
 
 /// Amplitudes of the waves in states that are turned by their factors first, seen by two observations; by real and imaginary
 /// parts.
-pub fn observe(levels: &[Level], states: Parts<'_>, factors: Parts<'_>, seen: Parts<'_>, sums: [&mut [Vec<f64>; 2]; 2]) {
+pub fn observe(
+    levels: &[Level],
+    states: Parts<'_>,
+    factors: Parts<'_>,
+    seen: Parts<'_>,
+    sums: [&mut [Vec<f64>; 2]; 2],
+) {
     struct Observe<'a>(&'a [Level], Parts<'a>, Parts<'a>, Parts<'a>, [&'a mut [Vec<f64>; 2]; 2]);
     impl WithSimd for Observe<'_> {
         type Output = ();
@@ -97,9 +103,14 @@ pub fn carry(levels: &[Level], states: [&mut [f64]; 2], carrier: Carrier<'_>, he
                 let [end_re, end_im] = [&end[0][..count], &end[1][..count]];
                 for w in 0..count {
                     let x = [re[w], im[w]];
-                    re[w] = cosine[w] * x[0] - sine[w] * x[1] + a[w] * first_re[w] - b[w] * first_im[w] + d[w] * end_re[w]
+                    re[w] = cosine[w] * x[0] - sine[w] * x[1] + a[w] * first_re[w] - b[w] * first_im[w]
+                        + d[w] * end_re[w]
                         - e[w] * end_im[w];
-                    im[w] = cosine[w] * x[1] + sine[w] * x[0] + a[w] * first_im[w] + b[w] * first_re[w] + d[w] * end_im[w]
+                    im[w] = cosine[w] * x[1]
+                        + sine[w] * x[0]
+                        + a[w] * first_im[w]
+                        + b[w] * first_re[w]
+                        + d[w] * end_im[w]
                         + e[w] * end_re[w];
                 }
             }

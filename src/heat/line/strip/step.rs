@@ -290,7 +290,13 @@ impl StageWeights {
         }
         let [cosine, sine] = &mut self.turns;
         turns(0.5 * length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
-        levels::turn(&operators.levels, &self.decay, faded, [cosine, sine], self.factor.each_mut().map(|part| &mut part[..]));
+        levels::turn(
+            &operators.levels,
+            &self.decay,
+            faded,
+            [cosine, sine],
+            self.factor.each_mut().map(|part| &mut part[..]),
+        );
         if interpolated && drift > LEAST_DRIFT {
             interval.weigh(operators, velocity, &mut self.answer);
         }
