@@ -54,7 +54,7 @@ pub(super) struct ModeStates {
     pub states: Range<usize>,
     /// F: integrals of the mode over the cells, m^(1/2).
     pub integrals: Vec<f64>,
-    /// F over the widths of the cells; empty where the states distort without being felt as temperature.
+    /// F over the widths of the cells, or the part of it that is felt as temperature.
     pub means: Vec<f64>,
 }
 
@@ -97,6 +97,8 @@ pub(super) struct Operators {
     pub uniform: Vec<f64>,
     /// Heat capacity of the whole body, J/(m K).
     pub heat_capacity: f64,
+    /// Number of the first states that stand for modes; the others delay what has no mode of its own.
+    pub own: usize,
     /// See [`LineHeat::error`].
     pub error: f64,
 }
@@ -143,10 +145,10 @@ impl ReducedHeat {
         Self { operators: Arc::new(operators), scratch, kept: Vec::new(), current: 0, clock: 0 }
     }
 
-    /// Number of states that are felt as temperature. The state vector holds those that delay the distortion besides, at most
-    /// one per cell, and four entries for the account.
-    pub fn thermal_states(&self) -> usize {
-        self.operators.modes.iter().filter(|mode| !mode.means.is_empty()).map(|mode| mode.states.len()).sum()
+    /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
+    /// and four entries for the account.
+    pub fn own_states(&self) -> usize {
+        self.operators.own
     }
 
     /// Makes the weights of a step the current ones.
