@@ -34,6 +34,8 @@ pub struct Split {
     exchanged: Vec<usize>,
     /// Y on all cells, by columns.
     shares: Vec<f64>,
+    /// D_1 - D_2 on all cells, by columns, m per W/m2.
+    across: Vec<f64>,
     /// E_0 of all cells, m per W/m2.
     distortion: DMatrix<f64>,
     /// E_0 mu s v, m/Pa: what the contact has on top of its compliance, and mu s v.
@@ -58,6 +60,7 @@ impl Split {
             factors: square(),
             exchanged: vec![0; count],
             shares: square(),
+            across: square(),
             distortion: DMatrix::zeros(count, count),
             extra: DMatrix::zeros(count, count),
             per_pressure: f64::NAN,
@@ -97,16 +100,15 @@ impl Split {
                 } else {
                     (0..count).for_each(|i| self.shares[i * count + i] = 0.5);
                 }
-                // The room of the factors holds D_1 - D_2 for now.
                 let (own, other) = (strip.distortion.as_slice(), punch.distortion.as_slice());
-                for (entry, (own, other)) in self.factors.iter_mut().zip(own.iter().zip(other)) {
+                for (entry, (own, other)) in self.across.iter_mut().zip(own.iter().zip(other)) {
                     *entry = other - own;
                 }
                 self.distortion.copy_from(&strip.distortion);
                 for (target, share) in
                     self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
                 {
-                    dense::multiply_add(&self.factors, share, target);
+                    dense::multiply_add(&self.across, share, target);
                 }
             }
             [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
@@ -161,6 +163,11 @@ impl Split {
                 *value += self.column[i];
             }
         }
+    }
+
+    /// D_1 - D_2 of two conducting bodies, by columns, m per W/m2.
+    pub fn across(&self) -> &[f64] {
+        &self.across
     }
 
     /// Entry of the extra compliance last made, m/Pa.
