@@ -300,13 +300,7 @@ const MOST_LANES: usize = 8;
 /// Adds the product of some rows, V vectors of them from row `row` on; with `REST` also the rows behind these, fewer than
 /// a vector, which reaches back over rows that are done.
 #[inline(always)]
-fn pass<S: Simd, const V: usize, const REST: bool>(
-    simd: S,
-    matrix: &[f64],
-    x: &[f64],
-    target: &mut [f64],
-    row: usize,
-) {
+fn pass<S: Simd, const V: usize, const REST: bool>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64], row: usize) {
     let rows = target.len();
     let (end, back) = (row + V * S::F64_LANES, rows.max(S::F64_LANES) - S::F64_LANES);
     let mut sums = [simd.splat_f64s(0.0); V];

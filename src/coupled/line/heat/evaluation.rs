@@ -84,7 +84,10 @@ impl Heat {
             strip.fill(0.0);
             if exchanges {
                 let [cold, warm] = &self.base;
-                self.difference.iter_mut().zip(warm.iter().zip(cold)).for_each(|(lack, (warm, cold))| *lack = warm - cold);
+                self.difference
+                    .iter_mut()
+                    .zip(warm.iter().zip(cold))
+                    .for_each(|(lack, (warm, cold))| *lack = warm - cold);
                 self.splits[s].exchange(&self.difference, punch);
                 strip.iter_mut().zip(&*punch).for_each(|(strip, punch)| *strip = -punch);
             }

@@ -94,16 +94,18 @@ impl Blocks {
         }
     }
 
-    /// Sets an N x N matrix to the response per flux (W/m2), with `level` more of it everywhere; `turned` is room for a block.
+    /// Sets an N x N matrix to the response per flux (W/m2), with `level` more of it everywhere; `turned` is room for a block
+    /// and a row of it.
     pub fn unfold(&self, widths: &[f64], level: f64, turned: &mut [f64], matrix: &mut DMatrix<f64>) {
         struct Unfold<'a>(&'a Blocks, &'a [f64], f64, &'a mut [f64], &'a mut [f64]);
         impl WithSimd for Unfold<'_> {
             type Output = ();
 
             #[inline(always)]
-            fn with_simd<S: Simd>(self, _: S) {
+            fn with_simd<S: Simd>(self, simd: S) {
                 let Self(blocks, widths, level, turned, values) = self;
                 let (half, count) = (blocks.half, widths.len());
+                let (turned, mirrored) = turned.split_at_mut(half * half);
                 let (even, rest) = blocks.values.split_at(half * half);
                 let (mixed, odd) = rest.split_at(half * half);
                 // The middle block by columns, a few of them at a time.
@@ -119,12 +121,13 @@ impl Blocks {
                     let row = b * half..(b + 1) * half;
                     let parts = [&even[row.clone()], &turned[row.clone()], &mixed[row.clone()], &odd[row]];
                     for (at, sign) in [(count - 1 - b, -1.0), (b, 1.0)] {
-                        column(parts, sign, widths[b], level, &mut values[at * count..(at + 1) * count]);
+                        let target = &mut values[at * count..(at + 1) * count];
+                        column(simd, parts, [sign, widths[b], level], mirrored, target);
                     }
                 }
             }
         }
-        let (expected, size) = ((widths.len(), widths.len()), self.half * self.half);
+        let (expected, size) = ((widths.len(), widths.len()), (self.half + 1) * self.half);
         assert!(matrix.shape() == expected && self.half == widths.len().div_ceil(2), "N x N, of N cells");
         Arch::new().dispatch(Unfold(self, widths, level, &mut turned[..size], matrix.as_mut_slice()));
     }
@@ -193,19 +196,38 @@ impl Blocks {
 const TILE: usize = 8;
 
 /// Column of the response to a cell (`sign` 1) or its mirror image (-1): even answers to even and to odd heat, minus odd to
-/// even, odd to odd.
+/// even, odd to odd. `mirrored` is room for the lower half, from the edge inwards.
 #[inline(always)]
-fn column(parts: [&[f64]; 4], sign: f64, width: f64, level: f64, target: &mut [f64]) {
-    let [even, even_to_odd, odd_to_even, odd] = parts;
-    let half = even.len();
-    let (even_to_odd, odd_to_even, odd) = (&even_to_odd[..half], &odd_to_even[..half], &odd[..half]);
+fn column<S: Simd>(
+    simd: S,
+    parts: [&[f64]; 4],
+    [sign, width, level]: [f64; 3],
+    mirrored: &mut [f64],
+    target: &mut [f64],
+) {
+    let half = parts[0].len();
     let (top, bottom) = target.split_at_mut(half);
-    for a in 0..half {
-        top[a] = width * ((level + even[a] + sign * even_to_odd[a]) + (sign * odd[a] - odd_to_even[a]));
+    let mut vectors: [(&[S::f64s], &[f64]); 4] = [(&[], &[]); 4];
+    for k in 0..4 {
+        vectors[k] = S::as_simd_f64s(&parts[k][..half]);
     }
-    for (a, value) in bottom.iter_mut().rev().enumerate() {
-        *value = width * ((level + even[a] + sign * even_to_odd[a]) - (sign * odd[a] - odd_to_even[a]));
+    let ((top_head, top_tail), (low_head, low_tail)) =
+        (S::as_mut_simd_f64s(top), S::as_mut_simd_f64s(&mut mirrored[..half]));
+    let [signs, widths, levels] = [sign, width, level].map(|value| simd.splat_f64s(value));
+    for i in 0..low_head.len() {
+        let [even, even_to_odd, odd_to_even, odd] = [0, 1, 2, 3].map(|k| vectors[k].0[i]);
+        let same = simd.add_f64s(simd.add_f64s(levels, even), simd.mul_f64s(signs, even_to_odd));
+        let other = simd.sub_f64s(simd.mul_f64s(signs, odd), odd_to_even);
+        top_head[i] = simd.mul_f64s(widths, simd.add_f64s(same, other));
+        low_head[i] = simd.mul_f64s(widths, simd.sub_f64s(same, other));
     }
+    for i in 0..low_tail.len() {
+        let same = level + vectors[0].1[i] + sign * vectors[1].1[i];
+        let other = sign * vectors[3].1[i] - vectors[2].1[i];
+        top_tail[i] = width * (same + other);
+        low_tail[i] = width * (same - other);
+    }
+    bottom.iter_mut().rev().zip(&*mirrored).for_each(|(value, mirrored)| *value = *mirrored);
 }
 
 /// What the sums of the remainder are made of.

@@ -74,7 +74,7 @@ pub struct Room {
     /// Gains of the waves, and a number for each.
     gains: [Vec<Complex<f64>>; 2],
     terms: Vec<f64>,
-    /// Room for a block.
+    /// Room for a block and a row of it.
     turned: Vec<f64>,
 }
 
@@ -87,7 +87,7 @@ impl Room {
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             gains: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             terms: vec![0.0; waves],
-            turned: vec![0.0; operators.half * operators.half],
+            turned: vec![0.0; (operators.half + 1) * operators.half],
         }
     }
 
