@@ -12,6 +12,7 @@
 //! the response of a stage is a weight per state: N^2 products per mode across for a new step.
 
 use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use crate::contact::dense;
 use nalgebra::DMatrix;
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,6 +22,9 @@ pub(super) const PORTS: usize = 3;
 
 /// Steps whose weights are kept: the one at hand and those of a step control that hesitates.
 const KEPT_STEPS: usize = 3;
+
+/// States whose distortion is summed at once.
+const TOGETHER: usize = 64;
 
 impl Surroundings {
     /// Cooling, ambient, far: the order of all ports.
@@ -224,20 +228,32 @@ impl Operators {
             combine(&self.distortion_by_port, ports, distortion);
         }
         let cells = self.widths.len();
+        // The states of all modes follow each other; the distortion takes some at a time.
+        let (mut values, mut first, mut count) = ([0.0; TOGETHER], 0, 0);
+        let mut distort = |values: &[f64], first: usize| {
+            if let Some(distortion) = distortion.as_deref_mut() {
+                let columns = first * cells..(first + values.len()) * cells;
+                dense::multiply_add(&self.distortion[columns], values, distortion);
+            }
+        };
         for mode in &self.modes {
             let flux = flux.map_or(0.0, |flux| dot(&mode.integrals, flux));
             let mut surface = 0.0;
             for k in mode.states.clone() {
                 let state = value(k, flux);
                 surface += self.contact[k] * state;
-                if let Some(distortion) = distortion.as_deref_mut() {
-                    add(distortion, state, &self.distortion[k * cells..(k + 1) * cells]);
+                if count == TOGETHER {
+                    distort(&values, first);
+                    (first, count) = (k, 0);
                 }
+                values[count] = state;
+                count += 1;
             }
             if let Some(temperature) = temperature.as_deref_mut() {
                 add(temperature, surface, &mode.means);
             }
         }
+        distort(&values[..count], first);
     }
 
     fn allocate(&self) -> Weights {
@@ -388,7 +404,7 @@ impl LineHeat for ReducedHeat {
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         operators.observe(Some(temperature), None, &surroundings.ports(), None, |k, _| state[k]);
-        multiply_add(&operators.temperature_by_flux, flux, temperature);
+        dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
     }
 
     fn held_distortion(
@@ -403,7 +419,7 @@ impl LineHeat for ReducedHeat {
         distortion.fill(0.0);
         if !operators.distortion.is_empty() {
             operators.observe(None, Some(distortion), &surroundings.ports(), None, |k, _| state[k]);
-            multiply_add(&operators.distortion_by_flux, flux, distortion);
+            dense::multiply_add(operators.distortion_by_flux.as_slice(), flux, distortion);
         }
     }
 
@@ -472,12 +488,6 @@ fn combine(vectors: &[Vec<f64>; PORTS], factors: &[f64; PORTS], sum: &mut [f64])
         if factor != 0.0 {
             add(sum, factor, vector);
         }
-    }
-}
-
-fn multiply_add(matrix: &DMatrix<f64>, vector: &[f64], sum: &mut [f64]) {
-    for (column, &factor) in matrix.as_slice().chunks_exact(sum.len()).zip(vector) {
-        add(sum, factor, column);
     }
 }
 
