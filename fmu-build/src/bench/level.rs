@@ -69,22 +69,12 @@ pub fn measure() -> Result<Vec<Cost>> {
     for (count, target) in [(33, 10.0), (129, 150.0)] {
         steps(count, target, &mut costs)?;
     }
-    costs.extend(heat()?);
-    initialisation(&mut costs)?;
-    states(&mut costs)?;
-    relaxation(&mut costs)?;
-    Ok(costs)
-}
-
-/// Measures what heat along the contact adds to a step.
-///
-/// # Errors
-/// Where a scene or a step fails.
-pub fn heat() -> Result<Vec<Cost>> {
-    let mut costs = Vec::new();
     for (count, target) in [(33, 30.0), (129, 400.0)] {
         hot_steps(count, target, &mut costs)?;
     }
+    initialisation(&mut costs)?;
+    states(&mut costs)?;
+    relaxation(&mut costs)?;
     Ok(costs)
 }
 
