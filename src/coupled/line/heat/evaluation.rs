@@ -70,10 +70,10 @@ impl Heat {
         let s = stage as usize;
         let Some(fading) = &mut self.fading else { return Ok(()) };
         let (closed, pressure) = (&self.closed, &self.pressure);
-        let (faded, felt) = (&self.faded, &self.felt);
+        let (faded, felt, ratio) = (&self.faded, &self.felt, &self.ratio);
         let heat = fading.linearise(
-            |i| if closed[i] { slip * faded[i] } else { 0.0 },
-            |i| if closed[i] { slip * pressure[i] * friction.fall(felt[i]) } else { 0.0 },
+            |i| if closed[i] { slip * ratio[i] * faded[i] } else { 0.0 },
+            |i| if closed[i] { slip * ratio[i] * pressure[i] * friction.fall(felt[i]) } else { 0.0 },
         );
         self.contacts[s].set_extra(Some(self.splits[s].extra_by(heat)))?;
         self.linearised = true;
@@ -87,8 +87,9 @@ impl Heat {
         let conducts = self.conducts();
         self.exact[s] = self.reference.exact && !self.renewed[s];
         for i in 0..self.closed.len() {
-            self.per_pressure[i] = self.faded[i] * slip;
-            self.exact[s] &= self.closed[i] && self.per_pressure[i] == self.reference.per_pressure;
+            let at_mean_radius = self.faded[i] * slip;
+            self.exact[s] &= self.closed[i] && at_mean_radius == self.reference.per_pressure;
+            self.per_pressure[i] = at_mean_radius * self.ratio[i];
             self.friction[s][i] = if self.closed[i] { self.per_pressure[i] * self.pressure[i] } else { 0.0 };
         }
         let [punch, strip] = &mut self.flux[s];
