@@ -84,7 +84,8 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     // Where nothing says otherwise heat runs along the cells, because the bodies expand; without expansion it follows the
     // mean, as it does with a bristle.
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
-    let scenes: [&[(&str, f64)]; 8] = [
+    let annulus = [("contact.geometry", 2.0), ("strip.path", 2.0), ("strip.length", 0.0), ("contact.mean_radius", 0.1)];
+    let scenes: [&[(&str, f64)]; 10] = [
         &[],
         &cold,
         &[("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)],
@@ -93,6 +94,8 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
         &[("holder.stiffness", 1e8), ("contact.friction_fade.factor[2]", 0.5)],
         &[("contact.geometry", 1.0), ("holder.constraint", 2.0), ("holder.pivot_height", 0.02)],
         &[("solver.scheme", 2.0), ("contact.geometry", 1.0)],
+        &annulus,
+        &[annulus[0], annulus[1], annulus[2], annulus[3], ("contact.friction_fade.factor[2]", 0.5)],
     ];
     for scene in scenes {
         let (allocated, messages) = allocations(&[&line[..], scene].concat(), 0.01, 100);

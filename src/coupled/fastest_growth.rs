@@ -55,6 +55,8 @@ impl FastestGrowth {
             (Geometry::Line, Path::Closed) => ([1.0, scene.coverage()], false),
             // Fresh material comes in.
             (Geometry::Line, Path::Straight) => ([1.0, 0.0], false),
+            // The outer side of an annulus slides fastest.
+            (Geometry::Annular, _) => ([1.0 + 0.5 * scene.width / scene.mean_radius; 2], true),
             _ => ([1.0; 2], true),
         };
         let range = [PI / width, (PI / smallest).max(PI / width)];

@@ -67,7 +67,12 @@ impl CriticalSpeed {
             lowest.ln()
         });
         let stiffness = stiffness.collect();
-        CriticalSpeed { stiffness, alone: waves.iter().map(|wave| wave.pair.alone()).fold(f64::INFINITY, f64::min) }
+        let own = |wave: &Waves| match wave.motion {
+            // Held parallel, an annulus has room for half a wave across; its outer side slides fastest.
+            Motion::Across => 0.5 * wave.pair.alone() / fastest_cell(scene),
+            Motion::Free | Motion::With(..) => wave.pair.alone() / fastest_cell(scene),
+        };
+        CriticalSpeed { stiffness, alone: waves.iter().map(own).fold(f64::INFINITY, f64::min) }
     }
 
     /// A speed below which nothing grows at this friction coefficient, m/s: either body taken for the only one that
@@ -97,6 +102,14 @@ impl CriticalSpeed {
 
 fn speed_at(index: f64) -> f64 {
     SLOWEST * 10f64.powf(index / PER_DECADE)
+}
+
+/// Sliding speed of the fastest point of the contact over that at the mean radius.
+fn fastest_cell(scene: &Scene) -> f64 {
+    match scene.geometry {
+        Geometry::Annular => 1.0 + 0.5 * scene.width / scene.mean_radius,
+        Geometry::Line | Geometry::Periodic => 1.0,
+    }
 }
 
 /// The body that carries the waves which grow first, the better conductor of those that expand: a wave that rests in the

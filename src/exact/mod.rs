@@ -9,6 +9,7 @@ mod galin;
 mod hertz;
 pub mod instability;
 mod pressure_wave;
+mod ring;
 mod special;
 mod wear;
 
@@ -17,4 +18,5 @@ pub use flat_punch::{FlatPunch, friction_exponent};
 pub use galin::GalinRelaxation;
 pub use hertz::HertzLine;
 pub use pressure_wave::PressureWave;
+pub use ring::{PartedRing, RadialBands};
 pub use wear::{annular_pressure, one_way_rotating_pressure, winkler_relaxation_rate, worn_cylinder_half_width};

@@ -4,6 +4,7 @@
 //! on the error and the reason why the bound is what it is. Exact values never come from the code that
 //! they judge: closed forms stand here, and the rest is computed in [`reference`] by another method.
 
+mod annulus;
 mod bodies;
 mod component;
 mod contact_line;
@@ -105,6 +106,7 @@ pub fn problems() -> Vec<Problem> {
     all.extend(heat_line::problems());
     all.extend(punch_heat::problems());
     all.extend(heat_punch::problems());
+    all.extend(annulus::problems());
     all.extend(instability::problems());
     all.extend(component::problems());
     all.extend(operator_split::problems());

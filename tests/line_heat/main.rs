@@ -9,6 +9,7 @@
 mod drive;
 
 mod account;
+mod annulus;
 mod cycles;
 mod extremes;
 mod field;

@@ -3,6 +3,7 @@
 use crate::drive::{Drive, LUMPED, reference, scene};
 use sliding_contact::component::{Component, Snapshot, Subject};
 use sliding_contact::plan::{self, rung::Rung};
+use sliding_contact::scene::HeatAlongContact;
 use sliding_contact::variables::STARTS;
 use sliding_contact::verification::planning::judge::{judge, truth};
 use sliding_contact::verification::planning::scenes::{Group, generate};
@@ -159,14 +160,25 @@ fn escalation_is_off_where_it_is_switched_off() {
     assert_eq!(component.get(reference("pressure_max")), component.get(reference("pressure_mean")));
 }
 
+fn plan_of(name: &str, tolerance: f64) -> plan::Plan {
+    let mut starts = scene(name);
+    starts[reference("solver.tolerance") as usize] = tolerance;
+    let scene = sliding_contact::scene::Scene::new(&starts, None).unwrap();
+    plan::make(&scene).unwrap().plan
+}
+
 #[test]
-fn vehicle_scenes_need_no_more_than_the_lumped_level() {
-    for (name, tolerance) in [("disc_brake", 5e-2), ("clutch", 5e-3)] {
-        let mut starts = scene(name);
-        starts[reference("solver.tolerance") as usize] = tolerance;
-        let scene = sliding_contact::scene::Scene::new(&starts, None).unwrap();
-        let plan = plan::make(&scene).unwrap().plan;
-        assert_eq!(plan.rung, Rung::Lumped, "{name}: {plan:#?}");
-        assert!(plan.meets && plan.estimated_error > 1e-4, "{name}: {plan:#?}");
-    }
+fn a_disc_brake_needs_no_more_than_the_lumped_level() {
+    let plan = plan_of("disc_brake", 5e-2);
+    assert_eq!(plan.rung, Rung::Lumped, "{plan:#?}");
+    assert!(plan.meets && plan.estimated_error > 1e-4, "{plan:#?}");
+}
+
+/// Held at full slip for its whole duration, the clutch gets bands, which its mean knows nothing of.
+#[test]
+fn a_clutch_at_full_slip_needs_its_heat_along_the_radius() {
+    let plan = plan_of("clutch", 5e-2);
+    assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    let distortion = plan.effects.iter().find(|effect| effect.name == "thermal distortion").unwrap();
+    assert!(plan.meets && distortion.kept, "{plan:#?}");
 }

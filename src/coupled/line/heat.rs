@@ -95,6 +95,8 @@ pub struct Heat {
     /// Pressure that the stage's heat is made of, Pa, and mu s v of the cells, m/s.
     pressure: Vec<f64>,
     per_pressure: Vec<f64>,
+    /// Sliding velocity of the cells over that at the mean radius.
+    ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
     /// Cells taken to be in contact.
@@ -134,7 +136,7 @@ impl Heat {
         Heat {
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            splits: [Split::new(count, conductance), Split::new(count, conductance)],
+            splits: [(); 2].map(|()| Split::new(&operators.radius_ratio, conductance)),
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             friction: pair(),
@@ -155,13 +157,14 @@ impl Heat {
             diffusivity,
             pressure: zeros(),
             per_pressure: zeros(),
+            ratio: operators.radius_ratio.clone(),
             half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
             closed: vec![false; count],
             warmed: false,
             felt: zeros(),
             difference: zeros(),
             growth: FastestGrowth::new(&operators.scene, smallest),
-            watched: Split::new(count, conductance),
+            watched: Split::new(&operators.radius_ratio, conductance),
             matrix: vec![0.0; count * count],
             base: pair(),
             base_distortion: pair(),
@@ -197,6 +200,7 @@ impl Clone for Heat {
             diffusivity: self.diffusivity,
             pressure: self.pressure.clone(),
             per_pressure: self.per_pressure.clone(),
+            ratio: self.ratio.clone(),
             half_resistance: self.half_resistance,
             closed: self.closed.clone(),
             warmed: self.warmed,

@@ -155,7 +155,7 @@ impl Line {
     /// Mean rise of the contact temperature at the end of the last step, K above the reference.
     pub fn contact_rise(&self) -> f64 {
         match &self.state.heat {
-            Some(heat) => heat.mean(self.operators.cells.widths()),
+            Some(heat) => heat.mean(&self.operators.weights),
             None => self.mean.state().end_temperature,
         }
     }

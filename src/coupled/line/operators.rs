@@ -56,8 +56,10 @@ pub struct Operators {
     pub heat: Option<Bodies>,
     /// The cells.
     pub cells: Cells,
-    /// Weights of the load integral, m.
+    /// Weights of the load integral, m: areas of the cells per depth.
     pub weights: Vec<f64>,
+    /// Weights of the torque over the mean radius, m.
+    pub torque_weights: Vec<f64>,
     /// r/r_m of the cells; all 1 but in annular geometry.
     pub radius_ratio: Vec<f64>,
     /// Wear rate of punch and strip on the cells over that at the mean radius.
@@ -150,6 +152,7 @@ impl Operators {
             scene: scene.clone(),
             mean,
             cells,
+            torque_weights: weights.iter().zip(&radius_ratio).map(|(weight, ratio)| weight * ratio).collect(),
             weights,
             radius_ratio,
             radial,
@@ -215,6 +218,7 @@ impl Operators {
             heat: None,
             cells: self.cells.clone(),
             weights: self.weights.clone(),
+            torque_weights: self.torque_weights.clone(),
             radius_ratio: self.radius_ratio.clone(),
             radial: self.radial.clone(),
             initial_gap: self.initial_gap.clone(),
@@ -321,7 +325,7 @@ impl Operators {
         let expands = scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0;
         if expands && self.heat.is_none() {
             warnings.push(
-                "thermal distortion of the shape is not part of this level on an annulus or with solver.scheme = explicit: the \
+                "thermal distortion of the shape is not part of this level with solver.scheme = explicit: the \
                  bodies' mean expansion acts on holder.stiffness only"
                     .into(),
             );

@@ -49,7 +49,7 @@ impl Line {
     fn moment(&mut self, inputs: &[f64; INPUTS]) -> Moment {
         let load = inputs[1].max(0.0);
         let point = self.mean.point(inputs);
-        let felt = self.state.heat.as_ref().map(|heat| heat.mean(self.operators.cells.widths()));
+        let felt = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
         let signed_friction =
@@ -135,7 +135,7 @@ impl Line {
         self.mean.write_end(values);
         if let Some(heat) = &self.state.heat {
             let state = self.mean.state();
-            value!(values, "contact_temperature") = heat.mean(self.operators.cells.widths()) + state.reference;
+            value!(values, "contact_temperature") = heat.mean(&self.operators.weights) + state.reference;
         }
         let [punch, strip] = self.depths();
         value!(values, "wear_depth") = punch + strip;
@@ -243,7 +243,7 @@ impl Line {
         value!(derivatives, "tilt") = rate.tilt;
         value!(derivatives, "approach") = rate.approach;
         value!(derivatives, "wear_dissipation_power") = {
-            let felt = self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(operators.cells.widths())));
+            let felt = self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(&operators.weights)));
             let temperature =
                 felt.unwrap_or(loaded_point.contact_temperature) + Dual::from(self.mean.state().reference);
             let laws = operators.coefficients(

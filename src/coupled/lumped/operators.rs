@@ -142,13 +142,7 @@ impl Operators {
         let endless = path == moving_source::Path::Endless;
         let mut punch = punch_of(scene, area);
         let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
-        let mut flash = None;
-        if let Some(slab) = slab
-            && scene.coverage() < 1.0 - 1e-9
-        {
-            let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path);
-            flash = Some(Flash::new(&source, scene.nominal_duration, reduction_tolerance(scene)));
-        }
+        let flash = slab.and_then(|slab| flash_of(scene, slab, path));
         if let (Some(heat), Some(flash)) = (&mut strip.heat, &flash) {
             append_track(heat, flash);
         }
@@ -188,6 +182,21 @@ impl Operators {
         operators.plain = super::plain::possible(&operators);
         operators
     }
+}
+
+/// Local heating of the strip under the contact; `None` where the contact covers the whole path or the strip is an insulator.
+pub fn moving_source(scene: &Scene) -> Option<Flash> {
+    let (path, length) = path_of(scene);
+    let endless = path == moving_source::Path::Endless;
+    let (_, slab) = strip_of(scene, scene.contact_area() * scene.count, length, endless);
+    flash_of(scene, slab?, path)
+}
+
+fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flash> {
+    (scene.coverage() < 1.0 - 1e-9).then(|| {
+        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path);
+        Flash::new(&source, scene.nominal_duration, reduction_tolerance(scene))
+    })
 }
 
 /// Tolerance that the bodies are reduced to: a few states cannot follow more, and the time step does

@@ -21,6 +21,7 @@
 //! contact zone, positive into the body. Distortion is the displacement of the surface *into* the body in m, so heating
 //! gives negative values. Energies are per depth, J/m, flows W/m. Cells run from the -x to the +x edge.
 
+pub mod disc;
 pub mod field;
 pub mod punch;
 pub mod reduced;

@@ -16,11 +16,16 @@
 //! exact steady effect ([`steady`]), with the delay that it takes on the whole ([`lag`]).
 //!
 //! The finite elements of `elastic::block::ThermalBlock` describe the same body; the tests hold one against the other.
+//!
+//! On an annulus x runs along the radius, the body is a ring, and the modes across are those of the radius ([`radial`]). The
+//! mate is then a ring too ([`mate`]), cooled on its face instead of its sides.
 
 mod across;
 mod depth;
 mod distortion;
 mod lag;
+pub mod mate;
+mod radial;
 mod selection;
 mod steady;
 #[cfg(test)]
@@ -71,7 +76,11 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
         if body.cooled_area > 0.0 { body.cooled_area } else { 2.0 * body.height * scene.depth * scene.count };
     let across = Across {
         half_width: cells.half_width(),
-        sides: if scene.geometry == Geometry::Periodic { Sides::Closed } else { Sides::Free },
+        sides: match scene.geometry {
+            Geometry::Line => Sides::Free,
+            Geometry::Annular => Sides::Radial(scene.mean_radius),
+            Geometry::Periodic => Sides::Closed,
+        },
         cooled: cooled_area / (body.height * scene.depth * scene.count),
         transfer: body.convection,
         conductivity: body.conductivity,
@@ -85,23 +94,56 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
             ThermalBoundary::Convecting => Top::Transfer(body.convection),
             ThermalBoundary::Insulated => Top::Transfer(0.0),
         },
+        face: 0.0,
     };
+    let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
+    let distortion = Distortion::new(scene, cells)?;
+    project(across, depth, cooled, distortion, cells, (tolerance, duration)).map(Some)
+}
+
+/// Projects a body, to a tolerance over a duration (s).
+fn project(
+    across: Across,
+    depth: Depth,
+    cooled: Cooled,
+    mut distortion: Option<Distortion>,
+    cells: &Cells,
+    (tolerance, duration): (f64, f64),
+) -> Result<ReducedHeat, BlockError> {
     let scale = Scale::new(&across, &depth, duration, tolerance);
     let steepest = scale.steepest(&depth);
-    let mut distortion = Distortion::new(scene, cells)?;
     if let Some(distortion) = &mut distortion {
         distortion.resolve(steepest);
     }
     let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
     let points = Points::new(depth.height, steepest, &extra);
     let selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
-    let assembly = Assembly::new(across, depth, cells, &points, &selection);
+    let assembly = Assembly::new(across, depth, cooled, cells, &points, &selection);
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;
     }
     assembly.delay(&mut operators);
-    Ok(Some(ReducedHeat::new(operators)))
+    Ok(ReducedHeat::new(operators))
+}
+
+/// The surface beside the contact that the air cools.
+#[derive(Clone, Copy, Debug)]
+struct Cooled {
+    by: By,
+    /// Area per depth, m.
+    length: f64,
+    /// Constant heat transfer coefficient, W/(m2 K).
+    transfer: f64,
+}
+
+/// Where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    /// The sides of the body, as the modes across have it.
+    Sides,
+    /// The face of the contact, as evenly over it as the contact is passing by.
+    Face,
 }
 
 /// A mode across with its states, and the shape that acts without delay.
@@ -115,24 +157,32 @@ struct Mode {
 struct Assembly<'a> {
     across: Across,
     depth: Depth,
+    cooled: Cooled,
     cells: &'a Cells,
     modes: Vec<Mode>,
     error: f64,
 }
 
-/// Effects of the steady field of one mode: at the contact and in the mean of its heat, by unit flux or port.
+/// Effects of the steady field of one mode: at the contact and at the cooled surface, by unit flux or port.
 #[derive(Default)]
 struct SteadyMode {
     /// Z(0) by port, K per unit of the port.
     contact: [f64; PORTS],
-    /// Integral of Z over the height by port.
-    integral: [f64; PORTS],
-    /// Integral of Z over the height by unit flux.
-    integral_by_flux: f64,
+    /// What the cooled surface sees of Z (its integral over the height at the sides, Z(0) on the face) by port.
+    seen: [f64; PORTS],
+    /// The same by unit flux.
+    seen_by_flux: f64,
 }
 
 impl<'a> Assembly<'a> {
-    fn new(across: Across, depth: Depth, cells: &'a Cells, points: &Points, selection: &Selection) -> Self {
+    fn new(
+        across: Across,
+        depth: Depth,
+        cooled: Cooled,
+        cells: &'a Cells,
+        points: &Points,
+        selection: &Selection,
+    ) -> Self {
         let modes = (selection.modes.iter().filter(|mode| mode.basis.count() > 0))
             .map(|mode| {
                 let mut states = mode.basis.shapes(points);
@@ -140,7 +190,23 @@ impl<'a> Assembly<'a> {
                 Mode { wave: mode.wave, states, immediate }
             })
             .collect();
-        Assembly { across, depth, cells, modes, error: selection.error }
+        Assembly { across, depth, cooled, cells, modes, error: selection.error }
+    }
+
+    /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
+    fn exposure(&self, wave: &Wave) -> f64 {
+        match self.cooled.by {
+            By::Sides => wave.exposure,
+            By::Face => wave.integral * self.cooled.length / (2.0 * self.across.half_width),
+        }
+    }
+
+    /// What it has of a shape through the height.
+    fn seen(&self, shape: &Shape) -> f64 {
+        match self.cooled.by {
+            By::Sides => shape.integral,
+            By::Face => shape.contact,
+        }
     }
 
     fn capacity(&self) -> f64 {
@@ -160,10 +226,22 @@ impl<'a> Assembly<'a> {
 
     /// Input of a shape by port.
     fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
-        let cooling = wave.exposure * shape.integral;
-        let ambient = self.across.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
-        let far = if self.held() { shape.rate_through_height * self.uniform(wave, shape) } else { 0.0 };
-        [cooling, ambient, far]
+        let cooling = self.exposure(wave) * self.seen(shape);
+        let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
+        [cooling, ambient, self.through_held_top(wave, shape)]
+    }
+
+    /// Heat flow of a state through a held top, in W/m over its norm.
+    fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
+        if !self.held() {
+            return 0.0;
+        }
+        // What the height conducts and the face does not lose.
+        let by_face = match self.cooled.by {
+            By::Sides => 0.0,
+            By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
+        };
+        shape.rate_through_height * self.uniform(wave, shape) - by_face
     }
 
     /// State of a shape when the body is at 1 K everywhere, J/(m K) over its norm.
@@ -173,29 +251,33 @@ impl<'a> Assembly<'a> {
 
     /// Steady effects of a mode; None where it cannot rest.
     fn steady(&self, wave: &Wave) -> Option<SteadyMode> {
-        let (depth, transfer, decay) = (&self.depth, self.across.transfer, wave.decay);
+        let (depth, transfer, decay) = (&self.depth, self.cooled.transfer, wave.decay);
         if !depth.has_steady_state(decay) {
             return None;
         }
-        let integral_by_flux = depth.steady_integral(decay);
-        let mut steady = SteadyMode { contact: [0.0; PORTS], integral: [0.0; PORTS], integral_by_flux };
-        if wave.exposure == 0.0 {
-            return Some(steady);
-        }
+        let exposure = self.exposure(wave);
         // A mode without decay is not exposed, or its sources leave through the top.
-        let sourced = depth.sourced_integral(decay);
-        steady.contact[COOLING] = wave.exposure * integral_by_flux;
-        steady.integral[COOLING] = wave.exposure * sourced;
-        let everywhere = wave.integral * depth.height;
+        let (seen_by_flux, seen_by_source) = match self.cooled.by {
+            By::Sides if exposure == 0.0 => (depth.steady_integral(decay), 0.0),
+            By::Sides => (depth.steady_integral(decay), depth.sourced_integral(decay)),
+            By::Face => (depth.steady_impedance(decay), depth.steady_impedance(decay)),
+        };
+        let mut steady = SteadyMode { contact: [0.0; PORTS], seen: [0.0; PORTS], seen_by_flux };
+        steady.contact[COOLING] = exposure * seen_by_flux;
+        steady.seen[COOLING] = exposure * seen_by_source;
+        let everywhere = match self.cooled.by {
+            By::Sides => wave.integral * depth.height,
+            By::Face => wave.integral,
+        };
         if self.held() {
             steady.contact[AMBIENT] = transfer * steady.contact[COOLING];
-            steady.integral[AMBIENT] = transfer * steady.integral[COOLING];
+            steady.seen[AMBIENT] = transfer * steady.seen[COOLING];
             steady.contact[FAR] = wave.integral - steady.contact[AMBIENT];
-            steady.integral[FAR] = everywhere - steady.integral[AMBIENT];
+            steady.seen[FAR] = everywhere - steady.seen[AMBIENT];
         } else {
             // All that surrounds the body is the air: it takes its temperature.
             steady.contact[AMBIENT] = wave.integral;
-            steady.integral[AMBIENT] = everywhere;
+            steady.seen[AMBIENT] = everywhere;
         }
         Some(steady)
     }
@@ -205,7 +287,7 @@ impl<'a> Assembly<'a> {
         let count = self.modes.iter().map(|mode| mode.states.len()).sum();
         let width = 2.0 * self.across.half_width;
         let mut operators = Operators {
-            widths: self.cells.widths().to_vec(),
+            widths: self.across.weights(self.cells),
             modes: Vec::with_capacity(self.modes.len()),
             rate: Vec::with_capacity(count),
             contact: Vec::with_capacity(count),
@@ -219,7 +301,7 @@ impl<'a> Assembly<'a> {
             ambient_flow: Observation::none(count, cells),
             far_flow: Observation::none(count, cells),
             passed: Default::default(),
-            cooled_length: self.across.cooled * self.depth.height,
+            cooled_length: self.cooled.length,
             own: count,
             stored: vec![0.0; count],
             stored_by_far: 0.0,
@@ -230,7 +312,7 @@ impl<'a> Assembly<'a> {
         let mut first = 0;
         for mode in &self.modes {
             let integrals = mode.wave.cell_integrals(self.cells);
-            let means: Vec<f64> = integrals.iter().zip(self.cells.widths()).map(|(f, width)| f / width).collect();
+            let means: Vec<f64> = integrals.iter().zip(&operators.widths).map(|(f, width)| f / width).collect();
             if let Some(shape) = &mode.immediate {
                 let gain = shape.contact * shape.contact / shape.rate;
                 for (j, integral) in integrals.iter().enumerate() {
@@ -269,9 +351,9 @@ impl<'a> Assembly<'a> {
             let input = self.input(wave, shape);
             for port in 0..PORTS {
                 left.contact[port] += sign * shape.contact * input[port] / shape.rate;
-                left.integral[port] += sign * shape.integral * input[port] / shape.rate;
+                left.seen[port] += sign * self.seen(shape) * input[port] / shape.rate;
             }
-            left.integral_by_flux += sign * shape.integral * shape.contact / shape.rate;
+            left.seen_by_flux += sign * self.seen(shape) * shape.contact / shape.rate;
         }
         left
     }
@@ -279,15 +361,18 @@ impl<'a> Assembly<'a> {
     /// Remainders of the cells' temperatures by the ports, and the temperature of the cooled surface.
     fn ports(&self, operators: &mut Operators) {
         let length = operators.cooled_length;
+        // A surface that has no area is not looked at.
+        let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
         let mut first = 0;
         for m in 0..SUMMED_MODES.max(self.modes.len()) {
             let mode = self.modes.get(m);
             let wave = mode.map_or_else(|| self.across.wave(m), |mode| mode.wave);
+            let exposure = self.exposure(&wave);
             for shape in mode.map_or(&[][..], |mode| &mode.states[..]) {
-                operators.cooled.states[first] = wave.exposure * shape.integral / length;
+                operators.cooled.states[first] = per_length * exposure * self.seen(shape);
                 first += 1;
             }
-            if wave.exposure == 0.0 {
+            if exposure == 0.0 && wave.integral == 0.0 {
                 continue;
             }
             let left = self.remainder(&wave, mode);
@@ -296,13 +381,13 @@ impl<'a> Assembly<'a> {
                 for port in 0..PORTS {
                     operators.temperature_by_port[port][i] += left.contact[port] * integral / operators.widths[i];
                 }
-                operators.cooled.fluxes[i] += wave.exposure * left.integral_by_flux * integral / length;
+                operators.cooled.fluxes[i] += per_length * exposure * left.seen_by_flux * integral;
             }
             for port in 0..PORTS {
-                operators.cooled.ports[port] += wave.exposure * left.integral[port] / length;
+                operators.cooled.ports[port] += per_length * exposure * left.seen[port];
             }
         }
-        if self.across.sides == Sides::Free {
+        if self.across.sides != Sides::Closed && self.cooled.by == By::Sides {
             // The sides' heat close to them, in the modes left out: a sum of 1/m^2.
             let width = 2.0 * self.across.half_width;
             let count = 0.5 * SUMMED_MODES.max(self.modes.len()) as f64;
@@ -320,18 +405,15 @@ impl<'a> Assembly<'a> {
     /// Flows and stored heat. Observed flows and the balance of heat over-determine them; the balance is kept exactly: the
     /// stored heat is what the flows will carry away, and what no state holds back leaves at once.
     fn flows(&self, operators: &mut Operators) {
-        let transfer = self.across.transfer;
+        let transfer = self.cooled.transfer;
         let (losing, open) = (transfer > 0.0, self.depth.top != Top::Transfer(0.0));
         let mut k = 0;
         for mode in &self.modes {
             for shape in &mode.states {
                 let uniform = operators.uniform[k];
-                let ambient = transfer * mode.wave.exposure * shape.integral;
-                let far = if self.held() {
-                    shape.rate_through_height * uniform
-                } else {
-                    self.top_transfer() * mode.wave.integral * shape.top
-                };
+                let ambient = transfer * self.exposure(&mode.wave) * self.seen(shape);
+                let far =
+                    self.through_held_top(&mode.wave, shape) + self.top_transfer() * mode.wave.integral * shape.top;
                 operators.ambient_flow.states[k] = ambient;
                 operators.far_flow.states[k] = far;
                 operators.stored[k] = if losing || open { (ambient + far) / shape.rate } else { uniform };
@@ -400,17 +482,30 @@ impl<'a> Assembly<'a> {
                     fields.push(Field { mode: m, integral: depth.steady_integral(wave.decay), profile });
                 }
             }
-            if wave.exposure == 0.0 || !depth.has_steady_state(wave.decay) {
+            let exposure = self.exposure(&wave);
+            if exposure == 0.0 && wave.integral == 0.0 || !depth.has_steady_state(wave.decay) {
                 continue;
             }
             // The air around the body and its held top together make it uniform.
-            by_port.push((fields.len(), COOLING, wave.exposure));
+            by_port.push((fields.len(), COOLING, exposure));
             if self.held() {
-                by_port.push((fields.len(), AMBIENT, self.across.transfer * wave.exposure));
-                by_port.push((fields.len(), FAR, -self.across.transfer * wave.exposure));
+                by_port.push((fields.len(), AMBIENT, self.cooled.transfer * exposure));
+                by_port.push((fields.len(), FAR, -self.cooled.transfer * exposure));
             }
-            let profile = positions.iter().map(|&z| depth.sourced(wave.decay, z)).collect();
-            fields.push(Field { mode: m, integral: depth.sourced_integral(wave.decay), profile });
+            fields.push(match self.cooled.by {
+                // Nothing to add, but no source in a body that nothing leaves either.
+                _ if exposure == 0.0 => Field { mode: m, integral: 0.0, profile: vec![0.0; positions.len()] },
+                By::Sides => Field {
+                    mode: m,
+                    integral: depth.sourced_integral(wave.decay),
+                    profile: positions.iter().map(|&z| depth.sourced(wave.decay, z)).collect(),
+                },
+                By::Face => Field {
+                    mode: m,
+                    integral: depth.steady_integral(wave.decay),
+                    profile: positions.iter().map(|&z| depth.response(wave.decay, z).0).collect(),
+                },
+            });
             for (i, shape) in mode.map_or(&[][..], |mode| &mode.states[..]).iter().enumerate() {
                 for (port, input) in self.input(&wave, shape).into_iter().enumerate() {
                     by_port.push((first[m] + i, port, -input / shape.rate));
@@ -432,7 +527,7 @@ impl<'a> Assembly<'a> {
             let integrals = wave.cell_integrals(cells);
             let displacement = distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay);
             for (j, right) in integrals.iter().enumerate() {
-                for (i, (left, width)) in integrals.iter().zip(cells.widths()).enumerate() {
+                for (i, (left, width)) in integrals.iter().zip(&operators.widths).enumerate() {
                     operators.distortion_by_flux[(i, j)] += displacement * left * right / width;
                 }
             }
@@ -444,7 +539,7 @@ impl<'a> Assembly<'a> {
             }
         }
         let port = if self.held() { FAR } else { AMBIENT };
-        if self.held() || self.across.transfer > 0.0 || self.top_transfer() > 0.0 {
+        if self.held() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
             for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(distortion.uniform(cells)?) {
                 *sum += value;
             }

@@ -39,6 +39,7 @@ mod velocity_table;
 mod waves;
 
 pub use depth::Expansion;
+pub(super) use depth::dilatation;
 pub use operators::{Path, Resolution, StripProperties};
 
 use super::{Account, Gains, LineHeat, Stage, Surroundings};

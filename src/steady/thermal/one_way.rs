@@ -12,10 +12,11 @@ use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactSolver, Normal};
 use crate::coupled::instability::CriticalSpeed;
 use crate::coupled::line::heat::bodies::{Bodies, cooled_part};
+use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
 use crate::heat::STEFAN_BOLTZMANN;
 use crate::heat::line::{LineHeat, Stage, Surroundings};
-use crate::scene::{Body, Path, Scene};
+use crate::scene::{Body, Geometry, Path, Scene};
 use crate::steady::acceleration::Acceleration;
 use crate::steady::scene::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::steady::{SteadyError, groove, punch_run_in};
@@ -54,6 +55,8 @@ struct Problem<'a> {
     friction: FrictionLaw,
     laws: [WearLaw; 2],
     gap: Vec<f64>,
+    /// Sliding velocity of the cells over that at the mean radius.
+    radii: Vec<f64>,
 }
 
 pub(super) fn solve(
@@ -79,6 +82,7 @@ pub(super) fn solve(
         friction: FrictionLaw::new(scene),
         laws: [law(&scene.punch), law(&scene.strip)],
         gap: initial_gap(scene, cells),
+        radii: relative_radii(scene, cells),
     };
     let count = cells.count();
     // Temperatures of the cells that friction and wear follow, and of the cooled surfaces, K above the ambient; the
@@ -137,7 +141,7 @@ impl Problem<'_> {
         let stribeck: f64 = self.friction.stribeck(velocity);
         let sign: f64 = self.friction.sign(velocity);
         let weights = &self.contact.weights;
-        let share = |i: usize| weights[i] * relative[i].max(0.0);
+        let share = |i: usize| weights[i] * self.radii[i] * relative[i].max(0.0);
         let carried: f64 = (0..count).map(share).sum();
         let average = (0..count).map(|i| share(i) * faded[i]).sum::<f64>() / carried;
         self.contact.strokes[0].friction = sign * average * stribeck;
@@ -156,7 +160,8 @@ impl Problem<'_> {
         let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|body| body.gains(Stage::End)));
         let conducts = gains.map(|gains| gains.is_some());
         self.split.prepare((self.step, [velocity; 2]), gains, closed);
-        let slip: Vec<f64> = faded.iter().map(|faded| faded * stribeck * sign * velocity).collect();
+        let faded = faded.iter().zip(&self.radii);
+        let slip: Vec<f64> = faded.map(|(faded, radius)| faded * stribeck * sign * velocity * radius).collect();
         let extra = &self.split.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
         // The heat that the surfaces exchange without friction.
         let mut exchanged = zero.clone();
@@ -199,13 +204,18 @@ impl Problem<'_> {
         Ok(Found { pressure, temperature, flux, moved, states, surroundings })
     }
 
-    /// Depth rate of a body on the cells at their temperatures.
+    fn annular(&self) -> bool {
+        self.scene().geometry == Geometry::Annular
+    }
+
+    /// Depth rate of a body on the cells at their temperatures: of the mate of an annulus in the mean round the circle.
     fn rate(&self, body: usize, felt: &[f64], faded: &[f64]) -> CellRate {
         let (scene, law, speed) = (self.scene(), &self.laws[body], self.velocity().abs());
-        let at = |(t, faded): (&f64, &f64)| -> f64 {
-            scene.wear_acceleration * law.rate(REFERENCE_PRESSURE, speed, *faded, t + scene.ambient_temperature)
+        let factor = scene.wear_acceleration * if self.annular() && body == 1 { scene.coverage() } else { 1.0 };
+        let at = |((t, faded), radius): ((&f64, &f64), &f64)| -> f64 {
+            factor * law.rate(REFERENCE_PRESSURE, speed * radius, *faded, t + scene.ambient_temperature)
         };
-        let coefficient = felt.iter().zip(faded).map(at).collect::<Vec<f64>>().into();
+        let coefficient = felt.iter().zip(faded).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
         let term = WearTerm { coefficient, exponent: law.pressure_exponent };
         CellRate { reference_pressure: REFERENCE_PRESSURE, terms: if law.active() { vec![term] } else { Vec::new() } }
     }
@@ -217,7 +227,14 @@ impl Problem<'_> {
         let (tilt, load) = (contact.tilt(stroke), contact.load);
         let gap = || -> Vec<f64> { self.gap.iter().zip(undeformed.iter()).map(|(g, moved)| g + moved).collect() };
         Ok(match self.kind {
-            SteadyKind::RunIn => punch_run_in(contact.cells, &contact.weights, &stroke.rates[0], load, tilt)?.pressure,
+            SteadyKind::RunIn => {
+                let mut rate = stroke.rates[0].clone();
+                if self.annular() {
+                    // The mate too keeps its depth at every radius.
+                    rate.terms.extend(stroke.rates[1].terms.iter().cloned());
+                }
+                punch_run_in(contact.cells, &contact.weights, &rate, load, tilt)?.pressure
+            }
             SteadyKind::Groove => {
                 let rate = per_distance(&stroke.rates[1], stroke.velocity);
                 let (compliance, direction) = (contact.compliance(stroke) + extra, direction(stroke.velocity));
@@ -297,9 +314,10 @@ impl Problem<'_> {
         let absolute = |values: &Vec<f64>| values.iter().map(|t| t + scene.ambient_temperature).collect::<Vec<f64>>();
         let temperature = found.temperature.each_ref().map(absolute);
         let all = scene.depth * scene.count * scene.faces;
-        let integral = |values: &[f64]| all * contact.cells.integral(values);
-        let width = 2.0 * contact.cells.half_width();
-        let mean = 0.5 * temperature.iter().map(|values| contact.cells.integral(values) / width).sum::<f64>();
+        let sum = |values: &[f64]| values.iter().zip(&contact.weights).map(|(value, area)| value * area).sum::<f64>();
+        let integral = |values: &[f64]| all * sum(values);
+        let area: f64 = contact.weights.iter().sum();
+        let mean = 0.5 * temperature.iter().map(|values| sum(values) / area).sum::<f64>();
         let mut flows =
             HeatFlows { punch: integral(&found.flux[0]), strip: integral(&found.flux[1]), ..HeatFlows::default() };
         flows.friction = flows.punch + flows.strip;

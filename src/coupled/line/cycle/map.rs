@@ -204,9 +204,7 @@ impl CycleMap {
         }
         if operators.follows_heat() && operators.heat.is_none() {
             return Err(CycleError::Unsuitable(
-                "cycles: friction or wear follow the mean temperature, which is not carried from cycle to cycle on an \
-                 annulus"
-                    .into(),
+                "cycles: friction or wear follow the mean temperature, which is not carried from cycle to cycle".into(),
             ));
         }
         // Every step counts as it is given, so that a cycle is a smooth function of its start.

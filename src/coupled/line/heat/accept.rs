@@ -75,9 +75,8 @@ impl Line {
     pub(in crate::coupled::line) fn accept_heat(&mut self, step: f64, velocity: f64) {
         let (Some(heat), Some(state)) = (&self.heat, &mut self.state.heat) else { return };
         let operators = &self.operators;
-        let entered = |stage: usize| -> f64 {
-            heat.friction[stage].iter().zip(operators.cells.widths()).map(|(q, c)| q * c).sum()
-        };
+        let entered =
+            |stage: usize| -> f64 { heat.friction[stage].iter().zip(&operators.weights).map(|(q, c)| q * c).sum() };
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
@@ -104,7 +103,7 @@ impl Line {
             state.pressure_slope[i] = if lasting { (end - first) / ((1.0 - GAMMA) * step) } else { 0.0 };
         }
         state.distortion.copy_from_slice(&heat.distortion);
-        state.faded = weighted(&heat.faded, &self.work.end.pressure, &operators.weights);
+        state.faded = weighted(&heat.faded, &self.work.end.pressure, &operators.torque_weights);
         (state.reference.velocity, state.reference.last) = (heat.reference.velocity, velocity);
         let fade = if self.friction.coefficient > 0.0 { state.faded / self.friction.coefficient } else { 1.0 };
         if (fade / state.reference.fade - 1.0).abs() > ZONE {

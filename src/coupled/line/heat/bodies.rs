@@ -1,7 +1,10 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
+use crate::coupled::lumped::operators::moving_source;
+use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material};
 use crate::heat::line::LineHeat;
+use crate::heat::line::disc::DiscHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
@@ -17,8 +20,7 @@ const MOST_STATES: usize = 16_000;
 /// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands. The
 /// reference level carries it in any case.
 ///
-/// Two kinds of scene keep the mean in any case: on an annulus the cells slide across the line, where a strip heated from cell
-/// to cell is not the body of these equations; and the explicit scheme steps the shape alone.
+/// The explicit scheme steps the shape alone and keeps the mean in any case.
 ///
 /// [`HeatAlongContact`] overrules the first of these reasons: by its mean also where it feeds back, on the cells also where
 /// only the contact temperature would notice.
@@ -37,7 +39,7 @@ pub fn on_the_cells(scene: &Scene) -> bool {
 /// Whether the contact line of this scene can carry heat on its cells.
 pub fn possible_on_the_cells(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
-    conducts && scene.geometry != Geometry::Annular && scene.scheme != Scheme::Explicit
+    conducts && scene.scheme != Scheme::Explicit
 }
 
 /// Punch and strip as every copy of a scene begins with them.
@@ -69,25 +71,37 @@ impl Bodies {
             punch::reduce(scene, cells, tolerance, duration).map(|body| body.map(|body| Box::new(body) as _))
         }
         .map_err(|error| format!("punch: {error}"))?;
+        if scene.geometry == Geometry::Annular {
+            return Ok(Bodies::made(
+                scene,
+                [punch, mate(scene, cells, tolerance)?],
+                punch::mate::cooled_length(scene),
+                0,
+            ));
+        }
         let strip = strip(scene, cells, tolerance)?;
+        let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
+        let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
+        let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);
+        Ok(Bodies::made(scene, [punch, strip], free.max(0.0), waves))
+    }
+
+    /// With the cooled length of the strip (m) and the number of its waves.
+    fn made(scene: &Scene, bodies: [Option<Box<dyn LineHeat>>; 2], free: f64, waves: usize) -> Bodies {
         let cooled = if scene.punch.cooled_area > 0.0 {
             scene.punch.cooled_area / (scene.depth * scene.count)
         } else {
             2.0 * scene.punch.height
         };
-        let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
-        let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
-        let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);
-        let bodies = [punch, strip];
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let error = bodies.iter().flatten().map(|body| body.error()).fold(0.0, f64::max);
-        Ok(Bodies {
+        Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,
             waves,
-            cooled_length: [cooled, free.max(0.0)],
+            cooled_length: [cooled, free],
             error,
-        })
+        }
     }
 
     /// Bodies with memory of their own.
@@ -100,6 +114,17 @@ impl Bodies {
             })
         })
     }
+}
+
+/// The mate of an annular contact.
+fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn LineHeat>>, String> {
+    let ring = punch::mate::reduce_mate(scene, cells, tolerance, scene.nominal_duration)
+        .map_err(|error| format!("strip: {error}"))?;
+    let Some(ring) = ring else { return Ok(None) };
+    Ok(Some(match moving_source(scene) {
+        Some(flash) => Box::new(DiscHeat::new(ring, flash, relative_radii(scene, cells))),
+        None => Box::new(ring),
+    }))
 }
 
 /// Path of the contact as the strip's heat sees it.
@@ -160,7 +185,11 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
 }
 
 /// Cooled area of the strip over its area beside the contact on a closed path; 1 where it is not given, or the path open.
+/// The mate of an annulus has its cooled area itself.
 pub fn cooled_part(scene: &Scene) -> f64 {
+    if scene.geometry == Geometry::Annular {
+        return 1.0;
+    }
     let free = scene.length * scene.depth - scene.contact_area() * scene.count;
     if scene.path == scene::Path::Closed && scene.strip.cooled_area > 0.0 && free > 0.0 {
         scene.strip.cooled_area / free

@@ -70,10 +70,10 @@ impl Heat {
         let s = stage as usize;
         let Some(fading) = &mut self.fading else { return Ok(()) };
         let (closed, pressure) = (&self.closed, &self.pressure);
-        let (faded, felt) = (&self.faded, &self.felt);
+        let (faded, felt, ratio) = (&self.faded, &self.felt, &self.ratio);
         let heat = fading.linearise(
-            |i| if closed[i] { slip * faded[i] } else { 0.0 },
-            |i| if closed[i] { slip * pressure[i] * friction.fall(felt[i]) } else { 0.0 },
+            |i| if closed[i] { slip * ratio[i] * faded[i] } else { 0.0 },
+            |i| if closed[i] { slip * ratio[i] * pressure[i] * friction.fall(felt[i]) } else { 0.0 },
         );
         self.contacts[s].set_extra(Some(self.splits[s].extra_by(heat)))?;
         self.linearised = true;
@@ -90,9 +90,11 @@ impl Heat {
         let conducts = self.conducts();
         let exchanges = conducts == [true, true] && self.half_resistance > 0.0;
         let mut exact = self.reference.exact && !self.renewed[s] && !self.staggered;
-        for ((per_pressure, faded), closed) in self.per_pressure.iter_mut().zip(&self.faded).zip(&self.closed) {
-            *per_pressure = faded * slip;
-            exact &= *closed && *per_pressure == self.reference.per_pressure;
+        let cells = self.faded.iter().zip(&self.closed).zip(&self.ratio);
+        for (per_pressure, ((faded, closed), ratio)) in self.per_pressure.iter_mut().zip(cells) {
+            let at_mean_radius = faded * slip;
+            exact &= *closed && at_mean_radius == self.reference.per_pressure;
+            *per_pressure = at_mean_radius * ratio;
         }
         self.exact[s] = exact;
         let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);

@@ -28,10 +28,10 @@ impl Line {
         };
         let operators = &self.operators;
         let all = operators.shared_depth * operators.scene.faces;
-        let widths = operators.cells.widths();
+        let areas = &operators.weights;
         let absolute = self.mean.state().reference;
         let around = self.around(inputs);
-        let into = |side: usize| all * state.flux[side].iter().zip(widths).map(|(q, c)| q * c).sum::<f64>();
+        let into = |side: usize| all * state.flux[side].iter().zip(areas).map(|(q, c)| q * c).sum::<f64>();
         let (mut ambient, mut far) = (0.0, [0.0; 2]);
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
@@ -40,7 +40,7 @@ impl Line {
                 far[side] = all * face;
             }
         }
-        value!(values, "contact_temperature") = state.mean(widths) + absolute;
+        value!(values, "contact_temperature") = state.mean(areas) + absolute;
         value!(values, "contact_temperature_max") = state.highest() + absolute;
         value!(values, "heat_flow_punch") = into(0);
         value!(values, "heat_flow_strip") = into(1);

@@ -38,17 +38,22 @@ pub struct Split {
     across: Vec<f64>,
     /// E_0 of all cells, m per W/m2.
     distortion: DMatrix<f64>,
-    /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v where it is that of all cells.
+    /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v at the mean radius where mu is that of all
+    /// cells.
     extra: DMatrix<f64>,
     per_pressure: f64,
+    /// Sliding velocity of the cells over that at the mean radius.
+    ratio: Vec<f64>,
     /// Largest row sums of the gains of both bodies: of temperature, K per W/m2, and of distortion, m per W/m2.
     norms: [[f64; 2]; 2],
     column: Vec<f64>,
 }
 
 impl Split {
-    /// For `count` cells of the contact conductance `conductance` (W/(m2 K)).
-    pub fn new(count: usize, conductance: f64) -> Split {
+    /// For cells that slide at `ratio` times the velocity at the mean radius, with the contact conductance `conductance`
+    /// (W/(m2 K)).
+    pub fn new(ratio: &[f64], conductance: f64) -> Split {
+        let count = ratio.len();
         let square = || vec![0.0; count * count];
         Split {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
@@ -65,6 +70,7 @@ impl Split {
             distortion: DMatrix::zeros(count, count),
             extra: DMatrix::zeros(count, count),
             per_pressure: f64::NAN,
+            ratio: ratio.to_vec(),
             norms: [[0.0; 2]; 2],
             column: vec![0.0; count],
         }
@@ -208,14 +214,16 @@ impl Split {
         &self.extra
     }
 
-    /// The extra compliance for the heat `per_pressure` (m/s: mu s v); `None` where it is the last one.
+    /// The extra compliance for the heat `per_pressure` (m/s: mu s v at the mean radius); `None` where it is the last one.
     pub fn extra(&mut self, per_pressure: f64) -> Option<&DMatrix<f64>> {
         if self.per_pressure == per_pressure {
             return None;
         }
         self.per_pressure = per_pressure;
         self.extra.copy_from(&self.distortion);
-        self.extra *= per_pressure;
+        for (mut column, ratio) in self.extra.column_iter_mut().zip(&self.ratio) {
+            column *= per_pressure * ratio;
+        }
         Some(&self.extra)
     }
 }
@@ -250,7 +258,7 @@ mod tests {
         for closed in [[true; 7], [true, true, false, true, true, true, false]] {
             let heat: Vec<f64> = (0..7).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
             for conductance in [0.3, 1e9] {
-                let mut split = Split::new(count, conductance);
+                let mut split = Split::new(&vec![1.0; count], conductance);
                 split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
                 split.close(&closed);
                 // From any guess the laws' residual leads to the solution at once.
@@ -283,7 +291,7 @@ mod tests {
         };
         let (punch, strip) = (gains(2.0), gains(1.0));
         for conductance in [0.0, 0.3, 1e9] {
-            let mut split = Split::new(count, conductance);
+            let mut split = Split::new(&vec![1.0; count], conductance);
             split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
             split.close(&[true; 5]);
             let heat = [4.0, 5.0, 0.0, 6.0, 1.0];

@@ -128,7 +128,7 @@ impl Line {
         heat.warmed = false;
         for repetition in 0..MOST_REPETITIONS {
             if fades {
-                moment.faded = weighted(&heat.faded, &heat.pressure, &operators.weights);
+                moment.faded = weighted(&heat.faded, &heat.pressure, &operators.torque_weights);
                 moment.follow(sign * stribeck);
                 slip = moment.slip(stribeck);
                 heat.warmed = false;
@@ -224,7 +224,8 @@ impl Line {
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
             if let Coefficient::PerCell(values) = &mut term.coefficient {
-                values.copy_from_slice(&heat.laws[body]);
+                let rates = heat.laws[body].iter().zip(&operators.radial[body]);
+                values.iter_mut().zip(rates).for_each(|(value, (law, radial))| *value = law * radial);
             }
         }
     }

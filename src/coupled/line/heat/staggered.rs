@@ -163,7 +163,7 @@ impl Line {
         }
         let stribeck = self.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
-            moment.faded = weighted(&heat.faded, &self.state.pressure, &operators.weights);
+            moment.faded = weighted(&heat.faded, &self.state.pressure, &operators.torque_weights);
             moment.follow(self.friction.sign(velocity) * stribeck);
         }
         moment.slip(stribeck)
@@ -192,6 +192,7 @@ impl Line {
             }
             let returned = &mut heat.sums[0];
             for i in 0..count {
+                let slip = slip * heat.ratio[i];
                 returned[i] = slip * heat.faded[i] * rate.pressure[i];
                 if fades {
                     let end = 0.5 * (heat.temperature[1][0][i] + heat.temperature[1][1][i]) + reference;

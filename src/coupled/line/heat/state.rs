@@ -121,11 +121,11 @@ impl HeatState {
         Account { received: since(0), stored: since(1), ambient: since(2), far: since(3) }
     }
 
-    /// Mean over the contact of the mean of both surfaces.
-    pub fn mean(&self, widths: &[f64]) -> f64 {
-        let total: f64 = widths.iter().sum();
+    /// Mean over the contact, of cells of the areas `areas` (per depth, m), of the mean of both surfaces.
+    pub fn mean(&self, areas: &[f64]) -> f64 {
+        let total: f64 = areas.iter().sum();
         let [punch, strip] = &self.temperature;
-        (0..widths.len()).map(|i| 0.5 * widths[i] * (punch[i] + strip[i])).sum::<f64>() / total
+        (0..areas.len()).map(|i| 0.5 * areas[i] * (punch[i] + strip[i])).sum::<f64>() / total
     }
 
     /// Lowest temperature of either surface.

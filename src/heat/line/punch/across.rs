@@ -7,7 +7,9 @@
 //! Even and odd modes alternate: `X = cos xi x` with `xi a tan xi a = Bi`, `X = sin xi x` with `-xi a cot xi a = Bi`,
 //! `Bi = h a/k`. Both are `xi a = m pi/2 + delta`, `xi a tan delta = Bi`, `0 <= delta < pi/2`. On the ring
 //! `xi a = pi, pi, 2 pi, 2 pi ...`. All modes have `integral X^2 dx = 1`, so that they are orthonormal over the contact.
+//! Across the width of an annulus, its radius, they are Bessel functions ([`super::radial`]).
 
+use super::radial::{RadialMode, Radii};
 use crate::elastic::Cells;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -18,6 +20,8 @@ pub(super) enum Sides {
     Free,
     /// None: the punch is a closed ring.
     Closed,
+    /// Inner and outer side of an annulus of this mean radius, m.
+    Radial(f64),
 }
 
 /// Width, cooling and conductivity: what the modes follow from.
@@ -46,8 +50,15 @@ pub(super) struct Wave {
     pub integral: f64,
     /// Sum of X over the cooled surface, per height, m^(-1/2).
     pub exposure: f64,
-    amplitude: f64,
-    even: bool,
+    form: Form,
+}
+
+/// X.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Cosine(f64),
+    Sine(f64),
+    Radial(RadialMode),
 }
 
 impl Across {
@@ -56,7 +67,31 @@ impl Across {
         match self.sides {
             Sides::Free => self.between_sides(m),
             Sides::Closed => self.around(m),
+            Sides::Radial(mean) => self.along_radius(m, mean),
         }
+    }
+
+    /// Areas of the cells per depth, m: their widths, on an annulus times r/r_m.
+    pub fn weights(&self, cells: &Cells) -> Vec<f64> {
+        let ratio = |x: f64| match self.sides {
+            Sides::Radial(mean) => 1.0 + x / mean,
+            Sides::Free | Sides::Closed => 1.0,
+        };
+        cells.centres().iter().zip(cells.widths()).map(|(&x, width)| width * ratio(x)).collect()
+    }
+
+    fn along_radius(&self, m: usize, mean: f64) -> Wave {
+        let loss = 0.5 * self.cooled * self.transfer / self.conductivity;
+        let radii = Radii { inner: mean - self.half_width, outer: mean + self.half_width, mean, loss };
+        let mode = radii.mode(m);
+        let exposure = 0.5 * self.cooled * mode.at_sides(&radii);
+        let wave_number = mode.wave_number;
+        let integral = match (m, loss > 0.0) {
+            (_, true) => self.transfer * exposure / (self.conductivity * wave_number * wave_number),
+            (0, false) => (2.0 * self.half_width).sqrt(),
+            (_, false) => 0.0,
+        };
+        Wave { wave_number, decay: wave_number, integral, exposure, form: Form::Radial(mode) }
     }
 
     fn between_sides(&self, m: usize) -> Wave {
@@ -83,7 +118,8 @@ impl Across {
             exposure = self.cooled * amplitude * cosine;
             integral = 2.0 * a * amplitude * if angle < 1e-4 { 1.0 - angle * angle / 6.0 } else { sine / angle };
         }
-        Wave { wave_number, decay: wave_number, integral, exposure, amplitude, even }
+        let form = if even { Form::Cosine(amplitude) } else { Form::Sine(amplitude) };
+        Wave { wave_number, decay: wave_number, integral, exposure, form }
     }
 
     fn around(&self, m: usize) -> Wave {
@@ -98,8 +134,7 @@ impl Across {
             decay: (wave_number * wave_number + loss).sqrt(),
             integral,
             exposure: self.cooled * integral / width,
-            amplitude,
-            even: m == 0 || !m.is_multiple_of(2),
+            form: if m == 0 || !m.is_multiple_of(2) { Form::Cosine(amplitude) } else { Form::Sine(amplitude) },
         }
     }
 }
@@ -107,12 +142,18 @@ impl Across {
 impl Wave {
     /// X at `x`.
     pub fn value(&self, x: f64) -> f64 {
-        let angle = self.wave_number * x;
-        self.amplitude * if self.even { angle.cos() } else { angle.sin() }
+        match &self.form {
+            Form::Cosine(amplitude) => amplitude * (self.wave_number * x).cos(),
+            Form::Sine(amplitude) => amplitude * (self.wave_number * x).sin(),
+            Form::Radial(mode) => mode.value(x),
+        }
     }
 
-    /// Integral of X over every cell, m^(1/2).
+    /// Integral of X over every cell, on an annulus of X r/r_m, m^(1/2).
     pub fn cell_integrals(&self, cells: &Cells) -> Vec<f64> {
+        if let Form::Radial(mode) = &self.form {
+            return mode.integrals(cells.edges());
+        }
         (cells.centres().iter().zip(cells.widths()))
             .map(|(&centre, &width)| {
                 let half = 0.5 * self.wave_number * width;

@@ -6,7 +6,8 @@
 //! C dZ/dt = k Z'' - k kappa_0^2 Z,   -k Z'(0) = q,   Z(h) = 0  or  -k Z'(h) = h_top Z(h)
 //! ```
 //!
-//! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`.
+//! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`. A face that loses H Z(0) as well takes
+//! `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
 
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 
@@ -29,6 +30,8 @@ pub(super) struct Depth {
     /// C, J/(m3 K).
     pub capacity: f64,
     pub top: Top,
+    /// H, heat transfer coefficient beside the contact as a mean over the contact's face, W/(m2 K).
+    pub face: f64,
 }
 
 impl Depth {
@@ -46,7 +49,12 @@ impl Depth {
 
     /// A field that decays with `decay` can rest: heat leaves through the top or the sides.
     pub fn has_steady_state(&self, decay: f64) -> bool {
-        decay > 0.0 || self.top != Top::Transfer(0.0)
+        decay > 0.0 || self.top != Top::Transfer(0.0) || self.face > 0.0
+    }
+
+    /// What is left of the response without loss at the face, whose value there is `contact`.
+    fn kept(&self, contact: f64) -> f64 {
+        1.0 / (1.0 + self.face * contact)
     }
 
     /// Exact Z(0) per unit q for the complex decay `kappa`, Re > 0, K m2/W.
@@ -56,7 +64,8 @@ impl Depth {
             None => Complex::from(-1.0),
             Some(ratio) => (kappa - ratio) / (kappa + ratio),
         };
-        (reflection * fall + 1.0) / ((-reflection * fall + 1.0) * kappa * self.conductivity)
+        let closed = (reflection * fall + 1.0) / ((-reflection * fall + 1.0) * kappa * self.conductivity);
+        closed / (closed * self.face + 1.0)
     }
 
     /// Exact steady Z(0) per unit q, K m2/W, where there is one.
@@ -64,8 +73,21 @@ impl Depth {
         self.response(decay, 0.0).0
     }
 
-    /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where the top lets heat out).
+    /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where the top or the face lets heat out).
     pub fn response(&self, kappa: f64, z: f64) -> (f64, f64) {
+        if self.face == 0.0 {
+            return self.closed_response(kappa, z);
+        }
+        if kappa * self.height < 1e-9 && self.top == Top::Transfer(0.0) {
+            return (1.0 / self.face, 0.0);
+        }
+        let kept = self.kept(self.closed_response(kappa, 0.0).0);
+        let (value, slope) = self.closed_response(kappa, z);
+        (kept * value, kept * slope)
+    }
+
+    /// The same without loss at the face.
+    fn closed_response(&self, kappa: f64, z: f64) -> (f64, f64) {
         let (k, h) = (self.conductivity, self.height);
         let distance = h - z;
         if kappa * h < 1e-9 && self.top != Top::Transfer(0.0) {
@@ -89,10 +111,16 @@ impl Depth {
     /// Integral over the height of the steady response to unit q, K m3/W: by reciprocity what a uniform source does at the
     /// contact.
     pub fn steady_integral(&self, decay: f64) -> f64 {
-        self.sourced(decay, 0.0)
+        if self.face == 0.0 {
+            return self.sourced(decay, 0.0);
+        }
+        if decay * self.height < 1e-9 && self.top == Top::Transfer(0.0) {
+            return self.height / self.face;
+        }
+        self.kept(self.closed_response(decay, 0.0).0) * self.sourced(decay, 0.0)
     }
 
-    /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), K m3/W.
+    /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), without loss at the face, K m3/W.
     pub fn sourced(&self, decay: f64, z: f64) -> f64 {
         let (k, h) = (self.conductivity, self.height);
         if decay * h < 1.0 {
@@ -327,12 +355,14 @@ impl Basis {
         for (i, other) in self.functions.iter().enumerate() {
             // The uniform temperature has no slope; rounding must not give it one.
             let inside = if i == 0 && self.has_uniform { 0.0 } else { points.product(&other.slope, &newest.slope) };
-            let entry = self.depth.conductivity * inside + transfer * other.top * newest.top;
+            let entry = self.depth.conductivity * inside
+                + transfer * other.top * newest.top
+                + self.depth.face * other.contact * newest.contact;
             self.stiffness[(i, last)] = entry;
             self.stiffness[(last, i)] = entry;
         }
         // Under an insulated top the uniform temperature does not decay at all.
-        let apart = usize::from(self.has_uniform && transfer == 0.0);
+        let apart = usize::from(self.has_uniform && transfer == 0.0 && self.depth.face == 0.0);
         let rest = self.stiffness.view((apart, apart), (last + 1 - apart, last + 1 - apart)).into_owned();
         if rest.is_empty() {
             (self.rates, self.vectors) = (vec![0.0], DMatrix::identity(1, 1));
@@ -386,7 +416,7 @@ impl Basis {
                     }
                 }
                 // Orthogonal to the uniform temperature where that is a shape of its own.
-                let uniform = self.has_uniform && self.depth.top == Top::Transfer(0.0);
+                let uniform = self.has_uniform && self.depth.top == Top::Transfer(0.0) && self.depth.face == 0.0;
                 let integral = if uniform && k > 0 {
                     0.0
                 } else {
@@ -412,7 +442,7 @@ mod tests {
     #[test]
     fn steady_profiles_satisfy_their_equations() {
         for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
-            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top };
+            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0 };
             for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0] {
                 if !depth.has_steady_state(decay) {
                     continue;
@@ -445,7 +475,7 @@ mod tests {
     #[test]
     fn slowest_rate_keeps_its_digits() {
         // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
-        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6) };
+        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6), face: 0.0 };
         let points = Points::new(0.1, 1e5, &[]);
         let mut basis = Basis::new(depth, 0.0);
         basis.add_means(&points);

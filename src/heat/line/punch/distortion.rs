@@ -4,13 +4,15 @@
 //! punch does not yield to stress but does expand; it and the `half_plane`, which conduct as blocks of their own height,
 //! are distorted as the elastic block is. The columns of a `winkler` punch expand independently, by alpha (1 + nu) times
 //! the integral of the temperature over the height, as in the mean of a block that is free at its sides. The ring is a
-//! layer bonded at its top, and for `half_plane` a half-plane.
+//! layer bonded at its top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its waves along
+//! the radius are Bessel functions, which a layer answers like plane waves of the same number.
 
 use super::across::{Across, Wave};
 use super::depth::Shape;
-use crate::elastic::Cells;
 use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization};
-use crate::scene::{Geometry, MechanicalBody, Scene};
+use crate::elastic::{Base, Cells};
+use crate::heat::line::strip::dilatation;
+use crate::scene::{Body, Geometry, MechanicalBody, Scene};
 use nalgebra::{DMatrix, Matrix4, Vector4};
 
 /// Which law holds.
@@ -19,6 +21,7 @@ enum Kind {
     Columns,
     Block(Box<Block>),
     Layer { deep: bool },
+    OnBase(Base),
 }
 
 /// The law, and the points through the height where it wants the profiles of the fields.
@@ -57,14 +60,25 @@ impl Distortion {
         };
         let points = match &kind {
             Kind::Block(block) => block.depth_points().into_iter().map(|point| (point.z, point.weight)).collect(),
-            Kind::Columns | Kind::Layer { .. } => Vec::new(),
+            Kind::Columns | Kind::Layer { .. } | Kind::OnBase(_) => Vec::new(),
         };
         Ok(Some(Distortion { kind, expansion: body.thermal_expansion, poissons_ratio, height, points }))
     }
 
+    /// Of a layer on its base; None where it does not expand.
+    pub fn on_base(body: &Body, base: Base) -> Option<Distortion> {
+        (body.thermal_expansion > 0.0).then(|| Distortion {
+            kind: Kind::OnBase(base),
+            expansion: body.thermal_expansion,
+            poissons_ratio: body.poissons_ratio,
+            height: body.height,
+            points: Vec::new(),
+        })
+    }
+
     /// Refines the points for fields that decay as fast as `steepest`, 1/m.
     pub fn resolve(&mut self, steepest: f64) {
-        if let Kind::Layer { .. } = self.kind {
+        if let Kind::Layer { .. } | Kind::OnBase(_) = self.kind {
             let mut edges = vec![0.0];
             let mut edge = (1.0 / steepest).min(self.height);
             while edge < 0.5 * self.height {
@@ -98,11 +112,12 @@ impl Distortion {
             return Ok(block.product_distortion(cells.edges(), count, steepest, value, &products)? * self.expansion);
         }
         let mut result = DMatrix::zeros(cells.count(), fields.len());
+        let weights = across.weights(cells);
         for (column, field) in fields.iter().enumerate() {
             let wave = &waves[field.mode];
             let displacement = self.expansion * self.per_wave(wave.wave_number, field);
-            for (row, (integral, width)) in wave.cell_integrals(cells).iter().zip(cells.widths()).enumerate() {
-                result[(row, column)] = displacement * integral / width;
+            for (row, (integral, weight)) in wave.cell_integrals(cells).iter().zip(&weights).enumerate() {
+                result[(row, column)] = displacement * integral / weight;
             }
         }
         Ok(result)
@@ -121,7 +136,9 @@ impl Distortion {
                 (block.uniform_distortion(cells.edges())? * self.expansion).column(0).iter().copied().collect()
             }
             Kind::Columns => vec![-self.expansion * (1.0 + nu) * self.height; cells.count()],
-            Kind::Layer { .. } => vec![-self.expansion * (1.0 + nu) / (1.0 - nu) * self.height; cells.count()],
+            Kind::Layer { .. } | Kind::OnBase(_) => {
+                vec![-self.expansion * (1.0 + nu) / (1.0 - nu) * self.height; cells.count()]
+            }
         })
     }
 
@@ -129,7 +146,7 @@ impl Distortion {
     fn per_wave(&self, wave_number: f64, field: &Field) -> f64 {
         let nu = self.poissons_ratio;
         match self.kind {
-            Kind::Layer { .. } if wave_number == 0.0 => -(1.0 + nu) / (1.0 - nu) * field.integral,
+            Kind::Layer { .. } | Kind::OnBase(_) if wave_number == 0.0 => -(1.0 + nu) / (1.0 - nu) * field.integral,
             Kind::Layer { deep } => {
                 let dilatation = |z: f64| (-wave_number * z).exp();
                 let bonded = LayerDilatation::new(wave_number, self.height, nu);
@@ -138,7 +155,14 @@ impl Distortion {
                     .sum();
                 -2.0 * (1.0 + nu) * sum
             }
-            _ => -(1.0 + nu) * field.integral,
+            Kind::OnBase(base) => {
+                let (falling, rising) = dilatation(base, nu, wave_number * self.height);
+                let at =
+                    |z: f64| falling * (-wave_number * z).exp() + rising * (-wave_number * (self.height - z)).exp();
+                let points = self.points.iter().zip(&field.profile);
+                -2.0 * (1.0 + nu) * points.map(|(&(z, weight), value)| weight * value * at(z)).sum::<f64>()
+            }
+            Kind::Columns | Kind::Block(_) => -(1.0 + nu) * field.integral,
         }
     }
 }

@@ -87,8 +87,8 @@ impl Assembly<'_> {
             let integrals: Vec<f64> = integrals.column(k).iter().copied().collect();
             operators.rate.push(rate);
             operators.contact.push(rate.sqrt());
-            let means: Vec<f64> = (integrals.iter().zip(self.cells.widths()))
-                .map(|(integral, width)| DELAYED_TEMPERATURE * integral / width)
+            let means: Vec<f64> = (integrals.iter().zip(&operators.widths))
+                .map(|(integral, area)| DELAYED_TEMPERATURE * integral / area)
                 .collect();
             for (j, integral) in integrals.iter().enumerate() {
                 for (entry, mean) in operators.temperature_by_flux.column_mut(j).iter_mut().zip(&means) {

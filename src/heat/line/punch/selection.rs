@@ -12,7 +12,7 @@
 //! to a uniform flux at 1/duration, the rise of the whole duration. The worst mode gets one more response to a real rate
 //! (rational Krylov) until the error is met: a greedy choice of the rates.
 
-use super::across::{Across, Wave};
+use super::across::{Across, Sides, Wave};
 use super::depth::{Basis, Depth, Points};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -35,6 +35,8 @@ pub(super) struct Mode {
     pub fastest_is_steady: bool,
     /// Error over the scale and the weight of the mode.
     pub error: f64,
+    /// What it should be below.
+    tolerance: f64,
     /// Heat can leave, so there is a steady response; it is the last of the frequencies, 0.
     steady: bool,
     /// 1 over scale and weight.
@@ -54,18 +56,36 @@ pub(super) struct Scale {
     /// Time over which temperatures are of interest, s.
     pub duration: f64,
     pub tolerance: f64,
+    /// Part of it that the first mode may take.
+    mean: f64,
 }
+
+/// The first mode of a ring, which is all that the lumped level has of the body, is followed as closely as there.
+const MEAN_OF_RING: f64 = 0.1;
 
 impl Scale {
     pub fn new(across: &Across, depth: &Depth, duration: f64, tolerance: f64) -> Scale {
         let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
-        Scale { impedance: depth.impedance(kappa).norm(), duration, tolerance }
+        let mean = match across.sides {
+            Sides::Radial(_) => MEAN_OF_RING,
+            Sides::Free | Sides::Closed => 1.0,
+        };
+        Scale { impedance: depth.impedance(kappa).norm(), duration, tolerance, mean }
+    }
+
+    /// Tolerance of the mode number `m`.
+    fn of_mode(&self, m: usize) -> f64 {
+        if m == 0 { self.mean * self.tolerance } else { self.tolerance }
     }
 
     /// Decay beyond which even a uniform flux has no impedance above the tolerance, 1/m.
     pub fn steepest(&self, depth: &Depth) -> f64 {
+        self.steepest_of(depth, self.of_mode(0))
+    }
+
+    fn steepest_of(&self, depth: &Depth, tolerance: f64) -> f64 {
         let slow = (SLOWEST.recip() / (depth.diffusivity() * self.duration)).sqrt();
-        (1.0 / (depth.conductivity * self.tolerance * self.impedance)).max(slow)
+        (1.0 / (depth.conductivity * tolerance * self.impedance)).max(slow)
     }
 }
 
@@ -74,11 +94,12 @@ fn kappa(depth: &Depth, decay: f64, frequency: f64) -> Complex<f64> {
 }
 
 impl Mode {
-    fn new(wave: Wave, width: f64, depth: &Depth, scale: &Scale) -> Mode {
+    fn new(wave: Wave, m: usize, width: f64, depth: &Depth, scale: &Scale) -> Mode {
+        let tolerance = scale.of_mode(m);
         let weight = 1.0f64.hypot(wave.wave_number * width / PI);
         let slowest = SLOWEST / scale.duration;
         // Above this frequency the mode's impedance has fallen to the tolerance.
-        let steepest = scale.steepest(depth) / weight;
+        let steepest = scale.steepest_of(depth, tolerance) / weight;
         let fastest = (depth.diffusivity() * steepest * steepest).max(3.0 / scale.duration);
         let ratio = (fastest / slowest).powf(1.0 / (FREQUENCIES - 1) as f64);
         let mut frequency: Vec<f64> = (0..FREQUENCIES).map(|i| slowest * ratio.powi(i as i32)).collect();
@@ -97,6 +118,7 @@ impl Mode {
             basis,
             fastest_is_steady: false,
             error: f64::INFINITY,
+            tolerance,
             steady,
             share,
             frequency,
@@ -104,7 +126,7 @@ impl Mode {
             used,
             exhausted: false,
         };
-        mode.judge(scale.tolerance);
+        mode.judge();
         mode
     }
 
@@ -115,7 +137,7 @@ impl Mode {
 
     /// Adds a trial function: the steady response first, so that steady states are exact, then the response at the rate
     /// where the error is largest.
-    fn improve(&mut self, points: &Points, tolerance: f64) {
+    fn improve(&mut self, points: &Points) {
         let last = self.frequency.len() - 1;
         if self.steady && !self.used[last] {
             self.used[last] = true;
@@ -134,18 +156,18 @@ impl Mode {
                 }
             }
         }
-        self.judge(tolerance);
+        self.judge();
     }
 
     /// The error, and whether the fastest shape can do without a state.
-    fn judge(&mut self, tolerance: f64) {
+    fn judge(&mut self) {
         let largest = |errors: Vec<f64>| errors.into_iter().fold(0.0, f64::max);
         self.fastest_is_steady = false;
         self.error = largest(self.errors(false));
         let uniform_alone = !self.steady && self.basis.count() == 1;
         if self.basis.count() > 0 && !uniform_alone {
             let error = largest(self.errors(true));
-            if error <= tolerance {
+            if error <= self.tolerance {
                 self.fastest_is_steady = true;
                 self.error = error;
             }
@@ -187,24 +209,24 @@ pub(super) struct Selection {
 impl Selection {
     pub fn new(across: &Across, depth: &Depth, points: &Points, scale: &Scale, most_states: usize) -> Selection {
         let width = 2.0 * across.half_width;
-        let mut modes = vec![Mode::new(across.wave(0), width, depth, scale)];
+        let mut modes = vec![Mode::new(across.wave(0), 0, width, depth, scale)];
         modes[0].basis.add_means(points);
-        modes[0].judge(scale.tolerance);
+        modes[0].judge();
         let mut states = modes[0].states();
         loop {
             // Errors of untouched modes fall with their number, so one of them is enough to compare with.
             if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
-                modes.push(Mode::new(across.wave(modes.len()), width, depth, scale));
+                modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
             }
             let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
             // The longest carry the mean: they come first, so that it is right even where the states do not suffice for all.
-            let long = open().find(|&m| m < LONGEST && modes[m].error > scale.tolerance);
+            let long = open().find(|&m| m < LONGEST && modes[m].error > modes[m].tolerance);
             let worst = long.or_else(|| open().max_by(|&m, &n| modes[m].error.total_cmp(&modes[n].error)));
-            let Some(worst) = worst.filter(|&m| modes[m].error > scale.tolerance && states < most_states) else {
+            let Some(worst) = worst.filter(|&m| modes[m].error > modes[m].tolerance && states < most_states) else {
                 break;
             };
             states -= modes[worst].states();
-            modes[worst].improve(points, scale.tolerance);
+            modes[worst].improve(points);
             states += modes[worst].states();
         }
         let error = modes.iter().map(|mode| mode.error).fold(0.0, f64::max);

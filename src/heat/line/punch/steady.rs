@@ -1,6 +1,6 @@
 //! What the contact answers without delay: the exact steady response of the whole punch, less the modes that have states.
 
-use super::across::{Across, Sides, Wave};
+use super::across::{Across, Sides};
 use super::depth::Depth;
 use crate::elastic::Cells;
 use nalgebra::DMatrix;
@@ -14,21 +14,34 @@ use std::f64::consts::PI;
 pub(super) fn steady_beyond(across: &Across, depth: &Depth, cells: &Cells, skipped: usize) -> DMatrix<f64> {
     let mut result = deep_and_insulated(across, depth, cells);
     let width = 2.0 * across.half_width;
-    let unlosing = Across { transfer: 0.0, ..*across };
-    let mut subtract = |factor: f64, wave: &Wave| add_product(&mut result, factor, &wave.cell_integrals(cells));
+    let weights = across.weights(cells);
+    // Short waves of an annulus are those of a straight body times the root of r_m/r.
+    let straight = match across.sides {
+        Sides::Radial(_) => Sides::Free,
+        sides => sides,
+    };
+    let unlosing = Across { transfer: 0.0, sides: straight, ..*across };
+    let root: Vec<f64> = weights.iter().zip(cells.widths()).map(|(weight, width)| (weight / width).sqrt()).collect();
+    for (i, row) in root.iter().enumerate() {
+        for (j, column) in root.iter().enumerate() {
+            result[(i, j)] *= row * column;
+        }
+    }
     // Beyond 20 decay lengths the top is not felt; the sides' share falls like 1/m^4.
     let felt = (20.0 * width / (PI * depth.height)).ceil() as usize;
     for m in 0..skipped.max(felt).max(256) {
         let (wave, plain) = (across.wave(m), unlosing.wave(m));
         if m > 0 {
-            subtract(-1.0 / (depth.conductivity * plain.wave_number), &plain);
+            let mut integrals = plain.cell_integrals(cells);
+            integrals.iter_mut().zip(&root).for_each(|(integral, root)| *integral *= root);
+            add_product(&mut result, -1.0 / (depth.conductivity * plain.wave_number), &integrals);
         }
         if m >= skipped {
-            subtract(depth.steady_impedance(wave.decay), &wave);
+            add_product(&mut result, depth.steady_impedance(wave.decay), &wave.cell_integrals(cells));
         }
     }
-    for (row, width) in cells.widths().iter().enumerate() {
-        result.row_mut(row).scale_mut(1.0 / width);
+    for (row, weight) in weights.iter().enumerate() {
+        result.row_mut(row).scale_mut(1.0 / weight);
     }
     result
 }
@@ -47,7 +60,7 @@ fn deep_and_insulated(across: &Across, depth: &Depth, cells: &Cells) -> DMatrix<
     let width = 2.0 * across.half_width;
     let period = match across.sides {
         // Even continuation at both sides.
-        Sides::Free => 2.0 * width,
+        Sides::Free | Sides::Radial(_) => 2.0 * width,
         Sides::Closed => width,
     };
     let angle: Vec<f64> = cells.edges().iter().map(|x| 2.0 * PI * (x + across.half_width) / period).collect();
@@ -55,7 +68,7 @@ fn deep_and_insulated(across: &Across, depth: &Depth, cells: &Cells) -> DMatrix<
     let zeta: [f64; TERMS] = std::array::from_fn(|n| even_zeta(n as i32 + 1));
     let sum = |angle: f64| cubic_cosine_sum(angle, &zeta);
     let edges = DMatrix::from_fn(angle.len(), angle.len(), |i, j| match across.sides {
-        Sides::Free => 0.5 * (sum(angle[i] - angle[j]) - sum(angle[i] + angle[j])),
+        Sides::Free | Sides::Radial(_) => 0.5 * (sum(angle[i] - angle[j]) - sum(angle[i] + angle[j])),
         Sides::Closed => sum(angle[i] - angle[j]),
     });
     let scale = 2.0 / (width * depth.conductivity) * (period / (2.0 * PI)).powi(3);
@@ -120,7 +133,7 @@ mod tests {
     #[test]
     fn steady_response_is_the_sum_of_all_modes() {
         let cells = Cells::graded(0.03, 7).unwrap();
-        let depth = Depth { height: 0.05, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(100.0) };
+        let depth = Depth { height: 0.05, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(100.0), face: 0.0 };
         for (sides, transfer) in [(Sides::Free, 0.0), (Sides::Free, 4e3), (Sides::Closed, 4e3)] {
             let across = Across { half_width: 0.03, sides, cooled: 2.0, transfer, conductivity: 55.0 };
             let scale = steady_beyond(&across, &depth, &cells, 0).amax();

@@ -1,0 +1,233 @@
+//! Modes of conduction along the radius of a ring: exact, in Bessel functions.
+//!
+//! ```text
+//! (r X')'/r + xi^2 X = 0 on r_i < r < r_o,     X' = eta X at r_i,   X' = -eta X at r_o,   eta = h/k
+//! X = A J0(xi r) + B Y0(xi r),   X' = -xi Z1(xi r),   Z1 = A J1 + B Y1
+//! ```
+//!
+//! orthonormal in the weight r/r_m: `integral X^2 r/r_m dr = 1`. Since `(r X')' = -xi^2 r X`, integrals of a mode over cells
+//! are differences of `r Z1/(xi r_m)`, and `integral r Z0^2 dr = r^2 (Z0^2 + Z1^2)/2`.
+//!
+//! Number m of the wave numbers lies between that of insulated sides, `m pi < xi (r_o - r_i) < (m + 1/2) pi`, and
+//! `(m + 1) pi`, below which sides held in temperature stay. Source: H. S. Carslaw, J. C. Jaeger, Conduction of Heat in
+//! Solids (1959), 7.10 and 13.4.
+
+/// A ring with its sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Radii {
+    pub inner: f64,
+    pub outer: f64,
+    /// r_m, m.
+    pub mean: f64,
+    /// eta, 1/m.
+    pub loss: f64,
+}
+
+/// One mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RadialMode {
+    /// xi, 1/m.
+    pub wave_number: f64,
+    /// A and B, m^(-1/2); without wave number A is the constant value.
+    first: f64,
+    second: f64,
+    mean: f64,
+}
+
+/// Half the phase of a mode over a cell below which its integral is taken by quadrature: the difference of its primitive loses
+/// digits there.
+const SHORT_CELL: f64 = 0.2;
+
+/// Gauss-Legendre rule of four points on [-1, 1]: positions and weights of one half.
+const GAUSS: [(f64, f64); 2] =
+    [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
+
+impl Radii {
+    /// Number `m` of the modes in ascending order of their wave numbers.
+    pub fn mode(&self, m: usize) -> RadialMode {
+        let width = self.outer - self.inner;
+        if m == 0 && self.loss == 0.0 {
+            return RadialMode { wave_number: 0.0, first: width.sqrt().recip(), second: 0.0, mean: self.mean };
+        }
+        let insulated = Radii { loss: 0.0, ..*self };
+        let half_turns = std::f64::consts::PI / width;
+        let above = (m as f64 + 0.5) * half_turns;
+        let mut wave_number = if m == 0 { 0.0 } else { insulated.root((m as f64 - 0.01) * half_turns, above) };
+        if self.loss > 0.0 {
+            wave_number = self.root(wave_number, (m as f64 + 1.0) * half_turns);
+        }
+        let (first, second) = self.coefficients(wave_number);
+        let mut mode = RadialMode { wave_number, first, second, mean: self.mean };
+        let square = |r: f64| {
+            let (value, slope) = (mode.at_radius(r), mode.cylinder_one(r));
+            0.5 * r * r / self.mean * (value * value + slope * slope)
+        };
+        // Positive at the inner side, so that modes do not depend on the sign of the Bessel functions.
+        let scale = (square(self.outer) - square(self.inner)).sqrt().recip().copysign(mode.at_radius(self.inner));
+        mode.first *= scale;
+        mode.second *= scale;
+        mode
+    }
+
+    /// A and B of the function that meets the condition at the inner side, to a factor.
+    fn coefficients(&self, wave_number: f64) -> (f64, f64) {
+        let (x, biot) = (wave_number * self.inner, self.loss / wave_number);
+        let (first, second) = (libm::y1(x) + biot * libm::y0(x), -(libm::j1(x) + biot * libm::j0(x)));
+        // Y grows without bound towards the centre.
+        let scale = first.hypot(second).recip();
+        (scale * first, scale * second)
+    }
+
+    /// What the function that meets the condition at the inner side lacks at the outer one.
+    fn residual(&self, wave_number: f64) -> f64 {
+        let (first, second) = self.coefficients(wave_number);
+        let (x, biot) = (wave_number * self.outer, self.loss / wave_number);
+        first * (libm::j1(x) - biot * libm::j0(x)) + second * (libm::y1(x) - biot * libm::y0(x))
+    }
+
+    /// The wave number between `low` and `high` (1/m), exclusive, by false position (Illinois variant).
+    fn root(&self, low: f64, high: f64) -> f64 {
+        // At no wave number at all a loss has one sign: that of what is missing just above it.
+        let low = low.max(1e-9 * high);
+        let (mut left, mut right) = ((low, self.residual(low)), (high, self.residual(high)));
+        let mut middle = 0.5 * (low + high);
+        for _ in 0..200 {
+            let part = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
+            let next =
+                if part > left.0.min(right.0) && part < left.0.max(right.0) { part } else { 0.5 * (left.0 + right.0) };
+            let moved = (next - middle).abs();
+            middle = next;
+            let value = self.residual(middle);
+            if value == 0.0 || moved <= 4.0 * f64::EPSILON * middle {
+                break;
+            }
+            if value * right.1 < 0.0 {
+                left = right;
+            } else {
+                left.1 *= 0.5;
+            }
+            right = (middle, value);
+        }
+        middle
+    }
+}
+
+impl RadialMode {
+    /// X at x = r - r_m.
+    pub fn value(&self, x: f64) -> f64 {
+        self.at_radius(self.mean + x)
+    }
+
+    fn at_radius(&self, r: f64) -> f64 {
+        if self.wave_number == 0.0 {
+            return self.first;
+        }
+        let x = self.wave_number * r;
+        self.first * libm::j0(x) + self.second * libm::y0(x)
+    }
+
+    /// Z1, that is -X'/xi.
+    fn cylinder_one(&self, r: f64) -> f64 {
+        let x = self.wave_number * r;
+        self.first * libm::j1(x) + self.second * libm::y1(x)
+    }
+
+    /// Integrals of X r/r_m between every boundary (x = r - r_m, ascending) and the next, m^(1/2).
+    pub fn integrals(&self, boundaries: &[f64]) -> Vec<f64> {
+        let ratio = |x: f64| 1.0 + x / self.mean;
+        if self.wave_number == 0.0 {
+            return boundaries
+                .windows(2)
+                .map(|pair| self.first * (pair[1] - pair[0]) * ratio(0.5 * (pair[0] + pair[1])))
+                .collect();
+        }
+        let primitive = |x: f64| ratio(x) * self.cylinder_one(self.mean + x) / self.wave_number;
+        let mut last: Option<f64> = None;
+        let mut integrals = Vec::with_capacity(boundaries.len());
+        for pair in boundaries.windows(2) {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            if half * self.wave_number < SHORT_CELL {
+                last = None;
+                let at = |x: f64| ratio(x) * self.value(x);
+                let sum = |(node, weight): (f64, f64)| weight * (at(middle - half * node) + at(middle + half * node));
+                integrals.push(half * GAUSS.into_iter().map(sum).sum::<f64>());
+                continue;
+            }
+            let before = last.unwrap_or_else(|| primitive(pair[0]));
+            let after = primitive(pair[1]);
+            integrals.push(after - before);
+            last = Some(after);
+        }
+        integrals
+    }
+
+    /// Sum of X r/r_m at both sides, m^(-1/2).
+    pub fn at_sides(&self, radii: &Radii) -> f64 {
+        (radii.inner * self.at_radius(radii.inner) + radii.outer * self.at_radius(radii.outer)) / radii.mean
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn modes_satisfy_their_equations_and_are_orthonormal() {
+        let edges: Vec<f64> = (0..=4000).map(|k| -0.02 + 1e-5 * f64::from(k)).collect();
+        for (mean, loss) in [(0.1, 0.0), (0.021, 0.0), (0.1, 1e-8), (0.021, 3.0), (0.1, 400.0), (50.0, 7.0)] {
+            let radii = Radii { inner: mean - 0.02, outer: mean + 0.02, mean, loss };
+            let modes: Vec<RadialMode> = (0..8).map(|m| radii.mode(m)).collect();
+            let exact: Vec<Vec<f64>> = modes.iter().map(|mode| mode.integrals(&edges)).collect();
+            for (m, mode) in modes.iter().enumerate() {
+                let scale = mode.wave_number.max(loss).max(1.0);
+                for (x, sign) in [(-0.02, 1.0), (0.02, -1.0)] {
+                    let slope =
+                        -mode.wave_number * if m == 0 && loss == 0.0 { 0.0 } else { mode.cylinder_one(mean + x) };
+                    let lacking = slope - sign * loss * mode.value(x);
+                    assert!(
+                        lacking.abs() < 1e-8 * scale * mode.value(-0.02).abs().max(1.0),
+                        "{mean} {loss} {m}: {lacking}"
+                    );
+                }
+                // Between insulated and held sides, and no mode left out.
+                let turns = mode.wave_number * 0.04 / PI;
+                assert!(turns >= m as f64 - 1e-9 && turns < m as f64 + 1.0, "{mean} {loss} {m}: {turns}");
+                for (n, other) in modes.iter().enumerate() {
+                    let sum: f64 =
+                        edges.iter().zip(&exact[m]).map(|(x, integral)| integral * other.value(x + 5e-6)).sum();
+                    let expected = if m == n { 1.0 } else { 0.0 };
+                    assert!((sum - expected).abs() < 1e-5, "{mean} {loss} {m} {n}: {sum}");
+                }
+                let total: f64 = exact[m].iter().sum();
+                let lost = loss * mode.at_sides(&radii);
+                let expected = if mode.wave_number > 0.0 { lost / mode.wave_number.powi(2) } else { 0.2 };
+                assert!((total - expected).abs() < 2e-8, "{mean} {loss} {m}: {total} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn wave_numbers_are_the_tabulated_ones() {
+        // Zeros of J1(x) Y1(2 x) - J1(2 x) Y1(x): Abramowitz and Stegun, table 9.7 (lambda = 0.5), r_o = 2 r_i.
+        let radii = Radii { inner: 1.0, outer: 2.0, mean: 1.5, loss: 0.0 };
+        for (m, expected) in [(1, 3.196_58), (2, 6.312_35), (3, 9.444_46), (4, 12.581_20), (5, 15.719_85)] {
+            let found = radii.mode(m).wave_number;
+            assert!((found - expected).abs() < 1e-5, "{m}: {found}");
+        }
+    }
+
+    #[test]
+    fn slender_rings_are_straight() {
+        let radii = Radii { inner: 99.98, outer: 100.02, mean: 100.0, loss: 0.0 };
+        for m in 1..40 {
+            let mode = radii.mode(m);
+            let wave_number = m as f64 * PI / 0.04;
+            assert!((mode.wave_number / wave_number - 1.0).abs() < 1e-7);
+            for x in [-0.02, -0.013, 0.001, 0.02] {
+                let cosine = (2.0 / 0.04f64).sqrt() * (wave_number * (x + 0.02)).cos();
+                assert!((mode.value(x) - cosine).abs() < 3e-3, "{m} {x}");
+            }
+        }
+    }
+}

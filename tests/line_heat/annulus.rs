@@ -1,0 +1,230 @@
+//! Heat on the cells of an annular contact: a ring on the ring that it slides over.
+
+use crate::drive::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
+use sliding_contact::component::Snapshot;
+use sliding_contact::elastic::scene::{cells_for, compliances};
+use sliding_contact::scene::Scene;
+use sliding_contact::steady::scene::Sliding;
+use sliding_contact::steady::thermal::hot_state;
+
+/// The clutch of the examples on the contact line.
+fn clutch(changes: &[(&str, f64)]) -> Drive {
+    let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", 1e-3)];
+    Drive::from_starts(&scene("clutch"), &[&line[..], changes].concat())
+}
+
+/// The same as two brake pads on a disc, each a sixth of the circle.
+const PADS: [(&str, f64); 3] = [("depth", 0.099), ("punch.count", 2.0), ("contact.stick_stiffness", 0.0)];
+
+fn engage(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
+    let mut bits = Vec::new();
+    for step in steps {
+        let part = f64::from(step) / 40.0;
+        let slip = 300.0 * (1.0 - part).max(-0.1);
+        drive.set("angular_velocity", slip).set("normal_load", 5e3 * (0.2 + part).min(1.0));
+        if step % 5 == 2 {
+            drive.slope("angular_velocity", -300.0);
+        }
+        drive.step(0.02 + 0.01 * f64::from(step % 3));
+        for output in 7..250 {
+            let value = drive.0.get(output);
+            assert!(value.is_finite(), "{output}");
+            bits.push(value.to_bits());
+        }
+    }
+    bits
+}
+
+#[test]
+fn the_account_closes_with_every_cooling() {
+    for changes in [
+        &[][..],
+        &PADS,
+        &[("punch.top_thermal", HELD), ("strip.base_thermal", HELD)],
+        &[("punch.top_thermal", CONVECTING), ("strip.base_thermal", INSULATED), ("strip.cooled_area", 0.05)],
+        &[("punch.emissivity", 0.8), ("strip.emissivity", 0.5), ("strip.convection_forced", 30.0), ("depth", 0.3)],
+        &[("punch.conductivity", 0.0)],
+        &[("strip.conductivity", 0.0), ("punch.convection", 300.0)],
+        &[("contact.conductance", 0.0), ("holder.stiffness", 1e8)],
+        &[("solver.scheme", 2.0), ("contact.stick_stiffness", 0.0), ("depth", 0.2)],
+    ] {
+        let mut drive = clutch(changes);
+        engage(&mut drive, 0..30);
+        let received = drive.get("heat_received_punch") + drive.get("heat_received_strip");
+        let (work, imbalance) = (drive.get("dissipated_energy"), drive.imbalance());
+        println!("{changes:?}: work {work} J, {:.1e}, imbalance {imbalance:.1e}", received / work - 1.0);
+        assert!(work > 1e3 && (received / work - 1.0).abs() < 1e-9, "{changes:?}");
+        assert!(imbalance < 1e-9, "{changes:?}: {imbalance}");
+        assert!(drive.get("contact_temperature_max") >= drive.get("contact_temperature"));
+    }
+}
+
+#[test]
+fn friction_heat_is_torque_times_speed() {
+    for changes in [&[][..], &PADS] {
+        let mut drive = clutch(&[changes, &[("contact.stick_stiffness", 0.0)]].concat());
+        drive.set("angular_velocity", 200.0).set("normal_load", 5e3);
+        for _ in 0..20 {
+            drive.step(0.01);
+        }
+        let (torque, power) = (drive.get("friction_torque"), drive.get("friction_power"));
+        let heat = drive.get("heat_flow_punch") + drive.get("heat_flow_strip");
+        assert!((power / (200.0 * torque) - 1.0).abs() < 1e-9, "{power} {torque}");
+        assert!((heat / power - 1.0).abs() < 1e-6, "{changes:?}: {heat} {power}");
+        // Sliding faster outside, the clutch is hotter there than inside.
+        assert!(drive.get("profile.temperature[28]") > drive.get("profile.temperature[6]") + 1.0, "{changes:?}");
+    }
+}
+
+#[test]
+fn a_replay_gives_the_same_bits() {
+    for changes in [&[][..], &PADS] {
+        let mut drive = clutch(changes);
+        engage(&mut drive, 0..9);
+        let mut saved = Snapshot::default();
+        drive.0.snapshot(&mut saved);
+        let straight_on = engage(&mut drive, 9..25);
+        drive.0.restore(&saved).unwrap();
+        assert!(straight_on == engage(&mut drive, 9..25), "{changes:?}: same instance");
+        let mut bytes = Vec::new();
+        saved.encode(&mut bytes);
+        assert!(bytes.len() <= 256 << 10, "{}", bytes.len());
+        let mut fresh = clutch(changes);
+        fresh.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+        assert!(straight_on == engage(&mut fresh, 9..25), "{changes:?}: fresh instance");
+    }
+}
+
+/// Profiles of pressure and temperature after slip that falls, with `parts` steps.
+fn slow_down(parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
+    // Slow enough that nothing grows, and steps that are not cut.
+    let plain = [
+        ("solver.tolerance", 0.1),
+        ("contact.stick_stiffness", 0.0),
+        ("contact.static_friction_ratio", 1.0),
+        ("punch.thermal_expansion", 1e-6),
+        ("strip.thermal_expansion", 1e-6),
+    ];
+    let mut drive = clutch(&[&plain[..], changes].concat());
+    drive.set("normal_load", 5e3);
+    let duration = 0.4;
+    let step = duration / f64::from(parts);
+    let velocity = |time: f64| 30.0 * (time / duration).powi(3);
+    for part in 0..parts {
+        let time = step * f64::from(part);
+        let (from, to) = (velocity(time), velocity(time + step));
+        drive.set("sliding_velocity", from).slope("sliding_velocity", (to - from) / step);
+        drive.step(step);
+    }
+    assert!(drive.get("contact_fraction") > 0.999);
+    ["pressure", "temperature"]
+        .map(|name| (1..=33).map(|station| drive.get(&format!("profile.{name}[{station}]"))).collect())
+}
+
+#[test]
+fn pressure_and_temperature_are_of_second_order() {
+    for changes in [&[][..], &PADS[..2]] {
+        let finest = slow_down(640, changes);
+        let errors = [20, 40, 80].map(|parts| {
+            let values = slow_down(parts, changes);
+            [0, 1].map(|quantity| {
+                let pairs = values[quantity].iter().zip(&finest[quantity]);
+                pairs.map(|(value, exact)| (value - exact).powi(2)).sum::<f64>().sqrt()
+            })
+        });
+        for quantity in 0..2 {
+            let order = (errors[0][quantity] / errors[2][quantity]).log2() / 2.0;
+            println!("{changes:?} {quantity}: order {order} {errors:?}");
+            assert!((1.9..2.1).contains(&order), "{changes:?} {quantity}: {order} {errors:?}");
+        }
+    }
+}
+
+/// Long sliding at a constant speed ends in the steady state that is found at once.
+#[test]
+fn stepping_ends_in_the_steady_state_found_directly() {
+    let steady = [
+        ("contact.stick_stiffness", 0.0),
+        ("contact.static_friction_ratio", 1.0),
+        ("nominal.load", 500.0),
+        ("nominal.velocity", 2.0),
+        ("nominal.duration", 2e4),
+        ("punch.top_thermal", HELD),
+        ("strip.convection", 100.0),
+        ("punch.wear_coefficient", 5e-13),
+        ("strip.wear_coefficient", 1.5e-13),
+        ("solver.tolerance", 1e-4),
+        // Slow enough that nothing grows, however long it lasts.
+        ("punch.thermal_expansion", 1e-7),
+        ("strip.thermal_expansion", 1e-7),
+    ];
+    for changes in [&[][..], &PADS] {
+        let changes = [&steady[..], changes].concat();
+        let mut starts = scene("clutch");
+        for (name, value) in &changes {
+            starts[reference(name) as usize] = *value;
+        }
+        let made = Scene::new(&starts, None).unwrap();
+        let cells = cells_for(&made, 17).unwrap();
+        let bodies = compliances(&made, &cells).unwrap();
+        let hot = hot_state(&made, &cells, &bodies, &Sliding::nominal(&made)).unwrap();
+        let mut drive = clutch(&changes);
+        drive.set("normal_load", 500.0).set("sliding_velocity", 2.0);
+        for step in 0..30 {
+            drive.step(0.1 * 1.5f64.powi(step));
+        }
+        let (t, ambient) = (drive.get("contact_temperature"), 333.15);
+        let rise = hot.heat.contact_temperature[1] - ambient;
+        let highest = hot.state.strokes[0].pressure.iter().copied().fold(0.0, f64::max);
+        let flows = hot.heat.flows;
+        println!("{rise} against {} K, {highest} against {} Pa, {flows:?}", t - ambient, drive.get("pressure_max"));
+        assert!((t - ambient - rise).abs() < 1e-3 * rise, "{t} {rise}");
+        assert!((highest / drive.get("pressure_max") - 1.0).abs() < 1e-3, "{highest}");
+        assert!((drive.get("friction_power") / flows.friction - 1.0).abs() < 1e-3);
+        assert!((drive.get("heat_flow_punch") - flows.punch).abs() < 1e-3 * flows.friction);
+    }
+}
+
+/// Above the critical speed a band of the carbon clutch takes up the load, below it the load stays spread.
+#[test]
+fn bands_grow_above_the_critical_speed_only() {
+    let carbon: Vec<(String, f64)> = ["punch", "strip"]
+        .iter()
+        .flat_map(|body| {
+            [
+                ("youngs_modulus", 2e10),
+                ("poissons_ratio", 0.2),
+                ("density", 1750.0),
+                ("specific_heat", 1200.0),
+                ("conductivity", 80.0),
+                ("thermal_expansion", 1e-6),
+                ("height", 0.006),
+                ("wear_coefficient", 0.0),
+            ]
+            .map(|(name, value)| (format!("{body}.{name}"), value))
+        })
+        .collect();
+    let mut changes: Vec<(&str, f64)> = carbon.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    changes.extend([("contact.friction_coefficient", 0.25), ("contact.static_friction_ratio", 1.0)]);
+    changes.extend([("contact.stick_stiffness", 0.0), ("nominal.velocity", 10.0)]);
+    let unevenness = |ratio: f64| {
+        let mut drive = clutch(&changes);
+        drive.set("normal_load", 5e3);
+        drive.set("sliding_velocity", 1.0);
+        let speed = ratio * drive.get("critical_speed");
+        drive.set("sliding_velocity", speed);
+        let mut highest = Vec::new();
+        for step in 0..60 {
+            drive.step(0.01);
+            if step % 20 == 19 {
+                highest.push(drive.get("pressure_max") / drive.get("pressure_mean"));
+            }
+        }
+        println!("{ratio}: {speed} m/s, {highest:?}, contact {}", drive.get("contact_fraction"));
+        (highest, drive.get("contact_fraction"), drive.imbalance())
+    };
+    let (below, above) = (unevenness(0.3), unevenness(3.0));
+    assert!(below.1 == 1.0 && below.0[2] < 1.05 * below.0[0], "{below:?}");
+    assert!(above.1 < 0.9 && above.0[2] > 2.0 * below.0[2], "{above:?}");
+    assert!(above.2 < 1e-9, "{above:?}");
+}
