@@ -69,6 +69,14 @@ impl Operators {
         }
     }
 
+    /// A contact line of about half as many cells, merged from these: nothing is built anew. `None` of the lumped level.
+    pub fn merged(&self) -> Option<Operators> {
+        match self {
+            Operators::Lumped(_) => None,
+            Operators::Line(operators) => Some(Operators::Line(Arc::new(operators.merged()))),
+        }
+    }
+
     /// What was chosen, for the log.
     pub fn plan(&self) -> String {
         let mean = match self {
@@ -185,19 +193,38 @@ impl Model {
         }
     }
 
-    /// Takes over where `from` stands, which knows the same scene on a lower rung: worn volumes and heat to rounding. Nothing
-    /// is allocated. `false`, and nothing happens, where the states of the two do not belong together.
-    pub fn take_over(&mut self, from: &Model) -> bool {
+    /// Takes over where `from` stands, which knows the same scene on a lower rung: worn volumes and heat to rounding, at
+    /// the present `inputs`. `false`, and nothing happens, where the states of the two do not belong together.
+    pub fn take_over(&mut self, from: &mut Model, inputs: &[f64; INPUTS]) -> bool {
         match (self, from) {
-            (Model::Line(line), Model::Lumped(lower)) => line.take_over_mean(lower),
-            (Model::Line(line), Model::Line(lower)) => line.take_over_line(lower),
+            (Model::Line(line), Model::Lumped(lower)) => line.take_over_mean(lower, inputs),
+            (Model::Line(line), Model::Line(lower)) => line.take_over_line(lower, inputs),
             _ => false,
+        }
+    }
+
+    /// Makes room for [`Model::take_over`], so that it allocates nothing.
+    pub fn prepare_take_over(&mut self) {
+        if let Model::Line(line) = self {
+            line.prepare_take_over();
         }
     }
 
     /// Parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         each!(self, model => model.set_tunables(tunables));
+    }
+
+    /// From here on a contact line tries at most `most` internal steps: a step that would need more fails.
+    pub fn limit_attempts(&mut self, most: u32) {
+        if let Model::Line(line) = self {
+            line.limit_attempts(most);
+        }
+    }
+
+    /// Whether all internal steps that were allowed are used up.
+    pub fn out_of_attempts(&self) -> bool {
+        matches!(self, Model::Line(line) if line.attempts_left() == Some(0))
     }
 
     /// Whether a bristle carries the force at standstill.

@@ -87,7 +87,7 @@ pub struct Heat {
     closed: Vec<bool>,
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
-    difference: Vec<f64>,
+    pub(super) difference: Vec<f64>,
     /// N x N, by columns, for the check of growth.
     matrix: Vec<f64>,
     base: [Vec<f64>; 2],

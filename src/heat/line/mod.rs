@@ -22,6 +22,7 @@
 //! gives negative values. Energies are per depth, J/m, flows W/m. Cells run from the -x to the +x edge.
 
 pub mod field;
+pub mod merged;
 pub mod punch;
 pub mod reduced;
 pub mod strip;
