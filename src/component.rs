@@ -4,9 +4,11 @@
 //! but not FMI: phases, status codes and times are the importer's side.
 
 mod escalation;
+mod messages;
 mod rates;
 mod snapshot;
 
+pub use messages::Messages;
 pub use snapshot::Snapshot;
 
 use crate::coupled::INPUTS;
@@ -155,7 +157,7 @@ pub struct Component {
     last_step: f64,
     /// Limits already logged.
     reported: u8,
-    messages: Vec<Message>,
+    messages: Messages,
 }
 
 impl Component {
@@ -182,15 +184,16 @@ impl Component {
             at_end: false,
             last_step: 0.0,
             reported: 0,
-            messages: Vec::new(),
+            messages: Messages::default(),
         }
     }
 
     /// Back to what [`Component::new`] gives; rungs are kept for use with the same scene.
     pub fn reset(&mut self) {
-        let ladder = self.ladder.take();
+        let (ladder, messages) = (self.ladder.take(), std::mem::take(&mut self.messages));
         *self = Component::new(self.starts.clone());
-        self.ladder = ladder;
+        (self.ladder, self.messages) = (ladder, messages);
+        let _ = self.messages.take();
     }
 
     /// Value of the variable `reference` (below [`COUNT`]). Outputs answer the present inputs; before
@@ -321,6 +324,7 @@ impl Component {
         self.build(&scene)?;
         self.phase = Phase::Running;
         self.announce(&scene);
+        self.messages.reserve();
         Ok(())
     }
 
@@ -334,11 +338,10 @@ impl Component {
         let ladder = self.ladder.as_ref().expect("built just before");
         let mut lines = ladder.lines().into_iter();
         let first = lines.next().unwrap_or_default();
-        let text = format!("tolerance {:e} from {source}; {first}", scene.tolerance);
-        self.messages.push(Message { subject: Subject::Plan, text });
-        self.messages.extend(lines.map(|text| Message { subject: Subject::Plan, text }));
+        self.messages.add(Subject::Plan, format_args!("tolerance {:e} from {source}; {first}", scene.tolerance));
+        lines.for_each(|text| self.messages.add(Subject::Plan, format_args!("{text}")));
         for text in ladder.first.warnings() {
-            self.messages.push(Message { subject: Subject::Warning, text });
+            self.messages.add(Subject::Warning, format_args!("{text}"));
         }
     }
 
@@ -431,14 +434,14 @@ impl Component {
         ];
         for (bit, text) in texts {
             if limits & bit != 0 && self.reported & bit == 0 {
-                self.messages.push(Message { subject: Subject::Warning, text: text.into() });
+                self.messages.add(Subject::Warning, format_args!("{text}"));
             }
         }
         let inputs = inputs_of(&self.values);
         for bit in [limit::ACCELERATED, limit::UNSTABLE] {
             let fresh = limits & bit != 0 && self.reported & bit == 0;
-            if let Some(text) = self.model.as_ref().filter(|_| fresh).and_then(|model| model.warning(bit, &inputs)) {
-                self.messages.push(Message { subject: Subject::Warning, text });
+            if let Some(model) = self.model.as_ref().filter(|_| fresh) {
+                self.messages.compose(Subject::Warning, |text| model.write_warning(bit, &inputs, text));
             }
         }
         self.reported |= limits;
@@ -482,8 +485,8 @@ impl Component {
     }
 
     /// Messages since the last call.
-    pub fn messages(&mut self) -> std::vec::Drain<'_, Message> {
-        self.messages.drain(..)
+    pub fn messages(&mut self) -> std::slice::Iter<'_, Message> {
+        self.messages.take()
     }
 
     /// Whether there is a message.

@@ -1,9 +1,15 @@
-//! A step allocates nothing once the component is initialised.
+//! A step allocates nothing once the component is initialised: at any level, when it says something and when the run goes on
+//! at another level. (The explicit scheme, there to be compared, is left out: it asks for eigenvalues at every step.)
 
 use sliding_contact::component::Component;
-use sliding_contact::variables::{STARTS, find};
+use sliding_contact::fmi2::exports::*;
+use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, Logger, Status};
+use sliding_contact::slot;
+use sliding_contact::variables::{Kind, STARTS, find, lookup};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::ffi::{CString, c_char, c_void};
+use std::ptr;
 use std::sync::Arc;
 
 struct Counting;
@@ -58,7 +64,7 @@ fn allocations(changes: &[(&str, f64)], speed: f64, steps: u32) -> (u64, Vec<sli
         }
     }
     let allocated = ALLOCATIONS.get() - before;
-    (allocated, component.messages().collect())
+    (allocated, component.messages().cloned().collect())
 }
 
 #[test]
@@ -78,7 +84,7 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     // Where nothing says otherwise heat runs along the cells, because the bodies expand; without expansion it follows the
     // mean, as it does with a bristle.
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
-    let scenes: [&[(&str, f64)]; 7] = [
+    let scenes: [&[(&str, f64)]; 8] = [
         &[],
         &cold,
         &[("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)],
@@ -86,9 +92,129 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
         &[("strip.path", 1.0), ("contact.geometry", 1.0), ("nominal.stroke", 0.05)],
         &[("holder.stiffness", 1e8), ("contact.friction_fade.factor[2]", 0.5)],
         &[("contact.geometry", 1.0), ("holder.constraint", 2.0), ("holder.pivot_height", 0.02)],
+        &[("solver.scheme", 2.0), ("contact.geometry", 1.0)],
     ];
     for scene in scenes {
-        let (allocated, messages) = allocations(&[&line[..], scene].concat(), 0.01, 300);
+        let (allocated, messages) = allocations(&[&line[..], scene].concat(), 0.01, 100);
         assert_eq!(allocated, 0, "{scene:?}: {messages:?}");
+    }
+}
+
+/// Above its critical speed a step is tried again in shorter ones, and the contact parts.
+#[test]
+fn steps_that_follow_growing_hot_spots_allocate_nothing() {
+    // A conducting half-plane all round on a rigid insulator: unstable above 0.06 m/s.
+    let scene = [
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 16.0),
+        ("contact.geometry", 3.0),
+        ("contact.shear_coupling", 0.0),
+        ("contact.friction_coefficient", 0.3),
+        ("strip.path", 2.0),
+        ("strip.length", 0.01),
+        ("punch.width", 0.01),
+        ("punch.height", 0.1),
+        ("punch.body", 3.0),
+        ("punch.youngs_modulus", 2e11),
+        ("punch.conductivity", 45.0),
+        ("punch.thermal_expansion", 1.1e-5),
+        ("strip.body", 1.0),
+        ("strip.conductivity", 0.0),
+        ("nominal.velocity", 0.05),
+    ];
+    let (allocated, messages) = allocations(&scene, 0.2, 30);
+    assert_eq!(allocated, 0, "{messages:?}");
+    assert!(messages.iter().any(|message| message.text.starts_with("thermoelastically unstable")), "{messages:?}");
+}
+
+/// The reference level factors for every new step size.
+#[test]
+fn steps_of_the_unreduced_punch_allocate_nothing() {
+    let field = [("solver.fidelity", 4.0), ("solver.cells", 9.0), ("contact.geometry", 1.0)];
+    let scenes: [&[(&str, f64)]; 3] = [
+        &[("strip.path", 1.0), ("nominal.stroke", 0.05)],
+        &[("punch.top_thermal", 1.0), ("punch.convection", 50.0)],
+        &[("solver.scheme", 2.0)],
+    ];
+    for scene in scenes {
+        let (allocated, messages) = allocations(&[&field[..], scene].concat(), 0.01, 6);
+        assert_eq!(allocated, 0, "{scene:?}: {messages:?}");
+    }
+}
+
+/// Counts, and measures the text.
+unsafe extern "C" fn count(
+    environment: ComponentEnvironment,
+    _: types::String,
+    _: Status,
+    _: types::String,
+    _: types::String,
+    text: *const c_char,
+) {
+    // SAFETY: the environment is the test's counter, the text ends with a zero.
+    unsafe {
+        let counter = &*environment.cast::<Cell<usize>>();
+        counter.set(counter.get() + usize::from(*text != 0));
+    }
+}
+
+/// Everything between the importer's call and its logger: a load below 0 N, a limit of the temperature, and the level above, which
+/// takes over.
+#[test]
+fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing() {
+    let said = Cell::new(0);
+    type Fixed =
+        unsafe extern "C" fn(ComponentEnvironment, types::String, Status, types::String, types::String, *const c_char);
+    // SAFETY: on the platforms of these tests a variadic function takes a pointer as any other does.
+    let logger = unsafe { std::mem::transmute::<Fixed, Logger>(count) };
+    let callbacks = CallbackFunctions {
+        logger: Some(logger),
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: ptr::from_ref(&said).cast_mut().cast(),
+    };
+    let guid = CString::new(slot::current().unwrap().guid()).unwrap();
+    let is_real = |output: &u32| matches!(lookup(*output), Some((row, _)) if matches!(row.kind, Kind::Real { .. }));
+    let outputs: Vec<u32> = (7..250).filter(is_real).collect();
+    let mut values = vec![0.0; outputs.len()];
+    let place = |name: &str| outputs.iter().position(|&output| Some(output) == find(name)).unwrap();
+    let [highest, mean] = ["pressure_max", "pressure_mean"].map(place);
+    // SAFETY: strings, structure and vectors live through the calls.
+    unsafe {
+        let component =
+            fmi2Instantiate(c"importer".as_ptr(), types::CO_SIMULATION, guid.as_ptr(), ptr::null(), &callbacks, 0, 1);
+        assert!(!component.is_null());
+        let set = |component: *mut c_void, name: &str, value: f64| {
+            assert_eq!(fmi2SetReal(component, &find(name).unwrap(), 1, &value), Status::Ok, "{name}");
+        };
+        // A plan that is content with the lumped level while the load is the nominal one.
+        for (name, value) in [
+            ("punch.thermal_expansion", 0.0),
+            ("strip.thermal_expansion", 0.0),
+            ("punch.wear_pressure_exponent", 1.3),
+            ("nominal.duration", 100.0),
+            ("solver.tolerance", 0.2),
+            ("contact.temperature_limit", 310.0),
+        ] {
+            set(component, name, value);
+        }
+        assert_eq!(fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2EnterInitializationMode(component), Status::Ok);
+        assert_eq!(fmi2ExitInitializationMode(component), Status::Ok);
+        let [velocity, load] = ["sliding_velocity", "normal_load"].map(|name| find(name).unwrap());
+        let announced = said.get();
+        let before = ALLOCATIONS.get();
+        for step in 0..40 {
+            let force = if step == 10 { -1.0 } else { 300.0 * f64::from(step) };
+            let set = fmi2SetReal(component, [velocity, load].as_ptr(), 2, [10.0, force].as_ptr());
+            assert_eq!((set, fmi2DoStep(component, f64::from(step), 1.0, 1)), (Status::Ok, Status::Ok), "{step}");
+            let status = fmi2GetReal(component, outputs.as_ptr(), outputs.len(), values.as_mut_ptr());
+            assert_eq!(status, Status::Ok);
+        }
+        let allocated = ALLOCATIONS.get() - before;
+        assert!(values[highest] > 1.01 * values[mean], "the run stayed lumped: {} Pa", values[highest]);
+        assert_eq!((said.get() - announced, allocated), (3, 0));
+        fmi2FreeInstance(component);
     }
 }

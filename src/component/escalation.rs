@@ -1,9 +1,11 @@
 //! Leaving what was planned for: the next rung takes over, or the log says that it does not.
 
-use super::{Component, Message, Subject, inputs_of, tunables_of};
+use super::{Component, Subject, inputs_of, tunables_of};
 use crate::coupled::INPUTS;
 use crate::coupled::model::Model;
+use crate::plan::rung::Rung;
 use crate::scene::{Escalation, value};
+use std::borrow::Cow;
 
 impl Component {
     /// Looks whether the step that ended still was what the plan is for.
@@ -18,24 +20,21 @@ impl Component {
             return;
         }
         self.left_plan = true;
-        let beyond = format!(
+        let planned = ladder.plan.as_ref().map_or(0.0, |plan| plan.rise);
+        let (velocity, load) = (scene.nominal_velocity, scene.nominal_load);
+        let done = self.escalate();
+        let beyond = format_args!(
             "the run leaves what was planned for: {} m/s, {} N and a contact {rise} K warmer, planned for nominal.velocity = {} \
              m/s, nominal.load = {} N and {} K",
-            inputs[0],
-            inputs[1],
-            scene.nominal_velocity,
-            scene.nominal_load,
-            ladder.plan.as_ref().map_or(0.0, |plan| plan.rise)
+            inputs[0], inputs[1], velocity, load, planned
         );
-        let done = self.escalate();
-        let text = match done {
-            Ok(rung) => format!("{beyond}; it goes on with {rung}"),
-            Err(reason) => format!("{beyond}; the level stays: {reason}"),
-        };
-        self.messages.push(Message { subject: Subject::Warning, text });
+        match done {
+            Ok(rung) => self.messages.add(Subject::Warning, format_args!("{beyond}; it goes on with {rung}")),
+            Err(reason) => self.messages.add(Subject::Warning, format_args!("{beyond}; the level stays: {reason}")),
+        }
     }
 
-    fn escalate(&mut self) -> Result<String, String> {
+    fn escalate(&mut self) -> Result<Rung, Cow<'static, str>> {
         let Some(ladder) = &self.ladder else { return Err("nothing was planned".into()) };
         let rung = ladder.above().ok_or("no rung above can take its state over")?;
         let next = match ladder.escalation() {
@@ -57,7 +56,7 @@ impl Component {
         self.prepared = Some(next);
         self.escalated = true;
         self.at_end = false;
-        Ok(rung.to_string())
+        Ok(rung)
     }
 
     /// Adds what the plan knows of the level's error.

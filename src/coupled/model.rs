@@ -6,6 +6,7 @@ use super::lumped::{self, Lumped};
 use super::{INPUTS, StepFailure};
 use crate::scene::{Fidelity, Scene};
 use crate::variables::COUNT;
+use std::fmt;
 use std::sync::Arc;
 
 /// What a level is made of, shared by every state of a scene.
@@ -239,11 +240,14 @@ impl Model {
         each!(self, model => model.limits())
     }
 
-    /// What a bit of the limits says where its text depends on numbers.
-    pub fn warning(&self, bit: u8, inputs: &[f64; INPUTS]) -> Option<String> {
+    /// Writes what a bit of the limits says where its text depends on numbers.
+    ///
+    /// # Errors
+    /// Those of `text`.
+    pub fn write_warning(&self, bit: u8, inputs: &[f64; INPUTS], text: &mut String) -> fmt::Result {
         match self {
-            Model::Lumped(_) => None,
-            Model::Line(model) => model.warning(bit, inputs),
+            Model::Lumped(_) => Ok(()),
+            Model::Line(model) => model.write_warning(bit, inputs, text),
         }
     }
 

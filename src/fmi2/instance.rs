@@ -127,11 +127,7 @@ impl Instance {
 
     #[inline(always)]
     fn pass_on_messages(&mut self) {
-        let messages = self.component.messages();
-        if messages.len() == 0 {
-            return;
-        }
-        for message in messages {
+        for message in self.component.messages() {
             let (status, category) = match message.subject {
                 Subject::Plan => (Status::Ok, Category::Events),
                 Subject::Warning => (Status::Warning, Category::Warnings),

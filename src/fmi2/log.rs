@@ -13,7 +13,6 @@
 //! out in pieces, because there are loggers that print into a buffer of 1000 bytes.
 
 use core::ffi::{CStr, c_char};
-use std::borrow::Cow;
 use std::ffi::CString;
 
 use super::gate;
@@ -96,9 +95,11 @@ impl Log {
     #[cold]
     pub fn send(&self, status: Status, category: Category, text: &str) {
         let Some(logger) = self.logger.filter(|_| self.wants(category)) else { return };
-        for piece in pieces(&escaped(text), LONGEST) {
-            // `escaped` left no zero inside.
-            let Ok(piece) = CString::new(piece) else { continue };
+        let mut room = [0; LONGEST + 1];
+        let mut rest = text;
+        loop {
+            let piece;
+            (piece, rest) = split(rest, &mut room);
             let format: *const c_char = c"%s".as_ptr();
             gate::outside(|| {
                 // SAFETY: the importer gave this function as its logger, with this signature; all
@@ -114,55 +115,80 @@ impl Log {
                     )
                 }
             });
+            if rest.is_empty() {
+                break;
+            }
         }
     }
 }
 
-/// The text with `#` doubled and without zeros.
-fn escaped(text: &str) -> Cow<'_, str> {
-    if text.contains(['#', '\0']) { text.replace('#', "##").replace('\0', "").into() } else { text.into() }
-}
-
-/// Cuts a text into pieces of at most `longest` bytes, between words where there are any, never inside
-/// a character or a doubled `#`. `longest` must be at least 4, the longest character.
-fn pieces(text: &str, longest: usize) -> impl Iterator<Item = &str> {
-    let mut rest = Some(text);
-    std::iter::from_fn(move || {
-        let text = rest.take()?;
-        if text.len() <= longest {
-            return Some(text);
+/// Writes as much of a text as fits into `room` with a zero behind it, `#` doubled and zeros left out, and gives it with what is
+/// left of the text. Cuts between words where there are any, never inside a character or a doubled `#`. Allocates nothing:
+/// steps send messages too.
+fn split<'a, 't>(text: &'t str, room: &'a mut [u8]) -> (&'a CStr, &'t str) {
+    let longest = room.len() - 1;
+    let mut length = 0;
+    // Where the last word ended: in the text and in the room.
+    let mut word = None;
+    let mut rest = "";
+    for (at, character) in text.char_indices().filter(|&(_, character)| character != '\0') {
+        let count = if character == '#' { 2 } else { character.len_utf8() };
+        if character == ' ' && length > 0 {
+            word = Some((at, length));
         }
-        let mut end = text.floor_char_boundary(longest);
-        end = text[..end].rfind(' ').filter(|&at| at > 0).unwrap_or_else(|| {
-            let doubled = text[..end].bytes().rev().take_while(|&byte| byte == b'#').count();
-            end - doubled % 2
-        });
-        rest = Some(text[end..].trim_start_matches(' ')).filter(|rest| !rest.is_empty());
-        Some(&text[..end])
-    })
+        if length + count > longest {
+            let end;
+            (end, length) = word.unwrap_or((at, length));
+            rest = text[end..].trim_start_matches(' ');
+            break;
+        }
+        if character == '#' {
+            room[length..length + 2].copy_from_slice(b"##");
+        } else {
+            character.encode_utf8(&mut room[length..]);
+        }
+        length += count;
+    }
+    room[length] = 0;
+    // The zero is the first one.
+    (CStr::from_bytes_until_nul(room).unwrap_or_default(), rest)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The pieces of a text, of at most `longest` bytes.
+    fn pieces(text: &str, longest: usize) -> Vec<String> {
+        let mut room = vec![b'x'; longest + 1];
+        let (mut pieces, mut rest) = (Vec::new(), text);
+        loop {
+            let piece;
+            (piece, rest) = split(rest, &mut room);
+            pieces.push(piece.to_str().unwrap().to_owned());
+            if rest.is_empty() {
+                return pieces;
+            }
+        }
+    }
+
     #[test]
     fn text_is_escaped_for_importers_that_expand_references() {
-        assert_eq!(escaped("50 % of #r1#"), "50 % of ##r1##");
-        assert_eq!(escaped("a\0b"), "ab");
-        assert!(matches!(escaped("plain"), Cow::Borrowed("plain")));
+        assert_eq!(pieces("50 % of #r1#", 20), ["50 % of ##r1##"]);
+        assert_eq!(pieces("a\0b", 20), ["ab"]);
     }
 
     #[test]
     fn long_texts_are_cut_between_words_and_never_inside_a_character() {
-        assert_eq!(pieces("", 5).collect::<Vec<_>>(), [""]);
-        assert_eq!(pieces("one two three", 7).collect::<Vec<_>>(), ["one", "two", "three"]);
-        assert_eq!(pieces("one two", 100).collect::<Vec<_>>(), ["one two"]);
-        assert_eq!(pieces("ééé", 5).collect::<Vec<_>>(), ["éé", "é"]);
-        assert_eq!(pieces("a####", 4).collect::<Vec<_>>(), ["a##", "##"]);
+        assert_eq!(pieces("", 5), [""]);
+        assert_eq!(pieces("one two three", 7), ["one two", "three"]);
+        assert_eq!(pieces("one two three", 6), ["one", "two", "three"]);
+        assert_eq!(pieces("one two", 100), ["one two"]);
+        assert_eq!(pieces("ééé", 5), ["éé", "é"]);
+        assert_eq!(pieces("a##", 4), ["a##", "##"]);
         let long = "word ".repeat(1000);
-        assert!(pieces(&long, LONGEST).all(|piece| piece.len() <= LONGEST));
-        assert_eq!(pieces(&long, LONGEST).flat_map(str::split_whitespace).count(), 1000);
+        assert!(pieces(&long, LONGEST).iter().all(|piece| piece.len() <= LONGEST));
+        assert_eq!(pieces(&long, LONGEST).iter().flat_map(|piece| piece.split_whitespace()).count(), 1000);
     }
 
     #[test]

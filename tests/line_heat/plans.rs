@@ -56,7 +56,7 @@ fn the_same_scene_has_the_same_plan() {
 fn what_can_only_be_lumped_stays_so() {
     let rigid = [("punch.body", 1.0), ("strip.body", 1.0), ("solver.tolerance", 1e-3)];
     let mut component = component(&rigid);
-    let messages: Vec<String> = component.messages().map(|message| message.text).collect();
+    let messages: Vec<String> = component.messages().map(|message| message.text.clone()).collect();
     assert!(messages[0].contains("auto takes lumped") && messages[0].contains("both bodies are rigid"), "{messages:?}");
     component.set_input(reference("sliding_velocity"), 5.0);
     component.set_input(reference("normal_load"), 2e3);
@@ -67,7 +67,7 @@ fn what_can_only_be_lumped_stays_so() {
 #[test]
 fn a_tolerance_that_nobody_chose_is_none_to_plan_by() {
     let mut component = component(&[]);
-    let messages: Vec<String> = component.messages().map(|message| message.text).collect();
+    let messages: Vec<String> = component.messages().map(|message| message.text.clone()).collect();
     assert!(messages[0].contains("level lumped") && messages.len() == 1, "{messages:?}");
 }
 
@@ -94,7 +94,7 @@ const LUMPED_ENOUGH: &[(&str, f64)] = &[
 #[test]
 fn a_run_beyond_the_plan_goes_on_one_rung_higher_with_its_wear_and_heat() {
     let mut component = component(LUMPED_ENOUGH);
-    let plan: Vec<String> = component.messages().map(|message| message.text).collect();
+    let plan: Vec<String> = component.messages().map(|message| message.text.clone()).collect();
     assert!(plan[0].contains("auto takes lumped"), "{plan:?}");
     let names = ["wear_volume_punch", "wear_volume_strip", "stored_heat", "dissipated_energy", "contact_temperature"];
     let read = |component: &mut Component| names.map(|name| component.get(reference(name)));

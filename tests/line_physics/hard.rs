@@ -136,7 +136,7 @@ fn a_punch_that_rocks_itself_round_says_so_and_runs() {
     let changes =
         [("solver.cells", 17.0), ("holder.constraint", 2.0), ("holder.pivot_height", 0.066), ("nominal.stroke", 3e-3)];
     let mut drive = line(&changes);
-    let messages: Vec<_> = drive.0.messages().collect();
+    let messages: Vec<_> = drive.0.messages().cloned().collect();
     let rocks = |message: &&sliding_contact::component::Message| message.text.contains("rocks itself round");
     let found = messages.iter().find(rocks).expect("a warning");
     assert!(found.subject == Subject::Warning && found.text.contains("0.0165"), "{}", found.text);

@@ -98,8 +98,27 @@ impl Pattern {
         self.symbolic_factor.len_val()
     }
 
+    /// Room for a factor.
+    pub fn empty_factor(&self) -> Factor {
+        Factor { values: vec![0.0; self.factor_entries()] }
+    }
+
+    /// Memory for factorising, and for solving with up to `columns` loads at once.
+    ///
+    /// # Errors
+    /// [`FactorizationError::OutOfMemory`]
+    pub fn workspace(&self, columns: usize) -> Result<Workspace, FactorizationError> {
+        let factorizing = self.symbolic_factor.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let solving = self.symbolic_factor.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let stack = MemBuffer::try_new(factorizing.or(solving)).map_err(|_| FactorizationError::OutOfMemory)?;
+        Ok(Workspace { values: vec![0.0; self.symbolic_matrix.col_ptr()[self.degrees()]], stack })
+    }
+
     /// Sums the element matrices and factorises. `kind[element]` says which of `elements` it is; `boundary` holds
     /// further (element, skeleton matrix) contributions.
+    ///
+    /// # Errors
+    /// The sum is not positive definite, or there is no memory for it.
     pub fn factorize(
         &self,
         mesh: &Mesh,
@@ -107,29 +126,47 @@ impl Pattern {
         kind: &[usize],
         boundary: &[(usize, DMatrix<f64>)],
     ) -> Result<Factor, FactorizationError> {
+        let mut factor = self.empty_factor();
+        self.factorize_into(&mut factor, mesh, elements, kind, boundary, &mut self.workspace(0)?)?;
+        Ok(factor)
+    }
+
+    /// [`Self::factorize`] into a factor of this pattern; allocates nothing (but for what the matrix product keeps of its own
+    /// for every thread, the first time that it runs there).
+    ///
+    /// # Errors
+    /// The sum is not positive definite; then the factor holds nothing of use.
+    pub fn factorize_into(
+        &self,
+        factor: &mut Factor,
+        mesh: &Mesh,
+        elements: &[CondensedElement],
+        kind: &[usize],
+        boundary: &[(usize, DMatrix<f64>)],
+        workspace: &mut Workspace,
+    ) -> Result<(), FactorizationError> {
         let column_starts = self.symbolic_matrix.col_ptr();
-        let mut values = vec![0.0; column_starts[self.degrees()]];
+        let Workspace { values, stack } = workspace;
+        values.fill(0.0);
         let bulk = kind.iter().enumerate().map(|(element, &kind)| (element, &elements[kind].skeleton));
         for (element, matrix) in bulk.chain(boundary.iter().map(|(element, matrix)| (*element, matrix))) {
             let (column, row) = mesh.column_and_row(element);
-            self.scatter(mesh, mesh.element_entities(column, row), matrix, column_starts, &mut values);
+            self.scatter(mesh, mesh.element_entities(column, row), matrix, column_starts, values);
         }
-        let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), &values);
-        let mut factor = vec![0.0; self.factor_entries()];
-        let scratch = self.symbolic_factor.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactorizationError::OutOfMemory)?;
+        let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), values);
+        factor.values.fill(0.0);
         self.symbolic_factor
             .factorize_numeric_llt(
-                &mut factor,
+                &mut factor.values,
                 matrix,
                 Side::Upper,
                 LltRegularization::default(),
                 Par::Seq,
-                MemStack::new(&mut memory),
+                MemStack::new(stack),
                 Default::default(),
             )
             .map_err(|_| FactorizationError::NotPositiveDefinite)?;
-        Ok(Factor { values: factor })
+        Ok(())
     }
 
     fn scatter(
@@ -191,16 +228,36 @@ impl Pattern {
     }
 
     /// Overwrites the columns of `loads` (free degrees of freedom) with the solutions.
+    ///
+    /// # Errors
+    /// [`FactorizationError::OutOfMemory`]
     pub fn solve_in_place(&self, factor: &Factor, loads: MatMut<'_, f64>) -> Result<(), FactorizationError> {
-        let scratch = self.symbolic_factor.solve_in_place_scratch::<f64>(loads.ncols(), Par::Seq);
-        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactorizationError::OutOfMemory)?;
+        let mut workspace = self.workspace(loads.ncols())?;
+        self.solve_in_workspace(factor, loads, &mut workspace);
+        Ok(())
+    }
+
+    /// [`Self::solve_in_place`] with no more columns than the workspace is made for; allocates as little as
+    /// [`Self::factorize_into`].
+    pub fn solve_in_workspace(&self, factor: &Factor, loads: MatMut<'_, f64>, workspace: &mut Workspace) {
         LltRef::new(&self.symbolic_factor, &factor.values).solve_in_place_with_conj(
             Conj::No,
             loads,
             Par::Seq,
-            MemStack::new(&mut memory),
+            MemStack::new(&mut workspace.stack),
         );
-        Ok(())
+    }
+}
+
+/// What factorising and solving on a [`Pattern`] work in.
+pub struct Workspace {
+    values: Vec<f64>,
+    stack: MemBuffer,
+}
+
+impl fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Workspace").field("bytes", &(8 * self.values.len() + self.stack.len())).finish()
     }
 }
 

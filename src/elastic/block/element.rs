@@ -5,6 +5,10 @@
 //! ones (a, b >= 2); the components of a vector field alternate.
 
 use super::lobatto::ReferenceMatrices;
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::reborrow::{Reborrow, ReborrowMut};
+use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{Cholesky, DMatrix};
 
 /// Pairs (a, b) of one-dimensional functions in the local order, and how many of them belong to the skeleton.
@@ -121,30 +125,75 @@ pub struct CondensedElement {
 /// Eliminates the degrees of freedom behind the first `skeleton` ones of a symmetric positive semidefinite element
 /// matrix whose interior block is definite. None if that block is not positive definite.
 pub fn condense(matrix: &DMatrix<f64>, skeleton: usize) -> Option<CondensedElement> {
-    let interior = matrix.nrows() - skeleton;
-    let mut condensed = matrix.view((0, 0), (skeleton, skeleton)).into_owned();
-    let mut coupling = matrix.view((skeleton, 0), (interior, skeleton)).into_owned();
-    let mut interior_factor = matrix.view((skeleton, skeleton), (interior, interior)).into_owned();
-    if interior > 0 {
-        interior_factor = Cholesky::new(interior_factor)?.unpack_dirty();
-        interior_factor.solve_lower_triangular_mut(&mut coupling);
-        condensed.gemm_tr(-1.0, &coupling, &coupling, 1.0);
-    }
-    Some(CondensedElement { skeleton: condensed, interior_factor, coupling })
+    let mut condensed = CondensedElement::empty(matrix.nrows(), skeleton);
+    condensed.fill(matrix).then_some(condensed)
 }
 
 impl CondensedElement {
-    /// Moves interior loads to the skeleton: returns what to add there, and leaves in `interior` what `recover` needs.
-    pub fn reduce(&self, interior: &mut DMatrix<f64>) -> DMatrix<f64> {
-        self.interior_factor.solve_lower_triangular_mut(interior);
-        -self.coupling.tr_mul(interior)
+    /// Room for an element of `functions` degrees of freedom, of which `skeleton` are not eliminated.
+    pub fn empty(functions: usize, skeleton: usize) -> CondensedElement {
+        let interior = functions - skeleton;
+        CondensedElement {
+            skeleton: DMatrix::zeros(skeleton, skeleton),
+            interior_factor: DMatrix::zeros(interior, interior),
+            coupling: DMatrix::zeros(interior, skeleton),
+        }
+    }
+
+    /// Condenses another element matrix of the same size, see [`condense`]; allocates nothing. False if its interior block
+    /// is not positive definite: then it has to be filled again before it is used.
+    pub fn fill(&mut self, matrix: &DMatrix<f64>) -> bool {
+        let (interior, skeleton) = self.coupling.shape();
+        self.skeleton.copy_from(&matrix.view((0, 0), (skeleton, skeleton)));
+        self.coupling.copy_from(&matrix.view((skeleton, 0), (interior, skeleton)));
+        if interior > 0 {
+            // An empty matrix takes no memory; where the factorisation fails, its room is gone with it.
+            let mut block = std::mem::replace(&mut self.interior_factor, DMatrix::zeros(0, 0));
+            if block.nrows() != interior {
+                block = DMatrix::zeros(interior, interior);
+            }
+            block.copy_from(&matrix.view((skeleton, skeleton), (interior, interior)));
+            let Some(factor) = Cholesky::new(block) else { return false };
+            self.interior_factor = factor.unpack_dirty();
+            self.interior_factor.solve_lower_triangular_mut(&mut self.coupling);
+            self.skeleton.gemm_tr(-1.0, &self.coupling, &self.coupling, 1.0);
+        }
+        true
+    }
+
+    /// Moves interior loads to the skeleton: writes what to add there to `skeleton`, and leaves in `interior` what
+    /// [`Self::recover_in_place`] needs. One column for each load.
+    pub fn reduce_in_place(&self, mut interior: MatMut<'_, f64>, skeleton: MatMut<'_, f64>) {
+        solve_lower_triangular_in_place(view(&self.interior_factor), interior.rb_mut(), Par::Seq);
+        matmul(skeleton, Accum::Replace, view(&self.coupling).transpose(), interior.rb(), -1.0, Par::Seq);
     }
 
     /// Replaces reduced interior loads by the interior solution for the skeleton's solution.
-    pub fn recover(&self, skeleton: &DMatrix<f64>, interior: &mut DMatrix<f64>) {
-        interior.gemm(-1.0, &self.coupling, skeleton, 1.0);
-        self.interior_factor.tr_solve_lower_triangular_mut(interior);
+    pub fn recover_in_place(&self, skeleton: MatRef<'_, f64>, mut interior: MatMut<'_, f64>) {
+        matmul(interior.rb_mut(), Accum::Add, view(&self.coupling), skeleton, -1.0, Par::Seq);
+        solve_upper_triangular_in_place(view(&self.interior_factor).transpose(), interior, Par::Seq);
     }
+
+    /// [`Self::reduce_in_place`], with a matrix for the answer.
+    pub fn reduce(&self, interior: &mut DMatrix<f64>) -> DMatrix<f64> {
+        let mut skeleton = DMatrix::zeros(self.skeleton.nrows(), interior.ncols());
+        self.reduce_in_place(view_mut(interior), view_mut(&mut skeleton));
+        skeleton
+    }
+
+    /// [`Self::recover_in_place`].
+    pub fn recover(&self, skeleton: &DMatrix<f64>, interior: &mut DMatrix<f64>) {
+        self.recover_in_place(view(skeleton), view_mut(interior));
+    }
+}
+
+fn view(matrix: &DMatrix<f64>) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(matrix.as_slice(), matrix.nrows(), matrix.ncols())
+}
+
+fn view_mut(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
+    let (rows, columns) = matrix.shape();
+    MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)
 }
 
 #[cfg(test)]

@@ -35,10 +35,12 @@ pub mod tangential;
 #[cfg(test)]
 mod tests;
 pub mod thermal;
+pub mod thermal_factor;
 pub mod unreduced;
 
 pub use mechanical::{Block, BlockProperties, Compliance};
 pub use thermal::{ThermalBlock, ThermalProperties, TopCondition};
+pub use thermal_factor::{ThermalFactor, ThermalWorkspace};
 
 use condense::FactorizationError;
 use lobatto::MAXIMUM_ORDER;

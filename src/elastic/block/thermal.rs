@@ -15,8 +15,8 @@
 //! Vectors hold the free skeleton's degrees of freedom (vertices and edges), then the interior modes element by element.
 
 use super::boundary::{contact_cells, contact_integrals, side_loads, top_values};
-use super::condense::{Factor, FactorizationError, Pattern};
-use super::element::{CondensedElement, Shape, capacity, condense, conduction, local_functions};
+use super::condense::Pattern;
+use super::element::{Shape, capacity, conduction, local_functions};
 use super::half_plane::ConductingHalfPlane;
 use super::lobatto::ReferenceMatrices;
 use super::mesh::Mesh;
@@ -64,7 +64,7 @@ impl ThermalProperties {
         Ok(())
     }
 
-    fn top_convection(&self) -> f64 {
+    pub(super) fn top_convection(&self) -> f64 {
         match self.top {
             TopCondition::Held => 0.0,
             TopCondition::Convecting(coefficient) => coefficient,
@@ -78,20 +78,15 @@ pub struct ThermalBlock {
     pub(super) properties: ThermalProperties,
     discretization: Discretization,
     pub(super) mesh: Mesh,
-    pattern: Pattern,
+    pub(super) pattern: Pattern,
     /// Distinct element matrices K (without convection) and M, and which of them each element has.
     pub(super) conduction: Vec<DMatrix<f64>>,
-    capacity: Vec<DMatrix<f64>>,
+    pub(super) capacity: Vec<DMatrix<f64>>,
     pub(super) kind: Vec<usize>,
     /// Convection per unit temperature: (element, matrix on its skeleton).
     pub(super) convection: Vec<(usize, DMatrix<f64>)>,
-}
-
-/// Factor of K + shift M.
-#[derive(Debug)]
-pub struct ThermalFactor {
-    elements: Vec<CondensedElement>,
-    factor: Factor,
+    /// Skeleton's degrees of freedom of every element, one after the other; [`ThermalBlock::skeleton`].
+    pub(super) skeletons: Vec<usize>,
 }
 
 impl ThermalBlock {
@@ -115,7 +110,13 @@ impl ThermalBlock {
         let capacity =
             shapes.iter().map(|&shape| capacity(&reference, shape, properties.volumetric_heat_capacity)).collect();
         let convection = convection(&mesh, &reference, properties.side_convection, properties.top_convection());
-        Ok(Self { properties, discretization, mesh, pattern, conduction, capacity, kind, convection })
+        let skeletons = (0..mesh.elements())
+            .flat_map(|element| {
+                let (column, row) = mesh.column_and_row(element);
+                mesh.element_degrees(column, row)
+            })
+            .collect();
+        Ok(Self { properties, discretization, mesh, pattern, conduction, capacity, kind, convection, skeletons })
     }
 
     /// Length of a vector of temperatures: free skeleton and interiors.
@@ -230,66 +231,6 @@ impl ThermalBlock {
         result
     }
 
-    /// Factorises K + `shift` M, `shift` [1/s] >= 0.
-    ///
-    /// # Errors
-    /// The matrix is singular: `shift` is 0 and no heat can leave, or so small that rounding hides it.
-    pub fn factorize(&self, shift: f64) -> Result<ThermalFactor, BlockError> {
-        let failed = |reason| BlockError::Factorization { quantity: "conduction", degrees: self.mesh.free, reason };
-        let properties = &self.properties;
-        let leaves = shift > 0.0
-            || properties.top == TopCondition::Held
-            || properties.side_convection > 0.0
-            || properties.top_convection() > 0.0;
-        if !leaves {
-            return Err(failed(FactorizationError::NotPositiveDefinite));
-        }
-        let (_, skeleton) = local_functions(self.discretization.order, self.discretization.order);
-        let elements = (self.conduction.iter().zip(&self.capacity))
-            .map(|(conduction, capacity)| condense(&(conduction + shift * capacity), skeleton))
-            .collect::<Option<Vec<_>>>()
-            .ok_or(failed(FactorizationError::NotPositiveDefinite))?;
-        let factor = self.pattern.factorize(&self.mesh, &elements, &self.kind, &self.convection).map_err(failed)?;
-        Ok(ThermalFactor { elements, factor })
-    }
-
-    /// Overwrites the columns of `loads` with the solutions of (K + shift M) T = load.
-    pub fn solve_in_place(&self, factor: &ThermalFactor, loads: &mut Mat<f64>) -> Result<(), BlockError> {
-        let (free, columns) = (self.mesh.free, loads.ncols());
-        let mut interiors = Vec::with_capacity(self.kind.len());
-        for (element, &kind) in self.kind.iter().enumerate() {
-            let first = free + self.mesh.interior(element).start;
-            let count = self.mesh.interior(element).len();
-            let mut interior = DMatrix::from_fn(count, columns, |i, k| loads[(first + i, k)]);
-            let reduced = factor.elements[kind].reduce(&mut interior);
-            for (i, degree) in self.local_degrees(element).into_iter().take(reduced.nrows()).enumerate() {
-                if let Some(degree) = degree {
-                    for k in 0..columns {
-                        loads[(degree, k)] += reduced[(i, k)];
-                    }
-                }
-            }
-            interiors.push(interior);
-        }
-        self.pattern
-            .solve_in_place(&factor.factor, loads.as_mut().subrows_mut(0, free))
-            .map_err(|reason| BlockError::Factorization { quantity: "conduction", degrees: free, reason })?;
-        for ((element, &kind), mut interior) in self.kind.iter().enumerate().zip(interiors) {
-            let first = free + self.mesh.interior(element).start;
-            let degrees = self.local_degrees(element);
-            let skeleton = DMatrix::from_fn(degrees.len() - interior.nrows(), columns, |i, k| {
-                degrees[i].map_or(0.0, |degree| loads[(degree, k)])
-            });
-            factor.elements[kind].recover(&skeleton, &mut interior);
-            for i in 0..interior.nrows() {
-                for k in 0..columns {
-                    loads[(first + i, k)] = interior[(i, k)];
-                }
-            }
-        }
-        Ok(())
-    }
-
     /// What the finite elements miss of the contact's mean temperatures by a flux that jumps between cells, N x N
     /// [m2 K/W]: the exact static response less F'K^-1 F over the cell widths.
     ///
@@ -318,7 +259,7 @@ impl ThermalBlock {
         let slope = |j: usize, x: f64| [-half_plane.slope_along(cells[j], x, z)];
         let mut remainder = side_loads(&block.mesh, cells.len(), side);
         let held = top_values(&block.mesh, cells.len(), value, slope);
-        block.pattern.subtract_held(&block.mesh, &factor.elements, &block.kind, &mut remainder, &held);
+        block.pattern.subtract_held(&block.mesh, factor.elements(), &block.kind, &mut remainder, &held);
         let mut fields = block.on_whole_vector(remainder) - block.flux_loads(boundaries)?;
         block.solve_in_place(&factor, &mut fields)?;
         let elements = block.contact_temperatures(boundaries, &fields)?;

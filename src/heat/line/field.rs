@@ -13,22 +13,25 @@
 //! ```
 //!
 //! second order and L-stable (the deviation of the first stage's flux at its start is of no use to it), with `h [(1 - gamma) q_1 + gamma q_2]` as the heat that enters. The sparse factor of a step
-//! size, and the N responses to unit fluxes that it takes to know the gains, are kept for the last few sizes. What elements
+//! size, and the gains that N responses to unit fluxes give, are kept for the last few sizes. What elements
 //! cannot resolve of fluxes that jump between cells acts without delay ([`ThermalBlock::unresolved_response`]).
 //!
-//! Every step costs sparse solutions with thousands of unknowns, a new step size N more, and both take memory: this is a
-//! reference, not a level to run for long.
+//! Every step costs sparse solutions with thousands of unknowns, a new step size a factorisation and N more: this is a
+//! reference, not a level to run for long. The memory for all of it is taken when the body is made (the matrix product keeps
+//! some of its own for every thread, taken the first time that it runs there).
 
 use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::Cells;
-use crate::elastic::block::thermal::ThermalFactor;
 use crate::elastic::block::{
-    Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
-    unreduced::TopOutflow,
+    Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalFactor, ThermalProperties,
+    ThermalWorkspace, TopCondition,
 };
 use crate::scene::{Scene, ThermalBoundary};
-use faer::Mat;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::DMatrix;
+use std::cell::RefCell;
+use std::fmt;
 use std::sync::Arc;
 
 /// Step sizes whose factors are kept.
@@ -45,8 +48,7 @@ const MESH_TOLERANCE: f64 = 1e-4;
 /// the top.
 const TALLIES: usize = 4;
 
-/// What a scene makes of the punch.
-#[derive(Debug)]
+/// What a scene makes of the punch. Vectors over the unknowns hold one number for each.
 struct Operators {
     block: ThermalBlock,
     widths: Vec<f64>,
@@ -55,11 +57,13 @@ struct Operators {
     unresolved: DMatrix<f64>,
     /// Displacement into the body by unit values of the unknowns, n x N, and by 1 K everywhere, m/K; None: nothing expands.
     distortion: Option<(Mat<f64>, Vec<f64>)>,
-    uniform: Mat<f64>,
-    capacity: Mat<f64>,
-    sides: Mat<f64>,
-    top: Mat<f64>,
-    outflow: Option<TopOutflow>,
+    uniform: Vec<f64>,
+    capacity: Vec<f64>,
+    sides: Vec<f64>,
+    top: Vec<f64>,
+    /// Heat flow out of a held top by the unknowns, and by the temperature beside the body; see
+    /// [`ThermalBlock::top_outflow`].
+    outflow: Option<(Vec<f64>, f64)>,
     properties: ThermalProperties,
     /// Cooled area over that of the two sides.
     cooled: f64,
@@ -67,23 +71,71 @@ struct Operators {
     total_capacity: f64,
 }
 
-/// Factor and gains of a step.
+impl fmt::Debug for Operators {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Operators").field("cells", &self.widths.len()).field("degrees", &self.degrees()).finish()
+    }
+}
+
+/// Factor and gains of a step; before the first one room for them, for a step that is no number.
 #[derive(Clone, Debug)]
 struct Prepared {
     step: f64,
     euler: bool,
     last_used: u64,
-    factor: Arc<ThermalFactor>,
+    factor: ThermalFactor,
     gains: Gains,
 }
 
+impl Prepared {
+    fn empty(operators: &Operators) -> Prepared {
+        let count = operators.widths.len();
+        Prepared {
+            step: f64::NAN,
+            euler: false,
+            last_used: 0,
+            factor: operators.block.empty_factor(),
+            gains: Gains { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
+        }
+    }
+}
+
+/// What steps work in.
+#[derive(Debug)]
+struct Room {
+    workspace: ThermalWorkspace,
+    /// Responses to unit fluxes, n x N.
+    responses: Mat<f64>,
+    means: Vec<f64>,
+    /// Fields at the start, of the first stage, and of the second.
+    start: Vec<f64>,
+    early: Vec<f64>,
+    late: Vec<f64>,
+}
+
+impl Room {
+    fn new(operators: &Operators) -> Result<Room, BlockError> {
+        let (degrees, count) = (operators.degrees(), operators.widths.len());
+        let field = || vec![0.0; degrees];
+        Ok(Room {
+            workspace: operators.block.workspace(count)?,
+            responses: Mat::zeros(degrees, count),
+            means: vec![0.0; count],
+            start: field(),
+            early: field(),
+            late: field(),
+        })
+    }
+}
+
 /// The unreduced punch.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct FieldHeat {
     operators: Arc<Operators>,
     kept: Vec<Prepared>,
     current: usize,
     clock: u64,
+    room: RefCell<Room>,
 }
 
 /// The punch of `scene`; None where it is an insulator.
@@ -129,21 +181,28 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
         cells: block.cell_integrals(boundaries)?,
         unresolved: block.unresolved_response(boundaries)?,
         distortion,
-        uniform: block.uniform_field(),
-        capacity: block.uniform_capacity(),
-        sides: block.side_integrals(),
-        top: block.top_load(),
-        outflow: block.top_outflow(),
+        uniform: vector(&block.uniform_field()),
+        capacity: vector(&block.uniform_capacity()),
+        sides: vector(&block.side_integrals()),
+        top: vector(&block.top_load()),
+        outflow: block.top_outflow().map(|outflow| (vector(&outflow.by_field), outflow.by_outside)),
         properties,
         cooled,
         total_capacity: properties.volumetric_heat_capacity * width * height,
         block,
     };
-    Ok(Some(FieldHeat { operators: Arc::new(operators), kept: Vec::new(), current: 0, clock: 0 }))
+    let room = Room::new(&operators)?;
+    let kept = (0..KEPT).map(|_| Prepared::empty(&operators)).collect();
+    Ok(Some(FieldHeat { operators: Arc::new(operators), kept, current: 0, clock: 0, room: RefCell::new(room) }))
 }
 
-fn dot(left: &Mat<f64>, right: &Mat<f64>) -> f64 {
-    left.col(0).iter().zip(right.col(0).iter()).map(|(left, right)| left * right).sum()
+/// The only column of a matrix.
+fn vector(matrix: &Mat<f64>) -> Vec<f64> {
+    matrix.col(0).iter().copied().collect()
+}
+
+fn dot(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| left * right).sum()
 }
 
 impl Operators {
@@ -161,58 +220,60 @@ impl Operators {
     }
 
     /// The unknowns of a state, from `origin`.
-    fn field(&self, state: &[f64], origin: f64) -> Mat<f64> {
-        Mat::from_fn(self.degrees(), 1, |i, _| state[i] - origin * self.uniform[(i, 0)])
+    fn field(&self, state: &[f64], origin: f64, field: &mut [f64]) {
+        for ((field, state), uniform) in field.iter_mut().zip(state).zip(&self.uniform) {
+            *field = state - origin * uniform;
+        }
     }
 
     /// F q + ports.
-    fn load(&self, flux: Option<&[f64]>, surroundings: &Surroundings) -> Mat<f64> {
+    fn load(&self, flux: Option<&[f64]>, surroundings: &Surroundings, load: &mut [f64]) {
         let outside = surroundings.ambient - self.origin(surroundings);
         let beside = self.properties.side_convection * outside + self.cooled * surroundings.cooling;
-        let mut load = &self.sides * faer::Scale(beside) + &self.top * faer::Scale(outside);
+        for ((load, side), top) in load.iter_mut().zip(&self.sides).zip(&self.top) {
+            *load = side * beside + top * outside;
+        }
         if let Some(flux) = flux {
             for (integrals, flux) in self.cells.iter().zip(flux) {
-                integrals.iter().for_each(|&(degree, integral)| load[(degree, 0)] += integral * flux);
+                integrals.iter().for_each(|&(degree, integral)| load[degree] += integral * flux);
             }
         }
-        load
     }
 
     /// Mean temperatures of the cells, from the origin, without what the elements do not resolve.
-    fn means(&self, field: &Mat<f64>, column: usize, target: &mut [f64]) {
+    fn means(&self, field: &[f64], target: &mut [f64]) {
         for ((target, integrals), width) in target.iter_mut().zip(&self.cells).zip(&self.widths) {
-            *target =
-                integrals.iter().map(|&(degree, integral)| integral * field[(degree, column)]).sum::<f64>() / width;
+            *target = integrals.iter().map(|&(degree, integral)| integral * field[degree]).sum::<f64>() / width;
         }
     }
 
-    fn distort(&self, field: &Mat<f64>, origin: f64, target: &mut [f64]) {
+    fn distort(&self, field: &[f64], origin: f64, target: &mut [f64]) {
         match &self.distortion {
             None => target.fill(0.0),
             Some((by_field, uniform)) => {
                 for (j, target) in target.iter_mut().enumerate() {
-                    let moved: f64 = by_field.col(j).iter().zip(field.col(0).iter()).map(|(d, t)| d * t).sum();
+                    let moved: f64 = by_field.col(j).iter().zip(field).map(|(d, t)| d * t).sum();
                     *target = moved + origin * uniform[j];
                 }
             }
         }
     }
 
-    fn observe(&self, field: &Mat<f64>, origin: f64, temperature: &mut [f64], distortion: &mut [f64]) {
-        self.means(field, 0, temperature);
+    fn observe(&self, field: &[f64], origin: f64, temperature: &mut [f64], distortion: &mut [f64]) {
+        self.means(field, temperature);
         temperature.iter_mut().for_each(|mean| *mean += origin);
         self.distort(field, origin, distortion);
     }
 
     /// Heat flow to the air through the sides, W/m, without `cooling`.
-    fn ambient_flow(&self, field: &Mat<f64>, surroundings: &Surroundings) -> f64 {
+    fn ambient_flow(&self, field: &[f64], surroundings: &Surroundings) -> f64 {
         let outside = surroundings.ambient - self.origin(surroundings);
         let length = 2.0 * self.properties.height;
         self.properties.side_convection * (dot(&self.sides, field) - length * outside)
     }
 
     fn stored(&self, state: &[f64]) -> f64 {
-        let free: f64 = self.capacity.col(0).iter().zip(state).map(|(c, t)| c * t).sum();
+        let free = dot(&self.capacity, state);
         if self.held() {
             let beyond = self.total_capacity - dot(&self.capacity, &self.uniform);
             free + beyond * state[self.degrees() + TALLIES - 1]
@@ -228,25 +289,54 @@ impl Operators {
         (if euler { step } else { GAMMA * step }).recip().max(1e-10 * slowest)
     }
 
-    fn prepare(&self, step: f64, euler: bool) -> Result<Prepared, BlockError> {
-        let factor = self.block.factorize(self.shift(step, euler))?;
-        let count = self.widths.len();
-        let mut fields = Mat::zeros(self.degrees(), count);
+    fn prepare(&self, step: f64, euler: bool, prepared: &mut Prepared, room: &mut Room) -> Result<(), BlockError> {
+        // Of no use to anybody until it is done.
+        prepared.step = f64::NAN;
+        self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
+        let responses = &mut room.responses;
+        responses.fill(0.0);
         for (cell, integrals) in self.cells.iter().enumerate() {
-            integrals.iter().for_each(|&(degree, integral)| fields[(degree, cell)] += integral);
+            integrals.iter().for_each(|&(degree, integral)| responses[(degree, cell)] += integral);
         }
-        self.block.solve_in_place(&factor, &mut fields)?;
-        let mut gains = Gains { temperature: self.unresolved.clone(), distortion: DMatrix::zeros(count, count) };
-        let mut means = vec![0.0; count];
-        for cell in 0..count {
-            self.means(&fields, cell, &mut means);
-            gains.temperature.column_mut(cell).iter_mut().zip(&means).for_each(|(gain, mean)| *gain += mean);
+        self.block.solve_in_workspace(&prepared.factor, responses.as_mut(), &mut room.workspace);
+        let Gains { temperature, distortion } = &mut prepared.gains;
+        temperature.copy_from(&self.unresolved);
+        for (cell, response) in responses.col_iter().enumerate() {
+            // Columns of a matrix of faer are contiguous.
+            let Some(response) = response.try_as_col_major() else { continue };
+            self.means(response.as_slice(), &mut room.means);
+            temperature.column_mut(cell).iter_mut().zip(&room.means).for_each(|(gain, mean)| *gain += mean);
         }
         if let Some((by_field, _)) = &self.distortion {
-            let moved = by_field.transpose() * &fields;
-            gains.distortion = DMatrix::from_fn(count, count, |i, j| moved[(i, j)]);
+            let count = self.widths.len();
+            let target = MatMut::from_column_major_slice_mut(distortion.as_mut_slice(), count, count);
+            matmul(target, Accum::Replace, by_field.transpose(), responses.as_ref(), 1.0, Par::Seq);
         }
-        Ok(Prepared { step, euler, last_used: 0, factor: Arc::new(factor), gains })
+        (prepared.step, prepared.euler) = (step, euler);
+        Ok(())
+    }
+
+    /// The solution of a stage from `start`.
+    fn solve(
+        &self,
+        prepared: &Prepared,
+        start: &[f64],
+        flux: Option<&[f64]>,
+        surroundings: &Surroundings,
+        workspace: &mut ThermalWorkspace,
+        field: &mut [f64],
+    ) {
+        self.load(flux, surroundings, field);
+        self.block.add_capacity(self.shift(prepared.step, prepared.euler), start, field, workspace);
+        let loads = MatMut::from_column_major_slice_mut(field, self.degrees(), 1);
+        self.block.solve_in_workspace(&prepared.factor, loads, workspace);
+    }
+}
+
+/// What the second stage starts from, in place of the start.
+fn extrapolate(start: &mut [f64], first: &[f64]) {
+    for (start, first) in start.iter_mut().zip(first) {
+        *start += (first - *start) * ((1.0 - GAMMA) / GAMMA);
     }
 }
 
@@ -254,38 +344,34 @@ impl FieldHeat {
     fn select(&mut self, step: f64, euler: bool) {
         self.clock += 1;
         let known = self.kept.iter().position(|prepared| prepared.step == step && prepared.euler == euler);
-        if let Some(known) = known {
-            self.current = known;
-        } else {
-            // The shift keeps the matrix definite, so there is always a factor; without memory for it nothing can go on.
-            let fresh = self.operators.prepare(step, euler).unwrap_or_else(|error| panic!("punch: {error}"));
-            if self.kept.len() < KEPT {
-                self.current = self.kept.len();
-                self.kept.push(fresh);
-            } else {
-                self.current = (0..KEPT).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
-                self.kept[self.current] = fresh;
-            }
-        }
+        self.current = known.unwrap_or_else(|| {
+            let oldest = (0..KEPT).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            let (prepared, room) = (&mut self.kept[oldest], self.room.get_mut());
+            // The shift keeps the matrix definite, so there is always a factor.
+            self.operators
+                .prepare(step, euler, prepared, room)
+                .unwrap_or_else(|error| panic!("punch, step of {step} s: {error}"));
+            oldest
+        });
         self.kept[self.current].last_used = self.clock;
     }
 
     fn prepared(&self) -> &Prepared {
-        self.kept.get(self.current).expect("prepare comes before any step")
+        &self.kept[self.current]
     }
 
-    /// The solution of a stage from `start`.
-    fn solve(&self, start: &Mat<f64>, flux: Option<&[f64]>, surroundings: &Surroundings) -> Mat<f64> {
-        let (operators, prepared) = (&*self.operators, self.prepared());
-        let shift = operators.shift(prepared.step, prepared.euler);
-        let mut field = operators.block.apply_capacity(start) * faer::Scale(shift) + operators.load(flux, surroundings);
-        operators.block.solve_in_place(&prepared.factor, &mut field).unwrap_or_else(|error| panic!("punch: {error}"));
-        field
-    }
-
-    /// What the second stage starts from.
-    fn extrapolated(start: &Mat<f64>, first: &Mat<f64>) -> Mat<f64> {
-        start + (first - start) * faer::Scale((1.0 - GAMMA) / GAMMA)
+    /// What `observe` sees of the field of a state, with the temperature that it counts from.
+    fn of_state<T>(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        observe: impl FnOnce(&Operators, &[f64], f64) -> T,
+    ) -> T {
+        let operators = &*self.operators;
+        let origin = operators.origin(surroundings);
+        let room = &mut *self.room.borrow_mut();
+        operators.field(state, origin, &mut room.start);
+        observe(operators, &room.start, origin)
     }
 }
 
@@ -300,7 +386,7 @@ impl LineHeat for FieldHeat {
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
         let (field, tallies) = state.split_at_mut(self.operators.degrees());
-        field.iter_mut().enumerate().for_each(|(i, t)| *t = rise * self.operators.uniform[(i, 0)]);
+        field.iter_mut().zip(&self.operators.uniform).for_each(|(t, uniform)| *t = rise * uniform);
         tallies.fill(0.0);
         tallies[TALLIES - 1] = rise;
     }
@@ -327,39 +413,43 @@ impl LineHeat for FieldHeat {
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
-        let operators = &*self.operators;
+        let (operators, prepared) = (&*self.operators, self.prepared());
         let origin = operators.origin(surroundings);
-        let start = operators.field(state, origin);
-        let field = if stage == Stage::First || self.prepared().euler {
-            self.solve(&start, None, surroundings)
+        let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        operators.field(state, origin, start);
+        if stage == Stage::First || prepared.euler {
+            operators.solve(prepared, start, None, surroundings, workspace, late);
         } else {
-            let early = self.solve(&start, Some(known), surroundings);
-            self.solve(&Self::extrapolated(&start, &early), None, surroundings)
-        };
-        operators.observe(&field, origin, temperature, distortion);
+            operators.solve(prepared, start, Some(known), surroundings, workspace, early);
+            extrapolate(start, early);
+            operators.solve(prepared, start, None, surroundings, workspace, late);
+        }
+        operators.observe(late, origin, temperature, distortion);
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let operators = &*self.operators;
-        let (origin, step) = (operators.origin(surroundings), self.prepared().step);
+        let (operators, prepared) = (&*self.operators, self.prepared());
+        let (origin, step) = (operators.origin(surroundings), prepared.step);
+        let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         let before = operators.stored(state);
-        let start = operators.field(state, origin);
-        let early = self.solve(&start, Some(first), surroundings);
-        let (field, ambient) = if self.prepared().euler {
-            let flow = operators.ambient_flow(&early, surroundings);
-            (early, flow)
+        operators.field(state, origin, start);
+        operators.solve(prepared, start, Some(first), surroundings, workspace, early);
+        let flow = operators.ambient_flow(early, surroundings);
+        let ambient = if prepared.euler {
+            late.copy_from_slice(early);
+            flow
         } else {
-            let late = self.solve(&Self::extrapolated(&start, &early), Some(end), surroundings);
-            let flows = [&early, &late].map(|field| operators.ambient_flow(field, surroundings));
-            (late, (1.0 - GAMMA) * flows[0] + GAMMA * flows[1])
+            extrapolate(start, early);
+            operators.solve(prepared, start, Some(end), surroundings, workspace, late);
+            (1.0 - GAMMA) * flow + GAMMA * operators.ambient_flow(late, surroundings)
         };
         let heat = |flux: &[f64]| flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>();
         let received = step * ((1.0 - GAMMA) * heat(first) + GAMMA * heat(end));
         let length = 2.0 * operators.properties.height * operators.cooled;
         let lost = step * (ambient - length * surroundings.cooling);
         let degrees = operators.degrees();
-        for i in 0..degrees {
-            state[i] = field[(i, 0)] + origin * operators.uniform[(i, 0)];
+        for ((state, field), uniform) in state.iter_mut().zip(&*late).zip(&operators.uniform) {
+            *state = field + origin * uniform;
         }
         state[degrees + 3] = surroundings.far;
         let gained = operators.stored(state) - before;
@@ -372,12 +462,12 @@ impl LineHeat for FieldHeat {
     }
 
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
-        let operators = &*self.operators;
-        let origin = operators.origin(surroundings);
-        operators.means(&operators.field(state, origin), 0, temperature);
-        for (i, mean) in temperature.iter_mut().enumerate() {
-            *mean += origin + (0..flux.len()).map(|j| operators.unresolved[(i, j)] * flux[j]).sum::<f64>();
-        }
+        self.of_state(state, surroundings, |operators, field, origin| {
+            operators.means(field, temperature);
+            for (i, mean) in temperature.iter_mut().enumerate() {
+                *mean += origin + (0..flux.len()).map(|j| operators.unresolved[(i, j)] * flux[j]).sum::<f64>();
+            }
+        });
     }
 
     fn held_distortion(
@@ -388,31 +478,27 @@ impl LineHeat for FieldHeat {
         _velocity: f64,
         distortion: &mut [f64],
     ) {
-        let operators = &*self.operators;
-        let origin = operators.origin(surroundings);
-        operators.distort(&operators.field(state, origin), origin, distortion);
+        self.of_state(state, surroundings, |operators, field, origin| operators.distort(field, origin, distortion));
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> f64 {
-        let operators = &*self.operators;
-        let origin = operators.origin(surroundings);
-        let field = operators.field(state, origin);
-        dot(&operators.sides, &field) / (2.0 * operators.properties.height) + origin
+        self.of_state(state, surroundings, |operators, field, origin| {
+            dot(&operators.sides, field) / (2.0 * operators.properties.height) + origin
+        })
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; 2] {
-        let operators = &*self.operators;
-        let origin = operators.origin(surroundings);
-        let field = operators.field(state, origin);
-        let outside = surroundings.ambient - origin;
-        let far = match (&operators.outflow, operators.properties.top) {
-            (Some(outflow), _) => dot(&outflow.by_field, &field) - outflow.by_outside * outside,
-            (None, TopCondition::Convecting(transfer)) => {
-                dot(&operators.top, &field) - transfer * operators.properties.width * outside
-            }
-            (None, TopCondition::Held) => 0.0,
-        };
-        [operators.ambient_flow(&field, surroundings), far]
+        self.of_state(state, surroundings, |operators, field, origin| {
+            let outside = surroundings.ambient - origin;
+            let far = match (&operators.outflow, operators.properties.top) {
+                (Some((by_field, by_outside)), _) => dot(by_field, field) - by_outside * outside,
+                (None, TopCondition::Convecting(transfer)) => {
+                    dot(&operators.top, field) - transfer * operators.properties.width * outside
+                }
+                (None, TopCondition::Held) => 0.0,
+            };
+            [operators.ambient_flow(field, surroundings), far]
+        })
     }
 
     fn mean_temperature(&self, state: &[f64]) -> f64 {
@@ -430,6 +516,13 @@ impl LineHeat for FieldHeat {
     }
 
     fn boxed(&self) -> Box<dyn LineHeat> {
-        Box::new(self.clone())
+        let operators = self.operators.clone();
+        // Room that nothing was prepared in costs no memory until something is.
+        let copy = |prepared: &Prepared| {
+            if prepared.step.is_nan() { Prepared::empty(&operators) } else { prepared.clone() }
+        };
+        let kept = self.kept.iter().map(copy).collect();
+        let room = RefCell::new(Room::new(&operators).unwrap_or_else(|error| panic!("punch: {error}")));
+        Box::new(FieldHeat { operators, kept, current: self.current, clock: self.clock, room })
     }
 }

@@ -18,6 +18,7 @@ use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::limit;
 use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::line::GAMMA;
+use std::fmt::{self, Write};
 
 /// Largest b h.
 const GROWTH: f64 = 0.3;
@@ -70,25 +71,30 @@ impl Operators {
 }
 
 impl Line {
-    /// What a bit of [`limit`] that depends on numbers says.
-    pub fn warning(&self, bit: u8, inputs: &[f64; INPUTS]) -> Option<String> {
+    /// Writes what a bit of [`limit`] that depends on numbers says.
+    ///
+    /// # Errors
+    /// Those of `text`.
+    pub fn write_warning(&self, bit: u8, inputs: &[f64; INPUTS], text: &mut String) -> fmt::Result {
         match bit {
             limit::ACCELERATED => {
                 let (friction, acceleration) = (self.tunables.friction_coefficient, self.tunables.wear_acceleration);
                 let w = self.operators.wear_against_growth(friction, acceleration);
-                Some(format!(
+                write!(
+                    text,
                     "wear_acceleration = {acceleration} holds thermoelastic instability back: k K/(mu alpha (1 + nu) kd) = {w} \
                      with it is above {UNNOTICED_WEAR}"
-                ))
+                )
             }
             limit::UNSTABLE => {
                 let (speed, critical) = self.speeds(inputs);
-                Some(format!(
+                write!(
+                    text,
                     "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, from which on the contact's \
                      longest pressure wave grows"
-                ))
+                )
             }
-            _ => None,
+            _ => Ok(()),
         }
     }
 

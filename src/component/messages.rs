@@ -1,0 +1,87 @@
+//! Messages for the log, in memory that is taken when initialisation ends: a step that has something to say allocates nothing.
+
+use super::{Message, Subject};
+use std::fmt::{self, Write};
+use std::slice;
+
+/// Messages that wait at most, where the importer's side takes them after every call: a step says everything at most once.
+const MOST: usize = 8;
+
+/// Bytes of a text that need no more memory.
+const LONGEST: usize = 640;
+
+/// Messages since the last call of [`Messages::take`].
+#[derive(Debug, Default)]
+pub struct Messages {
+    /// The first `count` wait; the others are room for more.
+    kept: Vec<Message>,
+    count: usize,
+}
+
+impl Messages {
+    /// Takes the memory that steps need.
+    pub fn reserve(&mut self) {
+        for message in &mut self.kept {
+            message.text.reserve(LONGEST.saturating_sub(message.text.len()));
+        }
+        while self.kept.len() < MOST {
+            self.kept.push(Message { subject: Subject::Plan, text: String::with_capacity(LONGEST) });
+        }
+    }
+
+    /// Adds a message.
+    pub fn add(&mut self, subject: Subject, text: fmt::Arguments<'_>) {
+        self.compose(subject, |message| message.write_fmt(text));
+    }
+
+    /// Adds the message that `write` composes; none where it writes nothing.
+    pub fn compose(&mut self, subject: Subject, write: impl FnOnce(&mut String) -> fmt::Result) {
+        if self.count == self.kept.len() {
+            self.kept.push(Message { subject, text: String::new() });
+        }
+        let message = &mut self.kept[self.count];
+        message.subject = subject;
+        message.text.clear();
+        // Writing to a text fails only where the value itself says so.
+        if write(&mut message.text).is_ok() && !message.text.is_empty() {
+            self.count += 1;
+        }
+    }
+
+    /// The messages, oldest first; they are gone afterwards.
+    pub fn take(&mut self) -> slice::Iter<'_, Message> {
+        let count = std::mem::take(&mut self.count);
+        self.kept[..count].iter()
+    }
+
+    /// Whether there is none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_come_once_and_in_order_also_where_there_are_many() {
+        let mut messages = Messages::default();
+        messages.reserve();
+        for round in 0..2 {
+            for number in 0..2 * MOST {
+                messages.add(Subject::Warning, format_args!("{round} {number}"));
+                messages.compose(Subject::Error, |_| Ok(()));
+            }
+            assert!(!messages.is_empty());
+            let texts: Vec<&str> = messages.take().map(|message| message.text.as_str()).collect();
+            assert_eq!(texts.len(), 2 * MOST);
+            assert_eq!(
+                (texts[0], texts[2 * MOST - 1]),
+                (&*format!("{round} 0"), &*format!("{round} {}", 2 * MOST - 1))
+            );
+            assert!(messages.is_empty() && messages.take().len() == 0);
+        }
+    }
+}
