@@ -135,7 +135,16 @@ fn lints(tally: &mut Tally) {
         Ok(())
     });
     tally.step("lints", |step| {
-        step.check(cargo(&["clippy", "--workspace", "--all-targets", "--all-features", "--", "--deny", "warnings"]))?;
+        step.check(cargo(&[
+            "clippy",
+            "--release",
+            "--workspace",
+            "--all-targets",
+            "--all-features",
+            "--",
+            "--deny",
+            "warnings",
+        ]))?;
         step.pass();
         Ok(())
     });
@@ -179,7 +188,7 @@ fn importers() -> Result<Command> {
     let folder = project::target().join("importers");
     let fmu = package::build(Some(BRAKE), &package::Options::default())?;
     let recording = run::record(&python, &fmu, &folder)?;
-    let mut command = cargo(&["test", "--release", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
+    let mut command = cargo(&["test", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
     command
         .env("CARGO_TARGET_DIR", folder)
         .env("LIBCLANG_PATH", library)

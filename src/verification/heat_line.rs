@@ -66,7 +66,7 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// Jaeger (1942) on a layer so high that it is a half-plane.
+/// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over his images.
 fn jaeger(all: &mut Vec<Problem>) {
     // A slow band heats so deep and far that steps of a tenth of its thermal time would need too many waves.
     let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
@@ -77,45 +77,70 @@ fn jaeger(all: &mut Vec<Problem>) {
         (10.0, 4.0, 65, Path::OneWay, fast),
         (100.0, 1.0, 129, Path::OneWay, fast),
     ] {
-        // One body answers all three.
-        let solved: Arc<OnceLock<Result<[f64; 3], String>>> = Arc::default();
-        let solve = move || {
-            let (cells, values) = steady(&unit(height, Base::Held, path), cells, 1.0, resolution, 2.0 * peclet)?;
-            let (highest, place) = maximum(&cells, &values);
-            Ok([highest, place, mean(&cells, &values)])
-        };
-        let answer = |index: usize| {
-            let solved = solved.clone();
-            Box::new(move || solved.get_or_init(solve).clone().map(|values| values[index]))
-        };
-        all.push(Problem {
-            name: format!("moving band by cells, half-plane, Jaeger, Pe = {peclet}"),
-            quantity: "max T k/(q l)",
-            exact: Box::new(move || Ok(band_maximum(peclet).0)),
-            scale: None,
-            compute: answer(0),
-            bound: 1e-4,
-            reason: "reduction and table over the velocity, interpolation between the cells",
-        });
-        all.push(Problem {
-            name: format!("moving band by cells, half-plane, Jaeger's place of the maximum, Pe = {peclet}"),
-            quantity: "place of the maximum x/l",
-            exact: Box::new(move || Ok(band_maximum(peclet).1)),
-            scale: Some(1.0),
-            compute: answer(1),
-            bound: 3e-4,
-            reason: "flat at the maximum, which is looked for in steps of 1e-4",
-        });
-        all.push(Problem {
-            name: format!("moving band by cells, half-plane, Jaeger's mean, Pe = {peclet}"),
-            quantity: "mean T k/(q l)",
-            exact: Box::new(move || Ok(band_mean(peclet, None))),
-            scale: None,
-            compute: answer(2),
-            bound: 1e-4,
-            reason: "reduction and table over the velocity",
+        moving_band(all, peclet, None, move || {
+            steady(&unit(height, Base::Held, path), cells, 1.0, resolution, 2.0 * peclet)
         });
     }
+    for (height, base) in [(0.4, LayerBase::Held), (2.0, LayerBase::Insulated)] {
+        for (peclet, cells) in [(0.1, 65), (1.0, 65), (10.0, 65), (100.0, 129)] {
+            moving_band(all, peclet, Some((height, base)), move || {
+                let resolution = if peclet < 1.0 { slow } else { fast };
+                steady(&unit(height, base_of(base), Path::OneWay), cells, 1.0, resolution, 2.0 * peclet)
+            });
+        }
+    }
+}
+
+/// Maximum, its place and mean of a moving band from one steady answer on the cells.
+fn moving_band(
+    all: &mut Vec<Problem>,
+    peclet: f64,
+    layer: Option<(f64, LayerBase)>,
+    steady: impl Fn() -> Result<(Cells, Vec<f64>), String> + Copy + Send + Sync + 'static,
+) {
+    let body = match layer {
+        None => "half-plane".to_owned(),
+        Some((height, LayerBase::Held)) => format!("layer of {height} l, held base"),
+        Some((height, LayerBase::Insulated)) => format!("layer of {height} l, insulated base"),
+    };
+    // One body answers all three.
+    let solved: Arc<OnceLock<Result<[f64; 3], String>>> = Arc::default();
+    let solve = move || {
+        let (cells, values) = steady()?;
+        let (highest, place) = maximum(&cells, &values);
+        Ok([highest, place, mean(&cells, &values)])
+    };
+    let answer = |index: usize| {
+        let solved = solved.clone();
+        Box::new(move || solved.get_or_init(solve).clone().map(|values| values[index]))
+    };
+    all.push(Problem {
+        name: format!("moving band by cells, {body}, Jaeger, Pe = {peclet}"),
+        quantity: "max T k/(q l)",
+        exact: Box::new(move || Ok(band_maximum(peclet, layer).0)),
+        scale: None,
+        compute: answer(0),
+        bound: 1e-4,
+        reason: "reduction and table over the velocity, interpolation between the cells",
+    });
+    all.push(Problem {
+        name: format!("moving band by cells, {body}, Jaeger's place of the maximum, Pe = {peclet}"),
+        quantity: "place of the maximum x/l",
+        exact: Box::new(move || Ok(band_maximum(peclet, layer).1)),
+        scale: Some(1.0),
+        compute: answer(1),
+        bound: 3e-4,
+        reason: "flat at the maximum, which is looked for in steps of 1e-4",
+    });
+    all.push(Problem {
+        name: format!("moving band by cells, {body}, Jaeger's mean, Pe = {peclet}"),
+        quantity: "mean T k/(q l)",
+        exact: Box::new(move || Ok(band_mean(peclet, layer))),
+        scale: None,
+        compute: answer(2),
+        bound: 1e-4,
+        reason: "reduction and table over the velocity",
+    });
 }
 
 /// Fresh material: the image sum, at every speed.

@@ -61,55 +61,62 @@ pub enum LayerBase {
 ///
 /// `layer`: height over l and base; without it the half-plane.
 pub fn band_mean(peclet: f64, layer: Option<(f64, LayerBase)>) -> f64 {
-    let image = |d: f64, distance: f64| {
+    let kernel = |d: f64, distance: f64| {
         0.5 * (1.0 + (-2.0 * peclet * d).exp()) * (peclet * (d - distance)).exp() * scaled_bessel_k0(peclet * distance)
     };
-    integral_from_singularity(2.0, |d| {
-        let mut sum = image(d, d);
-        if let Some((height, base)) = layer {
-            let mut index = 1.0;
-            loop {
-                let term = 2.0 * image(d, d.hypot(2.0 * index * height));
-                let odd = index % 2.0 == 1.0;
-                sum += if base == LayerBase::Held && odd { -term } else { term };
-                if term < 1e-15 * sum.abs() {
-                    break;
-                }
-                index += 1.0;
-            }
-        }
-        (2.0 - d) * sum
-    }) / PI
+    integral_from_singularity(2.0, |d| (2.0 - d) * with_images(layer, d, |distance| kernel(d, distance))) / PI
 }
 
-/// Quasi-steady temperature T k/(q l) of the half-plane at `x` (over l, inside the band) under a uniform band source that
-/// moves at `peclet` towards +x: the kernel of [`band_mean`] on both sides of x.
-pub fn band_temperature(peclet: f64, x: f64) -> f64 {
-    let behind = |d: f64| (-2.0 * peclet * d).exp() * scaled_bessel_k0(peclet * d);
-    let ahead = |d: f64| scaled_bessel_k0(peclet * d);
+/// Sum over a source and its images in a layer (height and base; none: the half-plane) of `kernel`, a positive function of
+/// the distance r_n = sqrt(d^2 + (2 n h)^2).
+fn with_images(layer: Option<(f64, LayerBase)>, d: f64, kernel: impl Fn(f64) -> f64) -> f64 {
+    let mut sum = kernel(d);
+    if let Some((height, base)) = layer {
+        let mut index = 1.0;
+        loop {
+            let term = 2.0 * kernel(d.hypot(2.0 * index * height));
+            let odd = index % 2.0 == 1.0;
+            sum += if base == LayerBase::Held && odd { -term } else { term };
+            if term < 1e-15 * sum.abs() {
+                break;
+            }
+            index += 1.0;
+        }
+    }
+    sum
+}
+
+/// Quasi-steady temperature T k/(q l) at `x` (over l, inside the band) under a uniform band source that moves at `peclet`
+/// towards +x on a half-plane or a layer: the kernel of [`band_mean`] on both sides of x.
+pub fn band_temperature(peclet: f64, x: f64, layer: Option<(f64, LayerBase)>) -> f64 {
+    // exp(-+ Pe d) K0(Pe r): the same decay over the distance r >= d on both sides, but for a factor behind the source.
+    let ahead = |d: f64| {
+        with_images(layer, d, |distance| (peclet * (d - distance)).exp() * scaled_bessel_k0(peclet * distance))
+    };
+    let behind = |d: f64| (-2.0 * peclet * d).exp() * ahead(d);
     (integral_from_singularity(1.0 + x, behind) + integral_from_singularity(1.0 - x, ahead)) / PI
 }
 
 /// Largest temperature under that source, T k/(q l), and where it is (over l).
-pub fn band_maximum(peclet: f64) -> (f64, f64) {
+pub fn band_maximum(peclet: f64, layer: Option<(f64, LayerBase)>) -> (f64, f64) {
     // Golden section: the temperature has one maximum.
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut low, mut high) = (-1.0, 1.0);
     let mut inner = [high - golden * (high - low), low + golden * (high - low)];
-    let mut values = inner.map(|x| band_temperature(peclet, x));
+    let mut values = inner.map(|x| band_temperature(peclet, x, layer));
     while high - low > 1e-6 {
         if values[0] > values[1] {
             high = inner[1];
             inner = [high - golden * (high - low), inner[0]];
-            values = [band_temperature(peclet, inner[0]), values[0]];
+            values = [band_temperature(peclet, inner[0], layer), values[0]];
         } else {
             low = inner[0];
             inner = [inner[1], low + golden * (high - low)];
-            values = [values[1], band_temperature(peclet, inner[1])];
+            values = [values[1], band_temperature(peclet, inner[1], layer)];
         }
     }
     let x = 0.5 * (low + high);
-    (band_temperature(peclet, x), x)
+    (band_temperature(peclet, x, layer), x)
 }
 
 /// A closed path round a layer.
@@ -202,10 +209,11 @@ mod tests {
     #[test]
     fn band_maxima_of_jaeger() {
         for (peclet, value, place) in [(0.1, 2.20033, -0.2435), (1.0, 0.99185, -0.6664), (10.0, 0.34850, -0.9244)] {
-            let (found, at) = band_maximum(peclet);
+            let (found, at) = band_maximum(peclet, None);
             assert!((found - value).abs() < 5e-6 && (at - place).abs() < 5e-5, "{peclet}: {found} at {at}");
             // The mean of the temperature is the mean by its own formula.
-            let mean = (0..200).map(|k| band_temperature(peclet, -0.995 + 0.01 * f64::from(k))).sum::<f64>() / 200.0;
+            let mean =
+                (0..200).map(|k| band_temperature(peclet, -0.995 + 0.01 * f64::from(k), None)).sum::<f64>() / 200.0;
             assert!((mean / band_mean(peclet, None) - 1.0).abs() < 1e-3, "{peclet}: {mean}");
         }
     }
@@ -215,5 +223,16 @@ mod tests {
         // T = q h/k on slow bands over thin layers, up to the ends, which lose O(h/l).
         let mean = band_mean(1e-1, Some((1e-1, LayerBase::Held)));
         assert!((mean / 1e-1 - 1.0).abs() < 5e-2, "{mean}");
+    }
+
+    #[test]
+    fn temperatures_of_a_layer_have_the_mean_of_their_own_formula() {
+        for layer in [(0.4, LayerBase::Held), (2.0, LayerBase::Insulated)] {
+            for peclet in [0.1, 3.0] {
+                let at = |k: u32| band_temperature(peclet, -0.995 + 0.01 * f64::from(k), Some(layer));
+                let mean = (0..200).map(at).sum::<f64>() / 200.0;
+                assert!((mean / band_mean(peclet, Some(layer)) - 1.0).abs() < 1e-3, "{layer:?}, {peclet}: {mean}");
+            }
+        }
     }
 }

@@ -10,16 +10,21 @@
 //! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
 //! the stage stays one contact problem ([`split`]); which cells exchange heat is found by repetition ([`stage`]).
 
+mod accept;
 pub mod bodies;
+mod evaluation;
 mod growth;
 mod outputs;
+mod prepare;
 pub mod split;
 mod stage;
 mod staggered;
+mod start;
 pub mod state;
 
 use super::operators::Operators;
 use crate::heat::line::{LineHeat, Surroundings};
+use crate::scene::Scheme;
 use crate::wear::line::WearingContact;
 use bodies::Bodies;
 use split::Split;
@@ -76,6 +81,8 @@ pub struct Heat {
     exact: [bool; 2],
     /// Punch and strip move under heat.
     expands: [bool; 2],
+    /// Contact and heat take their steps one after the other: the bodies have no first stage.
+    staggered: bool,
     /// Larger diffusivity of both bodies, m2/s.
     diffusivity: f64,
     /// Pressure that the stage's heat is made of, Pa, and mu s v of the cells, m/s.
@@ -85,6 +92,8 @@ pub struct Heat {
     half_resistance: f64,
     /// Cells taken to be in contact.
     closed: Vec<bool>,
+    /// The temperatures of the stage under way are those of its fluxes.
+    warmed: bool,
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
     pub(super) difference: Vec<f64>,
@@ -130,11 +139,13 @@ impl Heat {
             renewed: [false; 2],
             exact: [false; 2],
             expands,
+            staggered: operators.scene.scheme == Scheme::Staggered,
             diffusivity,
             pressure: zeros(),
             per_pressure: zeros(),
             half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
             closed: vec![false; count],
+            warmed: false,
             felt: zeros(),
             difference: zeros(),
             matrix: vec![0.0; count * count],
@@ -166,11 +177,13 @@ impl Clone for Heat {
             renewed: self.renewed,
             exact: self.exact,
             expands: self.expands,
+            staggered: self.staggered,
             diffusivity: self.diffusivity,
             pressure: self.pressure.clone(),
             per_pressure: self.per_pressure.clone(),
             half_resistance: self.half_resistance,
             closed: self.closed.clone(),
+            warmed: self.warmed,
             felt: self.felt.clone(),
             difference: self.difference.clone(),
             matrix: self.matrix.clone(),

@@ -118,8 +118,27 @@ pub trait LineHeat: Debug + Send {
         distortion: &mut [f64],
     );
 
+    /// [`LineHeat::base`] at the end, where the last base asked for was that of the first stage, from the same state with the
+    /// same surroundings: takes over what both have in common.
+    fn base_of_end(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        self.base(state, surroundings, Stage::End, known, temperature, distortion);
+    }
+
     /// Carries the state over the prepared step with the fluxes of both stages.
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]);
+
+    /// [`LineHeat::advance`], where the last base asked for was that of the end, from the same state with the same surroundings
+    /// and the fluxes `first`: takes over what it has found.
+    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        self.advance(state, surroundings, first, end);
+    }
 
     /// Temperature (K above the reference) of the N cells with the state held and the flux `flux` into the cells, which
     /// acts at the sliding velocity `velocity` (m/s) through what answers at once only.

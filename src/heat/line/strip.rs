@@ -22,10 +22,12 @@
 //! ([`give_back`]).
 
 mod account;
+mod amplitudes;
 mod answer;
 mod depth;
 mod give_back;
 mod knots;
+mod levels;
 mod moving_kernel;
 mod operators;
 mod propagate;
@@ -40,7 +42,6 @@ pub use depth::Expansion;
 pub use operators::{Path, Resolution, StripProperties};
 
 use super::{Account, Gains, LineHeat, Stage, Surroundings};
-use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use operators::Operators;
@@ -89,84 +90,6 @@ impl StripHeat {
     fn mean_flux(&self, flux: &[f64], cooling: f64) -> f64 {
         let operators = &*self.operators;
         flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>() / operators.period + cooling
-    }
-
-    /// Fills the scratch with the total fluxes into the cells in the first stage and, where given, at the end: of the
-    /// contact, less the cooling that does not act there, and the heat transfer given back.
-    fn effective(
-        &self,
-        scratch: &mut Scratch,
-        state: &[f64],
-        surroundings: &Surroundings,
-        first: &[f64],
-        end: Option<&[f64]>,
-    ) {
-        let operators = &*self.operators;
-        let uncooled = |target: &mut [f64], flux: &[f64]| {
-            target.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
-        };
-        uncooled(&mut scratch.first, first);
-        if let Some(end) = end {
-            uncooled(&mut scratch.end, end);
-        }
-        let Some(give_back) = &operators.give_back else { return };
-        let weights = &self.step.first;
-        self.wave_amplitudes(scratch, state, weights);
-        let mut level = give_back.project(&scratch.amplitude);
-        level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, [0.0, 0.0], true);
-        give_back.add(&weights.answer, &level, surroundings.ambient, &mut scratch.first);
-        if end.is_some() {
-            let weights = &self.step.end;
-            self.wave_amplitudes(scratch, state, weights);
-            operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
-            self.add_known_flux(scratch, weights);
-            let mut level = give_back.project(&scratch.amplitude);
-            let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-            level[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, fluxes, true);
-            give_back.add(&weights.answer, &level, surroundings.ambient, &mut scratch.end);
-        }
-    }
-
-    /// Surface amplitude of every wave at a stage, from the state alone.
-    fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
-        let operators = &*self.operators;
-        let (re, im) = operators.wave_states(state);
-        let [factor_re, factor_im] = &weights.factor;
-        for (wave, range) in operators.ranges.iter().enumerate() {
-            let (mut sum, mut moved) = ([0.0; 2], [0.0; 2]);
-            let states = re[range.clone()].iter().zip(&im[range.clone()]);
-            let factors = factor_re[range.clone()].iter().zip(&factor_im[range.clone()]);
-            let observed = operators.temperature[range.clone()].iter().zip(&operators.distortion[range.clone()]);
-            for (((re, im), (c, s)), (t, d)) in states.zip(factors).zip(observed) {
-                let turned = [c * re - s * im, c * im + s * re];
-                for part in 0..2 {
-                    sum[part] += t * turned[part];
-                    moved[part] += d * turned[part];
-                }
-            }
-            for part in 0..2 {
-                scratch.amplitude[part][wave] = sum[part];
-                scratch.moved[part][wave] = moved[part];
-            }
-        }
-    }
-
-    /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
-    fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
-        let operators = &*self.operators;
-        let [re, im, moved_re, moved_im] = weights.answer.carried();
-        let [heat_re, heat_im] = &scratch.heat;
-        let add = |target: &mut [Vec<f64>; 2], re: &[f64], im: &[f64]| {
-            let [real, imaginary] = target;
-            for wave in 0..real.len() {
-                real[wave] += re[wave] * heat_re[wave] - im[wave] * heat_im[wave];
-                imaginary[wave] += re[wave] * heat_im[wave] + im[wave] * heat_re[wave];
-            }
-        };
-        add(&mut scratch.amplitude, re, im);
-        if operators.expands {
-            add(&mut scratch.moved, moved_re, moved_im);
-        }
     }
 
     /// Surface temperature (`surface`), or mean temperature through the depth, of the mean wave at a stage with the mean of
@@ -251,23 +174,6 @@ impl StripHeat {
         surroundings.cooling * self.operators.free_length() / self.operators.period
     }
 
-    /// Amplitudes of the waves with the state held.
-    fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64]) {
-        let operators = &*self.operators;
-        let (re, im) = operators.wave_states(state);
-        for (wave, range) in operators.ranges.iter().enumerate() {
-            let sum = |weights: &[f64], part: &[f64]| -> f64 {
-                weights[range.clone()].iter().zip(&part[range.clone()]).map(|(w, x)| w * x).sum()
-            };
-            for (part, states) in [re, im].into_iter().enumerate() {
-                scratch.amplitude[part][wave] = sum(&operators.temperature, states);
-                if operators.expands {
-                    scratch.moved[part][wave] = sum(&operators.distortion, states);
-                }
-            }
-        }
-    }
-
     /// Adds the remainder's answer to `flux` at `velocity`.
     fn add_remainder(&self, scratch: &mut Scratch, velocity: f64, flux: &[f64], distortion: bool, answer: &mut [f64]) {
         let operators = &*self.operators;
@@ -340,84 +246,49 @@ impl LineHeat for StripHeat {
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
-        let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
-        let weights = self.step.stage(stage);
         match stage {
             Stage::First => scratch.first.copy_from_slice(known),
-            Stage::End => self.effective(scratch, state, surroundings, known, None),
-        }
-        self.wave_amplitudes(scratch, state, weights);
-        // The heat transfer given back in the first stage does not know of the deviation, which `advance` is not told.
-        let mut projected = [0.0; give_back::RANK];
-        if let (Some(give_back), Stage::First) = (&operators.give_back, stage) {
-            projected = give_back.project(&scratch.amplitude);
-            projected[0] += give_back.unit[0] * self.mean_level(state, surroundings, weights, [0.0; 2], true);
-        }
-        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
-        self.add_known_flux(scratch, weights);
-        let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-        let level = self.mean_level(state, surroundings, weights, fluxes, true);
-        let Scratch { amplitude, moved, weighted, answer, .. } = &mut *scratch;
-        operators.observe(amplitude, weighted, answer, level, temperature);
-        if operators.expands {
-            let mean = operators.mean_distortion * self.mean_level(state, surroundings, weights, fluxes, false);
-            operators.observe(moved, weighted, answer, mean, distortion);
-        } else {
-            distortion.fill(0.0);
-        }
-        // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
-        if surroundings.cooling == 0.0 && operators.give_back.is_none() {
-            return;
-        }
-        scratch.end.fill(-surroundings.cooling);
-        let mut amounts = [0.0; give_back::RANK];
-        if let Some(give_back) = &operators.give_back {
-            if stage == Stage::End {
-                projected = give_back.project(&scratch.amplitude);
-                projected[0] += give_back.unit[0] * level;
-            }
-            amounts = give_back.amounts(&weights.answer, &projected, surroundings.ambient, &scratch.end);
-        }
-        for (moving, values) in [temperature, distortion].into_iter().enumerate() {
-            if moving == 1 && !operators.expands {
-                continue;
-            }
-            let uniform = weights.answer.uniform(moving);
-            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= surroundings.cooling * rise);
-            if operators.give_back.is_some() {
-                dense::multiply_add(weights.answer.lifted(moving), &amounts, values);
+            Stage::End => {
+                self.project_first(scratch, state, surroundings);
+                self.effective_first(scratch, surroundings, known);
             }
         }
+        self.base_from(scratch, state, surroundings, stage, [temperature, distortion]);
+    }
+
+    fn base_of_end(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.effective_first(scratch, surroundings, known);
+        self.base_from(scratch, state, surroundings, Stage::End, [temperature, distortion]);
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
-        self.effective(scratch, state, surroundings, first, Some(end));
-        let weights = &self.step.end;
-        let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
-        self.keep_account(scratch, state, surroundings, [first, end], fluxes);
+        self.project_first(scratch, state, surroundings);
+        self.effective_first(scratch, surroundings, first);
         operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
-        operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
-        let (re, im) = operators.wave_states_mut(state);
-        let ([factor_re, factor_im], [known_re, known_im, own_re, own_im]) =
-            (&weights.factor, weights.answer.weights());
-        for (wave, range) in operators.ranges.iter().enumerate() {
-            let (h1, h2) = (
-                [scratch.heat[0][wave], scratch.heat[1][wave]],
-                [scratch.heat_end[0][wave], scratch.heat_end[1][wave]],
-            );
-            let factors = factor_re[range.clone()].iter().zip(&factor_im[range.clone()]);
-            let known = known_re[range.clone()].iter().zip(&known_im[range.clone()]);
-            let own = own_re[range.clone()].iter().zip(&own_im[range.clone()]);
-            let states = re[range.clone()].iter_mut().zip(&mut im[range.clone()]);
-            for ((((re, im), (c, s)), (a, b)), (d, e)) in states.zip(factors).zip(known).zip(own) {
-                let x = [*re, *im];
-                *re = c * x[0] - s * x[1] + a * h1[0] - b * h1[1] + d * h2[0] - e * h2[1];
-                *im = c * x[1] + s * x[0] + a * h1[1] + b * h1[0] + d * h2[1] + e * h2[0];
-            }
+        if operators.give_back.is_some() {
+            self.wave_amplitudes(scratch, state, &self.step.end);
+            self.add_known_flux(scratch, &self.step.end);
+            let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
+            let level = self.mean_level(state, surroundings, &self.step.end, fluxes, true);
+            self.project(scratch, Stage::End, level);
         }
+        self.advance_by(scratch, state, surroundings, [first, end]);
+    }
+
+    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.advance_by(scratch, state, surroundings, [first, end]);
     }
 
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {

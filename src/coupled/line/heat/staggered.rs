@@ -257,7 +257,8 @@ impl Heat {
         self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
         self.split_end();
-        self.supply(Stage::End, slip, true);
+        self.warmed = false;
+        self.supply(Stage::End, slip);
         self.warm(Stage::End);
         let [first, end] = &mut self.flux;
         for (first, end) in first.iter_mut().zip(end) {

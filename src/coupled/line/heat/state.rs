@@ -12,6 +12,8 @@ pub struct HeatState {
     pub flux: [Vec<f64>; 2],
     /// Rates of these fluxes over the last step, W/(m2 s); 0 behind a jump.
     pub slope: [Vec<f64>; 2],
+    /// Rate of the pressure over the last step, Pa/s; 0 behind a jump and behind a reversal.
+    pub pressure_slope: Vec<f64>,
     /// Temperatures of the cells there.
     pub temperature: [Vec<f64>; 2],
     /// Displacement of both surfaces there, m into the bodies.
@@ -77,6 +79,7 @@ impl HeatState {
             bodies: bodies.states.map(|states| vec![0.0; states]),
             flux: [zeros(), zeros()],
             slope: [zeros(), zeros()],
+            pressure_slope: zeros(),
             temperature: rise.map(|rise| vec![rise; count]),
             distortion: zeros(),
             reference: Place { velocity: f64::NAN, last: f64::NAN, fade: 1.0 },
@@ -102,10 +105,12 @@ impl HeatState {
     /// Forgets how the fluxes changed: what they follow has jumped.
     pub fn jump(&mut self) {
         self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
+        self.pressure_slope.fill(0.0);
     }
 
-    /// Sliding has turned round: friction heat rises as fast as it fell.
+    /// Sliding has turned round: friction heat rises as fast as it fell, and friction loads the other edge.
     pub fn reverse(&mut self) {
+        self.pressure_slope.fill(0.0);
         self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
 
@@ -142,6 +147,7 @@ impl HeatState {
             bodies,
             flux,
             slope,
+            pressure_slope,
             temperature,
             distortion,
             reference,
@@ -154,6 +160,7 @@ impl HeatState {
         } = self;
         let Place { velocity, last, fade } = reference;
         (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
+            .chain(pressure_slope)
             .chain(distortion)
             .chain([velocity, last, fade, faded, dissipated, last_step])
             .chain(cooling)
@@ -169,6 +176,7 @@ impl HeatState {
             self.slope[body].copy_from_slice(&other.slope[body]);
             self.temperature[body].copy_from_slice(&other.temperature[body]);
         }
+        self.pressure_slope.copy_from_slice(&other.pressure_slope);
         self.distortion.copy_from_slice(&other.distortion);
         (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);

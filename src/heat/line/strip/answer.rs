@@ -17,11 +17,11 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// For a strip.
-    pub fn new(operators: &Operators) -> Layout {
+    /// For a strip; states are carried to the end of a step only.
+    pub fn new(operators: &Operators, at_end: bool) -> Layout {
         Layout {
             count: operators.widths.len(),
-            states: operators.rate.len(),
+            states: if at_end { operators.rate.len() } else { 0 },
             waves: operators.waves.len(),
             rank: operators.give_back.as_ref().map_or(0, |_| RANK),
         }
@@ -45,7 +45,8 @@ pub struct Answer {
 /// The parts of an answer beside the gains. Pairs: temperature, distortion.
 pub struct Parts<'a> {
     /// Weights of the fluxes in each state, input included: of those known before the stage (in the first stage the deviation
-    /// at its start, at the end the fluxes of the first) and of its own, real and imaginary parts by turns.
+    /// at its start, at the end the fluxes of the first) and of its own, real and imaginary parts by turns. Empty in the first
+    /// stage.
     pub weights: [&'a mut [f64]; 4],
     /// Surface amplitude and distortion that the known flux leaves in a wave, real and imaginary parts by turns.
     pub carried: [&'a mut [f64]; 4],
@@ -146,14 +147,33 @@ impl Answer {
         &self.rest[first + 3 * n..]
     }
 
-    /// Becomes the sum of four answers.
-    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4]) {
+    /// Becomes the sum of four answers, with what answers at once added to the gains.
+    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: AtOnce<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
         let parts = answers.map(|answer| answer.gains.temperature.as_slice());
-        dense::combine(self.gains.temperature.as_mut_slice(), parts, factors);
-        let parts = answers.map(|answer| answer.gains.distortion.as_slice());
-        dense::combine(self.gains.distortion.as_mut_slice(), parts, factors);
+        sum(self.gains.temperature.as_mut_slice(), parts, factors, immediate, 0);
+        if !immediate[0].0[1].is_empty() {
+            let parts = answers.map(|answer| answer.gains.distortion.as_slice());
+            sum(self.gains.distortion.as_mut_slice(), parts, factors, immediate, 1);
+        }
+    }
+}
+
+/// One or two responses at once (temperature and distortion, N x N; the second empty where nothing expands), each with its
+/// share.
+pub type AtOnce<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
+
+/// Sum of four matrices and one or two more.
+fn sum(target: &mut [f64], [a, b, c, d]: [&[f64]; 4], factors: [f64; 4], immediate: AtOnce<'_>, moving: usize) {
+    let [f, g, h, i] = factors;
+    match immediate {
+        [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, *share]),
+        [(one, share), (other, rest)] => {
+            let sources = [a, b, c, d, one[moving].as_slice(), other[moving].as_slice()];
+            dense::combine(target, sources, [f, g, h, i, *share, *rest]);
+        }
+        _ => unreachable!("what answers at once is that of one or two velocities"),
     }
 }
 

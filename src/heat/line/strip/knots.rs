@@ -3,7 +3,7 @@
 //! From one knot to the next the shortest wave turns by a quarter of a radian in the interval. The answer is the cubic
 //! through four knots: a function of the arguments alone, whatever knots are kept.
 
-use super::answer::{Answer, Layout};
+use super::answer::{Answer, AtOnce, Layout};
 use super::operators::Operators;
 use super::step::{Interval, Room};
 
@@ -70,13 +70,18 @@ impl Knots {
         usual
     }
 
-    /// The answer of `interval`, `length` s long, at a constant velocity.
+    /// The answer of `interval`, `length` s long, at a constant velocity, with what answers at once.
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "an interval, its velocity, and where to build what is not there yet"
+    )]
     pub fn interpolate(
         &mut self,
         operators: &Operators,
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,
+        immediate: AtOnce<'_>,
         room: &mut Room,
         answer: &mut Answer,
     ) {
@@ -103,6 +108,6 @@ impl Knots {
             }
         }
         let slots = &set.slots;
-        answer.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].1), weights);
+        answer.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].1), weights, immediate);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::give_back::GiveBack;
+use super::levels::{Level, levels, of_wave};
 use super::remainder::Remainder;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave, harmonics};
@@ -11,7 +12,6 @@ use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::{Base, CoolingPort, Slab};
 use nalgebra::Complex;
 use std::f64::consts::PI;
-use std::ops::Range;
 
 /// Path of the contact on the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -90,11 +90,13 @@ pub struct Operators {
     pub period: f64,
     pub convection: f64,
     pub waves: Vec<Wave>,
+    /// Their wave numbers, 1/m.
+    pub numbers: Vec<f64>,
     pub shapes: Shapes,
     /// `2 count/L`: what a wave's amplitude counts in the temperature.
     pub weight: Vec<f64>,
-    /// States of each wave.
-    pub ranges: Vec<Range<usize>>,
+    /// Places of the states of all waves.
+    pub levels: Vec<Level>,
     pub rate: Vec<f64>,
     pub temperature: Vec<f64>,
     pub distortion: Vec<f64>,
@@ -247,21 +249,28 @@ impl Operators {
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
         let table = VelocityTable::new(&remainder, shapes.half(), slow, limit);
-        let mut ranges = Vec::new();
-        let (mut rate, mut temperature, mut distortion) = (Vec::new(), Vec::new(), Vec::new());
-        for mode in &modes {
-            let first = rate.len();
-            rate.extend(&mode.rate);
-            temperature.extend(&mode.temperature);
-            distortion.extend(&mode.distortion);
-            ranges.push(first..rate.len());
+        // As many states as any shorter wave has: those it does not need stay 0.
+        let mut counts: Vec<usize> = modes.iter().map(|mode| mode.rate.len()).collect();
+        for wave in (1..counts.len()).rev() {
+            counts[wave - 1] = counts[wave - 1].max(counts[wave]);
+        }
+        let levels = levels(&counts);
+        let states = counts.iter().sum();
+        let (mut rate, mut temperature, mut distortion) = (vec![0.0; states], vec![0.0; states], vec![0.0; states]);
+        for (wave, mode) in modes.iter().enumerate() {
+            let fastest = mode.rate.iter().copied().fold(0.0, f64::max);
+            for (k, place) in of_wave(&levels, wave).enumerate() {
+                rate[place] = mode.rate.get(k).copied().unwrap_or(fastest);
+                temperature[place] = mode.temperature.get(k).copied().unwrap_or(0.0);
+                distortion[place] = mode.distortion.get(k).copied().unwrap_or(0.0);
+            }
         }
         let mut operators = Operators {
             half: shapes.half(),
             period,
             convection,
             weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),
-            ranges,
+            levels,
             rate,
             temperature,
             distortion,
@@ -276,6 +285,7 @@ impl Operators {
             give_back: None,
             contact_mean: Vec::new(),
             error,
+            numbers: waves.iter().map(|wave| wave.number).collect(),
             waves,
             shapes,
             widths,

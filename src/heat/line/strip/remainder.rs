@@ -10,15 +10,17 @@ use super::moving_kernel::MovingSource;
 use super::operators::Forgetting;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::contact::dense;
-use crate::elastic::Cells;
+use crate::elastic::{Cells, MAXIMUM_CELLS};
 use crate::heat::slab::Slab;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
+use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
 /// A translation-invariant response on symmetric cells, per heat (W/m) into a cell, split by parity.
 ///
 /// Three blocks of ((N + 1)/2)^2 rows by rows: even answers to even heat, even to odd, odd to odd. Odd to even is minus the
-/// transpose of even to odd. Reversing the velocity changes the sign of the middle block.
+/// transpose of even to odd. Reversing the velocity changes the sign of the middle block, and transposes: the outer ones are
+/// symmetric.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Blocks {
     half: usize,
@@ -52,6 +54,30 @@ impl Blocks {
         }
     }
 
+    /// Adds Re of `gain exp(iq(x - s))` for every wave; `terms` is room for a number each.
+    pub fn add_waves(&mut self, gains: &[Complex<f64>], shapes: &Shapes, terms: &mut [f64]) {
+        let (half, size, count) = (self.half, self.half * self.half, gains.len());
+        let ([even, odd], [even_by_cell, odd_by_cell]) = (shapes.matrices(), shapes.transposed());
+        let (even_even, rest) = self.values.split_at_mut(size);
+        let (even_odd, odd_odd) = rest.split_at_mut(size);
+        for a in 0..half {
+            let (row, cell) = (a * half..(a + 1) * half, a * count..(a + 1) * count);
+            let (even_here, odd_here) = (&even_by_cell[cell.clone()], &odd_by_cell[cell]);
+            for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
+                *term = gain.re * shape;
+            }
+            dense::multiply_add(even, terms, &mut even_even[row.clone()]);
+            for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
+                *term = gain.im * shape;
+            }
+            dense::multiply_add(odd, terms, &mut even_odd[row.clone()]);
+            for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(odd_here)) {
+                *term = gain.re * shape;
+            }
+            dense::multiply_add(odd, terms, &mut odd_odd[row]);
+        }
+    }
+
     /// Adds a kernel given by its mean over pairs of cells (answering, heated).
     pub fn add_kernel(&mut self, count: usize, kernel: impl Fn(usize, usize) -> f64) {
         let size = self.half * self.half;
@@ -68,28 +94,41 @@ impl Blocks {
         }
     }
 
-    /// Adds the response per flux (W/m2) to an N x N matrix.
-    pub fn add_to(&self, widths: &[f64], matrix: &mut DMatrix<f64>) {
-        let (half, size, count) = (self.half, self.half * self.half, widths.len());
-        for b in 0..half {
-            let (mirror_b, width) = (count - 1 - b, widths[b]);
-            for a in 0..half {
-                let at = a * half + b;
-                let (ee, eo, oo) = (self.values[at], self.values[size + at], self.values[2 * size + at]);
-                let oe = -self.values[size + b * half + a];
-                let mirror_a = count - 1 - a;
-                matrix[(a, b)] += width * (ee + eo + oe + oo);
-                if mirror_a != a {
-                    matrix[(mirror_a, b)] += width * (ee + eo - oe - oo);
-                }
-                if mirror_b != b {
-                    matrix[(a, mirror_b)] += width * (ee - eo + oe - oo);
-                    if mirror_a != a {
-                        matrix[(mirror_a, mirror_b)] += width * (ee - eo - oe + oo);
+    /// Sets an N x N matrix to the response per flux (W/m2), with `level` more of it everywhere.
+    pub fn unfold(&self, widths: &[f64], level: f64, matrix: &mut DMatrix<f64>) {
+        struct Unfold<'a>(&'a Blocks, &'a [f64], f64, &'a mut [f64]);
+        impl WithSimd for Unfold<'_> {
+            type Output = ();
+
+            #[inline(always)]
+            fn with_simd<S: Simd>(self, _: S) {
+                let Self(blocks, widths, level, values) = self;
+                let (half, count) = (blocks.half, widths.len());
+                let (even, rest) = blocks.values.split_at(half * half);
+                let (mixed, odd) = rest.split_at(half * half);
+                // Columns of the middle block, which is stored by rows, a few at a time.
+                let mut columns = [[0.0; MAXIMUM_CELLS.div_ceil(2)]; TILE];
+                for first in (0..half).step_by(TILE) {
+                    let tile = TILE.min(half - first);
+                    for a in 0..half {
+                        let row = &mixed[a * half + first..][..tile];
+                        for (column, value) in columns.iter_mut().zip(row) {
+                            column[a] = *value;
+                        }
+                    }
+                    for (b, even_to_odd) in (first..first + tile).zip(&columns) {
+                        let row = b * half..(b + 1) * half;
+                        let parts = [&even[row.clone()], &even_to_odd[..half], &mixed[row.clone()], &odd[row]];
+                        for (at, sign) in [(count - 1 - b, -1.0), (b, 1.0)] {
+                            column(parts, sign, widths[b], level, &mut values[at * count..(at + 1) * count]);
+                        }
                     }
                 }
             }
         }
+        let expected = (widths.len(), widths.len());
+        assert!(matrix.shape() == expected && self.half == widths.len().div_ceil(2), "N x N, of N cells");
+        Arch::new().dispatch(Unfold(self, widths, level, matrix.as_mut_slice()));
     }
 
     /// Becomes the sum of six responses, each with its factor; `reversed`: at the opposite velocity.
@@ -152,6 +191,25 @@ impl Blocks {
     }
 }
 
+/// Columns turned at once.
+const TILE: usize = 4;
+
+/// Column of the response to a cell (`sign` 1) or its mirror image (-1): even answers to even and to odd heat, minus odd to
+/// even, odd to odd.
+#[inline(always)]
+fn column(parts: [&[f64]; 4], sign: f64, width: f64, level: f64, target: &mut [f64]) {
+    let [even, even_to_odd, odd_to_even, odd] = parts;
+    let half = even.len();
+    let (top, bottom) = target.split_at_mut(half);
+    for a in 0..half {
+        top[a] = width * ((level + even[a] + sign * even_to_odd[a]) + (sign * odd[a] - odd_to_even[a]));
+    }
+    let beyond = bottom.len();
+    for a in 0..beyond {
+        bottom[beyond - 1 - a] = width * ((level + even[a] + sign * even_to_odd[a]) - (sign * odd[a] - odd_to_even[a]));
+    }
+}
+
 /// What the sums of the remainder are made of.
 pub struct Remainder<'a> {
     pub cells: &'a Cells,
@@ -185,6 +243,32 @@ pub struct Integrals {
     beyond: Vec<Wave>,
     beyond_shapes: Shapes,
     images: bool,
+}
+
+/// Gains of waves that are summed together: of temperature, and of distortion where there is one.
+#[derive(Default)]
+struct Sums {
+    warm: Vec<Complex<f64>>,
+    moved: Vec<Complex<f64>>,
+    terms: Vec<f64>,
+}
+
+impl Sums {
+    fn push(&mut self, warm: Complex<f64>, moved: Option<Complex<f64>>, weight: f64) {
+        self.warm.push(warm * weight);
+        self.moved.extend(moved.map(|gain| gain * weight));
+    }
+
+    /// Adds the sums over these waves, and begins anew.
+    fn add_to(&mut self, shapes: &Shapes, temperature: &mut Blocks, distortion: &mut Blocks) {
+        self.terms.resize(self.warm.len(), 0.0);
+        temperature.add_waves(&self.warm, shapes, &mut self.terms);
+        if !self.moved.is_empty() {
+            distortion.add_waves(&self.moved, shapes, &mut self.terms);
+        }
+        self.warm.clear();
+        self.moved.clear();
+    }
 }
 
 impl Remainder<'_> {
@@ -244,39 +328,35 @@ impl Remainder<'_> {
             self.add_fresh(velocity, moving, fresh, integrals, [temperature, distortion]);
             return;
         }
-        for (index, (wave, modes)) in self.waves.iter().zip(self.modes).enumerate() {
-            let (even, odd) = self.shapes.rows(index);
+        let mut sums = Sums::default();
+        for (wave, modes) in self.waves.iter().zip(self.modes) {
             let s = Complex::new(0.0, -wave.number * velocity);
             let depth = Depth::new(self.slab, self.expansion, wave.number);
             let weight = 2.0 * wave.count / self.period;
-            temperature.add_wave((depth.impedance(s) - modes.impedance(s)) * weight, even, odd);
-            if self.expansion.is_some() {
-                distortion.add_wave((depth.distortion(s) - modes.distortion(s)) * weight, even, odd);
-            }
+            let moved = self.expansion.map(|_| depth.distortion(s) - modes.distortion(s));
+            sums.push(depth.impedance(s) - modes.impedance(s), moved, weight);
         }
+        sums.add_to(self.shapes, temperature, distortion);
         let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
         for shift in shifts {
             let source = MovingSource::new(self.cells, shift * self.period, 0.5 * moving / diffusivity);
             temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
         }
         let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
-        for (index, wave) in integrals.removed.iter().enumerate() {
-            let (even, odd) = integrals.removed_shapes.rows(index);
-            let weight = wave.count * copies(wave.number) / PI;
-            temperature.add_wave(-half_plane(wave.number) * weight, even, odd);
+        for wave in &integrals.removed {
+            sums.push(-half_plane(wave.number), None, wave.count * copies(wave.number) / PI);
         }
-        for (index, wave) in integrals.beyond.iter().enumerate() {
-            let (even, odd) = integrals.beyond_shapes.rows(index);
-            let weight = wave.count * copies(wave.number) / PI;
+        sums.add_to(&integrals.removed_shapes, temperature, distortion);
+        for wave in &integrals.beyond {
             let depth = Depth::new(self.bare, self.expansion, wave.number);
+            let mut gain = Complex::from(0.0);
             if wave.number * self.bare.height < HALF_PLANE {
-                let gain = depth.impedance(turning(wave.number)) - half_plane(wave.number);
-                temperature.add_wave(gain * weight, even, odd);
+                gain = depth.impedance(turning(wave.number)) - half_plane(wave.number);
             }
-            if self.expansion.is_some() {
-                distortion.add_wave(depth.distortion(turning(wave.number)) * weight, even, odd);
-            }
+            let moved = self.expansion.map(|_| depth.distortion(turning(wave.number)));
+            sums.push(gain, moved, wave.count * copies(wave.number) / PI);
         }
+        sums.add_to(&integrals.beyond_shapes, temperature, distortion);
         self.correct_ends(integrals.images, &half_plane, temperature);
     }
 
@@ -298,26 +378,21 @@ impl Remainder<'_> {
         let (lasting, still) = ((slowest * share).max(resolved), slowest * share.powi(3));
         let source = MovingSource::new(self.cells, 0.0, 0.5 * moving / diffusivity);
         temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
-        for (index, wave) in integrals.removed.iter().enumerate() {
-            let (even, odd) = integrals.removed_shapes.rows(index);
+        let mut sums = Sums::default();
+        for wave in &integrals.removed {
             let q = wave.number;
             let depth = Depth::new(self.slab, self.expansion, q);
             let s = Complex::new(lasting, -q * moving);
             let half_plane = (Complex::new(q * q, -q * moving / diffusivity).sqrt() * conductivity).inv();
-            temperature.add_wave((depth.impedance(s) - half_plane) * (wave.count / PI), even, odd);
-            if self.expansion.is_some() {
-                distortion.add_wave(depth.distortion(s) * (wave.count / PI), even, odd);
-            }
+            sums.push(depth.impedance(s) - half_plane, self.expansion.map(|_| depth.distortion(s)), wave.count / PI);
         }
-        for (index, (wave, modes)) in self.waves.iter().zip(self.modes).enumerate() {
-            let (even, odd) = self.shapes.rows(index);
+        sums.add_to(&integrals.removed_shapes, temperature, distortion);
+        for (wave, modes) in self.waves.iter().zip(self.modes) {
             let s = Complex::new(forgotten + still, -wave.number * velocity);
             let weight = 2.0 * wave.count / self.period;
-            temperature.add_wave(-modes.impedance(s) * weight, even, odd);
-            if self.expansion.is_some() {
-                distortion.add_wave(-modes.distortion(s) * weight, even, odd);
-            }
+            sums.push(-modes.impedance(s), self.expansion.map(|_| -modes.distortion(s)), weight);
         }
+        sums.add_to(self.shapes, temperature, distortion);
     }
 
     /// f'/24 at the first harmonic left to the integral; the nearest images have their part of it already.

@@ -1,7 +1,9 @@
 //! Weights and gains of one step.
 
-use super::answer::{Answer, Layout};
+use super::answer::{Answer, AtOnce, Layout};
+use super::give_back::RANK;
 use super::knots::Knots;
+use super::levels::{self, of_wave, turns};
 use super::operators::Operators;
 use super::propagate::Motion;
 use super::remainder::Blocks;
@@ -37,6 +39,8 @@ pub struct StageWeights {
     decay: Vec<f64>,
     length: f64,
     knots: Knots,
+    /// Turn of each wave, real and imaginary part.
+    turns: [Vec<f64>; 2],
 }
 
 /// A stage without its velocity.
@@ -67,6 +71,31 @@ pub struct Step {
 pub struct Room {
     blocks: [Blocks; 2],
     slow: [DMatrix<f64>; 2],
+    /// Gains of the waves, and a number for each.
+    gains: [Vec<Complex<f64>>; 2],
+    terms: Vec<f64>,
+}
+
+impl Room {
+    fn new(operators: &Operators) -> Room {
+        let (count, waves) = (operators.widths.len(), operators.waves.len());
+        let moving = if operators.expands { count } else { 0 };
+        Room {
+            blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
+            slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
+            gains: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
+            terms: vec![0.0; waves],
+        }
+    }
+
+    /// Sums the waves by their gains.
+    fn sum_waves(&mut self, operators: &Operators) {
+        let moving = 1 + usize::from(operators.expands);
+        for (blocks, gains) in self.blocks.iter_mut().zip(&self.gains).take(moving) {
+            blocks.clear();
+            blocks.add_waves(gains, &operators.shapes, &mut self.terms);
+        }
+    }
 }
 
 /// Work space of the evaluations.
@@ -84,6 +113,8 @@ pub struct Scratch {
     pub amplitude: [Vec<f64>; 2],
     pub moved: [Vec<f64>; 2],
     pub weighted: [Vec<f64>; 2],
+    /// What the heat transfer given back at either stage follows.
+    pub projected: [[f64; RANK]; 2],
 }
 
 impl Scratch {
@@ -101,6 +132,7 @@ impl Scratch {
             amplitude: parts(),
             moved: parts(),
             weighted: parts(),
+            projected: [[0.0; RANK]; 2],
         }
     }
 }
@@ -118,25 +150,23 @@ impl Interval<'_> {
 
     /// The answer for a velocity that is linear over the interval.
     pub fn respond(&self, operators: &Operators, velocity: [f64; 2], room: &mut Room, answer: &mut Answer) {
-        let [warm, moved] = &mut room.blocks;
-        warm.clear();
-        moved.clear();
         let (fade, faded) = self.fading(operators, velocity);
         let parts = answer.parts();
-        for (wave, range) in operators.ranges.iter().enumerate() {
-            let number = operators.waves[wave].number;
+        for (wave, &number) in operators.numbers.iter().enumerate() {
             let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
             let turn = motion.turn();
             let zero = Complex::from(0.0);
             let (mut carried, mut gain) = ([zero; 2], [zero; 2]);
-            for k in range.clone() {
+            for k in of_wave(&operators.levels, wave) {
                 let (_, falling, rising) =
                     motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
                 let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
-                parts.weights[0][k] = known.re;
-                parts.weights[1][k] = known.im;
-                parts.weights[2][k] = own.re;
-                parts.weights[3][k] = own.im;
+                if self.at_end {
+                    parts.weights[0][k] = known.re;
+                    parts.weights[1][k] = known.im;
+                    parts.weights[2][k] = own.re;
+                    parts.weights[3][k] = own.im;
+                }
                 for (part, observed) in [operators.temperature[k], operators.distortion[k]].into_iter().enumerate() {
                     carried[part] += known * observed;
                     gain[part] += own * observed;
@@ -146,12 +176,11 @@ impl Interval<'_> {
             parts.carried[1][wave] = carried[0].im;
             parts.carried[2][wave] = carried[1].re;
             parts.carried[3][wave] = carried[1].im;
-            let (even, odd) = operators.shapes.rows(wave);
-            warm.add_wave(gain[0] * operators.weight[wave], even, odd);
-            if operators.expands {
-                moved.add_wave(gain[1] * operators.weight[wave], even, odd);
+            for (gains, gain) in room.gains.iter_mut().zip(gain) {
+                gains[wave] = gain * operators.weight[wave];
             }
         }
+        room.sum_waves(operators);
         self.assemble(operators, room, answer);
     }
 
@@ -164,7 +193,7 @@ impl Interval<'_> {
     /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
     fn assemble(&self, operators: &Operators, room: &mut Room, answer: &mut Answer) {
         let mean = &operators.mean;
-        let Room { blocks, slow } = room;
+        let Room { blocks, slow, .. } = room;
         for (moving, slow) in slow.iter_mut().enumerate() {
             if moving == 1 && !operators.expands {
                 continue;
@@ -178,10 +207,7 @@ impl Interval<'_> {
             if moving == 1 {
                 level *= operators.mean_distortion;
             }
-            for (j, width) in operators.widths.iter().enumerate() {
-                slow.column_mut(j).fill(level * width / operators.period);
-            }
-            blocks[moving].add_to(&operators.widths, slow);
+            blocks[moving].unfold(&operators.widths, level / operators.period, slow);
             let gain = if moving == 1 { &mut answer.gains.distortion } else { &mut answer.gains.temperature };
             gain.copy_from(slow);
             answer.parts().set_uniform(moving, slow);
@@ -212,8 +238,8 @@ where
 
 impl StageWeights {
     fn new(operators: &Operators, at_end: bool) -> StageWeights {
-        let states = operators.rate.len();
-        let layout = Layout::new(operators);
+        let (states, waves) = (operators.rate.len(), operators.waves.len());
+        let layout = Layout::new(operators, at_end);
         StageWeights {
             at_end,
             factor: [vec![0.0; states], vec![0.0; states]],
@@ -223,10 +249,18 @@ impl StageWeights {
             decay: vec![0.0; states],
             length: f64::NAN,
             knots: Knots::new(layout),
+            turns: [vec![0.0; waves], vec![0.0; waves]],
         }
     }
 
-    fn prepare(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], room: &mut Room) {
+    fn prepare(
+        &mut self,
+        operators: &Operators,
+        length: f64,
+        velocity: [f64; 2],
+        immediate: AtOnce<'_>,
+        room: &mut Room,
+    ) {
         let mean = &operators.mean;
         if self.length != length {
             self.length = length;
@@ -245,45 +279,56 @@ impl StageWeights {
         let drift = motion.drift();
         let turn = length * motion.turning[0].abs().max(motion.turning[1].abs());
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        let (fade, faded) = interval.fading(operators, velocity);
+        let (_, faded) = interval.fading(operators, velocity);
         let interpolated = drift < operators.steady && turn < SHORT_TURN;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.knots.interpolate(operators, &interval, length, middle, room, &mut self.answer);
+            self.knots.interpolate(operators, &interval, length, middle, immediate, room, &mut self.answer);
         } else {
             interval.respond(operators, velocity, room, &mut self.answer);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut self.answer.gains));
         }
-        let exact = interpolated && drift > LEAST_DRIFT;
-        let parts = self.answer.parts();
-        let [re, im] = &mut self.factor;
-        for (wave, range) in operators.ranges.iter().enumerate() {
-            let number = operators.waves[wave].number;
-            let motion = Motion { turning: velocity.map(|v| number * v), step: length };
+        let [cosine, sine] = &mut self.turns;
+        turns(0.5 * length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        levels::turn(
+            &operators.levels,
+            &self.decay,
+            faded,
+            [cosine, sine],
+            self.factor.each_mut().map(|part| &mut part[..]),
+        );
+        if interpolated && drift > LEAST_DRIFT {
+            interval.weigh(operators, velocity, &mut self.answer);
+        }
+    }
+}
+
+impl Interval<'_> {
+    /// The weights of the known fluxes and, at the end, those in the states, without the gains.
+    fn weigh(&self, operators: &Operators, velocity: [f64; 2], answer: &mut Answer) {
+        let (fade, faded) = self.fading(operators, velocity);
+        let parts = answer.parts();
+        for (wave, &number) in operators.numbers.iter().enumerate() {
+            let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
             let turn = motion.turn();
-            let held = turn * faded;
-            for k in range.clone() {
-                re[k] = held.re * self.decay[k];
-                im[k] = held.im * self.decay[k];
-            }
-            if exact {
-                let mut carried = [Complex::from(0.0); 2];
-                for k in range.clone() {
-                    let (_, falling, rising) =
-                        motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
-                    let [known, own] =
-                        interval.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
+            let mut carried = [Complex::from(0.0); 2];
+            for k in of_wave(&operators.levels, wave) {
+                let (_, falling, rising) =
+                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
+                let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
+                if self.at_end {
                     parts.weights[0][k] = known.re;
                     parts.weights[1][k] = known.im;
                     parts.weights[2][k] = own.re;
                     parts.weights[3][k] = own.im;
-                    carried[0] += known * operators.temperature[k];
-                    carried[1] += known * operators.distortion[k];
                 }
-                parts.carried[0][wave] = carried[0].re;
-                parts.carried[1][wave] = carried[0].im;
-                parts.carried[2][wave] = carried[1].re;
-                parts.carried[3][wave] = carried[1].im;
+                carried[0] += known * operators.temperature[k];
+                carried[1] += known * operators.distortion[k];
             }
+            parts.carried[0][wave] = carried[0].re;
+            parts.carried[1][wave] = carried[0].im;
+            parts.carried[2][wave] = carried[1].re;
+            parts.carried[3][wave] = carried[1].im;
         }
     }
 }
@@ -299,9 +344,6 @@ impl StageWeights {
             self.mean_factor[k] = factor.re;
             self.mean_weight[k] = [0.0, weight.re];
         }
-        let [warm, moved] = &mut room.blocks;
-        warm.clear();
-        moved.clear();
         let fade = operators.forgetting.mean(velocity);
         let parts = self.answer.parts();
         for known in parts.carried {
@@ -310,24 +352,24 @@ impl StageWeights {
         let [known_re, known_im, own_re, own_im] = parts.weights;
         known_re.fill(0.0);
         known_im.fill(0.0);
-        for (wave, range) in operators.ranges.iter().enumerate() {
-            let number = operators.waves[wave].number;
+        for (wave, &number) in operators.numbers.iter().enumerate() {
             let motion = Motion { turning: velocity.map(|v| number * v), step: length };
             let mut gain = [Complex::from(0.0); 2];
-            for k in range.clone() {
+            for k in of_wave(&operators.levels, wave) {
                 let (factor, weight) = motion.euler(operators.rate[k] + fade);
                 let weight = weight * operators.temperature[k];
                 (self.factor[0][k], self.factor[1][k]) = (factor.re, factor.im);
-                (own_re[k], own_im[k]) = (weight.re, weight.im);
+                if self.at_end {
+                    (own_re[k], own_im[k]) = (weight.re, weight.im);
+                }
                 gain[0] += weight * operators.temperature[k];
                 gain[1] += weight * operators.distortion[k];
             }
-            let (even, odd) = operators.shapes.rows(wave);
-            warm.add_wave(gain[0] * operators.weight[wave], even, odd);
-            if operators.expands {
-                moved.add_wave(gain[1] * operators.weight[wave], even, odd);
+            for (gains, gain) in room.gains.iter_mut().zip(gain) {
+                gains[wave] = gain * operators.weight[wave];
             }
         }
+        room.sum_waves(operators);
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
         interval.assemble(operators, room, &mut self.answer);
     }
@@ -370,38 +412,36 @@ impl Immediate {
                 let stencil = operators.table.stencil(velocity);
                 let responses = stencil.map(|(knot, ..)| operators.table.response(moving, knot));
                 blocks.combine(responses, stencil.map(|(_, weight, _)| weight), stencil.map(|(.., reversed)| reversed));
-                matrix.fill(0.0);
-                blocks.add_to(&operators.widths, matrix);
+                blocks.unfold(&operators.widths, 0.0, matrix);
             }
         }
         place
     }
 
-    /// Adds part of the responses at a place to the gains.
-    fn add(&self, place: usize, part: f64, gains: &mut Gains) {
-        let [warm, moved] = &self.known[place].2;
-        for (matrix, gain) in [(warm, &mut gains.temperature), (moved, &mut gains.distortion)] {
-            if matrix.ncols() > 0 {
-                dense::multiply_add(matrix.as_slice(), &[part], gain.as_mut_slice());
-            }
+    /// Responses at a place.
+    fn at(&self, place: usize) -> &[DMatrix<f64>; 2] {
+        &self.known[place].2
+    }
+}
+
+/// Adds part of responses to the gains.
+fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, gains: &mut Gains) {
+    for (matrix, gain) in [(warm, &mut gains.temperature), (moved, &mut gains.distortion)] {
+        if !matrix.is_empty() {
+            dense::multiply_add(matrix.as_slice(), &[part], gain.as_mut_slice());
         }
     }
 }
 
 impl Step {
     pub fn new(operators: &Operators) -> Step {
-        let count = operators.widths.len();
-        let moving = if operators.expands { count } else { 0 };
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
             euler: false,
             first: StageWeights::new(operators, false),
             end: StageWeights::new(operators, true),
-            room: Room {
-                blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
-                slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
-            },
+            room: Room::new(operators),
             immediate: Immediate::new(operators),
         }
     }
@@ -419,20 +459,19 @@ impl Step {
         }
         (self.length, self.velocity, self.euler) = (length, velocity, false);
         let middle = velocity[0] + GAMMA * (velocity[1] - velocity[0]);
-        self.first.prepare(operators, GAMMA * length, [velocity[0], middle], &mut self.room);
-        self.end.prepare(operators, length, velocity, &mut self.room);
-        let immediate = &mut self.immediate;
-        let start = immediate.find(operators, velocity[0], &mut self.room);
-        let end = immediate.find(operators, velocity[1], &mut self.room);
-        let (first, last) = (&mut self.first.answer.gains, &mut self.end.answer.gains);
-        immediate.add(end, 1.0, last);
-        if (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle) {
-            immediate.add(start, 1.0 - GAMMA, first);
-            immediate.add(end, GAMMA, first);
+        let Step { first, end, room, immediate, .. } = self;
+        let last = immediate.find(operators, velocity[1], room);
+        let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
+        if straight && velocity[0] != velocity[1] {
+            let start = immediate.find(operators, velocity[0], room);
+            let both = [(immediate.at(start), 1.0 - GAMMA), (immediate.at(last), GAMMA)];
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, room);
         } else {
-            let between = immediate.find(operators, middle, &mut self.room);
-            immediate.add(between, 1.0, first);
+            let between = immediate.find(operators, middle, room);
+            let one = [(immediate.at(between), 1.0)];
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, room);
         }
+        end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], room);
     }
 
     /// One implicit Euler step: both stages are its end.
@@ -446,7 +485,7 @@ impl Step {
         }
         let end = self.immediate.find(operators, velocity[1], &mut self.room);
         for stage in [&mut self.first, &mut self.end] {
-            self.immediate.add(end, 1.0, &mut stage.answer.gains);
+            add(self.immediate.at(end), 1.0, &mut stage.answer.gains);
         }
     }
 }

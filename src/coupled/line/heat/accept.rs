@@ -1,0 +1,88 @@
+//! The error of a step with heat, and what the state takes from one that is accepted.
+
+use super::stage::weighted;
+use crate::contact::dense;
+use crate::coupled::line::Line;
+use crate::heat::line::{GAMMA, Stage};
+
+/// Part by which the fade may differ from the reference.
+const ZONE: f64 = 0.1;
+
+impl Line {
+    /// Error of temperature and distortion by fluxes that are not linear over the step, in units of the tolerance; `bound` in
+    /// m.
+    pub(in crate::coupled::line) fn heat_error(&mut self, bound: f64) -> f64 {
+        let Some(heat) = &mut self.heat else { return 0.0 };
+        let operators = &self.operators;
+        let widths = operators.cells.widths();
+        let width = 2.0 * operators.cells.half_width();
+        let mut moved_square = 0.0;
+        let mut warmed: f64 = 0.0;
+        let mut rise: f64 = 1.0;
+        heat.sums[1].fill(0.0);
+        for side in 0..2 {
+            let Some(own) = &heat.bodies[side] else { continue };
+            let gains = own.gains(Stage::End);
+            for (i, difference) in heat.difference.iter_mut().enumerate() {
+                *difference = heat.flux[1][side][i] - heat.flux[0][side][i];
+            }
+            heat.sums[0].fill(0.0);
+            dense::multiply_add(gains.temperature.as_slice(), &heat.difference, &mut heat.sums[0]);
+            if heat.expands[side] {
+                dense::multiply_add(gains.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
+            }
+            let square: f64 = heat.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
+            warmed = warmed.max((square / width).sqrt());
+            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
+        }
+        // A uniform displacement changes no pressure under a given load.
+        let mean = operators.cells.integral(&heat.sums[1]) / width;
+        for (moved, c) in heat.sums[1].iter().zip(widths) {
+            moved_square += c * (moved - mean) * (moved - mean);
+        }
+        let share = 0.5 - GAMMA;
+        let moved = share * (moved_square / width).sqrt();
+        (moved / bound).max(share * warmed / (operators.scene.tolerance * rise))
+    }
+
+    /// Takes the heat of the part that was tried, of `step` s, with the sliding velocity at its end.
+    pub(in crate::coupled::line) fn accept_heat(&mut self, step: f64, velocity: f64) {
+        let (Some(heat), Some(state)) = (&self.heat, &mut self.state.heat) else { return };
+        let operators = &self.operators;
+        let entered = |stage: usize| -> f64 {
+            heat.friction[stage].iter().zip(operators.cells.widths()).map(|(q, c)| q * c).sum()
+        };
+        state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
+        for side in 0..2 {
+            if let Some(own) = &heat.bodies[side] {
+                let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
+                match heat.staggered {
+                    true => own.advance(&mut state.bodies[side], &heat.surroundings[side], first, end),
+                    false => own.advance_from_end(&mut state.bodies[side], &heat.surroundings[side], first, end),
+                }
+            }
+            for i in 0..heat.closed.len() {
+                // No rate where the cell exchanges no heat, or has just begun to.
+                let lasting = state.flux[side][i] != 0.0 && heat.flux[1][side][i] != 0.0;
+                let change = heat.flux[1][side][i] - heat.flux[0][side][i];
+                state.slope[side][i] = if lasting { change / ((1.0 - GAMMA) * step) } else { 0.0 };
+            }
+            state.flux[side].copy_from_slice(&heat.flux[1][side]);
+            state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
+            state.cooling[side] = heat.surroundings[side].cooling;
+        }
+        (state.cooled, state.last_step) = (heat.cooled, step);
+        for i in 0..heat.closed.len() {
+            let (first, end) = (self.work.first.pressure[i], self.work.end.pressure[i]);
+            let lasting = self.state.pressure[i] > 0.0 && first > 0.0 && end > 0.0;
+            state.pressure_slope[i] = if lasting { (end - first) / ((1.0 - GAMMA) * step) } else { 0.0 };
+        }
+        state.distortion.copy_from_slice(&heat.distortion);
+        state.faded = weighted(&heat.faded, &self.work.end.pressure, &operators.weights);
+        (state.reference.velocity, state.reference.last) = (heat.reference.velocity, velocity);
+        let fade = if self.friction.coefficient > 0.0 { state.faded / self.friction.coefficient } else { 1.0 };
+        if (fade / state.reference.fade - 1.0).abs() > ZONE {
+            state.reference.fade = fade;
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
+
+use super::levels::{Carrier, carry, observe};
+use super::step::{Scratch, StageWeights};
+use super::{StripHeat, give_back};
+use crate::contact::dense;
+use crate::heat::line::{Stage, Surroundings};
+
+impl StripHeat {
+    /// Notes what the heat transfer given back in the first stage follows: the temperature that the state leaves.
+    pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
+        if self.operators.give_back.is_none() {
+            return;
+        }
+        let weights = &self.step.first;
+        self.wave_amplitudes(scratch, state, weights);
+        let level = self.mean_level(state, surroundings, weights, [0.0; 2], true);
+        self.project(scratch, Stage::First, level);
+    }
+
+    /// Notes what the heat transfer given back at a stage follows: the amplitudes in the scratch and the mean wave's level.
+    pub(super) fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
+        if let Some(give_back) = &self.operators.give_back {
+            let mut projected = give_back.project(&scratch.amplitude);
+            projected[0] += give_back.unit[0] * level;
+            scratch.projected[stage as usize] = projected;
+        }
+    }
+
+    /// Fills the scratch with the total fluxes into the cells in the first stage: of the contact, less the cooling that does
+    /// not act there, and the heat transfer given back as it has been noted.
+    pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
+        scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
+        if let Some(give_back) = &self.operators.give_back {
+            let level = scratch.projected[Stage::First as usize];
+            give_back.add(&self.step.first.answer, &level, surroundings.ambient, &mut scratch.first);
+        }
+    }
+
+    /// The same at the end.
+    fn effective_end(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
+        scratch.end.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
+        if let Some(give_back) = &self.operators.give_back {
+            let level = scratch.projected[Stage::End as usize];
+            give_back.add(&self.step.end.answer, &level, surroundings.ambient, &mut scratch.end);
+        }
+    }
+
+    /// Temperature and distortion at a stage without its own flux; the flux known before it is in `scratch.first`.
+    pub(super) fn base_from(
+        &self,
+        scratch: &mut Scratch,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        [temperature, distortion]: [&mut [f64]; 2],
+    ) {
+        let operators = &*self.operators;
+        let weights = self.step.stage(stage);
+        self.wave_amplitudes(scratch, state, weights);
+        // The heat transfer given back in the first stage does not know of the deviation, which `advance` is not told.
+        if stage == Stage::First && operators.give_back.is_some() {
+            let level = self.mean_level(state, surroundings, weights, [0.0; 2], true);
+            self.project(scratch, stage, level);
+        }
+        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        self.add_known_flux(scratch, weights);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
+        let level = self.mean_level(state, surroundings, weights, fluxes, true);
+        if stage == Stage::End {
+            self.project(scratch, stage, level);
+        }
+        let Scratch { amplitude, moved, weighted, answer, .. } = &mut *scratch;
+        operators.observe(amplitude, weighted, answer, level, temperature);
+        if operators.expands {
+            let mean = operators.mean_distortion * self.mean_level(state, surroundings, weights, fluxes, false);
+            operators.observe(moved, weighted, answer, mean, distortion);
+        } else {
+            distortion.fill(0.0);
+        }
+        // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
+        if surroundings.cooling == 0.0 && operators.give_back.is_none() {
+            return;
+        }
+        scratch.end.fill(-surroundings.cooling);
+        let mut amounts = [0.0; give_back::RANK];
+        if let Some(give_back) = &operators.give_back {
+            let projected = &scratch.projected[stage as usize];
+            amounts = give_back.amounts(&weights.answer, projected, surroundings.ambient, &scratch.end);
+        }
+        for (moving, values) in [temperature, distortion].into_iter().enumerate() {
+            if moving == 1 && !operators.expands {
+                continue;
+            }
+            let uniform = weights.answer.uniform(moving);
+            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= surroundings.cooling * rise);
+            if operators.give_back.is_some() {
+                dense::multiply_add(weights.answer.lifted(moving), &amounts, values);
+            }
+        }
+    }
+
+    /// Carries the state over the step with the contact's fluxes of both stages. The total fluxes of the first, their
+    /// amplitudes, and what the heat transfer given back at the end follows are in the scratch.
+    pub(super) fn advance_by(
+        &self,
+        scratch: &mut Scratch,
+        state: &mut [f64],
+        surroundings: &Surroundings,
+        contact: [&[f64]; 2],
+    ) {
+        let operators = &*self.operators;
+        self.effective_end(scratch, surroundings, contact[1]);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
+        self.keep_account(scratch, state, surroundings, contact, fluxes);
+        operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
+        let weights = &self.step.end;
+        let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.answer.weights());
+        let carrier = Carrier { factors: [re, im], known: [known_re, known_im], own: [own_re, own_im] };
+        let heat = [&scratch.heat, &scratch.heat_end].map(|heat| [&heat[0][..], &heat[1][..]]);
+        let (re, im) = operators.wave_states_mut(state);
+        carry(&operators.levels, [re, im], carrier, heat);
+    }
+
+    /// Surface amplitude of every wave at a stage, from the state alone.
+    pub(super) fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
+        let operators = &*self.operators;
+        let (re, im) = operators.wave_states(state);
+        let [factor_re, factor_im] = &weights.factor;
+        let seen = [&operators.temperature[..], &operators.distortion[..]];
+        let sums = [&mut scratch.amplitude, &mut scratch.moved];
+        observe(&operators.levels, [re, im], [factor_re, factor_im], seen, sums);
+    }
+
+    /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
+    pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
+        let operators = &*self.operators;
+        let [re, im, moved_re, moved_im] = weights.answer.carried();
+        let [heat_re, heat_im] = &scratch.heat;
+        let add = |target: &mut [Vec<f64>; 2], re: &[f64], im: &[f64]| {
+            let [real, imaginary] = target;
+            for wave in 0..real.len() {
+                real[wave] += re[wave] * heat_re[wave] - im[wave] * heat_im[wave];
+                imaginary[wave] += re[wave] * heat_im[wave] + im[wave] * heat_re[wave];
+            }
+        };
+        add(&mut scratch.amplitude, re, im);
+        if operators.expands {
+            add(&mut scratch.moved, moved_re, moved_im);
+        }
+    }
+
+    /// Amplitudes of the waves with the state held.
+    pub(super) fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64]) {
+        let operators = &*self.operators;
+        let (re, im) = operators.wave_states(state);
+        let expands = usize::from(operators.expands);
+        let seen = [(&operators.temperature, &mut scratch.amplitude), (&operators.distortion, &mut scratch.moved)];
+        for (weights, sums) in seen.into_iter().take(1 + expands) {
+            for (part, sums) in [re, im].into_iter().zip(sums) {
+                sums.fill(0.0);
+                for level in &operators.levels {
+                    let states = weights[level.clone()].iter().zip(&part[level.clone()]);
+                    sums.iter_mut().zip(states).for_each(|(sum, (weight, x))| *sum += weight * x);
+                }
+            }
+        }
+    }
+}

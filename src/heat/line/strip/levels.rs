@@ -1,0 +1,239 @@
+//! The states of all waves, level by level: what is done to every state at every step, compiled for the vector unit.
+//!
+//! A wave has as many states as it needs, one on each of its levels, and states of one level stand side by side in the order
+//! of the waves. Every operation then runs over waves that do not know of each other. Nothing is fused, so every machine gives
+//! the same bits.
+
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Where the states of one level stand; its length is the number of waves that have one, the longest.
+pub type Level = Range<usize>;
+
+/// Real and imaginary parts.
+pub type Parts<'a> = [&'a [f64]; 2];
+
+/// Places for waves with these numbers of states, each at least that of the next.
+pub fn levels(counts: &[usize]) -> Vec<Level> {
+    let mut levels = Vec::new();
+    let mut first = 0;
+    for level in 0..counts.first().copied().unwrap_or(0) {
+        let end = first + counts.iter().take_while(|count| **count > level).count();
+        levels.push(first..end);
+        first = end;
+    }
+    levels
+}
+
+/// States of a wave, level by level.
+pub fn of_wave(levels: &[Level], wave: usize) -> impl Iterator<Item = usize> + '_ {
+    levels.iter().take_while(move |level| wave < level.len()).map(move |level| level.start + wave)
+}
+
+/// Values of one level.
+#[inline(always)]
+fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
+    [&re[level.clone()], &im[level.clone()]]
+}
+
+/// Amplitudes of the waves in states that are turned by their factors first, seen by two observations; by real and imaginary
+/// parts.
+pub fn observe(
+    levels: &[Level],
+    states: Parts<'_>,
+    factors: Parts<'_>,
+    seen: Parts<'_>,
+    sums: [&mut [Vec<f64>; 2]; 2],
+) {
+    struct Observe<'a>(&'a [Level], Parts<'a>, Parts<'a>, Parts<'a>, [&'a mut [Vec<f64>; 2]; 2]);
+    impl WithSimd for Observe<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self(levels, states, factors, seen, [first, second]) = self;
+            let ([first_re, first_im], [second_re, second_im]) = (first, second);
+            for level in levels {
+                let count = level.len();
+                let [re, im] = on(level, states);
+                let [cosine, sine] = on(level, factors);
+                let [one, other] = on(level, seen);
+                let (first_re, first_im) = (&mut first_re[..count], &mut first_im[..count]);
+                let (second_re, second_im) = (&mut second_re[..count], &mut second_im[..count]);
+                for w in 0..count {
+                    let turned_re = cosine[w] * re[w] - sine[w] * im[w];
+                    let turned_im = cosine[w] * im[w] + sine[w] * re[w];
+                    first_re[w] += one[w] * turned_re;
+                    first_im[w] += one[w] * turned_im;
+                    second_re[w] += other[w] * turned_re;
+                    second_im[w] += other[w] * turned_im;
+                }
+            }
+        }
+    }
+    let [first, second] = sums;
+    first.iter_mut().chain(second.iter_mut()).for_each(|part| part.fill(0.0));
+    Arch::new().dispatch(Observe(levels, states, factors, seen, [first, second]));
+}
+
+/// What carries the states over a step: their own factors and the weights of the fluxes' amplitudes at both stages.
+#[derive(Clone, Copy)]
+pub struct Carrier<'a> {
+    pub factors: Parts<'a>,
+    pub known: Parts<'a>,
+    pub own: Parts<'a>,
+}
+
+/// Carries the states over a step; `heat` are the amplitudes of the fluxes of both stages.
+pub fn carry(levels: &[Level], states: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
+    struct Carry<'a>(&'a [Level], [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
+    impl WithSimd for Carry<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self(levels, [all_re, all_im], carrier, [first, end]) = self;
+            for level in levels {
+                let count = level.len();
+                let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
+                let [cosine, sine] = on(level, carrier.factors);
+                let [a, b] = on(level, carrier.known);
+                let [d, e] = on(level, carrier.own);
+                let [first_re, first_im] = [&first[0][..count], &first[1][..count]];
+                let [end_re, end_im] = [&end[0][..count], &end[1][..count]];
+                for w in 0..count {
+                    let x = [re[w], im[w]];
+                    re[w] = cosine[w] * x[0] - sine[w] * x[1] + a[w] * first_re[w] - b[w] * first_im[w]
+                        + d[w] * end_re[w]
+                        - e[w] * end_im[w];
+                    im[w] = cosine[w] * x[1]
+                        + sine[w] * x[0]
+                        + a[w] * first_im[w]
+                        + b[w] * first_re[w]
+                        + d[w] * end_im[w]
+                        + e[w] * end_re[w];
+                }
+            }
+        }
+    }
+    Arch::new().dispatch(Carry(levels, states, carrier, heat));
+}
+
+/// Factors of the states: the decay of each, times the turn and the common decay `faded` of its wave.
+pub fn turn(levels: &[Level], decay: &[f64], faded: f64, turns: Parts<'_>, factors: [&mut [f64]; 2]) {
+    struct Turn<'a>(&'a [Level], &'a [f64], f64, Parts<'a>, [&'a mut [f64]; 2]);
+    impl WithSimd for Turn<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self(levels, decay, faded, turns, [all_re, all_im]) = self;
+            for level in levels {
+                let count = level.len();
+                let decay = &decay[level.clone()];
+                let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
+                let (cosine, sine) = (&turns[0][..count], &turns[1][..count]);
+                for w in 0..count {
+                    let held = faded * decay[w];
+                    re[w] = cosine[w] * held;
+                    im[w] = sine[w] * held;
+                }
+            }
+        }
+    }
+    Arch::new().dispatch(Turn(levels, decay, faded, turns, factors));
+}
+
+/// Largest angle, rad, that the polynomials of [`turns`] take.
+const SMALL_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
+
+/// `cos` and `sin` of `angle` times each of the numbers, which rise.
+pub fn turns(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
+    struct Small<'a>(f64, &'a [f64], &'a mut [f64], &'a mut [f64]);
+    impl WithSimd for Small<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self(angle, numbers, cosine, sine) = self;
+            let count = numbers.len();
+            let (cosine, sine) = (&mut cosine[..count], &mut sine[..count]);
+            for w in 0..count {
+                let x = angle * numbers[w];
+                let square = x * x;
+                // Taylor's series: at pi/4 what follows is below rounding.
+                let mut even = 0.0;
+                for factor in EVEN {
+                    even = even * square + factor;
+                }
+                let mut odd = 0.0;
+                for factor in ODD {
+                    odd = odd * square + factor;
+                }
+                cosine[w] = 1.0 + square * even;
+                sine[w] = x + x * square * odd;
+            }
+        }
+    }
+    let largest = numbers.last().map_or(0.0, |number| (angle * number).abs());
+    if largest <= SMALL_ANGLE {
+        return Arch::new().dispatch(Small(angle, numbers, cosine, sine));
+    }
+    for (number, (cosine, sine)) in numbers.iter().zip(cosine.iter_mut().zip(sine)) {
+        (*sine, *cosine) = (angle * number).sin_cos();
+    }
+}
+
+/// `(cos x - 1)/x^2` and `(sin x - x)/x^3` as polynomials of x^2, from the highest power down.
+const EVEN: [f64; 8] = alternating(16);
+const ODD: [f64; 8] = alternating(17);
+
+/// `-1/n!, 1/(n-2)!, ...` down to 2 or 3, with the sign -1 at the end.
+const fn alternating(highest: u32) -> [f64; 8] {
+    let mut result = [0.0; 8];
+    let mut at = 0;
+    while at < 8 {
+        let (mut factorial, mut k) = (1.0, 2);
+        while k <= highest - 2 * at as u32 {
+            factorial *= k as f64;
+            k += 1;
+        }
+        // Power 2m or 2m + 1 of x has the sign (-1)^m.
+        let even = (highest / 2 - at as u32) % 2 == 0;
+        result[at] = if even { 1.0 / factorial } else { -1.0 / factorial };
+        at += 1;
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turns_are_cosines_and_sines() {
+        for angle in [0.0, 1e-9, -0.003, 0.01, 0.12, -5.0] {
+            let numbers: Vec<f64> = (1..40).map(|n| 0.2 * f64::from(n)).collect();
+            let (mut cosine, mut sine) = (vec![0.0; 39], vec![0.0; 39]);
+            turns(angle, &numbers, &mut cosine, &mut sine);
+            for (number, (c, s)) in numbers.iter().zip(cosine.iter().zip(&sine)) {
+                let x: f64 = angle * number;
+                assert!((c - x.cos()).abs() < 3e-16 && (s - x.sin()).abs() <= 3e-16 * x.abs(), "{x}: {c} {s}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_wave_finds_its_states() {
+        let counts = [3, 3, 2, 1];
+        let levels = levels(&counts);
+        assert_eq!(levels, [0..4, 4..7, 7..9]);
+        for (wave, count) in counts.iter().enumerate() {
+            assert_eq!(of_wave(&levels, wave).count(), *count);
+        }
+        let mut all: Vec<usize> = (0..4).flat_map(|wave| of_wave(&levels, wave).collect::<Vec<_>>()).collect();
+        all.sort_unstable();
+        assert!(all.iter().copied().eq(0..9));
+        assert_eq!(levels.len(), 3);
+    }
+}
