@@ -12,6 +12,7 @@ use sliding_contact::scene::{Fidelity, Scene};
 use sliding_contact::verification::planning::judge::{Judged, judge, truth};
 use sliding_contact::verification::planning::scenes::{Generated, generate};
 
+use crate::chart::machine;
 use crate::scenes;
 
 /// Tolerances of the campaign.
@@ -176,7 +177,10 @@ fn campaign(arguments: &Arguments) -> Result<()> {
 fn table(cases: &[Case], left_out: &[String], cells: usize) -> String {
     let mut text = format!(
         "# Plans of solver.fidelity = auto on generated scenes; truth: {cells} cells at solver.tolerance 1e-4.\n\
-         # Errors of wear depth (of the most worn), contact temperature (of the peak rise), friction force (of its peak).\n"
+         # Errors of wear depth (of the most worn), contact temperature (of the peak rise), friction force (of its peak).\n\
+         # {}; commit {}.\n",
+        machine::name(),
+        machine::commit()
     );
     left_out.iter().for_each(|reason| {
         let _ = writeln!(text, "# left out: {reason}");

@@ -4,6 +4,7 @@ use super::line::{self, Line};
 use super::lumped::conditions::Tunables;
 use super::lumped::{self, Lumped};
 use super::{INPUTS, StepFailure};
+use crate::contact::WorkCounter;
 use crate::scene::{Fidelity, Scene};
 use crate::variables::COUNT;
 use std::fmt;
@@ -248,6 +249,14 @@ impl Model {
         match self {
             Model::Lumped(_) => Ok(()),
             Model::Line(model) => model.write_warning(bit, inputs, text),
+        }
+    }
+
+    /// What the contact solver has done so far; nothing at the lumped level.
+    pub fn contact_work(&self) -> WorkCounter {
+        match self {
+            Model::Lumped(_) => WorkCounter::default(),
+            Model::Line(model) => model.contact_work(),
         }
     }
 

@@ -14,7 +14,7 @@ const ALLOWED: (f64, f64) = (20e3, 0.01);
 const TYPICAL_STATES: usize = 100;
 
 /// Part of what is left after building that one probe may take: two of them step along the contact.
-const PROBE_SHARE: f64 = 0.45;
+const PROBE_SHARE: f64 = 0.4;
 
 /// Bounds of the internal steps of a probe.
 const ATTEMPTS: (f64, f64) = (60.0, 250.0);

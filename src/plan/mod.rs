@@ -44,7 +44,7 @@ use crate::scene::{Escalation, HeatAlongContact, MechanicalBody, Scene};
 use effects::Effect;
 use effort::Effort;
 use groups::Groups;
-use probe::{Course, Probe, distance};
+use probe::{Course, Probe};
 use rung::Rung;
 
 /// Part of the tolerance that a level may take; the rest is for the time steps.
@@ -63,7 +63,7 @@ const FINEST_NEXT: usize = 65;
 const UNKNOWN: f64 = 1.0;
 
 /// Bounds of a probe's tolerance: its steps need not be finer than the comparison.
-const PROBE_TOLERANCE: (f64, f64) = (5e-3, 3e-2);
+const PROBE_TOLERANCE: (f64, f64) = (5e-3, 1e-2);
 
 /// A rung with its estimated errors.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -215,10 +215,7 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
     if finest.history.is_empty() {
         return Err(format!("{most} internal steps do not reach the end of a thousandth of the nominal duration"));
     }
-    let distance = |other: &Probe| match other.history.is_empty() {
-        true => [UNKNOWN; 3],
-        false => distance(&other.history, &finest.history),
-    };
+    let distance = |other: &Probe| course.distance(other, &finest).unwrap_or([UNKNOWN; 3]);
     let uniform = match course.faster_wear > 1.0 {
         true => Operators::new(&Rung::Lumped.apply(&probed))?,
         false => lumped.of_the_mean(probed.tolerance),

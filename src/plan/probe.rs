@@ -12,14 +12,21 @@ use crate::variables::{COUNT, reference};
 use std::f64::consts::PI;
 
 /// Steps of a probe that slides one way: their ends, in parts of it. The first are short, so that something is known where a
-/// probe has to end early.
-const ONE_WAY: [f64; 9] = [0.0, 1e-3, 0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0];
+/// probe has to end early; the others are short enough for temperatures that go straight within one.
+const ONE_WAY: [f64; 15] = [0.0, 1e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0];
 
-/// The steps of such a probe that heat resolves are this part of it.
-const ONE_WAY_STEPS: f64 = 200.0;
+/// Steps of such a probe before three hundredths of it.
+const BEGINNING: usize = 2;
+
+/// Heat resolves steps of this part of such a probe. What is faster answers at once, which at a two-hundredth already changes the
+/// largest difference to the lumped level tenfold.
+const RESOLVED_ONE_WAY: f64 = 1000.0;
 
 /// Steps in a half-stroke.
 const IN_HALF_STROKE: usize = 4;
+
+/// Heat resolves steps of this part of one of them: a 64th of a cycle.
+const RESOLVED_IN_SEGMENT: f64 = 8.0;
 
 /// Half-strokes of a probe that slides to and fro.
 const HALF_STROKES: f64 = 4.0;
@@ -47,6 +54,8 @@ pub struct Course {
     pub duration: f64,
     /// What the wear coefficients are multiplied by.
     pub faster_wear: f64,
+    /// Steps at the beginning that are compared only where nothing later is known: shorter than anybody looks at.
+    pub beginning: usize,
 }
 
 /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the steps.
@@ -83,21 +92,31 @@ impl Course {
                 segments.push(Segment { velocity, duration: half / IN_HALF_STROKE as f64 });
             }
             let probed = half * halves;
-            return Some(Course { segments, load, duration: probed, faster_wear: (duration / probed).max(1.0) });
+            let faster_wear = (duration / probed).max(1.0);
+            return Some(Course { segments, load, duration: probed, faster_wear, beginning: 0 });
         }
         let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
         let probed = if tracked { duration.min(WIDTHS * scene.width / speed) } else { duration };
         let segment = |ends: &[f64]| Segment { velocity: [speed; 2], duration: probed * (ends[1] - ends[0]) };
         let segments = ONE_WAY.windows(2).map(segment).collect();
-        Some(Course { segments, load, duration: probed, faster_wear: 1.0 })
+        Some(Course { segments, load, duration: probed, faster_wear: 1.0, beginning: BEGINNING })
+    }
+
+    /// Largest difference of two probes in each of the three outputs, relative to the largest value of the second, over the time
+    /// that both cover; `None` where that is nothing.
+    pub fn distance(&self, one: &Probe, other: &Probe) -> Option<[f64; 3]> {
+        let both = one.history.len().min(other.history.len());
+        let first = self.beginning.min(both.checked_sub(1)?);
+        Some(distance(&one.history[first..both], &other.history[first..both]))
     }
 
     /// The scene whose operators a probe runs: heat resolves the steps of the probe, and wear is as fast as the probe is short.
     /// Not by `wear_acceleration`, which is refused where it hides what grows: a probe compares levels only.
     pub fn scene(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
-        let steps = if scene.nominal_stroke > 0.0 { self.segments.len() as f64 } else { ONE_WAY_STEPS };
-        scene.shortest_step = self.duration / steps;
+        let segments = self.segments.len() as f64;
+        scene.shortest_step = self.duration
+            / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
         scene.punch.wear_coefficient *= self.faster_wear;
         scene.strip.wear_coefficient *= self.faster_wear;
         scene
@@ -149,10 +168,8 @@ impl Course {
     }
 }
 
-/// Largest difference of two histories in each of the three outputs, relative to the largest value of the second, over the
-/// time that both cover.
-pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
-    let other = &other[..other.len().min(one.len())];
+/// The same of two histories of equal length.
+fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
         let scale = other.iter().map(|main| main[output].abs()).fold(0.0, f64::max);
         let apart = one.iter().zip(other).map(|(a, b)| (a[output] - b[output]).abs()).fold(0.0, f64::max);

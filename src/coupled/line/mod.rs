@@ -17,7 +17,7 @@ mod step;
 mod take_over;
 
 use crate::contact::friction::FrictionLaw;
-use crate::contact::{ContactState, Normal, Tilt};
+use crate::contact::{ContactState, Normal, Tilt, WorkCounter};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::{self, Lumped, limit};
 use crate::coupled::{INPUTS, StepFailure};
@@ -130,6 +130,12 @@ impl Line {
         self.contact.set_status(&self.state.status);
         self.tell_friction();
         self.forget_shown();
+    }
+
+    /// What the contact solver has done so far.
+    pub fn contact_work(&self) -> WorkCounter {
+        let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::counter);
+        heat.fold(self.contact.counter(), |sum, counter| sum + counter)
     }
 
     /// From here on at most `most` internal steps are tried: a step that would need more fails.
