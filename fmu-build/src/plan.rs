@@ -1,5 +1,7 @@
 //! `cargo fmu plan`: what `solver.fidelity = auto` chooses for a scene, and how good its choices are.
 
+mod field;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
@@ -45,8 +47,11 @@ pub struct Arguments {
     /// Cells of the truth.
     #[arg(long, default_value_t = 65, requires = "campaign")]
     cells: usize,
-    /// File to write the campaign's table to.
-    #[arg(short, long, value_name = "FILE", requires = "campaign")]
+    /// Measure what a step costs on the planned rung and at the level `field`, for an error of 1 %.
+    #[arg(long, conflicts_with = "campaign")]
+    against_field: bool,
+    /// File to write the table of the campaign, or of the costs, to.
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -57,6 +62,9 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.campaign {
         return campaign(arguments);
+    }
+    if arguments.against_field {
+        return field::measure(arguments.scene.as_deref(), arguments.output.as_deref());
     }
     let mut file = scenes::load(arguments.scene.as_deref())?;
     for assignment in &arguments.set {

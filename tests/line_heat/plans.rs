@@ -177,7 +177,7 @@ fn escalation_is_off_where_it_is_switched_off() {
 
 #[test]
 fn vehicle_scenes_need_no_more_than_the_lumped_level() {
-    for (name, tolerance) in [("disc_brake", 5e-2), ("clutch", 5e-3)] {
+    for (name, tolerance) in [("disc_brake", 1e-1), ("clutch", 5e-3)] {
         let mut starts = scene(name);
         starts[reference("solver.tolerance") as usize] = tolerance;
         let scene = sliding_contact::scene::Scene::new(&starts, None).unwrap();
@@ -309,7 +309,7 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
         } else {
             // Standing, the distortion fades and shifts the pressure.
             assert_eq!((open.1, open.3), (0, 0), "{work}");
-            assert!(10 * standing.1 < sliding.1 && 10 * standing.0 < sliding.0 && open.0 == 2 * open.2, "{work}");
+            assert!(10 * standing.1 < sliding.1 && 10 * standing.0 < sliding.0 && open.0 <= open.2, "{work}");
         }
     }
 }
