@@ -99,20 +99,6 @@ fn speed_at(index: f64) -> f64 {
     SLOWEST * 10f64.powf(index / PER_DECADE)
 }
 
-/// No wave grows faster than this at the speed `speed` (m/s), 1/s: the fastest of all wave numbers on either body by itself,
-/// with the mate for an insulator.
-///
-/// With z(1+z) = mu V alpha (1+nu) E*/(K m) and b = kd m^2 (z^2 - 1) the largest b over m is at the golden ratio z:
-/// `.0902 kd (mu V alpha (1+nu) E*/K)^2`.
-pub fn fastest_growth(scene: &Scene, friction: f64, speed: f64) -> f64 {
-    let pair = Waves::pair(scene, 1.0);
-    let own = |body: &Conductor| {
-        let drive = friction * speed * body.expansion * pair.modulus / body.conductivity;
-        0.0902 * body.conductivity / body.capacity * drive * drive
-    };
-    pair.bodies.iter().filter(|body| body.expansion > 0.0).map(own).fold(0.0, f64::max)
-}
-
 /// The body that carries the waves which grow first, the better conductor of those that expand: a wave that rests in the
 /// other one sweeps over it and is cooled.
 pub fn driving_body(scene: &Scene) -> Option<&Body> {
@@ -123,12 +109,12 @@ pub fn driving_body(scene: &Scene) -> Option<&Body> {
 }
 
 /// A conductor of the pair.
-#[derive(Clone, Copy)]
-struct Conductor {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Conductor {
     /// K, W/(m K); rho c, J/(m3 K); alpha (1 + nu), 1/K.
-    conductivity: f64,
-    capacity: f64,
-    expansion: f64,
+    pub conductivity: f64,
+    pub capacity: f64,
+    pub expansion: f64,
 }
 
 impl Conductor {
@@ -141,7 +127,7 @@ impl Conductor {
     }
 
     /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; an insulator is not entered.
-    fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
+    pub fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
         if self.conductivity == 0.0 {
             return Complex::new(wave, 0.0);
         }
@@ -150,17 +136,31 @@ impl Conductor {
 }
 
 /// Two bodies under one wave.
-#[derive(Clone, Copy)]
-struct Pair {
-    bodies: [Conductor; 2],
-    wave: f64,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub bodies: [Conductor; 2],
+    pub wave: f64,
     /// E*, Pa.
-    modulus: f64,
+    pub modulus: f64,
     /// 1/(2 h_c), K m2/W.
-    half_resistance: f64,
+    pub half_resistance: f64,
 }
 
 impl Pair {
+    /// Both bodies of the scene under a wave of the length `length`, m.
+    pub fn of(scene: &Scene, length: f64) -> Pair {
+        let compliance = |body: &Body| match body.mechanical {
+            MechanicalBody::Rigid => 0.0,
+            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
+        };
+        Pair {
+            bodies: [Conductor::of(&scene.punch), Conductor::of(&scene.strip)],
+            wave: 2.0 * PI / length,
+            modulus: 1.0 / (compliance(&scene.punch) + compliance(&scene.strip)),
+            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE },
+        }
+    }
+
     /// Whether no heat lifts anything.
     fn is_neutral(&self) -> bool {
         self.bodies.iter().all(|body| body.expansion == 0.0) || !self.modulus.is_finite()
@@ -173,7 +173,7 @@ impl Pair {
     }
 
     /// Z in Pa.m/s where the wave moves at these speeds in the frames of the two bodies.
-    fn impedance(&self, speeds: [f64; 2]) -> Complex<f64> {
+    pub fn impedance(&self, speeds: [f64; 2]) -> Complex<f64> {
         let [first, second] = self.bodies;
         let decay = [first.decay(self.wave, speeds[0]), second.decay(self.wave, speeds[1])];
         let uptake = [decay[0] * first.conductivity, decay[1] * second.conductivity];
@@ -205,7 +205,7 @@ impl Waves {
     /// The waves of the scene's geometry.
     fn of(scene: &Scene) -> Vec<Waves> {
         let mut waves = Vec::new();
-        let mut add = |length: f64, motion: Motion| waves.push(Waves { pair: Waves::pair(scene, length), motion });
+        let mut add = |length: f64, motion: Motion| waves.push(Waves { pair: Pair::of(scene, length), motion });
         match scene.geometry {
             Geometry::Periodic => add(scene.width, Motion::Free),
             Geometry::Annular => {
@@ -220,20 +220,6 @@ impl Waves {
             }
         }
         waves
-    }
-
-    /// Both bodies under a wave of the length `length`, m.
-    fn pair(scene: &Scene, length: f64) -> Pair {
-        let compliance = |body: &Body| match body.mechanical {
-            MechanicalBody::Rigid => 0.0,
-            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
-        };
-        Pair {
-            bodies: [Conductor::of(&scene.punch), Conductor::of(&scene.strip)],
-            wave: 2.0 * PI / length,
-            modulus: 1.0 / (compliance(&scene.punch) + compliance(&scene.strip)),
-            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE },
-        }
     }
 
     /// The least Re Z over the wave's motions at the sliding speed `speed`, Pa.m/s; infinite: there is no such wave.

@@ -1,5 +1,6 @@
 //! The coupled problem of contact, wear and heat, level by level.
 
+pub mod fastest_growth;
 pub mod instability;
 pub mod line;
 pub mod lumped;

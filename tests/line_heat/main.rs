@@ -16,3 +16,4 @@ mod growth;
 mod plans;
 mod split;
 mod steps;
+mod stop;

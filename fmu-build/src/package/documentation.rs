@@ -19,10 +19,12 @@ const IMPORTERS: &str = include_str!("../../../modelDescription/documentation/im
 const MESSAGES: &str = include_str!("../../../modelDescription/documentation/messages.html");
 
 /// Pictures of the page, under their names beside it.
-pub const PICTURES: [(&str, &[u8]); 4] = [
+pub const PICTURES: [(&str, &[u8]); 6] = [
     ("stopping_distance.png", include_bytes!("../../../examples/vehicle_brake/stopping_distance.png")),
     ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
+    ("realtime.svg", include_bytes!("../../../documentation/realtime/cold.svg")),
     ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
+    ("hot_spots.png", include_bytes!("../../../examples/hot_spots/hot_spots.png")),
     ("sensitivities.png", include_bytes!("../../../examples/batch/sensitivities.png")),
 ];
 
@@ -190,7 +192,7 @@ mod tests {
             let start = rest.find('"')?;
             // Between the marker and the text there are only white space, a formatter and opening brackets.
             let between = rest[..start].trim().trim_end_matches(['\n', ' ']);
-            if !["", "format!(", "f,", "f,\n"].contains(&between) {
+            if !["", "format!(", "f,", "text,"].contains(&between) {
                 return None;
             }
             let rest = &rest[start + 1..];
@@ -214,7 +216,7 @@ mod tests {
             ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 2),
             ("operator split", include_str!("../../../src/coupled/line/heat/staggered.rs"), "StepFailure(", 1),
             ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Err(", 1),
-            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Some(", 2),
+            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "write!(", 2),
             ("step of the line", include_str!("../../../src/coupled/line/step.rs"), "StepFailure(", 3),
             ("steady states", include_str!("../../../src/steady/mod.rs"), "write!(", 7),
             ("contact", include_str!("../../../src/contact/problem.rs"), "write!(", 4),
@@ -227,7 +229,7 @@ mod tests {
                 "warnings.push(format!(",
                 1,
             ),
-            ("escalation", include_str!("../../../src/component/escalation.rs"), "let beyond = format!(", 1),
+            ("escalation", include_str!("../../../src/component/escalation.rs"), "let beyond = format_args!(", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::WEAR, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::TEMPERATURE, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "limit::VALIDITY,", 1),

@@ -13,6 +13,7 @@
 mod accept;
 pub mod bodies;
 mod evaluation;
+mod fading;
 mod growth;
 mod outputs;
 mod prepare;
@@ -23,10 +24,12 @@ mod start;
 pub mod state;
 
 use super::operators::Operators;
+use crate::coupled::fastest_growth::FastestGrowth;
 use crate::heat::line::{LineHeat, Surroundings};
 use crate::scene::Scheme;
 use crate::wear::line::WearingContact;
 use bodies::Bodies;
+use fading::Fading;
 use split::Split;
 
 /// Where operators kept from step to step are made.
@@ -77,6 +80,10 @@ pub struct Heat {
     reference: Reference,
     /// The operators of the stage are those of its own gains instead.
     renewed: [bool; 2],
+    /// Friction that follows the temperature; `None`: it does not.
+    fading: Option<Box<Fading>>,
+    /// The operators of the stage hold its derivative.
+    linearised: bool,
     /// The operators of the stage are exact, so that nothing has to be repeated.
     exact: [bool; 2],
     /// Punch and strip move under heat.
@@ -97,7 +104,9 @@ pub struct Heat {
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
     pub(super) difference: Vec<f64>,
-    /// N x N, by columns, for the check of growth.
+    /// How fast waves can grow at most; the split of a stage by which growth is looked for, and room for its matrix, N x N.
+    growth: FastestGrowth,
+    watched: Split,
     matrix: Vec<f64>,
     base: [Vec<f64>; 2],
     base_distortion: [Vec<f64>; 2],
@@ -118,6 +127,7 @@ impl Heat {
             .map(|body| body.conductivity / body.capacity())
             .into_iter()
             .fold(0.0, f64::max);
+        let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let mut bodies = bodies.copies();
         // The first preparation takes memory, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
@@ -137,6 +147,8 @@ impl Heat {
             velocity: [0.0; 2],
             reference: Reference::default(),
             renewed: [false; 2],
+            fading: (!operators.scene.friction_fade.flat).then(|| Box::new(Fading::new(count))),
+            linearised: false,
             exact: [false; 2],
             expands,
             staggered: operators.scene.scheme == Scheme::Staggered,
@@ -148,6 +160,8 @@ impl Heat {
             warmed: false,
             felt: zeros(),
             difference: zeros(),
+            growth: FastestGrowth::new(&operators.scene, smallest),
+            watched: Split::new(count, conductance),
             matrix: vec![0.0; count * count],
             base: pair(),
             base_distortion: pair(),
@@ -175,6 +189,8 @@ impl Clone for Heat {
             velocity: self.velocity,
             reference: self.reference,
             renewed: self.renewed,
+            fading: self.fading.clone(),
+            linearised: self.linearised,
             exact: self.exact,
             expands: self.expands,
             staggered: self.staggered,
@@ -186,6 +202,8 @@ impl Clone for Heat {
             warmed: self.warmed,
             felt: self.felt.clone(),
             difference: self.difference.clone(),
+            growth: self.growth.clone(),
+            watched: self.watched.clone(),
             matrix: self.matrix.clone(),
             base: self.base.clone(),
             base_distortion: self.base_distortion.clone(),

@@ -12,13 +12,15 @@
 //! each of them is a one-dimensional problem through the height whose impedance is known in closed form ([`depth`]). That
 //! is projected (Galerkin) on its responses to real rates, a rational Krylov space; the result is symmetric, its states
 //! are real and decay, and the steady response is exact because it is in the space. [`selection`] spends states where
-//! the error against the exact impedance is largest. What is left of fast modes acts without delay ([`steady`]).
+//! the error against the exact impedance is largest. What is left of fast modes warms without delay ([`steady`]) and distorts
+//! with one ([`lag`]).
 //!
 //! The finite elements of `elastic::block::ThermalBlock` describe the same body; the tests hold one against the other.
 
 mod across;
 mod depth;
 mod distortion;
+mod lag;
 mod selection;
 mod steady;
 #[cfg(test)]
@@ -97,6 +99,7 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;
+        assembly.delay_distortion(&mut operators);
     }
     Ok(Some(ReducedHeat::new(operators)))
 }

@@ -54,7 +54,7 @@ pub(super) struct ModeStates {
     pub states: Range<usize>,
     /// F: integrals of the mode over the cells, m^(1/2).
     pub integrals: Vec<f64>,
-    /// F over the widths of the cells.
+    /// F over the widths of the cells; empty where the states distort without being felt as temperature.
     pub means: Vec<f64>,
 }
 
@@ -143,9 +143,10 @@ impl ReducedHeat {
         Self { operators: Arc::new(operators), scratch, kept: Vec::new(), current: 0, clock: 0 }
     }
 
-    /// Number of states that decay; the state vector holds four entries more, for the account.
-    pub fn decaying_states(&self) -> usize {
-        self.operators.rate.len()
+    /// Number of states that are felt as temperature. The state vector holds those that delay the distortion besides, at most
+    /// one per cell, and four entries for the account.
+    pub fn thermal_states(&self) -> usize {
+        self.operators.modes.iter().filter(|mode| !mode.means.is_empty()).map(|mode| mode.states.len()).sum()
     }
 
     /// Makes the weights of a step the current ones.

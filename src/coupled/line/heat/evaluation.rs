@@ -2,6 +2,7 @@
 
 use super::Heat;
 use crate::contact::dense;
+use crate::contact::friction::FrictionLaw;
 use crate::heat::line::{GAMMA, Stage};
 use crate::wear::line::StageError;
 
@@ -53,12 +54,30 @@ impl Heat {
         let s = stage as usize;
         let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(stage)));
         self.splits[s].build((f64::NAN, f64::NAN), gains);
+        if let Some(fading) = &mut self.fading {
+            fading.build(&self.splits[s], gains, self.half_resistance);
+        }
         let mean = self.faded.iter().sum::<f64>() / self.faded.len() as f64;
         if let Some(extra) = self.splits[s].extra(mean * slip) {
             // Gains are finite, and so is their product with a velocity.
             let _ = self.contacts[s].set_extra(Some(extra));
         }
         self.renewed[s] = true;
+    }
+
+    /// Takes into the operators of the stage that friction follows the temperature.
+    pub(super) fn linearise(&mut self, stage: Stage, slip: f64, friction: &FrictionLaw) -> Result<(), StageError> {
+        let s = stage as usize;
+        let Some(fading) = &mut self.fading else { return Ok(()) };
+        let (closed, pressure) = (&self.closed, &self.pressure);
+        let (faded, felt) = (&self.faded, &self.felt);
+        let heat = fading.linearise(
+            |i| if closed[i] { slip * faded[i] } else { 0.0 },
+            |i| if closed[i] { slip * pressure[i] * friction.fall(felt[i]) } else { 0.0 },
+        );
+        self.contacts[s].set_extra(Some(self.splits[s].extra_by(heat)))?;
+        self.linearised = true;
+        Ok(())
     }
 
     /// Friction heat of the stage with the pressure known so far, and the split of it in which both surfaces agree; returns
@@ -150,9 +169,17 @@ impl Heat {
             change = change.max(difference.abs());
             largest = largest.max(pressure[i]).max(self.pressure[i]);
             let heat = if self.closed[i] { self.per_pressure[i] * pressure[i] } else { 0.0 };
+            self.gap[i] = difference;
             self.difference[i] = heat - self.friction[s][i];
-            self.friction[s][i] = heat;
             self.pressure[i] = pressure[i];
+        }
+        if let (Some(fading), true) = (&self.fading, self.linearised) {
+            // The temperature that follows is that of the friction at that temperature.
+            self.difference.fill(0.0);
+            fading.add_heat(&self.gap, &mut self.difference);
+        }
+        for (friction, more) in self.friction[s].iter_mut().zip(&self.difference) {
+            *friction += more;
         }
         let change = if largest > 0.0 { change / largest } else { 0.0 };
         self.warmed = false;

@@ -1,23 +1,34 @@
 //! Whether a step is short enough for what grows.
 //!
 //! Above the critical speed friction heat makes pressure waves grow. An L-stable step that is too long damps them instead,
-//! and says nothing. A wave that grows at the rate b makes the matrix of a stage,
+//! and says nothing. So the step h must follow the fastest growth b, `b h <= 0.3`.
+//!
+//! Where [`FastestGrowth`] bounds b well enough for that, there is nothing to do. It knows half-planes without wear; where it
+//! does not let the step pass, the matrix of a stage tells more. Let the pressure at t follow from the distortion by what was
+//! heated before, `p(t) = integral k(s) p(t - s) ds`, k >= 0 and falling, as heat fades. Growth at b means
+//!
+//! ```text
+//! 1 = integral_0^inf k(s) exp(-b s) ds = integral_0^inf b exp(-b s) g(s) ds,    g(s) = integral_0^s k
+//! ```
+//!
+//! a mean of g over times whose mean is 1/b. g is concave, so `g(1/b) >= 1`: the matrix of a stage of the length 1/b,
 //!
 //! ```text
 //! C + s mu S + (wear and distortion of a stage),
 //! ```
 //!
-//! singular when its length is about 1/b, for wear and distortion grow in proportion to a short stage. So the step is
-//! short enough, `b h <= 0.3`, where the matrix with both as large as in a stage of length h/0.3 is still positive definite on
-//! the pressures that load and contact allow.
+//! is not positive definite. Turned round, where that of the length h/0.3 is, on the pressures that load and contact allow, b is
+//! below 0.3/h. This is about what rests in the punch; waves that rest in the strip pass by in a stage's matrix, and are bounded
+//! by the first rule alone.
 
 use super::Heat;
-use crate::coupled::instability::{driving_body, fastest_growth};
+use crate::coupled::instability::driving_body;
 use crate::coupled::line::Line;
 use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::limit;
 use crate::coupled::{INPUTS, StepFailure};
-use crate::heat::line::GAMMA;
+use crate::heat::line::{GAMMA, Stage};
+use crate::scene::Fidelity;
 use std::fmt::{self, Write};
 
 /// Largest b h.
@@ -136,31 +147,56 @@ impl Line {
         if speed * friction <= 0.0 || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.at(friction)) {
             return true;
         }
-        // What the matrix says of a body that slides under the waves is far too strict: most of its answer does not grow with
-        // the step. No step needs to be shorter than the fastest growth there can be.
-        if step * fastest_growth(&self.operators.scene, friction, speed) <= GROWTH {
+        if heat.growth.of_body(1, friction, speed) * step > GROWTH {
+            return false;
+        }
+        if heat.growth.of_body(0, friction, speed) * step <= GROWTH {
             return true;
         }
+        // The unreduced punch would have to be factored for the other step.
+        if self.operators.scene.fidelity == Fidelity::Field {
+            return false;
+        }
         let (operators, conditions, pressure) = (&self.operators, &self.conditions, &self.work.end.pressure);
-        let slope = |i: usize| GAMMA * step * conditions.rate.slope(i, pressure[i].max(1.0));
-        heat.definite(1.0 / (GAMMA * GROWTH), conditions.signed_friction, &operators.weights, slope)
+        let slope = |i: usize| step / GROWTH * conditions.rate.slope(i, pressure[i].max(1.0));
+        heat.definite(step, conditions.signed_friction, &operators.weights, slope)
     }
 }
 
 impl Heat {
-    /// Whether the matrix of the last stage, with wear and distortion `factor` times as large, is positive definite.
-    fn definite(&mut self, factor: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
+    /// Whether the matrix of a stage of the length `step`/0.3 is positive definite on the cells in contact; `slope`: its wear per
+    /// pressure, m/Pa.
+    fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let count = weights.len();
-        let split = &self.splits[1];
+        let key = (step, self.reference.velocity);
+        if !self.watched.is_for(key) {
+            // The first stage of a longer step is of that length. What slides under the waves hardly depends on it.
+            if let Some(punch) = &mut self.bodies[0] {
+                punch.prepare(step / (GAMMA * GROWTH), self.velocity);
+            }
+            let [punch, strip] = &self.bodies;
+            let gains =
+                [punch.as_ref().map(|own| own.gains(Stage::First)), strip.as_ref().map(|own| own.gains(Stage::End))];
+            self.watched.build(key, gains);
+            if let Some(punch) = &mut self.bodies[0] {
+                punch.prepare(step, self.velocity);
+            }
+        }
+        // Friction that falls with the temperature only holds growth back.
+        let _ = self.watched.extra(self.reference.per_pressure);
+        let compliance = self.contacts[1].compliance_values(friction);
+        let own = self.splits[1].extra_values();
+        let entry = |i: usize, j: usize| {
+            let at = j * count + i;
+            compliance[at] - own[at] + self.watched.extra_values()[at]
+        };
         self.matrix.fill(0.0);
-        let with_extra = self.contacts[1].compliance_values(friction);
-        let entry = |i: usize, j: usize| with_extra[j * count + i] + (factor - 1.0) * split.extra_at(i, j);
         let mut largest: f64 = 0.0;
         for j in (0..count).filter(|&j| self.closed[j]) {
             for i in (j..count).filter(|&i| self.closed[i]) {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
-                    value += factor * weights[i] * slope(i);
+                    value += weights[i] * slope(i);
                     largest = largest.max(value.abs() / (weights[i] * weights[i]));
                 }
                 self.matrix[j * count + i] = value;

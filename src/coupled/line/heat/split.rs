@@ -36,7 +36,7 @@ pub struct Split {
     shares: Vec<f64>,
     /// E_0 of all cells, m per W/m2.
     distortion: DMatrix<f64>,
-    /// E_0 mu s v, m/Pa: what the contact has on top of its compliance, and mu s v.
+    /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v where it is that of all cells.
     extra: DMatrix<f64>,
     per_pressure: f64,
     column: Vec<f64>,
@@ -163,14 +163,25 @@ impl Split {
         }
     }
 
-    /// Entry of the extra compliance last made, m/Pa.
-    pub fn extra_at(&self, row: usize, column: usize) -> f64 {
-        self.extra[(row, column)]
-    }
-
     /// The extra compliance last made, by columns, m/Pa.
     pub fn extra_values(&self) -> &[f64] {
         self.extra.as_slice()
+    }
+
+    /// Y on all cells, by columns: part of the friction heat that enters the punch where both bodies conduct.
+    pub fn shares(&self) -> &[f64] {
+        &self.shares
+    }
+
+    /// The extra compliance for pressures that change the heat by `heat` (N x N by columns, m/s).
+    pub fn extra_by(&mut self, heat: &[f64]) -> &DMatrix<f64> {
+        let count = self.closed.len();
+        self.per_pressure = f64::NAN;
+        self.extra.fill(0.0);
+        for (target, column) in self.extra.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count)) {
+            dense::multiply_add(self.distortion.as_slice(), column, target);
+        }
+        &self.extra
     }
 
     /// The extra compliance for the heat `per_pressure` (m/s: mu s v); `None` where it is the last one.

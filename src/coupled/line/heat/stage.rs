@@ -24,16 +24,24 @@ const TEMPERATURE: f64 = 10.0;
 /// Repetition from which on the operators are those of the stage instead of the reference.
 const EXACT_FROM: usize = 12;
 
+/// Ratio of successive changes, and repetition, from which on friction that follows the temperature takes its derivative along
+/// instead of going on like a geometric series.
+const SLOW: f64 = 0.4;
+const SLOW_FROM: usize = 3;
+
 /// What a repetition still changes, from one to the next.
 #[derive(Clone, Copy, Debug, Default)]
 struct Convergence {
     last: Option<f64>,
+    slow: bool,
 }
 
 impl Convergence {
     /// What is left once `change` is made up for: changes fall like a geometric series.
     fn left(&mut self, change: f64) -> f64 {
-        match self.last.replace(change) {
+        let last = self.last.replace(change);
+        self.slow = last.is_some_and(|last| change > SLOW * last);
+        match last {
             Some(last) if change < 0.5 * last => change * change / (last - change),
             _ => change,
         }
@@ -113,21 +121,26 @@ impl Line {
             heat.felt[i] = 0.5 * (earlier[0][i] + earlier[1][i]) + reference;
             heat.faded[i] = self.friction.faded(heat.felt[i]);
         }
+        heat.linearised = false;
         let mut slip = moment.slip(stribeck);
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
         heat.warmed = false;
         for repetition in 0..MOST_REPETITIONS {
-            if repetition == EXACT_FROM {
-                heat.renew(stage, slip);
-                (pressures, temperatures) = Default::default();
-            }
-            heat.operator(stage)?;
             if fades {
                 moment.faded = weighted(&heat.faded, &heat.pressure, &operators.weights);
                 moment.follow(sign * stribeck);
                 slip = moment.slip(stribeck);
                 heat.warmed = false;
+            }
+            let slow = fades && repetition >= SLOW_FROM && pressures.slow;
+            if !heat.renewed[s] && (repetition == EXACT_FROM || slow) {
+                heat.renew(stage, slip);
+                (pressures, temperatures) = Default::default();
+            }
+            heat.operator(stage)?;
+            if heat.renewed[s] && fades {
+                heat.linearise(stage, slip, &self.friction)?;
             }
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
