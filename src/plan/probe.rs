@@ -115,8 +115,8 @@ impl Course {
     pub fn scene(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         let segments = self.segments.len() as f64;
-        scene.shortest_step = self.duration
-            / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
+        scene.shortest_step =
+            self.duration / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
         scene.punch.wear_coefficient *= self.faster_wear;
         scene.strip.wear_coefficient *= self.faster_wear;
         scene

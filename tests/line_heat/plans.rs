@@ -208,8 +208,12 @@ fn every_rung_goes_on_with_the_heat_the_wear_and_the_track_of_the_one_below() {
         (line(9, mean), line(17, mean)),
         (line(9, cells), line(17, cells)),
     ];
-    let tracked: &[(&str, f64)] =
-        &[("strip.path", 1.0), ("nominal.stroke", 0.05), ("strip.wear_coefficient", 1e-14), ("strip.base_thermal", 1.0)];
+    let tracked: &[(&str, f64)] = &[
+        ("strip.path", 1.0),
+        ("nominal.stroke", 0.05),
+        ("strip.wear_coefficient", 1e-14),
+        ("strip.base_thermal", 1.0),
+    ];
     let hot: &[(&str, f64)] =
         &[("punch.initial_temperature", 350.0), ("strip.emissivity", 0.5), ("strip.convection_forced", 8.0)];
     for (name, changes) in [("closed", hot), ("straight", tracked)] {
@@ -280,8 +284,8 @@ fn every_rung_goes_on_with_the_heat_the_wear_and_the_track_of_the_one_below() {
     }
 }
 
-/// Open, or standing under load, a contact line whose heat is the mean's solves no contact; with heat on the cells an open one
-/// factors nothing.
+/// Open, or standing under load, a contact line whose heat is the mean's solves no contact. With heat on the cells an open one
+/// factors nothing, and a standing one solves less in a step than a sliding one.
 #[test]
 fn an_open_or_standing_contact_pays_for_conduction_only() {
     let scene = Scene::new(&STARTS, None).unwrap();
@@ -296,7 +300,12 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
             (0..20).for_each(|_| model.step(&inputs, None, 0.1).unwrap());
             let after = model.contact_work();
             let now = model.work();
-            (after.solves - before.solves, after.factorisations - before.factorisations, now.0 - steps.0, now.1 - steps.1)
+            (
+                after.solves - before.solves,
+                after.factorisations - before.factorisations,
+                now.0 - steps.0,
+                now.1 - steps.1,
+            )
         };
         let sliding = work(run);
         let standing = work([0.0, 3e3, 0.0, 0.0, 0.0, ambient, ambient]);
@@ -307,9 +316,10 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
         if heat == HeatAlongContact::ByItsMean {
             assert_eq!((standing.0, open.0), (0, 0), "{work}");
         } else {
-            // Standing, the distortion fades and shifts the pressure.
             assert_eq!((open.1, open.3), (0, 0), "{work}");
-            assert!(10 * standing.1 < sliding.1 && 10 * standing.0 < sliding.0 && open.0 <= open.2, "{work}");
+            assert!(open.0 <= open.2, "{work}");
+            // Standing, the distortion fades and shifts the pressure, but nothing has to be repeated for friction heat.
+            assert!(standing.0 * sliding.2 < sliding.0 * standing.2, "{work}");
         }
     }
 }

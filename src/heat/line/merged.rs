@@ -22,7 +22,8 @@ impl MergedHeat {
     /// `body` on the groups of `merging`, which are groups of its cells.
     pub fn new(body: Box<dyn LineHeat>, merging: Merging) -> MergedHeat {
         let (fine, coarse) = (body.cells(), merging.count());
-        let gains = || Gains { temperature: DMatrix::zeros(coarse, coarse), distortion: DMatrix::zeros(coarse, coarse) };
+        let gains =
+            || Gains { temperature: DMatrix::zeros(coarse, coarse), distortion: DMatrix::zeros(coarse, coarse) };
         let zeros = || vec![0.0; fine];
         MergedHeat {
             gains: [gains(), gains()],

@@ -97,7 +97,8 @@ impl Bodies {
 
     /// The same bodies under merged cells.
     pub fn merged(&self, merging: &Merging) -> Bodies {
-        let merge = |body: Box<dyn LineHeat>| Mutex::new(Box::new(MergedHeat::new(body, merging.clone())) as Box<dyn LineHeat>);
+        let merge =
+            |body: Box<dyn LineHeat>| Mutex::new(Box::new(MergedHeat::new(body, merging.clone())) as Box<dyn LineHeat>);
         Bodies { prototypes: self.copies().map(|body| body.map(merge)), rates: self.rates.clone(), ..*self }
     }
 

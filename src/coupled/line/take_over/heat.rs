@@ -68,8 +68,12 @@ impl Line {
         let accounts = lower.heat_accounts();
         let known = [0, 1].map(|side| {
             let Account { received, stored, ambient, far } = accounts[side];
-            let account =
-                Account { received: scale * received, stored: scale * stored, ambient: scale * ambient, far: scale * far };
+            let account = Account {
+                received: scale * received,
+                stored: scale * stored,
+                ambient: scale * ambient,
+                far: scale * far,
+            };
             Known { account, surface: surfaces[side].0, flux: surfaces[side].1 }
         });
         let dissipated = lower.state().dissipated * lower.operators().area / self.operators.shared_depth;
