@@ -1,4 +1,5 @@
-"""Drives the disc brake's FMU through a drive cycle: CSV, plots and a table of what came out.
+"""Drives the disc brake's FMU through a drive cycle: CSV, plots and a table of what came out. With `--stops` also one stop
+from 100 km/h and a fade run of fifteen, at the lumped level and on the contact line.
 
 Run by `cargo fmu run`, which builds the FMU and the Python environment; by hand:
 
@@ -21,6 +22,7 @@ def arguments():
     parser.add_argument("--cycle", type=Path, required=True, help="CSV with the columns time_s, speed_m_per_s")
     parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
     parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds (default 0.1)")
+    parser.add_argument("--stops", action="store_true", help="then stops from 100 km/h, one and fifteen, at two levels")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     return parser.parse_args()
 
@@ -43,11 +45,25 @@ def main():
     import plots
 
     paths = [table, *plots.save(options.output, recording, drive, title)]
+    stopping = {}
+    if options.stops:
+        import stop_plots
+        import stops
+
+        one = stops.drive_both(options.fmu, 1, stops.SNAPSHOTS)
+        fifteen = stops.drive_both(options.fmu, stops.STOPS)
+        stopping = {"stop": stops.figures(one), "fade": stops.figures(fifteen)}
+        paths += [
+            stop_plots.one_stop(one, options.output / "stop.png"),
+            stop_plots.fade(fifteen, options.output / "fade.png"),
+        ]
     if options.json:
-        print(json.dumps({**summary.as_dictionary(), "files": [str(path) for path in paths]}, indent=2))
+        print(json.dumps({**summary.as_dictionary(), **stopping, "files": [str(path) for path in paths]}, indent=2))
     else:
         print(title)
         print(summary.table())
+        if stopping:
+            print(stops.table(stopping))
         print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
 
 

@@ -1,5 +1,6 @@
 """A punch sliding to and fro until its wear is steady: pressure of successive half-strokes, edge pressures, worn shape,
-for a punch that can only translate and for one that can also rotate about a pivot, beside the direct steady states.
+for a punch that can only translate and for one that can also rotate about a pivot, beside the direct steady states; and the
+same with the heat of friction, which distorts both bodies.
 
 Run by `cargo fmu run reciprocating_punch`, which builds the FMU and the Python environment and computes the direct
 steady states; by hand:
@@ -48,25 +49,35 @@ def main():
     options = arguments()
     options.output.mkdir(parents=True, exist_ok=True)
     states = {state.name: state for state in map(direct.read, options.steady)}
-    histories, accelerated = {}, {}
+    histories, accelerated, hot = {}, {}, {}
     with strokes.Unpacked(options.fmu) as unpacked:
         check(unpacked, states.values())
         for name, state in states.items():
             histories[name] = strokes.slide(unpacked, state.parameters, state.load, options.cycles)
             cycles = max(options.cycles // ACCELERATION, 2)
+            hot[name] = strokes.slide(
+                unpacked, strokes.hot(unpacked, state.parameters), state.load, max(options.cycles // 2, 2)
+            )
             accelerated[name] = strokes.slide(unpacked, state.parameters, state.load, cycles, ACCELERATION)
     summary = {name: report.figures(history, states[name]) for name, history in histories.items()}
     summary |= {f"{name}, accelerated": report.figures(run, states[name]) for name, run in accelerated.items()}
 
+    summary |= {f"{name}, hot": report.figures(run, states[name]) for name, run in hot.items()}
+
     # Imported late: matplotlib takes long to load.
+    import hot_plots
     import plots
 
     paths = [report.write_csv(options.output / f"half_strokes_{name}.csv", run) for name, run in histories.items()]
+    paths += [report.write_csv(options.output / f"half_strokes_{name}_hot.csv", run) for name, run in hot.items()]
     paths += [
         plots.pressures(histories, states, options.output / "pressures.png"),
         plots.edges(histories, options.output / "edge_pressures.png"),
         plots.shapes(histories, states, options.output / "worn_shapes.png"),
         plots.relaxation(histories, accelerated, states, options.output / "relaxation.png"),
+        hot_plots.half_strokes(hot, options.output / "hot_half_strokes.png"),
+        hot_plots.shapes(histories, hot, options.output / "hot_worn_shapes.png"),
+        hot_plots.steady(states, histories, hot, options.output / "hot_steady_pressures.png"),
     ]
     if options.json:
         print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2))

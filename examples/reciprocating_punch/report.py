@@ -48,6 +48,7 @@ def figures(history, state):
         "jump of the pressure at reversal, most, over p_m": np.ptp([pressure_after, pressure_before], axis=0).max()
         / history.mean,
         "jump of the worn shape at reversal, nm": 1e9 * np.abs(worn_after - worn_before).max(),
+        "contact temperature at the end, hottest station, degC": history.temperature[-1].max() - 273.15,
         "steps_per_second": history.steps / history.seconds,
     }
 
@@ -64,9 +65,10 @@ def table(summary):
 
 
 def write_csv(path, history):
-    """Half-strokes by row: pressure and worn depth at the stations."""
+    """Half-strokes by row: pressure, worn depth and temperature at the stations."""
     header = ["half_stroke", "tilt_rad", "approach_m"]
-    header += [f"{name}_at_{1e3 * x:.4g}_mm" for name in ("pressure_Pa", "worn_m") for x in history.x]
+    header += [f"{name}_at_{1e3 * x:.4g}_mm" for name in ("pressure_Pa", "worn_m", "temperature_K") for x in history.x]
     columns = [history.half_strokes, history.tilt, history.approach, *history.pressure.T, *history.worn.T]
+    columns += [*history.temperature.T]
     np.savetxt(path, np.column_stack(columns), delimiter=",", header=",".join(header), comments="", fmt="%.9g")
     return path

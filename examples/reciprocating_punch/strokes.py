@@ -14,7 +14,8 @@ STEPS = 10  # in a half-stroke; even, so that a step ends in its middle
 STATIONS = 33
 # The level of the contact line, without distortion by heat.
 COLD = {"solver.fidelity": "line", "punch.thermal_expansion": 0.0, "strip.thermal_expansion": 0.0}
-PROFILES = ("pressure", "wear_punch")
+HOT_CELLS = 33
+PROFILES = ("pressure", "wear_punch", "temperature")
 SCALARS = ("tilt", "approach")
 
 
@@ -94,6 +95,7 @@ class History:
     half_strokes: np.ndarray  # number of every recorded half-stroke, from 1; odd ones go forward
     pressure: np.ndarray  # at its middle, by half-stroke and station [Pa]
     worn: np.ndarray  # worn depth of the punch there [m]
+    temperature: np.ndarray  # of the contact there [K]
     tilt: np.ndarray  # [rad]
     approach: np.ndarray  # [m]
     mean: float  # mean pressure [Pa]
@@ -122,6 +124,12 @@ def velocities():
 
 def step_length():
     return np.pi / FREQUENCY / STEPS
+
+
+def hot(unpacked, parameters):
+    """The same holder with the distortion by heat that the scene's materials have."""
+    expansions = {name: unpacked.start(name) for name in COLD if name.endswith("thermal_expansion")}
+    return {**parameters, **expansions, "solver.cells": HOT_CELLS}
 
 
 def slide(unpacked, parameters, load, cycles, acceleration=1.0):
@@ -159,6 +167,7 @@ def slide(unpacked, parameters, load, cycles, acceleration=1.0):
         half_strokes=np.array(numbers),
         pressure=values[:, :STATIONS],
         worn=values[:, STATIONS : 2 * STATIONS],
+        temperature=values[:, 2 * STATIONS : 3 * STATIONS],
         tilt=values[:, -2],
         approach=values[:, -1],
         mean=load / ((x[-1] - x[0]) * unpacked.start("depth")),

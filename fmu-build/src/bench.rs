@@ -111,6 +111,14 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
 }
 
+/// Measures what heat along the contact line adds to a step.
+///
+/// # Errors
+/// Where a scene or a step fails.
+pub fn heat() -> Result<Vec<Cost>> {
+    level::heat()
+}
+
 /// Measures an FMU.
 ///
 /// # Errors

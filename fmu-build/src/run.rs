@@ -13,9 +13,9 @@ use std::process::Command;
 /// of it are in examples/disc_brake/road_load.py; the coupled examples are in folders of their own names.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// What to run.
-    #[arg(value_enum, default_value_t = Example::DiscBrake)]
-    example: Example,
+    /// What to run; without a name the drive cycle of disc_brake alone.
+    #[arg(value_enum)]
+    example: Option<Example>,
     /// Scene: a name in examples/ or the path of a scene file; the default is the example's own.
     #[arg(long)]
     scene: Option<String>,
@@ -40,13 +40,14 @@ pub struct Arguments {
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 #[value(rename_all = "snake_case")]
 enum Example {
-    /// One front brake, its speed and load computed beforehand from a drive cycle.
+    /// One front brake, its speed and load computed beforehand from a drive cycle; then stops from 100 km/h, one and fifteen,
+    /// at the lumped level and on the contact line.
     DiscBrake,
     /// A car on four contacts that decide its speed: a cycle, a descent, stops, a hill; with libcosim too.
     VehicleBrake,
     /// Engine, clutch and vehicle: engagement with stick under explicit and implicit masters, a hill, judder.
     Clutch,
-    /// A punch sliding to and fro until its wear is steady, in two holders, beside the direct steady states.
+    /// A punch sliding to and fro until its wear is steady, in two holders, beside the direct steady states; with heat too.
     ReciprocatingPunch,
     /// A ring on a turning ring, below and above the speed from which hot spots grow.
     HotSpots,
@@ -95,7 +96,7 @@ const HOLDERS: [(&str, &[&str]); 2] = [
 /// # Errors
 /// Where packaging, the Python environment or the drive fails.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    let example = arguments.example;
+    let example = arguments.example.unwrap_or(Example::DiscBrake);
     let cycle = cycle_file(&arguments.cycle)?;
     let python = python::environment()?;
     let fmu = match &arguments.fmu {
@@ -117,6 +118,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             command.arg("--steady").args(steady_states(scene, &output)?)
         }
     };
+    if arguments.example == Some(Example::DiscBrake) {
+        command.arg("--stops");
+    }
     if arguments.json {
         command.arg("--json");
     }

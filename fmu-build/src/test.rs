@@ -101,7 +101,8 @@ fn usual(tally: &mut Tally) {
     });
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.step("cost of a step", |step| {
-            for cost in bench::measure(&bench::lumped(None)?)? {
+            let costs = bench::measure(&bench::lumped(None)?)?;
+            for cost in costs.iter().chain(&bench::heat()?) {
                 step.judge(&cost.to_string(), cost.is_tolerable());
             }
             Ok(())

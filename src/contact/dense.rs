@@ -290,6 +290,69 @@ pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f
     Arch::new().dispatch(Substitute(factors, n, right));
 }
 
+/// Rows up to which a product keeps its sums in registers while the columns pass: then it reads nothing twice. More rows are
+/// read column after column, as they lie.
+const NARROW: usize = 72;
+/// Vectors of rows that pass together, and most numbers in one.
+const ABREAST: usize = 8;
+const MOST_LANES: usize = 8;
+
+/// Adds the product of some rows, V vectors of them from row `row` on; with `REST` also the rows behind these, fewer than
+/// a vector, which reaches back over rows that are done.
+#[inline(always)]
+fn pass<S: Simd, const V: usize, const REST: bool>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64], row: usize) {
+    let rows = target.len();
+    let (end, back) = (row + V * S::F64_LANES, rows.max(S::F64_LANES) - S::F64_LANES);
+    let mut sums = [simd.splat_f64s(0.0); V];
+    let mut rest = simd.splat_f64s(0.0);
+    for (column, factor) in matrix.chunks_exact(rows).zip(x) {
+        let factor = simd.splat_f64s(*factor);
+        if let Some(part) = S::as_simd_f64s(&column[row..end]).0.first_chunk::<V>() {
+            for k in 0..V {
+                sums[k] = simd.mul_add_f64s(factor, part[k], sums[k]);
+            }
+        }
+        if REST && let Some(part) = S::as_simd_f64s(&column[back..]).0.first() {
+            rest = simd.mul_add_f64s(factor, *part, rest);
+        }
+    }
+    if let Some(part) = S::as_mut_simd_f64s(&mut target[row..end]).0.first_chunk_mut::<V>() {
+        for k in 0..V {
+            part[k] = simd.add_f64s(part[k], sums[k]);
+        }
+    }
+    if REST {
+        let mut values = [0.0; MOST_LANES];
+        if let Some(part) = S::as_mut_simd_f64s(&mut values).0.first_mut() {
+            *part = rest;
+        }
+        for i in end..rows {
+            target[i] += values[i - back];
+        }
+    }
+}
+
+/// `target += matrix x` of few rows, at least a vector of them.
+#[inline(always)]
+fn multiply_narrow<S: Simd>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64]) {
+    let rows = target.len();
+    let mut row = 0;
+    while rows - row >= (ABREAST + 1) * S::F64_LANES {
+        pass::<S, ABREAST, false>(simd, matrix, x, target, row);
+        row += ABREAST * S::F64_LANES;
+    }
+    macro_rules! last {
+        ($($vectors:literal)*) => {
+            match ((rows - row) / S::F64_LANES, rows % S::F64_LANES != 0) {
+                $(($vectors, false) => pass::<S, $vectors, false>(simd, matrix, x, target, row),
+                ($vectors, true) => pass::<S, $vectors, true>(simd, matrix, x, target, row),)*
+                _ => unreachable!("from 1 to {ABREAST} vectors are left"),
+            }
+        };
+    }
+    last!(1 2 3 4 5 6 7 8)
+}
+
 /// `target += matrix x`, with as many rows as `target` and columns as `x` is long.
 pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
     struct Multiply<'a>(&'a [f64], &'a [f64], &'a mut [f64]);
@@ -300,6 +363,9 @@ pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
         fn with_simd<S: Simd>(self, simd: S) {
             let Self(matrix, x, target) = self;
             let rows = target.len();
+            if (2 * S::F64_LANES..=NARROW).contains(&rows) && x.len() >= GROUP {
+                return multiply_narrow(simd, matrix, x, target);
+            }
             let full = x.len() - x.len() % GROUP;
             for start in (0..full).step_by(GROUP) {
                 let factors = [x[start], x[start + 1], x[start + 2], x[start + 3]];

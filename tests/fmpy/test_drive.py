@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import report
 import simulation
+import stops
 from component import Component
 from conftest import ROOT, file_of
 from drive_inputs import STEP, udds
@@ -87,6 +88,20 @@ def test_the_command_writes_what_it_says(tmp_path):
     assert len((tmp_path / "hwfet.csv").read_text().splitlines()) == 7652
     for name in ("overview", "speed_and_load", "temperatures", "wear", "friction_torque", "energy_balance"):
         assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_stop_from_full_speed_is_alike_at_both_levels():
+    one = stops.drive_both(file_of("disc_brake"), 1, stops.SNAPSHOTS)
+    line, lumped = one["line"], one["lumped"]
+    # 27.8 m/s, 8 m/s2 and the pedal's 0.2 s: 51 m, less with rolling resistance and drag.
+    assert 48.0 < lumped.distance[0] < 51.0
+    assert line.distance[0] == pytest.approx(lumped.distance[0], rel=5e-3)
+    assert line["strip.mean_temperature"][-1] == pytest.approx(lumped["strip.mean_temperature"][-1], abs=0.5)
+    # Above the speed at which short waves grow the edge gets far hotter than the mean, and no step fails.
+    assert line.critical_speed < stops.SPEED * 0.1175 / 0.31
+    assert line["contact_temperature_max"].max() > lumped["contact_temperature_max"].max() + 100.0
+    assert line.profiles["pressure"].shape == (len(stops.SNAPSHOTS), stops.STATIONS)
+    assert set(stops.table({"stop": stops.figures(one)}).split()) >= {"line", "lumped", "pad_wear_um"}
 
 
 def test_a_scene_that_is_no_brake_is_refused(tmp_path):

@@ -95,3 +95,18 @@ def test_accelerated_wear_takes_the_same_way(punch, parameters, history):
     slow = strokes.slide(punch, parameters, LOAD, int(ACCELERATION) * int(cycles[near]))
     np.testing.assert_allclose(slow.pressure[-2], history.pressure[2 * near], atol=2e-2 * history.mean)
     assert np.abs(slow.pressure[-2] - history.pressure[0]).max() > 0.2 * history.mean
+
+
+def test_heat_warms_the_punch_and_changes_what_wears(punch, parameters):
+    cycles = 60
+    cold, hot = (
+        strokes.slide(punch, chosen, LOAD, cycles) for chosen in (parameters, strokes.hot(punch, parameters))
+    )
+    ambient = punch.start("ambient_temperature")
+    # Half of 24 W on 6 cm2 for 38 s: 2 q sqrt(t/(pi k rho c)), 6 K, and a little less over the strip's longer path.
+    for history in (cold, hot):
+        assert 3.0 < history.temperature[-1].mean() - ambient < 12.0
+    # The middle bulges by heat, so that it wears more and the edges less.
+    middle, edges = strokes.STATIONS // 2, [0, -1]
+    assert hot.worn[-1, middle] > cold.worn[-1, middle]
+    assert hot.worn[-1, edges].sum() < cold.worn[-1, edges].sum()

@@ -18,6 +18,8 @@ use std::time::Instant;
 const CHUNK: usize = 20;
 /// Chunks of a turn.
 const CHUNKS: usize = 10;
+/// Turns of a step with heat and without.
+const HOT_TURNS: usize = 100;
 
 /// Rigid punch on a half-plane, one way.
 const PUNCH: &[(&str, f64)] = &[
@@ -67,12 +69,22 @@ pub fn measure() -> Result<Vec<Cost>> {
     for (count, target) in [(33, 10.0), (129, 150.0)] {
         steps(count, target, &mut costs)?;
     }
-    for (count, target) in [(33, 30.0), (129, 400.0)] {
-        hot_steps(count, target, &mut costs)?;
-    }
+    costs.extend(heat()?);
     initialisation(&mut costs)?;
     states(&mut costs)?;
     relaxation(&mut costs)?;
+    Ok(costs)
+}
+
+/// Measures what heat along the contact adds to a step.
+///
+/// # Errors
+/// Where a scene or a step fails.
+pub fn heat() -> Result<Vec<Cost>> {
+    let mut costs = Vec::new();
+    for (count, target) in [(33, 30.0), (129, 400.0)] {
+        hot_steps(count, target, &mut costs)?;
+    }
     Ok(costs)
 }
 
@@ -144,7 +156,7 @@ fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
             component(&starts, &[&line[..], changes, &cold].concat())?,
         ];
         let (mut fastest, mut number) = ([f64::INFINITY; 2], 0);
-        for turn in 0..TURNS * CHUNKS {
+        for turn in 0..HOT_TURNS {
             for (component, fastest) in both.iter_mut().zip(&mut fastest) {
                 let begin = Instant::now();
                 for step in number..number + CHUNK {
@@ -162,7 +174,6 @@ fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
             number += CHUNK;
         }
         let [hot, cold] = fastest;
-        eprintln!("N = {count:3}, {name:24} {:8.2} us a doStep with heat, {:8.2} us without", 1e6 * hot, 1e6 * cold);
         costs.push(cost(format!("doStep with heat over without, N = {count}, {name}"), hot / cold, "1", 3.0, false));
         costs.push(cost(format!("doStep with heat, N = {count}, {name}"), 1e6 * hot, "us", target, false));
     }
@@ -203,6 +214,13 @@ fn initialisation(costs: &mut Vec<Cost>) -> Result<()> {
     }
     costs.push(cost("initialisation, elastic block, N = 33, 1e-4".into(), 1e3 * anew, "ms", 50.0, true));
     costs.push(cost("reset + initialise, the same geometry, N = 33".into(), 1e3 * again, "ms", 0.3, false));
+    let mut hot = f64::INFINITY;
+    for _ in 0..10 {
+        let begin = Instant::now();
+        component(&starts, &changes[..3])?;
+        hot = hot.min(begin.elapsed().as_secs_f64());
+    }
+    costs.push(cost("initialisation with heat, N = 33, 1e-4".into(), 1e3 * hot, "ms", 150.0, false));
     Ok(())
 }
 

@@ -12,8 +12,8 @@
 //! each of them is a one-dimensional problem through the height whose impedance is known in closed form ([`depth`]). That
 //! is projected (Galerkin) on its responses to real rates, a rational Krylov space; the result is symmetric, its states
 //! are real and decay, and the steady response is exact because it is in the space. [`selection`] spends states where
-//! the error against the exact impedance is largest. What is left of fast modes warms without delay ([`steady`]) and distorts
-//! with one ([`lag`]).
+//! the error against the exact impedance is largest. What is left of fast modes has its
+//! exact steady effect ([`steady`]), with the delay that it takes on the whole ([`lag`]).
 //!
 //! The finite elements of `elastic::block::ThermalBlock` describe the same body; the tests hold one against the other.
 
@@ -99,8 +99,8 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;
-        assembly.delay_distortion(&mut operators);
     }
+    assembly.delay(&mut operators);
     Ok(Some(ReducedHeat::new(operators)))
 }
 
@@ -220,6 +220,7 @@ impl<'a> Assembly<'a> {
             far_flow: Observation::none(count, cells),
             passed: Default::default(),
             cooled_length: self.across.cooled * self.depth.height,
+            own: count,
             stored: vec![0.0; count],
             stored_by_far: 0.0,
             uniform: Vec::with_capacity(count),

@@ -12,6 +12,7 @@
 //! the response of a stage is a weight per state: N^2 products per mode across for a new step.
 
 use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use crate::contact::dense;
 use nalgebra::DMatrix;
 use std::ops::Range;
 use std::sync::Arc;
@@ -21,6 +22,9 @@ pub(super) const PORTS: usize = 3;
 
 /// Steps whose weights are kept: the one at hand and those of a step control that hesitates.
 const KEPT_STEPS: usize = 3;
+
+/// States whose distortion is summed at once.
+const TOGETHER: usize = 64;
 
 impl Surroundings {
     /// Cooling, ambient, far: the order of all ports.
@@ -54,7 +58,7 @@ pub(super) struct ModeStates {
     pub states: Range<usize>,
     /// F: integrals of the mode over the cells, m^(1/2).
     pub integrals: Vec<f64>,
-    /// F over the widths of the cells; empty where the states distort without being felt as temperature.
+    /// F over the widths of the cells, or the part of it that is felt as temperature.
     pub means: Vec<f64>,
 }
 
@@ -97,6 +101,8 @@ pub(super) struct Operators {
     pub uniform: Vec<f64>,
     /// Heat capacity of the whole body, J/(m K).
     pub heat_capacity: f64,
+    /// Number of the first states that stand for modes; the others delay what has no mode of its own.
+    pub own: usize,
     /// See [`LineHeat::error`].
     pub error: f64,
 }
@@ -143,10 +149,10 @@ impl ReducedHeat {
         Self { operators: Arc::new(operators), scratch, kept: Vec::new(), current: 0, clock: 0 }
     }
 
-    /// Number of states that are felt as temperature. The state vector holds those that delay the distortion besides, at most
-    /// one per cell, and four entries for the account.
-    pub fn thermal_states(&self) -> usize {
-        self.operators.modes.iter().filter(|mode| !mode.means.is_empty()).map(|mode| mode.states.len()).sum()
+    /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
+    /// and four entries for the account.
+    pub fn own_states(&self) -> usize {
+        self.operators.own
     }
 
     /// Makes the weights of a step the current ones.
@@ -222,20 +228,32 @@ impl Operators {
             combine(&self.distortion_by_port, ports, distortion);
         }
         let cells = self.widths.len();
+        // The states of all modes follow each other; the distortion takes some at a time.
+        let (mut values, mut first, mut count) = ([0.0; TOGETHER], 0, 0);
+        let mut distort = |values: &[f64], first: usize| {
+            if let Some(distortion) = distortion.as_deref_mut() {
+                let columns = first * cells..(first + values.len()) * cells;
+                dense::multiply_add(&self.distortion[columns], values, distortion);
+            }
+        };
         for mode in &self.modes {
             let flux = flux.map_or(0.0, |flux| dot(&mode.integrals, flux));
             let mut surface = 0.0;
             for k in mode.states.clone() {
                 let state = value(k, flux);
                 surface += self.contact[k] * state;
-                if let Some(distortion) = distortion.as_deref_mut() {
-                    add(distortion, state, &self.distortion[k * cells..(k + 1) * cells]);
+                if count == TOGETHER {
+                    distort(&values, first);
+                    (first, count) = (k, 0);
                 }
+                values[count] = state;
+                count += 1;
             }
             if let Some(temperature) = temperature.as_deref_mut() {
                 add(temperature, surface, &mode.means);
             }
         }
+        distort(&values[..count], first);
     }
 
     fn allocate(&self) -> Weights {
@@ -386,7 +404,7 @@ impl LineHeat for ReducedHeat {
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         operators.observe(Some(temperature), None, &surroundings.ports(), None, |k, _| state[k]);
-        multiply_add(&operators.temperature_by_flux, flux, temperature);
+        dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
     }
 
     fn held_distortion(
@@ -401,7 +419,7 @@ impl LineHeat for ReducedHeat {
         distortion.fill(0.0);
         if !operators.distortion.is_empty() {
             operators.observe(None, Some(distortion), &surroundings.ports(), None, |k, _| state[k]);
-            multiply_add(&operators.distortion_by_flux, flux, distortion);
+            dense::multiply_add(operators.distortion_by_flux.as_slice(), flux, distortion);
         }
     }
 
@@ -470,12 +488,6 @@ fn combine(vectors: &[Vec<f64>; PORTS], factors: &[f64; PORTS], sum: &mut [f64])
         if factor != 0.0 {
             add(sum, factor, vector);
         }
-    }
-}
-
-fn multiply_add(matrix: &DMatrix<f64>, vector: &[f64], sum: &mut [f64]) {
-    for (column, &factor) in matrix.as_slice().chunks_exact(sum.len()).zip(vector) {
-        add(sum, factor, column);
     }
 }
 

@@ -294,7 +294,7 @@ impl LineHeat for StripHeat {
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
-        self.held_amplitudes(scratch, state);
+        self.held_amplitudes(scratch, state, false);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
         let Scratch { amplitude, weighted, answer, .. } = &mut *scratch;
@@ -316,7 +316,7 @@ impl LineHeat for StripHeat {
             return;
         }
         let scratch = &mut *self.scratch.borrow_mut();
-        self.held_amplitudes(scratch, state);
+        self.held_amplitudes(scratch, state, true);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
         let Scratch { moved, weighted, answer, .. } = &mut *scratch;
@@ -327,7 +327,7 @@ impl LineHeat for StripHeat {
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
-        self.held_amplitudes(scratch, state);
+        self.held_amplitudes(scratch, state, false);
         let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
         let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
         let waves: f64 =
@@ -344,7 +344,7 @@ impl LineHeat for StripHeat {
         let operators = &*self.operators;
         let mean = &operators.mean;
         let scratch = &mut *self.scratch.borrow_mut();
-        self.held_amplitudes(scratch, state);
+        self.held_amplitudes(scratch, state, false);
         let [entering, returned] = self.held_fluxes(scratch, state, surroundings, flux);
         let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
         let width = operators.period - operators.free_length();

@@ -8,10 +8,36 @@ use crate::heat::line::{GAMMA, Stage};
 /// Part by which the fade may differ from the reference.
 const ZONE: f64 = 0.1;
 
+/// Error, in units of the tolerance, below which it need not be known but only bounded.
+const SMALL: f64 = 0.15;
+
+/// How much more a body may answer than at the velocity of the reference.
+const ALLOWANCE: f64 = 2.0;
+
 impl Line {
+    /// A bound of [`Line::heat_error`] that costs nothing.
+    fn bound_of_heat_error(&self, bound: f64) -> f64 {
+        let Some(heat) = &self.heat else { return 0.0 };
+        let (mut moved, mut warmed, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
+        for (side, [of_temperature, of_distortion]) in heat.splits[1].norms().iter().enumerate() {
+            let [first, end] = &heat.flux;
+            let changes = first[side].iter().zip(&end[side]).map(|(first, end)| (end - first).abs());
+            let change = changes.fold(0.0, f64::max);
+            moved += of_distortion * change;
+            warmed = warmed.max(of_temperature * change);
+            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
+        }
+        let share = ALLOWANCE * (0.5 - GAMMA);
+        (share * moved / bound).max(share * warmed / (self.operators.scene.tolerance * rise))
+    }
+
     /// Error of temperature and distortion by fluxes that are not linear over the step, in units of the tolerance; `bound` in
-    /// m.
+    /// m. Where it is small, a bound of it.
     pub(in crate::coupled::line) fn heat_error(&mut self, bound: f64) -> f64 {
+        let most = self.bound_of_heat_error(bound);
+        if most < SMALL {
+            return most;
+        }
         let Some(heat) = &mut self.heat else { return 0.0 };
         let operators = &self.operators;
         let widths = operators.cells.widths();

@@ -82,28 +82,52 @@ impl Heat {
 
     /// Friction heat of the stage with the pressure known so far, and the split of it in which both surfaces agree; returns
     /// how far they were from that, see [`Heat::lacks`].
+    ///
+    /// Where the operators of the stage are exact nothing has to be known: the pressure is taken to be 0, and the split that of
+    /// no friction heat.
     pub(super) fn supply(&mut self, stage: Stage, slip: f64) -> f64 {
         let s = stage as usize;
         let conducts = self.conducts();
-        self.exact[s] = self.reference.exact && !self.renewed[s];
-        for i in 0..self.closed.len() {
-            self.per_pressure[i] = self.faded[i] * slip;
-            self.exact[s] &= self.closed[i] && self.per_pressure[i] == self.reference.per_pressure;
-            self.friction[s][i] = if self.closed[i] { self.per_pressure[i] * self.pressure[i] } else { 0.0 };
+        let exchanges = conducts == [true, true] && self.half_resistance > 0.0;
+        let mut exact = self.reference.exact && !self.renewed[s] && !self.staggered;
+        for ((per_pressure, faded), closed) in self.per_pressure.iter_mut().zip(&self.faded).zip(&self.closed) {
+            *per_pressure = faded * slip;
+            exact &= *closed && *per_pressure == self.reference.per_pressure;
         }
-        let [punch, strip] = &mut self.flux[s];
-        for i in 0..self.closed.len() {
-            let heat = self.friction[s][i];
-            punch[i] = match conducts {
-                _ if !self.closed[i] => 0.0,
-                [true, true] if self.half_resistance > 0.0 => punch[i],
+        self.exact[s] = exact;
+        let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);
+        if exact {
+            self.pressure.fill(0.0);
+            friction.fill(0.0);
+            punch.fill(0.0);
+            strip.fill(0.0);
+            if exchanges {
+                let [cold, warm] = &self.base;
+                self.difference
+                    .iter_mut()
+                    .zip(warm.iter().zip(cold))
+                    .for_each(|(lack, (warm, cold))| *lack = warm - cold);
+                self.splits[s].exchange(&self.difference, punch);
+                strip.iter_mut().zip(&*punch).for_each(|(strip, punch)| *strip = -punch);
+            }
+            self.warmed = false;
+            return 0.0;
+        }
+        let known = self.pressure.iter().zip(&self.per_pressure).zip(&self.closed);
+        for (heat, ((pressure, per_pressure), closed)) in friction.iter_mut().zip(known) {
+            *heat = if *closed { per_pressure * pressure } else { 0.0 };
+        }
+        for ((punch, heat), closed) in punch.iter_mut().zip(&*friction).zip(&self.closed) {
+            *punch = match conducts {
+                _ if !closed => 0.0,
+                [true, true] if exchanges => *punch,
                 [true, true] => 0.5 * heat,
-                [true, false] => heat,
+                [true, false] => *heat,
                 [false, _] => 0.0,
             };
-            strip[i] = if conducts[1] { heat - punch[i] } else { 0.0 };
         }
-        if conducts != [true, true] || self.half_resistance == 0.0 {
+        rest(strip, friction, punch, conducts[1]);
+        if !exchanges {
             return 0.0;
         }
         if !self.warmed {
@@ -111,11 +135,9 @@ impl Heat {
         }
         let lacks = self.lacks(stage);
         self.warmed = false;
-        let [punch, strip] = &mut self.flux[s];
+        let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
         self.splits[s].exchange(&self.difference, punch);
-        for i in 0..self.closed.len() {
-            strip[i] = self.friction[s][i] - punch[i];
-        }
+        rest(strip, friction, punch, true);
         lacks
     }
 
@@ -144,19 +166,27 @@ impl Heat {
     }
 
     /// The gap with everything that moves it, less what the pressure known so far does through the contact's extra
-    /// compliance.
+    /// compliance. The part that is distortion by heat stands in `distortion`.
     pub(super) fn undeformed(&mut self, stage: Stage, gap: &[f64]) {
         let s = stage as usize;
-        for (i, target) in self.gap.iter_mut().enumerate() {
-            *target = gap[i] + self.base_distortion[0][i] + self.base_distortion[1][i];
-            self.difference[i] = -self.pressure[i];
-        }
-        dense::multiply_add(self.splits[s].extra_values(), &self.difference, &mut self.gap);
-        for side in 0..2 {
-            if let (Some(own), true) = (&self.bodies[side], self.expands[side]) {
-                dense::multiply_add(own.gains(stage).distortion.as_slice(), &self.flux[s][side], &mut self.gap);
+        let moved = &mut self.distortion;
+        let [punch, strip] = &self.base_distortion;
+        moved.iter_mut().zip(punch.iter().zip(strip)).for_each(|(moved, (punch, strip))| *moved = punch + strip);
+        if self.exact[s] {
+            // What the strip gives the punch gets.
+            if self.bodies.iter().all(Option::is_some) && self.expands.contains(&true) {
+                dense::multiply_add(self.splits[s].across(), &self.flux[s][0], moved);
+            }
+        } else {
+            self.difference.iter_mut().zip(&self.pressure).for_each(|(less, pressure)| *less = -pressure);
+            dense::multiply_add(self.splits[s].extra_values(), &self.difference, moved);
+            for side in 0..2 {
+                if let (Some(own), true) = (&self.bodies[side], self.expands[side]) {
+                    dense::multiply_add(own.gains(stage).distortion.as_slice(), &self.flux[s][side], moved);
+                }
             }
         }
+        self.gap.iter_mut().zip(gap.iter().zip(&*moved)).for_each(|(target, (gap, moved))| *target = gap + moved);
     }
 
     /// Takes the pressure found, with its share of heat; returns how much it differs from the one known before, relative to
@@ -164,14 +194,16 @@ impl Heat {
     pub(super) fn take(&mut self, stage: Stage, pressure: &[f64], enough: f64) -> f64 {
         let s = stage as usize;
         let (mut change, mut largest): (f64, f64) = (0.0, 0.0);
-        for i in 0..pressure.len() {
-            let difference = pressure[i] - self.pressure[i];
-            change = change.max(difference.abs());
-            largest = largest.max(pressure[i]).max(self.pressure[i]);
-            let heat = if self.closed[i] { self.per_pressure[i] * pressure[i] } else { 0.0 };
-            self.gap[i] = difference;
-            self.difference[i] = heat - self.friction[s][i];
-            self.pressure[i] = pressure[i];
+        for ((own, new), moved) in self.pressure.iter_mut().zip(pressure).zip(&mut self.gap) {
+            *moved = new - *own;
+            change = change.max(moved.abs());
+            largest = largest.max(*new).max(*own);
+            *own = *new;
+        }
+        let known = self.pressure.iter().zip(&self.per_pressure).zip(&self.closed);
+        let heats = self.friction[s].iter().zip(&mut self.difference);
+        for ((own, difference), ((pressure, per_pressure), closed)) in heats.zip(known) {
+            *difference = if *closed { per_pressure * pressure } else { 0.0 } - own;
         }
         if let (Some(fading), true) = (&self.fading, self.linearised) {
             // The temperature that follows is that of the friction at that temperature.
@@ -191,9 +223,7 @@ impl Heat {
             [true, false] => punch.copy_from_slice(&self.friction[s]),
             [false, _] => {}
         }
-        for i in 0..pressure.len() {
-            strip[i] = if conducts[1] { self.friction[s][i] - punch[i] } else { 0.0 };
-        }
+        rest(strip, &self.friction[s], punch, conducts[1]);
         change
     }
 
@@ -201,6 +231,19 @@ impl Heat {
     pub(super) fn warm(&mut self, stage: Stage) {
         let s = stage as usize;
         self.warmed = true;
+        if self.exact[s] && self.half_resistance > 0.0 && self.bodies.iter().all(Option::is_some) {
+            // The strip's surface follows from the law of the interface.
+            let [punch, strip] = &mut self.temperature[s];
+            punch.copy_from_slice(&self.base[0]);
+            if let Some(own) = &self.bodies[0] {
+                dense::multiply_add(own.gains(stage).temperature.as_slice(), &self.flux[s][0], punch);
+            }
+            let [taken, given] = &self.flux[s];
+            for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
+                *strip = punch - self.half_resistance * (given - taken);
+            }
+            return;
+        }
         for side in 0..2 {
             let temperature = &mut self.temperature[s][side];
             temperature.copy_from_slice(&self.base[side]);
@@ -234,6 +277,13 @@ impl Heat {
         settled
     }
 
+    /// Displacement of both surfaces by heat at the end of the step, from what the last repetition knew of it and what the
+    /// pressure found does through the contact's extra compliance.
+    pub(super) fn distort_by_contact(&mut self) {
+        let [_, end] = &self.splits;
+        dense::multiply_add(end.extra_values(), &self.pressure, &mut self.distortion);
+    }
+
     /// Displacement of both surfaces by heat at the end of the step.
     pub(super) fn distort(&mut self) {
         for (i, moved) in self.distortion.iter_mut().enumerate() {
@@ -248,5 +298,14 @@ impl Heat {
                 );
             }
         }
+    }
+}
+
+/// What of the friction heat the strip takes, if it conducts.
+fn rest(strip: &mut [f64], friction: &[f64], punch: &[f64], conducts: bool) {
+    if conducts {
+        strip.iter_mut().zip(friction.iter().zip(punch)).for_each(|(strip, (heat, punch))| *strip = heat - punch);
+    } else {
+        strip.fill(0.0);
     }
 }

@@ -22,10 +22,10 @@ pub struct Split {
     resistance: Option<f64>,
     /// Step and velocity that the operators were made for.
     key: Option<(f64, f64)>,
-    /// G_1 + G_2 + I/h_c on all cells, by columns, and its factors.
+    /// G_1 + G_2 + I/h_c on all cells, by columns, and its inverse: one product instead of two substitutions that wait for
+    /// their own results. What it lacks in precision the repetition makes up for.
     matrix: Vec<f64>,
-    all: Vec<f64>,
-    all_exchanged: Vec<usize>,
+    inverse: Vec<f64>,
     /// Cells that exchange heat, and the factors of their part where it is not all.
     closed: Vec<bool>,
     indices: Vec<usize>,
@@ -34,11 +34,15 @@ pub struct Split {
     exchanged: Vec<usize>,
     /// Y on all cells, by columns.
     shares: Vec<f64>,
+    /// D_1 - D_2 on all cells, by columns, m per W/m2.
+    across: Vec<f64>,
     /// E_0 of all cells, m per W/m2.
     distortion: DMatrix<f64>,
     /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v where it is that of all cells.
     extra: DMatrix<f64>,
     per_pressure: f64,
+    /// Largest row sums of the gains of both bodies: of temperature, K per W/m2, and of distortion, m per W/m2.
+    norms: [[f64; 2]; 2],
     column: Vec<f64>,
 }
 
@@ -50,17 +54,18 @@ impl Split {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
             matrix: square(),
-            all: square(),
-            all_exchanged: vec![0; count],
+            inverse: square(),
             closed: vec![false; count],
             indices: Vec::with_capacity(count),
             known: false,
             factors: square(),
             exchanged: vec![0; count],
             shares: square(),
+            across: square(),
             distortion: DMatrix::zeros(count, count),
             extra: DMatrix::zeros(count, count),
             per_pressure: f64::NAN,
+            norms: [[0.0; 2]; 2],
             column: vec![0.0; count],
         }
     }
@@ -76,37 +81,47 @@ impl Split {
         self.key = Some(key);
         self.known = false;
         self.per_pressure = f64::NAN;
+        for (norms, gains) in self.norms.iter_mut().zip(gains) {
+            *norms = gains.map_or([0.0; 2], |gains| {
+                [&gains.temperature, &gains.distortion].map(|matrix| largest_row_sum(matrix, &mut self.column))
+            });
+        }
         match gains {
             [Some(punch), Some(strip)] => {
                 let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
                 self.shares.fill(0.0);
+                self.inverse.fill(0.0);
                 for (entry, (own, other)) in self.matrix.iter_mut().zip(own.iter().zip(other)) {
                     *entry = own + other;
                 }
                 if let Some(resistance) = self.resistance {
-                    self.shares.copy_from_slice(own);
                     for i in 0..count {
                         self.matrix[i * count + i] += resistance;
-                        self.shares[i * count + i] += 0.5 * resistance;
+                        self.inverse[i * count + i] = 1.0;
                     }
-                    self.all.copy_from_slice(&self.matrix);
-                    dense::factorise(&mut self.all, count, &mut self.all_exchanged);
-                    for column in self.shares.chunks_exact_mut(count) {
-                        dense::substitute(&self.all, count, &self.all_exchanged, column);
+                    self.factors.copy_from_slice(&self.matrix);
+                    dense::factorise(&mut self.factors, count, &mut self.exchanged);
+                    for column in self.inverse.chunks_exact_mut(count) {
+                        dense::substitute(&self.factors, count, &self.exchanged, column);
+                    }
+                    let columns = self.shares.chunks_exact_mut(count).zip(own.chunks_exact(count));
+                    for (i, (share, own)) in columns.enumerate() {
+                        self.column.copy_from_slice(own);
+                        self.column[i] += 0.5 * resistance;
+                        dense::multiply_add(&self.inverse, &self.column, share);
                     }
                 } else {
                     (0..count).for_each(|i| self.shares[i * count + i] = 0.5);
                 }
-                // The room of the factors holds D_1 - D_2 for now.
                 let (own, other) = (strip.distortion.as_slice(), punch.distortion.as_slice());
-                for (entry, (own, other)) in self.factors.iter_mut().zip(own.iter().zip(other)) {
+                for (entry, (own, other)) in self.across.iter_mut().zip(own.iter().zip(other)) {
                     *entry = other - own;
                 }
                 self.distortion.copy_from(&strip.distortion);
                 for (target, share) in
                     self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
                 {
-                    dense::multiply_add(&self.factors, share, target);
+                    dense::multiply_add(&self.across, share, target);
                 }
             }
             [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
@@ -138,15 +153,14 @@ impl Split {
     /// interface included, K) away on the cells that exchange heat.
     pub fn exchange(&mut self, lacking: &[f64], flux: &mut [f64]) {
         let (count, m) = (self.closed.len(), self.indices.len());
+        if m == count {
+            return dense::multiply_add(&self.inverse, lacking, flux);
+        }
         for (value, &i) in self.column.iter_mut().zip(&self.indices) {
             *value = lacking[i];
         }
         let column = &mut self.column[..m];
-        if m == count {
-            dense::substitute(&self.all, count, &self.all_exchanged, column);
-        } else {
-            dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], column);
-        }
+        dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], column);
         for (value, &i) in column.iter().zip(&self.indices) {
             flux[i] += value;
         }
@@ -161,6 +175,16 @@ impl Split {
                 *value += self.column[i];
             }
         }
+    }
+
+    /// D_1 - D_2 of two conducting bodies, by columns, m per W/m2.
+    pub fn across(&self) -> &[f64] {
+        &self.across
+    }
+
+    /// Largest rise of temperature (K) and displacement (m) of each body by fluxes of 1 W/m2 of any signs.
+    pub fn norms(&self) -> &[[f64; 2]; 2] {
+        &self.norms
     }
 
     /// The extra compliance last made, by columns, m/Pa.
@@ -194,6 +218,15 @@ impl Split {
         self.extra *= per_pressure;
         Some(&self.extra)
     }
+}
+
+/// Largest sum of the absolute values of a row; `sums` is room for a number each.
+fn largest_row_sum(matrix: &DMatrix<f64>, sums: &mut [f64]) -> f64 {
+    sums.fill(0.0);
+    for column in matrix.as_slice().chunks_exact(sums.len().max(1)) {
+        sums.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry.abs());
+    }
+    sums.iter().copied().fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -247,7 +247,7 @@ impl Line {
             if !heat.warmed {
                 heat.warm(stage);
             }
-            heat.distort();
+            heat.distort_by_contact();
         }
     }
 }

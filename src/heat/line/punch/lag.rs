@@ -1,19 +1,20 @@
-//! How fast the distortion answers that no mode with states carries.
+//! How fast the contact answers what no mode with states carries.
 //!
-//! Short waves and the fastest shapes have no state: their steady answer is at hand at once. For the temperature that is
-//! harmless, what answers at once only takes. A distortion that answers at once is not: above the critical speed of a wave it
-//! would raise the pressure that heats it, and so itself, in no time, and no step would be short enough for that. In truth
-//! its heat has to flow in first, and the wave grows at a finite rate.
+//! Short waves and the fastest shapes have no state of their own. Were their steady distortion there at once, it would raise the
+//! pressure that heats it above the critical speed of a wave, and so itself, in no time, and no step would be short enough for
+//! that. In truth its heat has to flow in first, and the wave grows at a finite rate. The temperature comes with a delay as well:
+//! at once, a flux that jumps from cell to cell would leave temperatures that no body has.
 //!
-//! On the N cells the steady answer `D` of all these waves and their first moment over time are given by two symmetric
-//! matrices (waves F_m on the cells, weights d_m of their distortion, times tau_m in which it follows)
+//! On the N cells the steady temperature of all these waves and the first moment of their distortion over time are given by
+//! two symmetric matrices (waves F_m on the cells, steady impedance z_m, time tau_m in which the distortion follows)
 //!
 //! ```text
-//! X_0 = sum d_m F_m F_m',    X_1 = sum d_m tau_m F_m F_m'
+//! X_0 = sum z_m F_m F_m',    X_1 = sum tau_m z_m F_m F_m'
 //! ```
 //!
-//! and `X_1 phi = tau X_0 phi`, `phi' X_0 phi = 1` gives N shapes that follow the flux each in its own time: steady answer and
-//! first moment are those of the waves. One state each.
+//! and `X_1 phi = tau X_0 phi`, `phi' X_0 phi = 1` gives N shapes that follow the flux each in its own time, one state each.
+//! Steady answers are those of the waves. The temperature takes 2/3 of the time of the distortion, so 2/3 of it comes with the
+//! shapes and the rest at once: both symmetric, neither gives back more than it takes.
 
 use super::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
@@ -29,9 +30,12 @@ const SMALLEST: f64 = 1e-10;
 /// `1/(lambda (lambda + m))` and `1/lambda` at s = 0.
 const DISTORTION_OVER_TEMPERATURE: f64 = 1.5;
 
+/// Part of the temperature that comes with the shapes.
+const DELAYED_TEMPERATURE: f64 = 1.0 / DISTORTION_OVER_TEMPERATURE;
+
 impl Assembly<'_> {
-    /// Gives the distortion that answers at once states of its own; call it when all other operators are complete.
-    pub(super) fn delay_distortion(&self, operators: &mut Operators) {
+    /// Gives what answers at once states of its own; call it when all other operators are complete.
+    pub(super) fn delay(&self, operators: &mut Operators) {
         let count = self.cells.count();
         let mut steady = DMatrix::<f64>::zeros(count, count);
         let mut moment = steady.clone();
@@ -47,15 +51,13 @@ impl Assembly<'_> {
         for mode in &self.modes {
             if let Some(shape) = &mode.immediate {
                 let gain = shape.contact * shape.contact / shape.rate;
-                // Its own depth matters little for the weight; the uniform mode may not decay at all.
-                let decay = mode.wave.decay.max(self.depth.height.recip());
-                add(&mode.wave.cell_integrals(self.cells), gain / decay, shape.rate.recip());
+                add(&mode.wave.cell_integrals(self.cells), gain, DISTORTION_OVER_TEMPERATURE / shape.rate);
             }
         }
         for m in self.modes.len().max(1)..SUMMED {
             let wave = self.across.wave(m);
             let impedance = self.depth.steady_impedance(wave.decay);
-            add(&wave.cell_integrals(self.cells), impedance / wave.decay, self.time_to_follow(wave.decay));
+            add(&wave.cell_integrals(self.cells), impedance, self.time_to_follow(wave.decay));
         }
         // Symmetric and scaled to a unit diagonal; the widths of the cells differ by orders of magnitude.
         let scale: Vec<f64> = (0..count).map(|i| steady[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
@@ -72,6 +74,8 @@ impl Assembly<'_> {
         for (i, mut row) in shapes.row_iter_mut().enumerate() {
             row *= scale[i];
         }
+        let distorts = !operators.distortion.is_empty();
+        operators.own = operators.rate.len();
         let integrals = &steady * &shapes;
         let displacements = &operators.distortion_by_flux * &shapes;
         for (k, &time) in times.eigenvalues.iter().enumerate() {
@@ -83,12 +87,22 @@ impl Assembly<'_> {
             let integrals: Vec<f64> = integrals.column(k).iter().copied().collect();
             operators.rate.push(rate);
             operators.contact.push(rate.sqrt());
-            operators.distortion.extend(displacements.column(k).iter().map(|moved| moved * rate.sqrt()));
+            let means: Vec<f64> = (integrals.iter().zip(self.cells.widths()))
+                .map(|(integral, width)| DELAYED_TEMPERATURE * integral / width)
+                .collect();
             for (j, integral) in integrals.iter().enumerate() {
-                operators.distortion_by_flux.column_mut(j).axpy(-integral, &displacements.column(k), 1.0);
+                for (entry, mean) in operators.temperature_by_flux.column_mut(j).iter_mut().zip(&means) {
+                    *entry -= mean * integral;
+                }
             }
-            // It moves the surface and holds no heat that is not counted already.
-            operators.modes.push(ModeStates { states: state..state + 1, integrals, means: Vec::new() });
+            if distorts {
+                operators.distortion.extend(displacements.column(k).iter().map(|moved| moved * rate.sqrt()));
+                for (j, integral) in integrals.iter().enumerate() {
+                    operators.distortion_by_flux.column_mut(j).axpy(-integral, &displacements.column(k), 1.0);
+                }
+            }
+            // The heat that it holds is counted as it enters.
+            operators.modes.push(ModeStates { states: state..state + 1, integrals, means });
             operators.uniform.push(0.0);
             operators.stored.push(0.0);
             operators.input.iter_mut().for_each(|input| input.push(0.0));

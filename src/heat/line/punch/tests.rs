@@ -85,8 +85,8 @@ fn states_and_error_at_the_finest_tolerance() {
         let start = std::time::Instant::now();
         let heat = reduce(&scene(changes), &cells, TOLERANCE, 1000.0).unwrap().unwrap();
         let time = start.elapsed();
-        println!("{changes:?} {count}: {} states, error {:.2e}, {time:?}", heat.thermal_states(), heat.error());
-        assert!(heat.thermal_states() <= 100 && heat.error() <= TOLERANCE);
+        println!("{changes:?} {count}: {} states, error {:.2e}, {time:?}", heat.own_states(), heat.error());
+        assert!(heat.own_states() <= 100 && heat.error() <= TOLERANCE);
         assert!(heat.states() <= 100 + count + 4);
     }
     // A brake pad, of a material that conducts badly, over a stop.
@@ -98,12 +98,12 @@ fn states_and_error_at_the_finest_tolerance() {
         ("punch.top_thermal", 3.0),
     ]);
     let heat = reduce(&pad, &cells(33), 1e-3, 10.0).unwrap().unwrap();
-    println!("pad: {} states, error {:.2e}", heat.thermal_states(), heat.error());
-    assert!(heat.thermal_states() <= MAXIMUM_STATES && heat.error() <= 1e-3);
+    println!("pad: {} states, error {:.2e}", heat.own_states(), heat.error());
+    assert!(heat.own_states() <= MAXIMUM_STATES && heat.error() <= 1e-3);
     // Where the states do not suffice, the error that is left is said.
     let heat = reduce(&scene(&[]), &cells(33), TOLERANCE, 1.0).unwrap().unwrap();
-    println!("1 s: {} states, error {:.2e}", heat.thermal_states(), heat.error());
-    assert!(heat.thermal_states() == MAXIMUM_STATES && heat.error() > TOLERANCE && heat.error() < 2e-3);
+    println!("1 s: {} states, error {:.2e}", heat.own_states(), heat.error());
+    assert!(heat.own_states() == MAXIMUM_STATES && heat.error() > TOLERANCE && heat.error() < 2e-3);
 }
 
 #[test]

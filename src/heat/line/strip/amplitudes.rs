@@ -1,6 +1,6 @@
 //! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
 
-use super::levels::{Carrier, carry, observe};
+use super::levels::{Carrier, add_products, carry, observe};
 use super::step::{Scratch, StageWeights};
 use super::{StripHeat, give_back};
 use crate::contact::dense;
@@ -136,27 +136,19 @@ impl StripHeat {
     pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
         let [re, im, moved_re, moved_im] = weights.answer.carried();
-        let [heat_re, heat_im] = &scratch.heat;
-        let add = |target: &mut [Vec<f64>; 2], re: &[f64], im: &[f64]| {
-            let [real, imaginary] = target;
-            for wave in 0..real.len() {
-                real[wave] += re[wave] * heat_re[wave] - im[wave] * heat_im[wave];
-                imaginary[wave] += re[wave] * heat_im[wave] + im[wave] * heat_re[wave];
-            }
-        };
-        add(&mut scratch.amplitude, re, im);
+        let Scratch { heat: [heat_re, heat_im], amplitude, moved, .. } = scratch;
+        add_products(amplitude, [re, im], [heat_re, heat_im]);
         if operators.expands {
-            add(&mut scratch.moved, moved_re, moved_im);
+            add_products(moved, [moved_re, moved_im], [heat_re, heat_im]);
         }
     }
 
-    /// Amplitudes of the waves with the state held.
-    pub(super) fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64]) {
+    /// Amplitudes of the waves with the state held; of temperature, and of distortion where that is asked for.
+    pub(super) fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64], distortion: bool) {
         let operators = &*self.operators;
         let (re, im) = operators.wave_states(state);
-        let expands = usize::from(operators.expands);
         let seen = [(&operators.temperature, &mut scratch.amplitude), (&operators.distortion, &mut scratch.moved)];
-        for (weights, sums) in seen.into_iter().take(1 + expands) {
+        for (weights, sums) in seen.into_iter().take(1 + usize::from(distortion)) {
             for (part, sums) in [re, im].into_iter().zip(sums) {
                 sums.fill(0.0);
                 for level in &operators.levels {

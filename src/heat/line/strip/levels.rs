@@ -76,6 +76,28 @@ pub fn observe(
     Arch::new().dispatch(Observe(levels, states, factors, seen, [first, second]));
 }
 
+/// Adds to amplitudes those of other waves, each turned and weighted by a factor.
+pub fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitudes: Parts<'_>) {
+    struct Add<'a>(&'a mut [f64], &'a mut [f64], Parts<'a>, Parts<'a>);
+    impl WithSimd for Add<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self(re, im, factors, amplitudes) = self;
+            let count = re.len();
+            let (im, [c, s]) = (&mut im[..count], [&factors[0][..count], &factors[1][..count]]);
+            let [x, y] = [&amplitudes[0][..count], &amplitudes[1][..count]];
+            for w in 0..count {
+                re[w] += c[w] * x[w] - s[w] * y[w];
+                im[w] += c[w] * y[w] + s[w] * x[w];
+            }
+        }
+    }
+    let [re, im] = sums;
+    Arch::new().dispatch(Add(re, im, factors, amplitudes));
+}
+
 /// What carries the states over a step: their own factors and the weights of the fluxes' amplitudes at both stages.
 #[derive(Clone, Copy)]
 pub struct Carrier<'a> {
@@ -199,7 +221,7 @@ const fn alternating(highest: u32) -> [f64; 8] {
             k += 1;
         }
         // Power 2m or 2m + 1 of x has the sign (-1)^m.
-        let even = (highest / 2 - at as u32) % 2 == 0;
+        let even = (highest / 2 - at as u32).is_multiple_of(2);
         result[at] = if even { 1.0 / factorial } else { -1.0 / factorial };
         at += 1;
     }

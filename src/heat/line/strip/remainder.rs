@@ -10,7 +10,7 @@ use super::moving_kernel::MovingSource;
 use super::operators::Forgetting;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::contact::dense;
-use crate::elastic::{Cells, MAXIMUM_CELLS};
+use crate::elastic::Cells;
 use crate::heat::slab::Slab;
 use nalgebra::{Complex, DMatrix, SymmetricEigen};
 use pulp::{Arch, Simd, WithSimd};
@@ -94,41 +94,42 @@ impl Blocks {
         }
     }
 
-    /// Sets an N x N matrix to the response per flux (W/m2), with `level` more of it everywhere.
-    pub fn unfold(&self, widths: &[f64], level: f64, matrix: &mut DMatrix<f64>) {
-        struct Unfold<'a>(&'a Blocks, &'a [f64], f64, &'a mut [f64]);
+    /// Sets an N x N matrix to the response per flux (W/m2), with `level` more of it everywhere; `turned` is room for a block
+    /// and a row of it.
+    pub fn unfold(&self, widths: &[f64], level: f64, turned: &mut [f64], matrix: &mut DMatrix<f64>) {
+        struct Unfold<'a>(&'a Blocks, &'a [f64], f64, &'a mut [f64], &'a mut [f64]);
         impl WithSimd for Unfold<'_> {
             type Output = ();
 
             #[inline(always)]
-            fn with_simd<S: Simd>(self, _: S) {
-                let Self(blocks, widths, level, values) = self;
+            fn with_simd<S: Simd>(self, simd: S) {
+                let Self(blocks, widths, level, turned, values) = self;
                 let (half, count) = (blocks.half, widths.len());
+                let (turned, mirrored) = turned.split_at_mut(half * half);
                 let (even, rest) = blocks.values.split_at(half * half);
                 let (mixed, odd) = rest.split_at(half * half);
-                // Columns of the middle block, which is stored by rows, a few at a time.
-                let mut columns = [[0.0; MAXIMUM_CELLS.div_ceil(2)]; TILE];
+                // The middle block by columns, a few of them at a time.
                 for first in (0..half).step_by(TILE) {
                     let tile = TILE.min(half - first);
                     for a in 0..half {
-                        let row = &mixed[a * half + first..][..tile];
-                        for (column, value) in columns.iter_mut().zip(row) {
-                            column[a] = *value;
+                        for (b, value) in mixed[a * half + first..][..tile].iter().enumerate() {
+                            turned[(first + b) * half + a] = *value;
                         }
                     }
-                    for (b, even_to_odd) in (first..first + tile).zip(&columns) {
-                        let row = b * half..(b + 1) * half;
-                        let parts = [&even[row.clone()], &even_to_odd[..half], &mixed[row.clone()], &odd[row]];
-                        for (at, sign) in [(count - 1 - b, -1.0), (b, 1.0)] {
-                            column(parts, sign, widths[b], level, &mut values[at * count..(at + 1) * count]);
-                        }
+                }
+                for b in 0..half {
+                    let row = b * half..(b + 1) * half;
+                    let parts = [&even[row.clone()], &turned[row.clone()], &mixed[row.clone()], &odd[row]];
+                    for (at, sign) in [(count - 1 - b, -1.0), (b, 1.0)] {
+                        let target = &mut values[at * count..(at + 1) * count];
+                        column(simd, parts, [sign, widths[b], level], mirrored, target);
                     }
                 }
             }
         }
-        let expected = (widths.len(), widths.len());
+        let (expected, size) = ((widths.len(), widths.len()), (self.half + 1) * self.half);
         assert!(matrix.shape() == expected && self.half == widths.len().div_ceil(2), "N x N, of N cells");
-        Arch::new().dispatch(Unfold(self, widths, level, matrix.as_mut_slice()));
+        Arch::new().dispatch(Unfold(self, widths, level, &mut turned[..size], matrix.as_mut_slice()));
     }
 
     /// Becomes the sum of six responses, each with its factor; `reversed`: at the opposite velocity.
@@ -192,22 +193,41 @@ impl Blocks {
 }
 
 /// Columns turned at once.
-const TILE: usize = 4;
+const TILE: usize = 8;
 
 /// Column of the response to a cell (`sign` 1) or its mirror image (-1): even answers to even and to odd heat, minus odd to
-/// even, odd to odd.
+/// even, odd to odd. `mirrored` is room for the lower half, from the edge inwards.
 #[inline(always)]
-fn column(parts: [&[f64]; 4], sign: f64, width: f64, level: f64, target: &mut [f64]) {
-    let [even, even_to_odd, odd_to_even, odd] = parts;
-    let half = even.len();
+fn column<S: Simd>(
+    simd: S,
+    parts: [&[f64]; 4],
+    [sign, width, level]: [f64; 3],
+    mirrored: &mut [f64],
+    target: &mut [f64],
+) {
+    let half = parts[0].len();
     let (top, bottom) = target.split_at_mut(half);
-    for a in 0..half {
-        top[a] = width * ((level + even[a] + sign * even_to_odd[a]) + (sign * odd[a] - odd_to_even[a]));
+    let mut vectors: [(&[S::f64s], &[f64]); 4] = [(&[], &[]); 4];
+    for k in 0..4 {
+        vectors[k] = S::as_simd_f64s(&parts[k][..half]);
     }
-    let beyond = bottom.len();
-    for a in 0..beyond {
-        bottom[beyond - 1 - a] = width * ((level + even[a] + sign * even_to_odd[a]) - (sign * odd[a] - odd_to_even[a]));
+    let ((top_head, top_tail), (low_head, low_tail)) =
+        (S::as_mut_simd_f64s(top), S::as_mut_simd_f64s(&mut mirrored[..half]));
+    let [signs, widths, levels] = [sign, width, level].map(|value| simd.splat_f64s(value));
+    for i in 0..low_head.len() {
+        let [even, even_to_odd, odd_to_even, odd] = [0, 1, 2, 3].map(|k| vectors[k].0[i]);
+        let same = simd.add_f64s(simd.add_f64s(levels, even), simd.mul_f64s(signs, even_to_odd));
+        let other = simd.sub_f64s(simd.mul_f64s(signs, odd), odd_to_even);
+        top_head[i] = simd.mul_f64s(widths, simd.add_f64s(same, other));
+        low_head[i] = simd.mul_f64s(widths, simd.sub_f64s(same, other));
     }
+    for i in 0..low_tail.len() {
+        let same = level + vectors[0].1[i] + sign * vectors[1].1[i];
+        let other = sign * vectors[3].1[i] - vectors[2].1[i];
+        top_tail[i] = width * (same + other);
+        low_tail[i] = width * (same - other);
+    }
+    bottom.iter_mut().rev().zip(&*mirrored).for_each(|(value, mirrored)| *value = *mirrored);
 }
 
 /// What the sums of the remainder are made of.

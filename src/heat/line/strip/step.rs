@@ -74,6 +74,8 @@ pub struct Room {
     /// Gains of the waves, and a number for each.
     gains: [Vec<Complex<f64>>; 2],
     terms: Vec<f64>,
+    /// Room for a block and a row of it.
+    turned: Vec<f64>,
 }
 
 impl Room {
@@ -85,6 +87,7 @@ impl Room {
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             gains: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             terms: vec![0.0; waves],
+            turned: vec![0.0; (operators.half + 1) * operators.half],
         }
     }
 
@@ -193,7 +196,7 @@ impl Interval<'_> {
     /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
     fn assemble(&self, operators: &Operators, room: &mut Room, answer: &mut Answer) {
         let mean = &operators.mean;
-        let Room { blocks, slow, .. } = room;
+        let Room { blocks, slow, turned, .. } = room;
         for (moving, slow) in slow.iter_mut().enumerate() {
             if moving == 1 && !operators.expands {
                 continue;
@@ -207,7 +210,7 @@ impl Interval<'_> {
             if moving == 1 {
                 level *= operators.mean_distortion;
             }
-            blocks[moving].unfold(&operators.widths, level / operators.period, slow);
+            blocks[moving].unfold(&operators.widths, level / operators.period, turned, slow);
             let gain = if moving == 1 { &mut answer.gains.distortion } else { &mut answer.gains.temperature };
             gain.copy_from(slow);
             answer.parts().set_uniform(moving, slow);
@@ -412,7 +415,7 @@ impl Immediate {
                 let stencil = operators.table.stencil(velocity);
                 let responses = stencil.map(|(knot, ..)| operators.table.response(moving, knot));
                 blocks.combine(responses, stencil.map(|(_, weight, _)| weight), stencil.map(|(.., reversed)| reversed));
-                blocks.unfold(&operators.widths, 0.0, matrix);
+                blocks.unfold(&operators.widths, 0.0, &mut room.turned, matrix);
             }
         }
         place
