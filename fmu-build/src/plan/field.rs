@@ -48,6 +48,11 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         let mut scene = Scene::new(&starts, None).map_err(|broken| anyhow!("{broken}"))?;
         scene.fidelity = Fidelity::Auto;
         let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
+        if !planned.plan.meets {
+            writeln!(table, "# left out: {name}: {}", planned.plan.reason)?;
+            println!("{name}: {}", planned.plan.reason);
+            continue;
+        }
         let mut finest = scene.clone();
         finest.fidelity = Fidelity::Field;
         let field = Operators::new(&finest).map_err(|text| anyhow!(text))?;
