@@ -256,7 +256,11 @@ impl Component {
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
         self.model = Some(Model::new(&ladder.first, tunables, &inputs));
-        self.prepared = ladder.next.as_ref().map(|next| Box::new(Model::new(next, tunables, &inputs)));
+        self.prepared = ladder.next.as_ref().map(|next| {
+            let mut model = Model::new(next, tunables, &inputs);
+            model.prepare_take_over();
+            Box::new(model)
+        });
         (self.escalated, self.left_plan, self.excess) = (false, false, 0.0);
         self.planned = ladder.plan.as_ref().is_some_and(|plan| plan.probe_steps > 0);
         self.ladder = Some(ladder);

@@ -8,7 +8,7 @@ mod level;
 mod line;
 pub mod native;
 
-use crate::{package, project};
+use crate::{package, project, scenes};
 use anyhow::{Context, Result, bail};
 use native::{Component, Instance, Variables};
 use std::fmt;
@@ -75,6 +75,19 @@ impl fmt::Display for Cost {
     }
 }
 
+/// The FMU of a scene at the lumped level, which is what a plain C lumped brake is compared with.
+///
+/// # Errors
+/// Where the scene cannot be read, or the FMU not be built.
+pub fn lumped(scene: Option<&str>) -> Result<PathBuf> {
+    let mut scene = scenes::load(scene)?;
+    scenes::assign(&mut scene, "solver.fidelity=lumped")?;
+    let folder = project::target().join("bench");
+    fs::create_dir_all(&folder).with_context(|| format!("making {}", folder.display()))?;
+    let output = Some(folder.join(format!("{}.fmu", scene.packaged.name)));
+    package::build_scene(&scene, &package::Options { output, ..package::Options::default() })
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -85,7 +98,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         costs.extend(level::measure()?);
         costs
     } else {
-        measure(&package::build(arguments.scene.as_deref(), &package::Options::default())?)?
+        measure(&lumped(arguments.scene.as_deref())?)?
     };
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&costs)?);

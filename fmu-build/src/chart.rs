@@ -4,7 +4,7 @@ mod clock;
 mod document;
 mod figure;
 mod findings;
-mod machine;
+pub mod machine;
 mod measure;
 mod peers;
 mod scaling;

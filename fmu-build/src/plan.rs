@@ -1,5 +1,7 @@
 //! `cargo fmu plan`: what `solver.fidelity = auto` chooses for a scene, and how good its choices are.
 
+mod field;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
@@ -12,6 +14,7 @@ use sliding_contact::scene::{Fidelity, Scene};
 use sliding_contact::verification::planning::judge::{Judged, judge, truth};
 use sliding_contact::verification::planning::scenes::{Generated, generate};
 
+use crate::chart::machine;
 use crate::scenes;
 
 /// Tolerances of the campaign.
@@ -44,8 +47,11 @@ pub struct Arguments {
     /// Cells of the truth.
     #[arg(long, default_value_t = 65, requires = "campaign")]
     cells: usize,
-    /// File to write the campaign's table to.
-    #[arg(short, long, value_name = "FILE", requires = "campaign")]
+    /// Measure what a step costs on the planned rung and at the level `field`, for an error of 1 %.
+    #[arg(long, conflicts_with = "campaign")]
+    against_field: bool,
+    /// File to write the table of the campaign, or of the costs, to.
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }
 
@@ -56,6 +62,9 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.campaign {
         return campaign(arguments);
+    }
+    if arguments.against_field {
+        return field::measure(arguments.scene.as_deref(), arguments.output.as_deref());
     }
     let mut file = scenes::load(arguments.scene.as_deref())?;
     for assignment in &arguments.set {
@@ -121,7 +130,10 @@ fn record(plan: &Plan) -> Value {
         "estimated_error": plan.estimated_error,
         "reduction_error": plan.reduction_error,
         "cost_per_step_microseconds": plan.cost_per_step,
+        "expected_run_seconds": 1e-6 * plan.effort.run,
         "probe_steps": plan.probe_steps,
+        "probe_covered": plan.covered,
+        "planning_seconds": 1e-6 * plan.effort.planning,
         "effects": effects.collect::<Vec<_>>(),
         "groups": groups,
         "candidates": candidates.collect::<Vec<_>>(),
@@ -173,7 +185,10 @@ fn campaign(arguments: &Arguments) -> Result<()> {
 fn table(cases: &[Case], left_out: &[String], cells: usize) -> String {
     let mut text = format!(
         "# Plans of solver.fidelity = auto on generated scenes; truth: {cells} cells at solver.tolerance 1e-4.\n\
-         # Errors of wear depth (of the most worn), contact temperature (of the peak rise), friction force (of its peak).\n"
+         # Errors of wear depth (of the most worn), contact temperature (of the peak rise), friction force (of its peak).\n\
+         # {}; commit {}.\n",
+        machine::name(),
+        machine::commit()
     );
     left_out.iter().for_each(|reason| {
         let _ = writeln!(text, "# left out: {reason}");

@@ -101,7 +101,7 @@ fn usual(tally: &mut Tally) {
     });
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.step("cost of a step", |step| {
-            for cost in bench::measure(&package::build(None, &package::Options::default())?)? {
+            for cost in bench::measure(&bench::lumped(None)?)? {
                 step.judge(&cost.to_string(), cost.is_tolerable());
             }
             Ok(())

@@ -48,7 +48,7 @@ impl Component {
         let mut next = next;
         let Some(model) = &mut self.model else { return Err("there is no model".into()) };
         next.set_tunables(tunables_of(&self.values));
-        if !next.take_over(model) {
+        if !next.take_over(model, &inputs_of(&self.values)) {
             return Err("its state does not belong to the rung above".into());
         }
         std::mem::swap(model, &mut next);

@@ -4,6 +4,7 @@ use super::line::{self, Line};
 use super::lumped::conditions::Tunables;
 use super::lumped::{self, Lumped};
 use super::{INPUTS, StepFailure};
+use crate::contact::WorkCounter;
 use crate::scene::{Fidelity, Scene};
 use crate::variables::COUNT;
 use std::fmt;
@@ -67,6 +68,14 @@ impl Operators {
                 Operators::Lumped(Arc::new(copy))
             }
             Operators::Line(operators) => Operators::Line(Arc::new(operators.with_heat_by_its_mean(tolerance))),
+        }
+    }
+
+    /// A contact line of about half as many cells, merged from these: nothing is built anew. `None` of the lumped level.
+    pub fn merged(&self) -> Option<Operators> {
+        match self {
+            Operators::Lumped(_) => None,
+            Operators::Line(operators) => Some(Operators::Line(Arc::new(operators.merged()))),
         }
     }
 
@@ -186,19 +195,38 @@ impl Model {
         }
     }
 
-    /// Takes over where `from` stands, which knows the same scene on a lower rung: worn volumes and heat to rounding. Nothing
-    /// is allocated. `false`, and nothing happens, where the states of the two do not belong together.
-    pub fn take_over(&mut self, from: &Model) -> bool {
+    /// Takes over where `from` stands, which knows the same scene on a lower rung: worn volumes and heat to rounding, at
+    /// the present `inputs`. `false`, and nothing happens, where the states of the two do not belong together.
+    pub fn take_over(&mut self, from: &mut Model, inputs: &[f64; INPUTS]) -> bool {
         match (self, from) {
-            (Model::Line(line), Model::Lumped(lower)) => line.take_over_mean(lower),
-            (Model::Line(line), Model::Line(lower)) => line.take_over_line(lower),
+            (Model::Line(line), Model::Lumped(lower)) => line.take_over_mean(lower, inputs),
+            (Model::Line(line), Model::Line(lower)) => line.take_over_line(lower, inputs),
             _ => false,
+        }
+    }
+
+    /// Makes room for [`Model::take_over`], so that it allocates nothing.
+    pub fn prepare_take_over(&mut self) {
+        if let Model::Line(line) = self {
+            line.prepare_take_over();
         }
     }
 
     /// Parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         each!(self, model => model.set_tunables(tunables));
+    }
+
+    /// From here on a contact line tries at most `most` internal steps: a step that would need more fails.
+    pub fn limit_attempts(&mut self, most: u32) {
+        if let Model::Line(line) = self {
+            line.limit_attempts(most);
+        }
+    }
+
+    /// Whether all internal steps that were allowed are used up.
+    pub fn out_of_attempts(&self) -> bool {
+        matches!(self, Model::Line(line) if line.attempts_left() == Some(0))
     }
 
     /// Whether a bristle carries the force at standstill.
@@ -221,6 +249,14 @@ impl Model {
         match self {
             Model::Lumped(_) => Ok(()),
             Model::Line(model) => model.write_warning(bit, inputs, text),
+        }
+    }
+
+    /// What the contact solver has done so far; nothing at the lumped level.
+    pub fn contact_work(&self) -> WorkCounter {
+        match self {
+            Model::Lumped(_) => WorkCounter::default(),
+            Model::Line(model) => model.contact_work(),
         }
     }
 

@@ -40,7 +40,7 @@ impl Cells {
         Ok(Self::from_edges((0..=count).map(edge).collect()))
     }
 
-    fn from_edges(edges: Vec<f64>) -> Self {
+    pub(super) fn from_edges(edges: Vec<f64>) -> Self {
         let centres = edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect();
         let widths = edges.windows(2).map(|e| e[1] - e[0]).collect();
         Self { edges, centres, widths }

@@ -1,10 +1,10 @@
-//! What `solver.fidelity = auto` chooses where `solver.tolerance` is set: the cheapest rung whose error is below it.
+//! What `solver.fidelity = auto` chooses: the cheapest rung whose error is below the tolerance.
 //!
 //! # How
 //!
-//! The lumped level, nine cells and five take the same short probe at nominal conditions ([`probe`]). With `d` the largest
-//! difference of wear depth (relative to the most worn), contact temperature (to the peak rise) and friction force (to
-//! its peak):
+//! The lumped level, nine cells, and the same nine merged to five take the same short probe at nominal conditions ([`probe`]).
+//! With `d` the largest difference of wear depth (relative to the most worn), contact temperature (to the peak rise) and
+//! friction force (to its peak):
 //!
 //! ```text
 //! error(N cells) = c d(5 cells, 9 cells) (9/N)^(3/2)
@@ -19,13 +19,19 @@
 //! Where the lumped level is good enough with d(lumped, 9 cells) in the place of d(5 cells, 9 cells), the probe of five
 //! cells is left out: cells are closer to each other than to a uniform pressure.
 //!
+//! # What it costs
+//!
+//! At most 1 % of the run that is planned or 20 ms ([`effort`]): one contact line is built, the five cells are merged from its
+//! matrices, and a probe that needs more internal steps than this pays for ends early and compares what it covers.
+//!
 //! # Limits
 //!
 //! Nominal values of 0 leave nothing to compare: the plan is then lumped and says so. Sliding to and fro is probed over a
-//! few strokes with wear accelerated to that of the whole duration, so slow heating of thick bodies is judged by its
+//! few strokes with wear as fast as that of the whole duration, so slow heating of thick bodies is judged by its
 //! beginning.
 
 pub mod effects;
+pub mod effort;
 pub mod groups;
 pub mod ladder;
 pub mod probe;
@@ -34,10 +40,11 @@ mod text;
 
 use crate::coupled::line::heat::bodies::possible_on_the_cells;
 use crate::coupled::model::Operators;
-use crate::scene::{Escalation, HeatAlongContact, MechanicalBody, Path, Scene};
+use crate::scene::{Escalation, HeatAlongContact, MechanicalBody, Scene};
 use effects::Effect;
+use effort::Effort;
 use groups::Groups;
-use probe::{Course, History, distance};
+use probe::{Course, Probe};
 use rung::Rung;
 
 /// Part of the tolerance that a level may take; the rest is for the time steps.
@@ -49,11 +56,14 @@ const REMAINDER: f64 = 0.6;
 /// Exponent of the cells in the error.
 const ORDER: f64 = 1.5;
 
+/// Most cells of a rung that a run goes on with.
+const FINEST_NEXT: usize = 65;
+
 /// Error of a level that nothing could be compared with.
 const UNKNOWN: f64 = 1.0;
 
-/// Tolerance of a probe over that of the scene, and its bounds.
-const PROBE_TOLERANCE: (f64, f64, f64) = (3.0, 1e-3, 1e-2);
+/// Bounds of a probe's tolerance: its steps need not be finer than the comparison.
+const PROBE_TOLERANCE: (f64, f64) = (5e-3, 1e-2);
 
 /// A rung with its estimated errors.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -103,6 +113,10 @@ pub struct Plan {
     pub cost_per_step: f64,
     /// Internal steps that the probes took.
     pub probe_steps: u64,
+    /// Part of the probe that was run before its steps were used up.
+    pub covered: f64,
+    /// What planning and the run cost.
+    pub effort: Effort,
     /// Peak rise of the contact temperature at nominal conditions, K; 0 where nothing was probed.
     pub rise: f64,
     /// The rung that a run goes on with when it leaves what was planned for.
@@ -127,6 +141,8 @@ struct Findings {
     /// Peak rise of the contact temperature, K.
     rise: f64,
     steps: u64,
+    covered: f64,
+    effort: Effort,
 }
 
 /// Plans `scene`.
@@ -145,20 +161,29 @@ pub fn make(scene: &Scene) -> Result<Planned, String> {
         );
         return Ok(unknown(only_lumped(scene, lumped, reason)));
     };
-    let mut reasons = Vec::new();
-    // Where heat on the cells has no solution (friction that runs away, instability), its mean still has one.
-    for by_cells in [true, false] {
-        if by_cells && !possible_on_the_cells(scene) {
-            continue;
-        }
-        match explore(scene, &lumped, &course, by_cells) {
+    if possible_on_the_cells(scene) {
+        match explore(scene, &lumped, &course, true) {
             Ok(findings) => return decide(scene, lumped, findings),
-            Err(reason) => reasons.push(reason),
+            // Where heat on the cells has no solution (friction that runs away, instability), its mean still has one.
+            Err(reason) => {
+                let reason = format!("nothing to compare the mean heat with: {reason}");
+                let Ok(findings) = explore(scene, &lumped, &course, false) else {
+                    return Ok(unknown(only_lumped(scene, lumped, reason)));
+                };
+                let mut planned = decide(scene, lumped, findings)?;
+                planned.plan.reason = reason;
+                return Ok(unknown(planned));
+            }
         }
     }
-    // The lumped level knows nothing of what the contact line refuses.
-    let reason = format!("no contact line to compare with: {}", reasons.join("; "));
-    Ok(unknown(only_lumped(scene, lumped, reason)))
+    match explore(scene, &lumped, &course, false) {
+        Ok(findings) => decide(scene, lumped, findings),
+        // The lumped level knows nothing of what the contact line refuses.
+        Err(reason) => {
+            let reason = format!("no contact line to compare with: {reason}");
+            Ok(unknown(only_lumped(scene, lumped, reason)))
+        }
+    }
 }
 
 /// A plan that nothing was compared for.
@@ -167,37 +192,46 @@ fn unknown(mut planned: Planned) -> Planned {
     planned
 }
 
-/// The scene of a probe on a rung: its steps need not be finer than the comparison.
-fn coarse(scene: &Scene, rung: Rung) -> Scene {
-    let (factor, low, high) = PROBE_TOLERANCE;
-    let mut scene = rung.apply(scene);
-    scene.tolerance = (factor * scene.tolerance).clamp(low, high);
-    scene
-}
-
 fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -> Result<Findings, String> {
     let heat = if by_cells { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
     let cells = if scene.cells > 0 { scene.cells } else { rung::CELLS[0] };
-    let coarser = if scene.cells > 0 { scene.cells.div_ceil(2) } else { rung::COARSER };
-    let mut steps = 0;
-    let mut probe = |operators: &Operators| -> Result<History, String> {
-        let (history, (accepted, rejected)) = course.run(operators)?;
-        steps += accepted + rejected;
-        Ok(history)
+    let mut probed = course.scene(scene);
+    let (low, high) = PROBE_TOLERANCE;
+    probed.tolerance = probed.tolerance.clamp(low, high);
+    let mut effort = Effort::default();
+    effort.built(lumped);
+    let fine = Operators::new(&Rung::Line { cells, heat }.apply(&probed))?;
+    effort.built(&fine);
+    let most = effort.attempts(scene, rung::cost_per_step(&fine));
+    let (mut steps, mut paces) = (0, Vec::new());
+    let mut probe = |rung: Option<Rung>, operators: &Operators| -> Result<Probe, String> {
+        let probe = course.run(operators, most)?;
+        steps += probe.steps;
+        effort.stepped(probe.steps, rung::cost_per_step(operators));
+        paces.extend(rung.map(|rung| (rung, effort::steps_of(scene, &probe))));
+        Ok(probe)
     };
-    let fine = Operators::new(&coarse(scene, Rung::Line { cells, heat }))?;
-    let finest = probe(&fine)?;
-    let tolerance = fine.scene().tolerance;
-    let uniform = probe(&lumped.of_the_mean(tolerance))?;
-    let apart = distance(&uniform, &finest);
+    let finest = probe(Some(Rung::Line { cells, heat }), &fine)?;
+    if finest.history.is_empty() {
+        return Err(format!("{most} internal steps do not reach the end of a thousandth of the nominal duration"));
+    }
+    let distance = |other: &Probe| course.distance(other, &finest).unwrap_or([UNKNOWN; 3]);
+    let uniform = match course.faster_wear > 1.0 {
+        true => Operators::new(&Rung::Lumped.apply(&probed))?,
+        false => lumped.of_the_mean(probed.tolerance),
+    };
+    let apart = distance(&probe(Some(Rung::Lumped), &uniform)?);
     // Cells are closer to each other than to the lumped level: where that is enough, nothing finer is asked.
     let enough = apart.iter().all(|&apart| (1.0 + REMAINDER) * apart <= LEVEL_SHARE * scene.tolerance);
-    let closest = if enough {
-        apart
-    } else {
-        distance(&probe(&Operators::new(&coarse(scene, Rung::Line { cells: coarser, heat }))?)?, &finest)
+    let closest = match fine.merged() {
+        Some(merged) if !enough => distance(&probe(None, &merged)?),
+        _ => apart,
     };
-    let averaged = if by_cells { Some(probe(&fine.of_the_mean(tolerance))?) } else { None };
+    let mean = HeatAlongContact::ByItsMean;
+    let averaged = match by_cells {
+        true => Some(distance(&probe(Some(Rung::Line { cells, heat: mean }), &fine.of_the_mean(probed.tolerance))?)),
+        false => None,
+    };
     let own = closest.map(|apart| REMAINDER * apart);
     let add = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|output| a[output] + b[output]);
     let mut candidates =
@@ -207,20 +241,17 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
     let ladder = if scene.cells > 0 { vec![cells] } else { rung::CELLS.to_vec() };
     for count in ladder {
         let errors = own.map(|error| error * (cells as f64 / count as f64).powf(ORDER));
-        if let Some(averaged) = &averaged {
-            let errors = add(distance(averaged, &finest), errors);
-            let heat = HeatAlongContact::ByItsMean;
-            candidates.push(Candidate {
-                rung: Rung::Line { cells: count, heat },
-                errors,
-                cost: rung::cost(count, None),
-            });
+        if let Some(averaged) = averaged {
+            let rung = Rung::Line { cells: count, heat: mean };
+            candidates.push(Candidate { rung, errors: add(averaged, errors), cost: rung::cost(count, None) });
         }
         candidates.push(Candidate { rung: Rung::Line { cells: count, heat }, errors, cost: rung::cost(count, states) });
     }
     candidates.sort_by(|one, other| one.cost.total_cmp(&other.cost));
-    let rise = finest.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
-    Ok(Findings { fine, candidates, rise, steps })
+    let rise = finest.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
+    let covered = finest.covered / course.duration;
+    effort.paces = paces;
+    Ok(Findings { fine, candidates, rise, steps, covered, effort })
 }
 
 fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planned, String> {
@@ -232,27 +263,31 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
         Some(_) => "the cheapest whose estimated error is below the tolerance".to_owned(),
         None => format!("no rung has an estimated error below the tolerance; this one has {:.1e}", chosen.error()),
     };
-    // Elastic bodies are built to the tolerance of the probe, or to a thousandth.
     let known = |rung: Rung| {
-        let probed = findings.fine.scene();
-        let enough = scene.tolerance >= 1e-3 || probed.tolerance <= scene.tolerance;
-        let mean = matches!(rung, Rung::Line { heat: HeatAlongContact::ByItsMean, .. });
-        if mean && enough && probed.cells == rung.cells() {
+        let wanted = rung.apply(scene);
+        if *findings.fine.scene() == wanted {
+            return Ok(findings.fine.clone());
+        }
+        // Heat by the mean needs no other bodies than the probe's, which are at least as fine.
+        let Rung::Line { cells, heat: HeatAlongContact::ByItsMean } = rung else { return Operators::new(&wanted) };
+        let mut probed = findings.fine.scene().clone();
+        let fine_enough = scene.tolerance >= 1e-3 || probed.tolerance <= scene.tolerance;
+        (probed.tolerance, probed.heat_along_contact) = (scene.tolerance, HeatAlongContact::ByItsMean);
+        if fine_enough && probed.cells == cells && probed == wanted {
             return Ok(findings.fine.of_the_mean(scene.tolerance));
         }
-        let wanted = rung.apply(scene);
-        if *probed == wanted { Ok(findings.fine.clone()) } else { Operators::new(&wanted) }
+        Operators::new(&wanted)
     };
-    // Going on from a lower rung is possible where heat is carried by the mean.
-    let above = match chosen.rung {
-        Rung::Lumped => Some(findings.fine.scene().cells),
-        Rung::Line { cells, heat: HeatAlongContact::ByItsMean } if scene.cells == 0 => {
-            rung::CELLS.into_iter().find(|&count| count > cells)
-        }
+    // One effect or one step finer.
+    let on_cells = findings.candidates.iter().any(|known| known.rung.on_the_cells());
+    let heat = if on_cells { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
+    let finer = |cells: usize| rung::CELLS.into_iter().find(|&count| count > cells && count <= FINEST_NEXT);
+    let next = match chosen.rung {
+        Rung::Lumped => Some(Rung::Line { cells: findings.fine.scene().cells, heat }),
+        Rung::Line { cells, heat: HeatAlongContact::ByItsMean } if on_cells => Some(Rung::Line { cells, heat }),
+        Rung::Line { cells, .. } if scene.cells == 0 => finer(cells).map(|cells| Rung::Line { cells, heat }),
         Rung::Line { .. } => None,
     };
-    let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
-    let next = above.filter(|_| !tracked).map(|cells| Rung::Line { cells, heat: HeatAlongContact::ByItsMean });
     let prepared = match (next, scene.escalation) {
         (Some(next), Escalation::Prepared) => Some(known(next)?),
         _ => None,
@@ -261,6 +296,8 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
     let groups = Groups::new(scene, findings.rise);
     let effects = effects::judge(scene, &groups, &findings.fine, &findings.candidates, chosen.rung);
     let (states, order, reduction_error) = made_of(&operators);
+    let mut effort = findings.effort;
+    effort.run = effort.steps(scene, chosen.rung) * rung::cost_per_step(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
         rung: chosen.rung,
@@ -275,6 +312,8 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
         reduction_error,
         cost_per_step: rung::cost_per_step(&operators),
         probe_steps: findings.steps,
+        covered: findings.covered,
+        effort,
         rise: findings.rise,
         next,
     };
@@ -283,6 +322,9 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
 
 fn only_lumped(scene: &Scene, operators: Operators, reason: String) -> Planned {
     let (states, order, reduction_error) = made_of(&operators);
+    let mut effort = Effort::default();
+    effort.built(&operators);
+    effort.run = effort.steps(scene, Rung::Lumped) * rung::cost_per_step(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
         rung: Rung::Lumped,
@@ -297,6 +339,8 @@ fn only_lumped(scene: &Scene, operators: Operators, reason: String) -> Planned {
         reduction_error,
         cost_per_step: rung::cost_per_step(&operators),
         probe_steps: 0,
+        covered: 0.0,
+        effort,
         rise: 0.0,
         next: None,
     };

@@ -1,7 +1,7 @@
 //! Short runs of a scene at its nominal conditions: what two levels differ by, where groups do not tell.
 //!
 //! A probe takes a few coarse steps over the nominal duration, or over the first strokes of it. What wear does to the
-//! shape over a longer run, it does to the probe's: wear is accelerated by what the probe is shorter. All levels take the
+//! shape over a longer run, it does to the probe's: wear is as much faster as the probe is shorter. All levels take the
 //! same steps, so that their time errors cancel and the differences are those of the levels.
 
 use crate::coupled::INPUTS;
@@ -11,20 +11,28 @@ use crate::scene::{Path, Scene};
 use crate::variables::{COUNT, reference};
 use std::f64::consts::PI;
 
-/// Steps of a probe that slides one way: their ends, in parts of it.
-const ONE_WAY: [f64; 7] = [0.0, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0];
+/// Steps of a probe that slides one way: their ends, in parts of it. The first are short, so that something is known where a
+/// probe has to end early; the others are short enough for temperatures that go straight within one.
+const ONE_WAY: [f64; 15] = [0.0, 1e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0];
+
+/// Steps of such a probe before three hundredths of it.
+const BEGINNING: usize = 2;
+
+/// Heat resolves steps of this part of such a probe. What is faster answers at once, which at a two-hundredth already changes the
+/// largest difference to the lumped level tenfold.
+const RESOLVED_ONE_WAY: f64 = 1000.0;
 
 /// Steps in a half-stroke.
 const IN_HALF_STROKE: usize = 4;
+
+/// Heat resolves steps of this part of one of them: a 64th of a cycle.
+const RESOLVED_IN_SEGMENT: f64 = 8.0;
 
 /// Half-strokes of a probe that slides to and fro.
 const HALF_STROKES: f64 = 4.0;
 
 /// Widths that a probe slides where the strip keeps a worn track: in one width the groove is steady.
 const WIDTHS: f64 = 2.0;
-
-/// Internal steps after which a probe ends early: planning must stay cheap.
-const MOST_STEPS: u64 = 250;
 
 /// Velocity (m/s) at both ends of a step, and its length (s).
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -42,12 +50,27 @@ pub struct Course {
     pub segments: Vec<Segment>,
     /// Load, N.
     pub load: f64,
-    /// What wear is multiplied by.
-    pub wear_acceleration: f64,
+    /// Its duration, s.
+    pub duration: f64,
+    /// What the wear coefficients are multiplied by.
+    pub faster_wear: f64,
+    /// Steps at the beginning that are compared only where nothing later is known: shorter than anybody looks at.
+    pub beginning: usize,
 }
 
 /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the steps.
 pub type History = Vec<[f64; 3]>;
+
+/// What a probe found.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Probe {
+    /// At the ends of the steps taken: fewer than those of the course where the probe ended early.
+    pub history: History,
+    /// Internal steps that were tried.
+    pub steps: u64,
+    /// Time covered, s.
+    pub covered: f64,
+}
 
 impl Course {
     /// The probe of a scene; `None` where the nominal conditions leave nothing to be seen.
@@ -68,61 +91,85 @@ impl Course {
                 let velocity = [clean(at(n)), clean(at(n + 1))];
                 segments.push(Segment { velocity, duration: half / IN_HALF_STROKE as f64 });
             }
-            let wear_acceleration = scene.wear_acceleration * (duration / (half * halves)).max(1.0);
-            return Some(Course { segments, load, wear_acceleration });
+            let probed = half * halves;
+            let faster_wear = (duration / probed).max(1.0);
+            return Some(Course { segments, load, duration: probed, faster_wear, beginning: 0 });
         }
         let tracked = scene.path == Path::Straight && scene.strip.wear_coefficient > 0.0;
         let probed = if tracked { duration.min(WIDTHS * scene.width / speed) } else { duration };
         let segment = |ends: &[f64]| Segment { velocity: [speed; 2], duration: probed * (ends[1] - ends[0]) };
         let segments = ONE_WAY.windows(2).map(segment).collect();
-        Some(Course { segments, load, wear_acceleration: scene.wear_acceleration })
+        Some(Course { segments, load, duration: probed, faster_wear: 1.0, beginning: BEGINNING })
     }
 
-    /// Runs the probe; its accepted and rejected internal steps beside it. Where it needs many of them it ends early, and its
-    /// history is shorter.
+    /// Largest difference of two probes in each of the three outputs, relative to the largest value of the second, over the time
+    /// that both cover; `None` where that is nothing.
+    pub fn distance(&self, one: &Probe, other: &Probe) -> Option<[f64; 3]> {
+        let both = one.history.len().min(other.history.len());
+        let first = self.beginning.min(both.checked_sub(1)?);
+        Some(distance(&one.history[first..both], &other.history[first..both]))
+    }
+
+    /// The scene whose operators a probe runs: heat resolves the steps of the probe, and wear is as fast as the probe is short.
+    /// Not by `wear_acceleration`, which is refused where it hides what grows: a probe compares levels only.
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        let segments = self.segments.len() as f64;
+        scene.shortest_step =
+            self.duration / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
+        scene.punch.wear_coefficient *= self.faster_wear;
+        scene.strip.wear_coefficient *= self.faster_wear;
+        scene
+    }
+
+    /// Runs the probe. Where it needs more than `most` internal steps it ends early.
     ///
     /// # Errors
     /// What a step refuses.
-    pub fn run(&self, operators: &Operators) -> Result<(History, (u64, u64)), String> {
+    pub fn run(&self, operators: &Operators, most: u32) -> Result<Probe, String> {
         let scene = operators.scene();
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,
             ambient_temperature: scene.ambient_temperature,
-            wear_acceleration: self.wear_acceleration,
+            wear_acceleration: scene.wear_acceleration,
         };
         let ambient = scene.ambient_temperature;
         let mut inputs: [f64; INPUTS] = [self.segments[0].velocity[0], self.load, 0.0, 0.0, 0.0, ambient, ambient];
         let mut model = Model::new(operators, tunables, &inputs);
+        model.limit_attempts(most);
         let mut values = vec![0.0; COUNT];
         let values: &mut [f64; COUNT] = values.as_mut_slice().try_into().map_err(|_| "no memory for a probe")?;
-        let mut history = Vec::with_capacity(self.segments.len());
+        let mut probe = Probe { history: Vec::with_capacity(self.segments.len()), ..Probe::default() };
         for segment in &self.segments {
-            let (accepted, rejected) = model.work();
-            if accepted + rejected > MOST_STEPS {
-                break;
-            }
             let [first, last] = segment.velocity;
             let mut slopes = [0.0; INPUTS];
             slopes[0] = (last - first) / segment.duration;
             inputs[0] = first;
             let sloped = (first != last).then_some(&slopes);
-            model.step(&inputs, sloped, segment.duration).map_err(|failure| failure.to_string())?;
+            if let Err(failure) = model.step(&inputs, sloped, segment.duration) {
+                if model.out_of_attempts() {
+                    probe.steps += u64::from(most);
+                    break;
+                }
+                return Err(failure.to_string());
+            }
+            let (accepted, rejected) = model.work();
+            probe.steps = accepted + rejected;
+            probe.covered += segment.duration;
             model.write_end(values);
             let of = |name: usize| values[name];
-            history.push([
+            probe.history.push([
                 of(const { reference("wear_depth") } as usize),
                 of(const { reference("contact_temperature") } as usize) - ambient,
                 of(const { reference("friction_force") } as usize),
             ]);
         }
-        Ok((history, model.work()))
+        Ok(probe)
     }
 }
 
-/// Largest difference of two histories in each of the three outputs, relative to the largest value of the second, over the
-/// time that both cover.
-pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
-    let other = &other[..other.len().min(one.len())];
+/// The same of two histories of equal length.
+fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
         let scale = other.iter().map(|main| main[output].abs()).fold(0.0, f64::max);
         let apart = one.iter().zip(other).map(|(a, b)| (a[output] - b[output]).abs()).fold(0.0, f64::max);

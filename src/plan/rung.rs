@@ -7,9 +7,6 @@ use std::fmt;
 /// Cells of the rungs of the line level.
 pub const CELLS: [usize; 6] = [9, 17, 33, 65, 129, 257];
 
-/// Cells that the coarsest rung is judged with.
-pub const COARSER: usize = 5;
-
 /// A level with its discretisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Rung {
@@ -44,6 +41,11 @@ impl Rung {
             Rung::Lumped => "lumped",
             Rung::Line { .. } => "line",
         }
+    }
+
+    /// Whether heat is on the cells of a contact line.
+    pub fn on_the_cells(self) -> bool {
+        matches!(self, Rung::Line { heat: HeatAlongContact::OnTheCells, .. })
     }
 
     /// Cells of the contact.

@@ -22,13 +22,16 @@ impl Plan {
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.summary()];
         lines.push(format!(
-            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} us for an internal step; {} internal \
-             steps of probes",
+            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} us for an internal step, {} s for the run; \
+             {} internal steps of probes over {:.0} % of their course, {} s to plan",
             short(self.estimated_error),
             short(self.tolerance),
             short(self.reduction_error),
             self.cost_per_step,
-            self.probe_steps
+            short(1e-6 * self.effort.run),
+            self.probe_steps,
+            100.0 * self.covered,
+            short(1e-6 * self.effort.planning)
         ));
         for effect in &self.effects {
             lines.push(format!(

@@ -223,11 +223,11 @@ pub struct Scene {
     pub cells: usize,
     /// Heat of a contact line.
     pub heat_along_contact: HeatAlongContact,
+    /// Shortest step that heat along the contact resolves, s; 0: chosen.
+    pub shortest_step: f64,
     pub scheme: Scheme,
     pub escalation: Escalation,
     pub tolerance: f64,
-    /// The tolerance is the scene's own, neither the importer's nor the default.
-    pub own_tolerance: bool,
     pub wear_acceleration: f64,
 }
 
@@ -346,6 +346,7 @@ impl Scene {
             },
             cells: value!(v, "solver.cells") as usize,
             heat_along_contact: HeatAlongContact::WhereItFeedsBack,
+            shortest_step: 0.0,
             scheme: match value!(v, "solver.scheme") as i32 {
                 1 => Scheme::Monolithic,
                 2 => Scheme::Staggered,
@@ -357,7 +358,6 @@ impl Scene {
                 _ => Escalation::NextCommunicationPoint,
             },
             tolerance: tolerance.clamp(1e-10, 0.5),
-            own_tolerance: own_tolerance > 0.0,
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene)?;

@@ -105,7 +105,7 @@ pub struct Heat {
     warmed: bool,
     /// Contact temperature of the cells that friction and wear follow, K.
     felt: Vec<f64>,
-    difference: Vec<f64>,
+    pub(super) difference: Vec<f64>,
     /// How fast waves can grow at most; the split of a stage by which growth is looked for, and room for its matrix, N x N.
     growth: FastestGrowth,
     watched: Split,

@@ -17,7 +17,7 @@ mod step;
 mod take_over;
 
 use crate::contact::friction::FrictionLaw;
-use crate::contact::{ContactState, Normal, Tilt};
+use crate::contact::{ContactState, Normal, Tilt, WorkCounter};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::{self, Lumped, limit};
 use crate::coupled::{INPUTS, StepFailure};
@@ -55,6 +55,10 @@ pub struct Line {
     /// Heat along the contact line, where its distribution feeds back.
     heat: Option<Box<LineHeat>>,
     work: Work,
+    /// Internal steps that may still be tried, where they are counted.
+    attempts_left: Option<u32>,
+    /// Memory for what a lower rung hands over.
+    carrier: Option<Box<take_over::Carrier>>,
     /// Equilibrium last shown, and the inputs it belongs to.
     shown: ([f64; INPUTS], ContactState),
 }
@@ -81,6 +85,8 @@ impl Line {
             conditions: operators.conditions(),
             heat: operators.heat.as_ref().map(|bodies| Box::new(LineHeat::new(&operators, bodies))),
             work: Work::new(&operators),
+            attempts_left: None,
+            carrier: None,
             shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
             mean,
             friction,
@@ -124,6 +130,22 @@ impl Line {
         self.contact.set_status(&self.state.status);
         self.tell_friction();
         self.forget_shown();
+    }
+
+    /// What the contact solver has done so far.
+    pub fn contact_work(&self) -> WorkCounter {
+        let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::counter);
+        heat.fold(self.contact.counter(), |sum, counter| sum + counter)
+    }
+
+    /// From here on at most `most` internal steps are tried: a step that would need more fails.
+    pub fn limit_attempts(&mut self, most: u32) {
+        self.attempts_left = Some(most);
+    }
+
+    /// Internal steps that may still be tried, where they are counted.
+    pub fn attempts_left(&self) -> Option<u32> {
+        self.attempts_left
     }
 
     /// Parameters that may change between steps.

@@ -1,5 +1,7 @@
 //! What the contact line is made of, built once from the scene and shared by every state.
 
+mod merged;
+
 use super::heat::bodies::{Bodies, on_the_cells};
 use super::profile::{Profile, cell_means};
 use crate::contact::{ContactState, Normal, Tilt};

@@ -120,6 +120,11 @@ impl Line {
                 continue;
             }
             attempts += 1;
+            match &mut self.attempts_left {
+                Some(0) => return Err(StepFailure("the internal steps that were allowed are used up".into())),
+                Some(left) => *left -= 1,
+                None => {}
+            }
             if attempts > MOST_ATTEMPTS {
                 return Err(StepFailure(format!(
                     "the worn shape needs more than {MOST_ATTEMPTS} internal steps in {length} s at solver.tolerance = {}; \

@@ -1,23 +1,33 @@
 //! Going on from a lower rung: worn volumes and heat are those of the lower rung, to rounding.
 
+mod heat;
+
+pub use heat::Carrier;
+
 use super::Line;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::{Lumped, state::State as MeanState};
 use crate::elastic::Cells;
 
 impl Line {
-    /// Goes on where the lumped level stands: its worn depth under every cell, its heat in the mean.
-    ///
-    /// Possible where heat is carried by the mean, whose states are then the same. `false`: it is not, and nothing changes.
-    pub fn take_over_mean(&mut self, lower: &Lumped) -> bool {
-        if self.heat.is_some() || self.state.track.is_some() {
-            return false;
+    /// Makes room for what a lower rung hands over, so that taking it over allocates nothing.
+    pub fn prepare_take_over(&mut self) {
+        if self.carrier.is_none() {
+            self.carrier = Some(Box::new(Carrier::new(&self.operators)));
         }
-        let from = lower.state();
-        let mut mean = self.unworn(from);
+    }
+
+    /// Goes on where the lumped level stands: its worn depth under every cell, its track, its heat in the mean or, where the
+    /// cells carry heat, in them. `inputs` of the present.
+    ///
+    /// `false`: the states of the two do not belong together, and nothing changes.
+    pub fn take_over_mean(&mut self, lower: &mut Lumped, inputs: &[f64; INPUTS]) -> bool {
+        let mut mean = self.unworn(lower.state());
         if !mean.fits(&self.operators.mean) {
             return false;
         }
+        self.prepare_take_over();
+        let from = lower.state();
         // What the lower rung has taken is no work of the contact line's.
         (mean.steps, mean.rejected) = (from.steps, from.rejected);
         let width = lower.operators().area / self.operators.shared_depth;
@@ -25,34 +35,55 @@ impl Line {
         self.state.strip.fill(from.strip.depth);
         self.state.volume = [from.punch.worn * width, from.strip.worn * width];
         self.state.position = from.position;
+        if let (Some(track), Some(worn)) = (&mut self.state.track, &from.track) {
+            track.take_over(worn.spans(), from.position);
+            track.depth_under(from.position, &mut self.state.strip);
+        }
         self.begin_anew();
         self.mean.set_state(&mean);
+        self.take_heat_in(|line, carrier| line.take_heat_of_mean(lower, carrier, inputs));
         true
     }
 
-    /// Goes on where a line of other cells stands: every cell takes the mean of what it covers.
+    /// Goes on where a line of other cells stands, or one that carries its heat by the mean: every cell takes the mean of what it
+    /// covers. `inputs` of the present.
     ///
-    /// Possible where heat is carried by the mean and the strip keeps no track. `false`: it is not, and nothing changes.
-    pub fn take_over_line(&mut self, lower: &Line) -> bool {
-        let possible = self.heat.is_none()
-            && lower.heat.is_none()
-            && self.state.track.is_none()
-            && lower.state.track.is_none()
-            && lower.mean.state().fits(&self.operators.mean);
-        if !possible {
+    /// `false`: the states of the two do not belong together, and nothing changes.
+    pub fn take_over_line(&mut self, lower: &mut Line, inputs: &[f64; INPUTS]) -> bool {
+        let tracked = self.state.track.is_some() == lower.state.track.is_some();
+        if !tracked || (lower.heat.is_some() && self.heat.is_none()) || !lower.mean.state().fits(&self.operators.mean) {
             return false;
         }
+        self.prepare_take_over();
         let (coarse, fine) = (&lower.operators.cells, &self.operators.cells);
         cover(coarse, &lower.state.punch, fine, &mut self.state.punch);
         cover(coarse, &lower.state.strip, fine, &mut self.state.strip);
         let from = &lower.state;
         self.state.volume = from.volume;
         self.state.position = from.position;
+        if let (Some(track), Some(worn)) = (&mut self.state.track, &from.track) {
+            track.take_over(worn.spans(), from.position);
+            track.depth_under(from.position, &mut self.state.strip);
+        }
         (self.state.limits, self.state.error) = (from.limits, from.error);
         (self.state.steps, self.state.rejected) = (from.steps, from.rejected);
         self.begin_anew();
         self.mean.set_state(lower.mean.state());
+        self.take_heat_in(|line, carrier| match lower.heat.is_some() {
+            true => line.take_heat_of_line(lower, carrier, inputs),
+            false => line.take_heat_of_mean(&mut lower.mean, carrier, inputs),
+        });
         true
+    }
+
+    fn take_heat_in(&mut self, take: impl FnOnce(&mut Line, &mut Carrier)) {
+        if self.heat.is_none() {
+            return;
+        }
+        if let Some(mut carrier) = self.carrier.take() {
+            take(self, &mut carrier);
+            self.carrier = Some(carrier);
+        }
     }
 
     /// State of the lower rung without the wear, which the cells carry.

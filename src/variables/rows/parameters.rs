@@ -66,7 +66,7 @@ pub static FIDELITY: EnumerationType = EnumerationType {
     name: "Fidelity",
     description: "How much is modelled",
     items: &[
-        ("auto", "Chosen for the scene where solver.tolerance is set, else lumped"),
+        ("auto", "The cheapest that meets the tolerance at nominal conditions"),
         ("lumped", "Uniform pressure, a few thermal states"),
         ("line", "Pressure, wear and shape on cells along the contact"),
         ("field", "The line with an unreduced punch, at its finest: the reference"),

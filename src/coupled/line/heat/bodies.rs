@@ -2,9 +2,10 @@
 
 use crate::coupled::lumped::operators::moving_source;
 use crate::elastic::scene::relative_radii;
-use crate::elastic::{self, Cells, Material};
+use crate::elastic::{self, Cells, Material, Merging};
 use crate::heat::line::LineHeat;
 use crate::heat::line::disc::DiscHeat;
+use crate::heat::line::merged::MergedHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
@@ -49,6 +50,8 @@ pub struct Bodies {
     prototypes: [Option<Mutex<Box<dyn LineHeat>>>; 2],
     /// Lengths of their states.
     pub states: [usize; 2],
+    /// Rates at which their temperatures fade, 1/s: bodies with the same rates have the same states.
+    pub rates: [Vec<f64>; 2],
     /// Fourier waves of the strip.
     pub waves: usize,
     /// Cooled lengths across the line (area per depth and punch), m.
@@ -94,14 +97,23 @@ impl Bodies {
             2.0 * scene.punch.height
         };
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
+        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.fading()));
         let error = bodies.iter().flatten().map(|body| body.error()).fold(0.0, f64::max);
         Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,
+            rates,
             waves,
             cooled_length: [cooled, free],
             error,
         }
+    }
+
+    /// The same bodies under merged cells.
+    pub fn merged(&self, merging: &Merging) -> Bodies {
+        let merge =
+            |body: Box<dyn LineHeat>| Mutex::new(Box::new(MergedHeat::new(body, merging.clone())) as Box<dyn LineHeat>);
+        Bodies { prototypes: self.copies().map(|body| body.map(merge)), rates: self.rates.clone(), ..*self }
     }
 
     /// Bodies with memory of their own.
@@ -139,7 +151,10 @@ fn path_of(scene: &Scene) -> Path {
 }
 
 /// Shortest step that is to be resolved, s: a 60th of a cycle of to-and-fro sliding, a thousandth of everything else.
-fn shortest(scene: &Scene) -> f64 {
+pub fn shortest(scene: &Scene) -> f64 {
+    if scene.shortest_step > 0.0 {
+        return scene.shortest_step;
+    }
     let cycle = match path_of(scene) {
         Path::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => 2.0 * stroke / scene.nominal_velocity / 60.0,
         _ => f64::INFINITY,

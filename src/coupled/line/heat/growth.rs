@@ -38,6 +38,10 @@ const GROWTH: f64 = 0.3;
 const UNNOTICED_WEAR: f64 = 0.05;
 const LARGEST_WEAR: f64 = 0.5;
 
+/// Part of the critical speed below which nothing grows, whatever the half-planes of its formula leave out: a factor of two
+/// for edges, and for bodies thinner than the wave.
+const SURELY_STABLE: f64 = 0.5;
+
 /// Penalty on a change of the load against the largest diagonal entry.
 const PENALTY: f64 = 1e4;
 
@@ -139,7 +143,8 @@ impl Line {
     /// Whether the part just tried, of `step` s at the speed `speed` (m/s), follows what grows.
     pub(in crate::coupled::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
-        if speed * friction <= 0.0 || speed <= self.operators.mean.critical_speed.harmless(friction) {
+        let critical = &self.operators.mean.critical_speed;
+        if speed * friction <= 0.0 || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.at(friction)) {
             return true;
         }
         if heat.growth.of_body(1, friction, speed) * step > GROWTH {

@@ -12,7 +12,7 @@ use crate::variables::{COUNT, reference};
 
 impl Line {
     /// What acts on both bodies at `inputs` besides the contact.
-    fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
+    pub(in crate::coupled::line) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
         let reference = self.mean.state().reference;
         let inputs = Inputs::from_array(*inputs);
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);

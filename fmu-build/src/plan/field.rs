@@ -1,0 +1,91 @@
+//! `cargo fmu plan --against-field`: how much dearer a step of the reference level is than one of the planned rung.
+//!
+//! Both take the same communication steps at nominal load, so the ratio of their costs is that of whole runs.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, anyhow};
+use sliding_contact::coupled::lumped::conditions::Tunables;
+use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::plan;
+use sliding_contact::scene::{Fidelity, Scene};
+use sliding_contact::variables::find;
+use sliding_contact::verification::planning::runs::processor_seconds;
+
+use crate::chart::machine;
+use crate::scenes;
+
+/// What the planned rung has to meet.
+const TOLERANCE: f64 = 1e-2;
+
+/// Communication steps of the planned rung, and of `field`.
+const STEPS: [usize; 2] = [200, 6];
+
+/// Scenes without a name: on a line, where `field` is. The hot spots have a level of their own.
+const SCENES: [&str; 3] = ["disc_brake", "reciprocating_punch", "pin_on_disk"];
+
+/// Measures one scene, or all, and writes a table where asked.
+///
+/// # Errors
+/// Where a scene, a level or a step fails.
+pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
+    let mut table = format!(
+        "# Processor time of a communication step on the rung planned for an error of {TOLERANCE:e}, and of solver.fidelity = field; \
+         nominal load and speed from a cold start.\n# {}; commit {}.\n\
+         scene,rung,planned_error,step_s,rung_seconds,field_seconds,ratio\n",
+        machine::name(),
+        machine::commit()
+    );
+    let names = scene.map_or_else(|| SCENES.to_vec(), |scene| vec![scene]);
+    for name in names {
+        let file = scenes::load(Some(name))?;
+        let mut starts = file.packaged.starts;
+        let tolerance = find("solver.tolerance").context("no variable solver.tolerance")?;
+        starts[tolerance as usize] = TOLERANCE;
+        let mut scene = Scene::new(&starts, None).map_err(|broken| anyhow!("{broken}"))?;
+        scene.fidelity = Fidelity::Auto;
+        let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
+        if !planned.plan.meets {
+            writeln!(table, "# left out: {name}: {}", planned.plan.reason)?;
+            println!("{name}: {}", planned.plan.reason);
+            continue;
+        }
+        let mut finest = scene.clone();
+        finest.fidelity = Fidelity::Field;
+        let field = Operators::new(&finest).map_err(|text| anyhow!(text))?;
+        let step = file.packaged.experiment.step;
+        let own = seconds_per_step(&scene, &planned.operators, step, STEPS[0])?;
+        let reference = seconds_per_step(&scene, &field, step, STEPS[1])?;
+        let (rung, error, ratio) = (planned.plan.rung, planned.plan.estimated_error, reference / own);
+        writeln!(table, "{name},\"{rung}\",{error:.2e},{step},{own:.3e},{reference:.3e},{ratio:.0}")?;
+        println!("{name}: {rung}: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much");
+    }
+    if let Some(path) = output {
+        fs::write(path, table).with_context(|| format!("writing {}", path.display()))?;
+    }
+    Ok(())
+}
+
+fn seconds_per_step(scene: &Scene, operators: &Operators, step: f64, steps: usize) -> Result<f64> {
+    let ambient = scene.ambient_temperature;
+    let tunables = Tunables {
+        friction_coefficient: scene.friction_coefficient,
+        ambient_temperature: ambient,
+        wear_acceleration: scene.wear_acceleration,
+    };
+    let mut inputs = [scene.nominal_velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
+    let mut model = Model::new(operators, tunables, &inputs);
+    let begin = processor_seconds();
+    for count in 0..steps {
+        if scene.nominal_stroke > 0.0 {
+            // To and fro with the nominal speed as the mean.
+            let phase = PI * scene.nominal_velocity / scene.nominal_stroke * step * count as f64;
+            inputs[0] = 0.5 * PI * scene.nominal_velocity * phase.cos();
+        }
+        model.step(&inputs, None, step).map_err(|failure| anyhow!("{failure}"))?;
+    }
+    Ok((processor_seconds() - begin) / steps as f64)
+}
