@@ -221,7 +221,7 @@ const fn alternating(highest: u32) -> [f64; 8] {
             k += 1;
         }
         // Power 2m or 2m + 1 of x has the sign (-1)^m.
-        let even = (highest / 2 - at as u32) % 2 == 0;
+        let even = (highest / 2 - at as u32).is_multiple_of(2);
         result[at] = if even { 1.0 / factorial } else { -1.0 / factorial };
         at += 1;
     }
