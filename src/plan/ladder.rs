@@ -29,7 +29,8 @@ impl Ladder {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene) -> Result<Ladder, String> {
         let requested = scene.clone();
-        if scene.fidelity != Fidelity::Auto {
+        // A tolerance that nobody chose is none to choose a level by: auto is then lumped.
+        if scene.fidelity != Fidelity::Auto || !scene.own_tolerance {
             return Ok(Ladder { requested, plan: None, first: Operators::new(scene)?, next: None });
         }
         let planned = super::make(scene)?;

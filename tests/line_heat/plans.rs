@@ -69,7 +69,7 @@ fn what_can_only_be_lumped_stays_so() {
 }
 
 #[test]
-fn plans_are_made_by_the_tolerance_that_holds_whoever_gave_it() {
+fn plans_are_made_by_the_tolerance_of_the_scene() {
     let plan = |own: f64, importer: Option<f64>| -> String {
         let mut starts = STARTS;
         starts[reference("contact.geometry") as usize] = 2.0;
@@ -79,12 +79,15 @@ fn plans_are_made_by_the_tolerance_that_holds_whoever_gave_it() {
         component.initialise(importer).unwrap();
         component.messages().next().unwrap().text.clone()
     };
-    let default = plan(0.0, None);
-    assert!(default.contains("tolerance 1e-3 from the default; auto takes line"), "{default}");
-    let importer = plan(0.0, Some(0.5));
-    assert!(importer.contains("tolerance 5e-1 from the importer; auto takes lumped"), "{importer}");
-    let own = plan(1e-3, Some(0.5));
-    assert_eq!(own.split_once("; ").unwrap().1, default.split_once("; ").unwrap().1);
+    // A tolerance that the scene does not give is none to choose a level by.
+    for importer in [None, Some(0.5), Some(1e-3)] {
+        let text = plan(0.0, importer);
+        assert!(text.contains("level lumped"), "{text}");
+    }
+    let fine = plan(1e-3, Some(0.5));
+    assert!(fine.contains("tolerance 1e-3 from solver.tolerance; auto takes line"), "{fine}");
+    let rough = plan(0.5, Some(1e-3));
+    assert!(rough.contains("auto takes lumped"), "{rough}");
 }
 
 fn component(changes: &[(&str, f64)]) -> Component {

@@ -66,6 +66,16 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
     if random.next() < 0.5 {
         changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);
     }
+    // Where nothing follows the temperature, heat follows the mean, and the contact temperature the inputs of the moment.
+    if special == 3 {
+        for (name, value) in &mut changes {
+            match *name {
+                "contact.friction_fade.factor[2]" | "punch.wear_fade.factor[2]" => *value = 1.0,
+                "punch.thermal_expansion" | "strip.thermal_expansion" => *value = 0.0,
+                _ => {}
+            }
+        }
+    }
     let mut drive = line(&changes);
     let direction = if random.next() < 0.5 { -1.0 } else { 1.0 };
     let mut inputs = [0.0; 7];
