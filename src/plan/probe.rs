@@ -117,8 +117,10 @@ impl Course {
         let segments = self.segments.len() as f64;
         scene.shortest_step =
             self.duration / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
-        scene.punch.wear_coefficient *= self.faster_wear;
-        scene.strip.wear_coefficient *= self.faster_wear;
+        let faster = self.faster_wear * scene.wear_acceleration;
+        scene.punch.wear_coefficient *= faster;
+        scene.strip.wear_coefficient *= faster;
+        scene.wear_acceleration = 1.0;
         scene
     }
 

@@ -337,3 +337,15 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
         }
     }
 }
+
+/// Accelerated wear is refused on a contact line where it hides growth; a probe, which wears fast itself, is not.
+#[test]
+fn accelerated_wear_is_compared_as_well() {
+    let mut starts = scene("reciprocating_punch");
+    for (name, value) in [("wear_acceleration", 10.0), ("nominal.duration", 2.5), ("solver.tolerance", 1e-2)] {
+        starts[reference(name) as usize] = value;
+    }
+    let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
+    assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(plan.meets && plan.estimated_error < 1e-2, "{plan:#?}");
+}
