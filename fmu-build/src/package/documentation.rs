@@ -212,8 +212,9 @@ mod tests {
         let page = plain(MESSAGES);
         let sources = [
             ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 20),
-            ("lumped level", include_str!("../../../src/coupled/lumped/advance.rs"), "StepFailure(", 3),
-            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 2),
+            ("lumped level", include_str!("../../../src/coupled/lumped/advance.rs"), "StepFailure(", 2),
+            ("bodies worn through", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 1),
+            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
             ("operator split", include_str!("../../../src/coupled/line/heat/staggered.rs"), "StepFailure(", 1),
             ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Err(", 1),
             ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "write!(", 2),

@@ -31,9 +31,6 @@ use state::State;
 use std::sync::Arc;
 use step::Work;
 
-/// Part of a body's height that may be worn off before compliance and conduction must be rebuilt.
-const HIGHEST_VALID_WEAR: f64 = 0.5;
-
 /// Whether an input differs from what it was at the end of the last step by more than rounding.
 fn jumps(before: f64, now: f64) -> bool {
     // Before the first step there is no number.
@@ -414,23 +411,7 @@ impl Line {
     fn watch(&mut self) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
         let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, f64::max);
-        for (name, depth, body) in
-            [("punch", deepest(&self.state.punch), &scene.punch), ("strip", deepest(&self.state.strip), &scene.strip)]
-        {
-            let worn = depth + body.initial_wear;
-            if worn >= body.height {
-                return Err(StepFailure(format!(
-                    "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
-                    body.height
-                )));
-            }
-            if worn > HIGHEST_VALID_WEAR * body.height {
-                self.state.limits |= limit::VALIDITY;
-            }
-            if body.wear_limit > 0.0 && worn >= body.wear_limit {
-                self.state.limits |= limit::WEAR;
-            }
-        }
+        self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;
         if let Some(heat) = &self.state.heat {
             let lowest = heat.lowest() + self.mean.state().reference;
             if lowest.is_nan() || lowest < 0.0 {

@@ -4,7 +4,7 @@ use super::conditions::Conditions;
 use super::operators::BodyOperators;
 use super::state::State;
 use super::step::{Attempt, Propagators, Stepper};
-use super::{HIGHEST_VALID_WEAR, KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature};
+use super::{KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::coupled::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
 
@@ -347,23 +347,7 @@ impl Lumped {
     /// Limits and validity after a step.
     fn watch(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
-        for (name, depth, body) in
-            [("punch", self.state.punch.depth, &scene.punch), ("strip", self.state.strip.depth, &scene.strip)]
-        {
-            let worn = depth + body.initial_wear;
-            if worn >= body.height {
-                return Err(StepFailure(format!(
-                    "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
-                    body.height
-                )));
-            }
-            if worn > HIGHEST_VALID_WEAR * body.height {
-                self.state.limits |= limit::VALIDITY;
-            }
-            if body.wear_limit > 0.0 && worn >= body.wear_limit {
-                self.state.limits |= limit::WEAR;
-            }
-        }
+        self.state.limits |= limits_of_wear(scene, [self.state.punch.depth, self.state.strip.depth])?;
         if let Some(track) = &self.state.track {
             if track.revisited() {
                 self.state.limits |= limit::VALIDITY;

@@ -19,7 +19,7 @@ pub mod step;
 
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::scalar::Dual;
-use crate::coupled::{INPUTS, Inputs};
+use crate::coupled::{INPUTS, Inputs, StepFailure};
 use crate::scene::Scene;
 use conditions::{Conditions, Tunables};
 use flash_step::FlashStep;
@@ -66,6 +66,31 @@ pub fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
     let exceeded = scene.temperature_limit > 0.0 && hottest > scene.temperature_limit;
     let invalid = hottest > HIGHEST_VALID_TEMPERATURE;
     (if exceeded { limit::TEMPERATURE } else { 0 }) | (if invalid { limit::VALIDITY } else { 0 })
+}
+
+/// Limits that punch and strip are at with these depths (m) worn off since the start, initial wear aside.
+///
+/// # Errors
+/// A body that is worn through.
+#[inline]
+pub fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure> {
+    let mut limits = 0;
+    for (name, depth, body) in [("punch", depths[0], &scene.punch), ("strip", depths[1], &scene.strip)] {
+        let worn = depth + body.initial_wear;
+        if worn >= body.height {
+            return Err(StepFailure(format!(
+                "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
+                body.height
+            )));
+        }
+        if worn > HIGHEST_VALID_WEAR * body.height {
+            limits |= limit::VALIDITY;
+        }
+        if body.wear_limit > 0.0 && worn >= body.wear_limit {
+            limits |= limit::WEAR;
+        }
+    }
+    Ok(limits)
 }
 
 /// A scene at the lumped level.

@@ -13,9 +13,9 @@
 //! with what it has, keeps operators of its own ([`crate::coupled::line::heat::split`]).
 
 use crate::heat::line::Gains;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
-/// See the module. Nothing is allocated after construction.
+/// See the module.
 #[derive(Clone, Debug)]
 pub struct Split {
     resistance: Option<f64>,
@@ -23,14 +23,12 @@ pub struct Split {
     key: Option<(f64, [f64; 2])>,
     closed: Vec<bool>,
     indices: Vec<usize>,
-    /// Factors of G_1 + G_2 + I/h_c on the cells in contact, by columns, with the rows exchanged at each pivot.
-    factors: Vec<f64>,
-    pivots: Vec<usize>,
-    /// Y on the cells in contact, by columns.
-    shares: Vec<f64>,
+    /// G_1 + G_2 + I/h_c on the cells in contact, of two bodies that exchange heat.
+    factors: Option<LU<f64, Dyn, Dyn>>,
+    /// Y on the cells in contact.
+    shares: DMatrix<f64>,
     /// E_0, m per W/m2; columns of open cells are 0.
     pub distortion: DMatrix<f64>,
-    column: Vec<f64>,
 }
 
 impl Split {
@@ -40,12 +38,10 @@ impl Split {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
             closed: vec![false; count],
-            indices: Vec::with_capacity(count),
-            factors: Vec::with_capacity(count * count),
-            pivots: Vec::with_capacity(count),
-            shares: Vec::with_capacity(count * count),
+            indices: Vec::new(),
+            factors: None,
+            shares: DMatrix::zeros(0, 0),
             distortion: DMatrix::zeros(count, count),
-            column: vec![0.0; count],
         }
     }
 
@@ -59,11 +55,10 @@ impl Split {
         self.indices.clear();
         self.indices.extend((0..closed.len()).filter(|&i| closed[i]));
         self.distortion.fill(0.0);
+        self.factors = None;
         match gains {
             [Some(punch), Some(strip)] => {
-                if let Some(resistance) = self.resistance {
-                    self.factor(punch, strip, resistance);
-                }
+                self.share(punch, strip);
                 self.distort(punch, strip);
             }
             [Some(only), None] | [None, Some(only)] => {
@@ -75,114 +70,49 @@ impl Split {
         }
     }
 
-    fn factor(&mut self, punch: &Gains, strip: &Gains, resistance: f64) {
-        let m = self.indices.len();
-        self.factors.clear();
-        self.shares.clear();
-        for (column, &j) in self.indices.iter().enumerate() {
-            for (row, &i) in self.indices.iter().enumerate() {
-                let (own, both) = (strip.temperature[(i, j)], punch.temperature[(i, j)] + strip.temperature[(i, j)]);
-                let diagonal = if row == column { resistance } else { 0.0 };
-                self.factors.push(both + diagonal);
-                self.shares.push(own + 0.5 * diagonal);
-            }
-        }
-        self.pivots.clear();
-        let a = &mut self.factors;
-        for k in 0..m {
-            let mut pivot = k;
-            for i in k + 1..m {
-                if a[k * m + i].abs() > a[k * m + pivot].abs() {
-                    pivot = i;
-                }
-            }
-            self.pivots.push(pivot);
-            if pivot != k {
-                for column in 0..m {
-                    a.swap(column * m + k, column * m + pivot);
-                }
-            }
-            let inverse = 1.0 / a[k * m + k];
-            for entry in &mut a[k * m + k + 1..(k + 1) * m] {
-                *entry *= inverse;
-            }
-            let (left, right) = a.split_at_mut((k + 1) * m);
-            let lower = &left[k * m + k + 1..];
-            for column in right.chunks_exact_mut(m) {
-                let factor = column[k];
-                column[k + 1..].iter_mut().zip(lower).for_each(|(entry, l)| *entry -= factor * l);
-            }
-        }
-        for column in self.shares.chunks_exact_mut(m.max(1)) {
-            solve(&self.factors, &self.pivots, column);
-        }
+    /// Y of two conductors.
+    fn share(&mut self, punch: &Gains, strip: &Gains) {
+        let (m, indices) = (self.indices.len(), &self.indices);
+        let Some(resistance) = self.resistance else {
+            self.shares = DMatrix::from_diagonal_element(m, m, 0.5);
+            return;
+        };
+        let part =
+            |matrix: &DMatrix<f64>| DMatrix::from_fn(m, m, |row, column| matrix[(indices[row], indices[column])]);
+        let own = part(&strip.temperature);
+        let factors = (part(&punch.temperature) + &own + DMatrix::from_diagonal_element(m, m, resistance)).lu();
+        self.shares = own + DMatrix::from_diagonal_element(m, m, 0.5 * resistance);
+        factors.solve_mut(&mut self.shares);
+        self.factors = Some(factors);
     }
 
     /// E_0 of two conductors.
     fn distort(&mut self, punch: &Gains, strip: &Gains) {
-        let m = self.indices.len();
+        let across = (&punch.distortion - &strip.distortion).select_columns(&self.indices) * &self.shares;
         for (column, &j) in self.indices.iter().enumerate() {
-            let mut target = self.distortion.column_mut(j);
-            target.copy_from(&strip.distortion.column(j));
-            for (row, &k) in self.indices.iter().enumerate() {
-                let share = match self.resistance {
-                    Some(_) => self.shares[column * m + row],
-                    None if row == column => 0.5,
-                    None => 0.0,
-                };
-                if share != 0.0 {
-                    target.axpy(share, &punch.distortion.column(k), 1.0);
-                    target.axpy(-share, &strip.distortion.column(k), 1.0);
-                }
-            }
+            self.distortion.column_mut(j).copy_from(&(strip.distortion.column(j) + across.column(column)));
         }
     }
 
     /// Flux into the punch: that of the temperatures `base` without flux, with the friction heat `friction` (W/m2).
-    pub fn punch_flux(&mut self, conducts: [bool; 2], base: [&[f64]; 2], friction: &[f64], flux: &mut [f64]) {
+    pub fn punch_flux(&self, conducts: [bool; 2], base: [&[f64]; 2], friction: &[f64], flux: &mut [f64]) {
         flux.fill(0.0);
         match conducts {
             [true, true] => {}
             [true, false] => return self.indices.iter().for_each(|&i| flux[i] = friction[i]),
             [false, _] => return,
         }
-        let m = self.indices.len();
-        if self.resistance.is_none() {
-            return self.indices.iter().for_each(|&i| flux[i] = 0.5 * friction[i]);
+        let entries =
+            |of: &dyn Fn(usize) -> f64| DVector::from_iterator(self.indices.len(), self.indices.iter().map(|&i| of(i)));
+        let mut found = &self.shares * entries(&|i| friction[i]);
+        if let Some(factors) = &self.factors {
+            let mut exchanged = entries(&|i| base[1][i] - base[0][i]);
+            factors.solve_mut(&mut exchanged);
+            found += exchanged;
         }
-        for (row, &i) in self.indices.iter().enumerate() {
-            self.column[row] = base[1][i] - base[0][i];
+        for (value, &i) in found.iter().zip(&self.indices) {
+            flux[i] = *value;
         }
-        solve(&self.factors, &self.pivots, &mut self.column[..m]);
-        for (column, &j) in self.indices.iter().enumerate() {
-            let heat = friction[j];
-            if heat != 0.0 {
-                let shares = &self.shares[column * m..(column + 1) * m];
-                self.column[..m].iter_mut().zip(shares).for_each(|(value, share)| *value += heat * share);
-            }
-        }
-        for (row, &i) in self.indices.iter().enumerate() {
-            flux[i] = self.column[row];
-        }
-    }
-}
-
-/// Solves with the factors by columns and the rows exchanged, in place.
-fn solve(factors: &[f64], pivots: &[usize], values: &mut [f64]) {
-    let m = pivots.len();
-    for (k, &pivot) in pivots.iter().enumerate() {
-        values.swap(k, pivot);
-    }
-    for k in 0..m {
-        let value = values[k];
-        let lower = &factors[k * m + k + 1..(k + 1) * m];
-        values[k + 1..].iter_mut().zip(lower).for_each(|(entry, l)| *entry -= value * l);
-    }
-    for k in (0..m).rev() {
-        values[k] /= factors[k * m + k];
-        let value = values[k];
-        let upper = &factors[k * m..k * m + k];
-        values[..k].iter_mut().zip(upper).for_each(|(entry, u)| *entry -= value * u);
     }
 }
 

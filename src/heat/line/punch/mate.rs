@@ -74,7 +74,8 @@ pub fn reduce_mate(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::heat::line::{Account, GAMMA, LineHeat, Stage, Surroundings};
+    use crate::heat::line::punch::tests::Run;
+    use crate::heat::line::{Account, GAMMA, LineHeat, Surroundings};
     use crate::variables::{STARTS, reference};
 
     /// A disc of 12 mm, 75 to 114 mm, with changed parameters.
@@ -102,33 +103,8 @@ mod tests {
         Scene::new(&values, None).unwrap()
     }
 
-    struct Run {
-        heat: ReducedHeat,
-        state: Vec<f64>,
-        surroundings: Surroundings,
-        temperature: Vec<f64>,
-        distortion: Vec<f64>,
-    }
-
-    impl Run {
-        fn new(scene: &Scene, cells: &Cells) -> Run {
-            let heat = reduce_mate(scene, cells, 1e-3, 100.0).unwrap().unwrap();
-            let (state, count) = (vec![0.0; heat.states()], cells.count());
-            let (temperature, distortion) = (vec![0.0; count], vec![0.0; count]);
-            Run { heat, state, surroundings: Surroundings::default(), temperature, distortion }
-        }
-
-        fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
-            self.heat.prepare(step, [0.0; 2]);
-            let (temperature, distortion) = (&mut self.temperature, &mut self.distortion);
-            self.heat.base(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
-            let gains = self.heat.gains(Stage::End);
-            for i in 0..temperature.len() {
-                temperature[i] += (0..end.len()).map(|j| gains.temperature[(i, j)] * end[j]).sum::<f64>();
-                distortion[i] += (0..end.len()).map(|j| gains.distortion[(i, j)] * end[j]).sum::<f64>();
-            }
-            self.heat.advance(&mut self.state, &self.surroundings, first, end);
-        }
+    fn run(scene: &Scene, cells: &Cells) -> Run {
+        Run::of(reduce_mate(scene, cells, 1e-3, 100.0).unwrap().unwrap())
     }
 
     const COOLED: [&[(&str, f64)]; 5] = [
@@ -144,7 +120,7 @@ mod tests {
         let cells = Cells::graded(0.0195, 9).unwrap();
         for changes in COOLED {
             let scene = scene(changes);
-            let mut run = Run::new(&scene, &cells);
+            let mut run = run(&scene, &cells);
             run.heat.uniform(5.0, &mut run.state);
             assert!((run.heat.mean_temperature(&run.state) - 5.0).abs() < 1e-3);
             let start = run.heat.account(&run.state);
@@ -178,7 +154,7 @@ mod tests {
     fn a_ring_as_warm_as_all_around_it_stays_so() {
         let cells = Cells::graded(0.0195, 9).unwrap();
         for changes in COOLED {
-            let mut run = Run::new(&scene(changes), &cells);
+            let mut run = run(&scene(changes), &cells);
             run.surroundings = Surroundings { cooling: 0.0, ambient: 7.0, far: 7.0 };
             run.heat.uniform(7.0, &mut run.state);
             for _ in 0..10 {
@@ -219,7 +195,7 @@ mod tests {
             let wave = across.wave(5);
             let weights = across.weights(&cells);
             let flux: Vec<f64> = wave.cell_integrals(&cells).iter().zip(&weights).map(|(f, w)| f / w).collect();
-            let mut run = Run::new(&scene, &cells);
+            let mut run = run(&scene, &cells);
             run.step(1e9, &flux, &flux);
             let conductivity = 54.0 / scene.coverage();
             let temperature = 1.0 / (conductivity * wave.wave_number);

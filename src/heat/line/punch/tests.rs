@@ -30,24 +30,27 @@ fn cells(count: usize) -> Cells {
     Cells::graded(0.03, count).unwrap()
 }
 
-/// Reduced punch with the temperatures of the last step.
-struct Run {
-    heat: ReducedHeat,
-    state: Vec<f64>,
-    surroundings: Surroundings,
-    temperature: Vec<f64>,
-    distortion: Vec<f64>,
+/// Reduced body with the temperatures and the distortion of the last step.
+pub(super) struct Run {
+    pub heat: ReducedHeat,
+    pub state: Vec<f64>,
+    pub surroundings: Surroundings,
+    pub temperature: Vec<f64>,
+    pub distortion: Vec<f64>,
 }
 
 impl Run {
     fn new(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Run {
-        let heat = reduce(scene, cells, tolerance, duration).unwrap().unwrap();
+        Run::of(reduce(scene, cells, tolerance, duration).unwrap().unwrap())
+    }
+
+    pub fn of(heat: ReducedHeat) -> Run {
         let (state, n) = (vec![0.0; heat.states()], heat.cells());
         let surroundings = Surroundings::default();
         Run { heat, state, surroundings, temperature: vec![0.0; n], distortion: vec![0.0; n] }
     }
 
-    fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
+    pub fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         self.heat.prepare(step, [0.0; 2]);
         let (temperature, distortion) = (&mut self.temperature, &mut self.distortion);
         self.heat.base(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
