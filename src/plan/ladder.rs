@@ -29,8 +29,7 @@ impl Ladder {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene) -> Result<Ladder, String> {
         let requested = scene.clone();
-        // A tolerance that nobody chose is none to choose a level by: auto is then lumped.
-        if scene.fidelity != Fidelity::Auto || !scene.own_tolerance {
+        if scene.fidelity != Fidelity::Auto {
             return Ok(Ladder { requested, plan: None, first: Operators::new(scene)?, next: None });
         }
         let planned = super::make(scene)?;
