@@ -15,6 +15,9 @@ use std::sync::Mutex;
 /// Most states of a strip: with everything else a saved state stays below 256 KB.
 const MOST_STATES: usize = 16_000;
 
+/// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
+const EXPECTED: f64 = 1.5;
+
 /// Whether heat is carried along the contact line, or by its mean alone.
 ///
 /// It is where its distribution feeds back: it distorts the shape, or friction or wear follow the local temperature. Where
@@ -192,6 +195,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
     loop {
         let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
         if strip.states() <= MOST_STATES {
+            strip.expect(EXPECTED * scene.nominal_velocity);
             return Ok(Some(strip));
         }
         // What decays faster answers at once.
