@@ -164,6 +164,32 @@ fn a_run_beyond_the_plan_goes_on_one_rung_higher_with_its_wear_and_heat() {
 }
 
 #[test]
+fn a_run_that_outlasts_its_plan_leaves_it() {
+    let short = [LUMPED_ENOUGH, &[("nominal.duration", 4.0)]].concat();
+    // A quarter of nominal power: twice the planned work is done after 32 s.
+    let start = |changes: &[(&str, f64)]| {
+        let mut component = component(changes);
+        component.messages().for_each(drop);
+        component.set_input(reference("sliding_velocity"), 5.0);
+        component.set_input(reference("normal_load"), 2.5e3);
+        component.step(31.0).unwrap();
+        assert_eq!(component.messages().count(), 0);
+        component
+    };
+    let mut component = start(&short);
+    component.step(2.0).unwrap();
+    let messages: Vec<_> = component.messages().map(|message| message.text.clone()).collect();
+    let expected = |text: &String| text.contains("J of friction, planned for") && text.contains("goes on");
+    assert!(messages.iter().any(expected), "{messages:?}");
+    // Where the level stays, its error grows with the work.
+    let mut stays = start(&[&short[..], &[("solver.escalation", 1.0)]].concat());
+    let within = stays.get(reference("estimated_error"));
+    stays.step(97.0).unwrap();
+    let beyond = stays.get(reference("estimated_error"));
+    assert!((3.5..=4.5).contains(&(beyond / within)), "{beyond} of {within}");
+}
+
+#[test]
 fn escalation_is_off_where_it_is_switched_off() {
     let mut component = component(&[LUMPED_ENOUGH, &[("solver.escalation", 1.0)]].concat());
     component.messages().for_each(drop);

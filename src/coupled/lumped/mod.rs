@@ -156,6 +156,11 @@ impl Lumped {
         &self.state
     }
 
+    /// Work (J) of the friction force on all faces since initialisation.
+    pub fn friction_work(&self) -> f64 {
+        self.state.dissipated * self.operators.area * self.operators.scene.faces
+    }
+
     /// Replaces everything that changes.
     pub fn set_state(&mut self, state: &State) {
         self.state.clone_from(state);

@@ -44,8 +44,7 @@ pub fn shares(scene: &Scene) -> [f64; 2] {
     let endless = path == Path::Endless;
     let punch = punch_slab(scene, area);
     let (strip, coverage) = strip_slab(scene, area, length, endless);
-    let source =
-        (scene.coverage() < 1.0 - 1e-9).then(|| MovingSource::new(strip, 0.5 * scene.sliding_extent(), path));
+    let source = (scene.coverage() < 1.0 - 1e-9).then(|| MovingSource::new(strip, 0.5 * scene.sliding_extent(), path));
     let resistance = if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 };
     let impedances = |frequency: f64| {
         let s = Complex::from(frequency);

@@ -77,6 +77,12 @@ impl StripHeat {
         Ok(StripHeat { operators: Arc::new(operators), step, scratch: RefCell::new(scratch) })
     }
 
+    /// Finds what sliding up to `velocity` (m/s) will ask for. What faster sliding asks for is found by the step that first
+    /// does; results are the same either way.
+    pub fn expect(&self, velocity: f64) {
+        self.operators.table.expect(velocity);
+    }
+
     /// Number of waves, and of knots in the table over the velocity.
     pub fn size(&self) -> (usize, usize) {
         (self.operators.waves.len(), self.operators.table.knots())

@@ -23,6 +23,9 @@ const FINEST: f64 = 2e-5;
 /// waves at once and has its own part.
 const PUNCH_PART: f64 = 0.25;
 
+/// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
+const EXPECTED: f64 = 1.5;
+
 /// Whether heat is carried along the contact line, or by its mean alone.
 ///
 /// It is where its distribution feeds back: it distorts the shape, or friction or wear follow the local temperature. Where
@@ -206,6 +209,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
     loop {
         let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
         if strip.states() <= MOST_STATES {
+            strip.expect(EXPECTED * scene.nominal_velocity);
             return Ok(Some(strip));
         }
         // What decays faster answers at once.

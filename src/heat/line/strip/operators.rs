@@ -12,6 +12,7 @@ use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::{Base, CoolingPort, Slab};
 use nalgebra::Complex;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Path of the contact on the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -92,7 +93,7 @@ pub struct Operators {
     pub waves: Vec<Wave>,
     /// Their wave numbers, 1/m.
     pub numbers: Vec<f64>,
-    pub shapes: Shapes,
+    pub shapes: Arc<Shapes>,
     /// `2 count/L`: what a wave's amplitude counts in the temperature.
     pub weight: Vec<f64>,
     /// Places of the states of all waves.
@@ -212,7 +213,7 @@ impl Operators {
             // Neighbouring copies of the contact with opposite signs: no mean, and the midpoint rule of the endless path.
             waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
         }
-        let shapes = Shapes::new(cells, &waves);
+        let shapes = Arc::new(Shapes::new(cells, &waves));
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
         let mean = slab.reduce(resolution.duration, tolerance);
@@ -233,22 +234,9 @@ impl Operators {
             }
         }
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        let remainder = Remainder {
-            cells,
-            slab: &slab,
-            bare: &bare,
-            expansion,
-            period,
-            last,
-            waves: &waves,
-            shapes: &shapes,
-            modes: &modes,
-            fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
-        };
         // The slowest motion that the waves as long as the contact can tell from rest.
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
-        let table = VelocityTable::new(&remainder, shapes.half(), slow, limit);
         // As many states as any shorter wave has: those it does not need stay 0.
         let mut counts: Vec<usize> = modes.iter().map(|mode| mode.rate.len()).collect();
         for wave in (1..counts.len()).rev() {
@@ -265,6 +253,19 @@ impl Operators {
                 distortion[place] = mode.distortion.get(k).copied().unwrap_or(0.0);
             }
         }
+        let remainder = Remainder {
+            cells: cells.clone(),
+            slab,
+            bare,
+            expansion: expansion.copied(),
+            period,
+            last,
+            waves: waves.clone(),
+            shapes: shapes.clone(),
+            modes,
+            fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
+        };
+        let table = VelocityTable::new(remainder, slow, limit);
         let mut operators = Operators {
             half: shapes.half(),
             period,
