@@ -195,6 +195,9 @@ impl Heat {
     /// the largest. A difference of no more than `enough` leaves the split as it is.
     pub(super) fn take(&mut self, stage: Stage, pressure: &[f64], enough: f64) -> f64 {
         let s = stage as usize;
+        if self.exact[s] {
+            return self.take_exact(stage, pressure);
+        }
         let (mut change, mut largest): (f64, f64) = (0.0, 0.0);
         for ((own, new), moved) in self.pressure.iter_mut().zip(pressure).zip(&mut self.gap) {
             *moved = new - *own;
@@ -227,6 +230,24 @@ impl Heat {
         }
         rest(strip, &self.friction[s], punch, conducts[1]);
         change
+    }
+
+    /// [`Heat::take`] where nothing was known before: all cells exchange heat, and nothing is left to repeat.
+    fn take_exact(&mut self, stage: Stage, pressure: &[f64]) -> f64 {
+        let s = stage as usize;
+        self.pressure.copy_from_slice(pressure);
+        for ((heat, pressure), per_pressure) in self.friction[s].iter_mut().zip(pressure).zip(&self.per_pressure) {
+            *heat = per_pressure * pressure;
+        }
+        let conducts = self.conducts();
+        let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
+        match conducts {
+            [true, true] => self.splits[s].share(friction, punch),
+            [true, false] => punch.copy_from_slice(friction),
+            [false, _] => {}
+        }
+        rest(strip, friction, punch, conducts[1]);
+        0.0
     }
 
     /// Temperatures of both surfaces by their fluxes.
