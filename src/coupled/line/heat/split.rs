@@ -175,19 +175,21 @@ impl Split {
         for (value, &j) in needed.iter().zip(&self.open) {
             dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
         }
-        let cells = flux.iter_mut().zip(&self.column).zip(&self.closed);
-        cells.filter(|(_, closed)| **closed).for_each(|((flux, more), _)| *flux += more);
+        self.open.iter().for_each(|&i| self.column[i] = 0.0);
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Cells that do not exchange heat.
+    pub fn open(&self) -> &[usize] {
+        &self.open
     }
 
     /// Adds to the punch's flux its share of additional friction heat (W/m2), which is 0 on open cells.
     pub fn share(&mut self, heat: &[f64], flux: &mut [f64]) {
         self.column.fill(0.0);
         dense::multiply_add(&self.shares, heat, &mut self.column);
-        for (i, value) in flux.iter_mut().enumerate() {
-            if self.closed[i] {
-                *value += self.column[i];
-            }
-        }
+        self.open.iter().for_each(|&i| self.column[i] = 0.0);
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
     /// D_1 - D_2 of two conducting bodies, by columns, m per W/m2.
