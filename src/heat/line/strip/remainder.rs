@@ -137,16 +137,6 @@ impl Blocks {
         Arch::new().dispatch(Unfold(self, widths, level, &mut turned[..size], matrix.as_mut_slice()));
     }
 
-    /// Becomes the sum of six responses, each with its factor; `reversed`: at the opposite velocity.
-    pub fn combine(&mut self, responses: [&Blocks; 6], factors: [f64; 6], reversed: [bool; 6]) {
-        let size = self.half * self.half;
-        for (block, target) in self.values.chunks_exact_mut(size).enumerate() {
-            let sources = responses.map(|response| &response.values[block * size..(block + 1) * size]);
-            let signed = |k: usize| if reversed[k] && block == 1 { -factors[k] } else { factors[k] };
-            dense::combine(target, sources, std::array::from_fn(signed));
-        }
-    }
-
     /// Leaves out what depends on the direction of sliding.
     pub fn make_symmetric(&mut self) {
         let size = self.half * self.half;
@@ -166,22 +156,6 @@ impl Blocks {
             if !room.is_passive(values, half) {
                 room.project(values, half);
             }
-        }
-    }
-
-    /// Adds `factor` times the response to the even and odd parts of heat to the even and odd parts of the answer.
-    pub fn add_product(&self, factor: f64, reversed: bool, heat: (&[f64], &[f64]), answer: (&mut [f64], &mut [f64])) {
-        let (half, size) = (self.half, self.half * self.half);
-        let mixed = if reversed { -factor } else { factor };
-        let dot = |left: &[f64], right: &[f64]| left.iter().zip(right).map(|(l, r)| l * r).sum::<f64>();
-        for a in 0..half {
-            let row = |block: usize| &self.values[block * size + a * half..block * size + (a + 1) * half];
-            answer.0[a] += factor * dot(row(0), heat.0) + mixed * dot(row(1), heat.1);
-            answer.1[a] += factor * dot(row(2), heat.1);
-        }
-        for a in 0..half {
-            let row = &self.values[size + a * half..size + (a + 1) * half];
-            answer.1.iter_mut().zip(row).for_each(|(value, entry)| *value -= mixed * entry * heat.0[a]);
         }
     }
 
