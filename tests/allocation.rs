@@ -85,8 +85,10 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     // mean, as it does with a bristle.
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let annulus = [("contact.geometry", 2.0), ("strip.path", 2.0), ("strip.length", 0.0), ("contact.mean_radius", 0.1)];
-    let scenes: [&[(&str, f64)]; 10] = [
+    let scenes: [&[(&str, f64)]; 11] = [
         &[],
+        // Slides faster than planned: the strip finds its answers within the steps.
+        &[("contact.geometry", 1.0), ("nominal.velocity", 1e-4)],
         &cold,
         &[("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)],
         &[("punch.wear_pressure_exponent", 0.5), ("contact.initial_shape", 2.0), ("contact.initial_radius", 20.0)],

@@ -14,7 +14,8 @@ impl Component {
         let inputs: [f64; INPUTS] = inputs_of(&self.values);
         let scene = &ladder.requested;
         let rise = model.contact_rise();
-        let excess = ladder.excess(inputs[0] + scene.mean_radius * inputs[2], inputs[1], rise);
+        let work = model.friction_work();
+        let excess = ladder.excess(inputs[0] + scene.mean_radius * inputs[2], inputs[1], rise, work);
         self.excess = self.excess.max(excess);
         if excess <= 1.0 || self.left_plan {
             return;
@@ -22,11 +23,12 @@ impl Component {
         self.left_plan = true;
         let planned = ladder.plan.as_ref().map_or(0.0, |plan| plan.rise);
         let (velocity, load) = (scene.nominal_velocity, scene.nominal_load);
+        let planned_work = ladder.planned_work();
         let done = self.escalate();
         let beyond = format_args!(
-            "the run leaves what was planned for: {} m/s, {} N and a contact {rise} K warmer, planned for nominal.velocity = {} \
-             m/s, nominal.load = {} N and {} K",
-            inputs[0], inputs[1], velocity, load, planned
+            "the run leaves what was planned for: {} m/s, {} N, a contact {rise} K warmer and {work} J of friction, planned for \
+             nominal.velocity = {} m/s, nominal.load = {} N, {} K and {} J in nominal.duration",
+            inputs[0], inputs[1], velocity, load, planned, planned_work
         );
         match done {
             Ok(rung) => self.messages.add(Subject::Warning, format_args!("{beyond}; it goes on with {rung}")),

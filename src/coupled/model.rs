@@ -50,6 +50,14 @@ impl Operators {
         })
     }
 
+    /// Those of the mean, which every level has.
+    pub fn mean(&self) -> &lumped::operators::Operators {
+        match self {
+            Operators::Lumped(operators) => operators,
+            Operators::Line(operators) => &operators.mean,
+        }
+    }
+
     /// The scene they were built from.
     pub fn scene(&self) -> &Scene {
         match self {
@@ -192,6 +200,15 @@ impl Model {
         match self {
             Model::Lumped(model) => model.state().end_temperature,
             Model::Line(model) => model.contact_rise(),
+        }
+    }
+
+    /// Work (J) of the friction force on all faces since initialisation.
+    #[inline]
+    pub fn friction_work(&self) -> f64 {
+        match self {
+            Model::Lumped(model) => model.friction_work(),
+            Model::Line(model) => model.friction_work(),
         }
     }
 

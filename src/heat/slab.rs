@@ -67,7 +67,7 @@ pub struct Slab {
 
 /// Square root with positive real part. Without angles, so a few times faster than by polar form; exact
 /// enough because the argument never lies near the negative axis in these problems.
-fn principal_root(z: Complex<f64>) -> Complex<f64> {
+pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
     let modulus = (z.re * z.re + z.im * z.im).sqrt();
     if z.re >= 0.0 {
         let re = (0.5 * (modulus + z.re)).sqrt();

@@ -5,8 +5,8 @@ use super::rung::Rung;
 use crate::coupled::model::Operators;
 use crate::scene::{Escalation, Fidelity, Scene};
 
-/// Load and speed over the nominal ones, and rise of the contact temperature over the planned one, up to which a plan holds:
-/// more than the largest speed of a sinusoid over its mean.
+/// Load, speed and friction work over the nominal ones, and rise of the contact temperature over the planned one, up to which a
+/// plan holds: more than the largest speed of a sinusoid over its mean.
 const PLANNED: f64 = 2.0;
 
 /// See the module. Built when initialisation ends.
@@ -29,8 +29,7 @@ impl Ladder {
     /// A text with the numbers where a body, or the run-in state, does not exist.
     pub fn new(scene: &Scene) -> Result<Ladder, String> {
         let requested = scene.clone();
-        // A tolerance that nobody chose is none to choose a level by: auto is then lumped.
-        if scene.fidelity != Fidelity::Auto || !scene.own_tolerance {
+        if scene.fidelity != Fidelity::Auto {
             return Ok(Ladder { requested, plan: None, first: Operators::new(scene)?, next: None });
         }
         let planned = super::make(scene)?;
@@ -62,13 +61,24 @@ impl Ladder {
         self.requested.escalation
     }
 
-    /// How far speed (m/s), load (N) and rise of the contact temperature (K) are beyond what was planned for: 1 at its
-    /// limit. 0 without a plan that compared levels.
-    pub fn excess(&self, speed: f64, load: f64, rise: f64) -> f64 {
+    /// Friction work (J) of nominal load and velocity over the nominal duration.
+    pub fn planned_work(&self) -> f64 {
+        let scene = &self.requested;
+        let force = scene.friction_coefficient * scene.nominal_load * scene.faces * self.first.mean().power_factor;
+        force * scene.nominal_velocity * scene.nominal_duration
+    }
+
+    /// How far speed (m/s), load (N), rise of the contact temperature (K) and friction work (J) are beyond what was planned
+    /// for: 1 at its limit. 0 without a plan that compared levels. The work stands for a run longer than planned: what the
+    /// heat's distribution changes adds up with the heat.
+    pub fn excess(&self, speed: f64, load: f64, rise: f64, work: f64) -> f64 {
         let Some(plan) = self.plan.as_ref().filter(|plan| plan.probe_steps > 0) else { return 0.0 };
         let scene = &self.requested;
         let over = |value: f64, planned: f64| if planned > 0.0 { value.abs() / (PLANNED * planned) } else { 0.0 };
-        over(speed, scene.nominal_velocity).max(over(load, scene.nominal_load)).max(over(rise, plan.rise))
+        over(speed, scene.nominal_velocity)
+            .max(over(load, scene.nominal_load))
+            .max(over(rise, plan.rise))
+            .max(over(work, self.planned_work()))
     }
 
     /// Estimated relative error of the level a run stands on.

@@ -228,8 +228,6 @@ pub struct Scene {
     pub scheme: Scheme,
     pub escalation: Escalation,
     pub tolerance: f64,
-    /// The tolerance is the scene's own, neither the importer's nor the default.
-    pub own_tolerance: bool,
     pub wear_acceleration: f64,
 }
 
@@ -360,7 +358,6 @@ impl Scene {
                 _ => Escalation::NextCommunicationPoint,
             },
             tolerance: tolerance.clamp(1e-10, 0.5),
-            own_tolerance: own_tolerance > 0.0,
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene)?;

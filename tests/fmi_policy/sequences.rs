@@ -130,11 +130,24 @@ fn moved(name: &str, from: Stage) -> Stage {
     }
 }
 
+/// Whether the sequences of this seed leave the level to `auto`, whose plans and finer rungs take most of the time.
+fn planned(seed: usize) -> bool {
+    seed.is_multiple_of(15)
+}
+
+/// Takes the lumped level, except where the sequences of this seed are `planned`.
+fn level(importer: &Importer, seed: usize) {
+    if !planned(seed) {
+        assert_eq!(importer.set_integer("solver.fidelity", 2), OK);
+    }
+}
+
 #[test]
 fn random_sequences_keep_to_the_state_machine() {
-    for seed in 1..=60 {
-        let mut random = Random(seed * 0x9e37_79b9);
+    for seed in 1..=60_usize {
+        let mut random = Random(seed as u64 * 0x9e37_79b9);
         let importer = Importer::new();
+        level(&importer, seed);
         let mut stage = Stage::Instantiated;
         for _ in 0..200 {
             let (name, allowed, status, call) = GRID[random.below(GRID.len())];
@@ -154,6 +167,9 @@ fn random_sequences_keep_to_the_state_machine() {
                     assert_eq!(importer.free(&mut state), OK);
                 } else {
                     stage = moved(name, stage);
+                    if name == "fmi2Reset" {
+                        level(&importer, seed);
+                    }
                 }
             } else {
                 assert_eq!(importer.bytes(), before, "{seed}, {name}, {stage:?}");
@@ -167,9 +183,10 @@ fn random_sequences_keep_to_the_state_machine() {
 #[test]
 fn random_values_never_give_a_crash_or_garbage() {
     let mut steps = 0;
-    for seed in 1..=60 {
-        let mut random = Random(seed * 0x51_7cc1);
+    for seed in 1..=60_usize {
+        let mut random = Random(seed as u64 * 0x51_7cc1);
         let importer = Importer::new();
+        level(&importer, seed);
         for _ in 0..150 {
             let one = random.below(sliding_contact::variables::COUNT + 2) as u32;
             let value = random.real();
@@ -183,7 +200,11 @@ fn random_values_never_give_a_crash_or_garbage() {
                 6 => unsafe { fmi2GetReal(importer.component, &one, 1, &mut 0.0) },
                 7 => importer.setup(Some(value), random.real(), Some(random.real())),
                 8 => unsafe { fmi2GetDirectionalDerivative(importer.component, &one, 1, &1, 1, &value, &mut 0.0) },
-                9 => importer.reset(),
+                9 => {
+                    let status = importer.reset();
+                    level(&importer, seed);
+                    status
+                }
                 10 => {
                     let _ = (importer.enter(), importer.exit());
                     importer.terminate()

@@ -19,7 +19,7 @@ const SEEDS: [u64; 3] = [0, 3, 9];
 fn plans_meet_their_tolerance_at_the_cost_of_the_cheapest_setting() {
     for seed in SEEDS {
         let scene = generate(seed);
-        let truth = truth(&scene, 17, 1e-3).unwrap();
+        let truth = truth(&scene, 17).unwrap();
         for tolerance in [1e-1, 1e-2] {
             let judged = judge(&scene, tolerance, &truth).unwrap();
             let name = scene.name();
@@ -79,11 +79,10 @@ fn plans_are_made_by_the_tolerance_of_the_scene() {
         component.initialise(importer).unwrap();
         component.messages().next().unwrap().text.clone()
     };
-    // A tolerance that the scene does not give is none to choose a level by.
-    for importer in [None, Some(0.5), Some(1e-3)] {
-        let text = plan(0.0, importer);
-        assert!(text.contains("level lumped"), "{text}");
-    }
+    let default = plan(0.0, None);
+    assert!(default.contains("tolerance 1e-3 from the default; auto takes line"), "{default}");
+    let importer = plan(0.0, Some(0.1));
+    assert!(importer.contains("tolerance 1e-1 from the importer; auto takes lumped"), "{importer}");
     let fine = plan(1e-3, Some(0.5));
     assert!(fine.contains("tolerance 1e-3 from solver.tolerance; auto takes line"), "{fine}");
     let rough = plan(0.5, Some(1e-3));
@@ -162,6 +161,32 @@ fn a_run_beyond_the_plan_goes_on_one_rung_higher_with_its_wear_and_heat() {
     component.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
     component.step(1.0).unwrap();
     assert_eq!(read(&mut component), once);
+}
+
+#[test]
+fn a_run_that_outlasts_its_plan_leaves_it() {
+    let short = [LUMPED_ENOUGH, &[("nominal.duration", 4.0)]].concat();
+    // A quarter of nominal power: twice the planned work is done after 32 s.
+    let start = |changes: &[(&str, f64)]| {
+        let mut component = component(changes);
+        component.messages().for_each(drop);
+        component.set_input(reference("sliding_velocity"), 5.0);
+        component.set_input(reference("normal_load"), 2.5e3);
+        component.step(31.0).unwrap();
+        assert_eq!(component.messages().count(), 0);
+        component
+    };
+    let mut component = start(&short);
+    component.step(2.0).unwrap();
+    let messages: Vec<_> = component.messages().map(|message| message.text.clone()).collect();
+    let expected = |text: &String| text.contains("J of friction, planned for") && text.contains("goes on");
+    assert!(messages.iter().any(expected), "{messages:?}");
+    // Where the level stays, its error grows with the work.
+    let mut stays = start(&[&short[..], &[("solver.escalation", 1.0)]].concat());
+    let within = stays.get(reference("estimated_error"));
+    stays.step(97.0).unwrap();
+    let beyond = stays.get(reference("estimated_error"));
+    assert!((3.5..=4.5).contains(&(beyond / within)), "{beyond} of {within}");
 }
 
 #[test]

@@ -113,6 +113,11 @@ impl Line {
         self.mean.state()
     }
 
+    /// Work (J) of the friction force on all faces since initialisation.
+    pub fn friction_work(&self) -> f64 {
+        self.mean.friction_work()
+    }
+
     /// Appends the contact's state as numbers.
     pub fn save(&self, out: &mut Vec<f64>) {
         let mut state = self.state.clone();

@@ -11,6 +11,7 @@ pub mod operators;
 pub mod outputs;
 mod plain;
 pub mod point;
+pub mod shares;
 pub mod stage;
 mod stage_body;
 mod stages;
@@ -153,6 +154,11 @@ impl Lumped {
     /// Everything that changes.
     pub fn state(&self) -> &State {
         &self.state
+    }
+
+    /// Work (J) of the friction force on all faces since initialisation.
+    pub fn friction_work(&self) -> f64 {
+        self.state.dissipated * self.operators.area * self.operators.scene.faces
     }
 
     /// Replaces everything that changes.

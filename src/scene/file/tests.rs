@@ -81,7 +81,10 @@ fn an_explicit_key_overrides_the_material_wherever_it_stands() {
 #[test]
 fn the_experiment_follows_the_nominal_duration() {
     let scene = parse("name = \"a\"\nnominal.duration = \"1 h\"\nexperiment.start = 100").unwrap();
-    assert_eq!(scene.packaged.experiment, Experiment { start: 100.0, stop: 3700.0, step: 3.6, tolerance: 1e-3 });
+    assert_eq!(
+        scene.packaged.experiment,
+        Experiment { start: 100.0, stop: 3700.0, step: 3.6, tolerance: STOCK_EXPERIMENT.tolerance }
+    );
 }
 
 #[test]

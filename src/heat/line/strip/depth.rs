@@ -16,7 +16,7 @@
 //! layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
 
 use crate::elastic::{self, Material};
-use crate::heat::slab::{Base, Slab};
+use crate::heat::slab::{Base, Slab, principal_root};
 use nalgebra::{Complex, DMatrix, Matrix4, SymmetricEigen, Vector4};
 
 /// What makes the surface move under heat.
@@ -32,23 +32,25 @@ pub struct Expansion {
 
 /// The layer at one wave number q > 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Depth<'a> {
-    slab: &'a Slab,
+pub struct Depth {
+    slab: Slab,
     number: f64,
     /// `2 (1+nu) alpha` times A and B; `None`: nothing expands.
     dilatation: Option<(f64, f64)>,
+    /// exp(-q h).
+    fall: f64,
 }
 
-impl<'a> Depth<'a> {
+impl Depth {
     /// The layer `slab` at the wave number `number`.
-    pub fn new(slab: &'a Slab, expansion: Option<&Expansion>, number: f64) -> Depth<'a> {
+    pub fn new(slab: &Slab, expansion: Option<&Expansion>, number: f64) -> Depth {
         let dilatation = expansion.map(|expansion| {
             let nu = expansion.material.poissons_ratio();
             let (direct, reflected) = dilatation(expansion.base, nu, number * slab.height);
             let factor = 2.0 * (1.0 + nu) * expansion.coefficient;
             (factor * direct, factor * reflected)
         });
-        Depth { slab, number, dilatation }
+        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp() }
     }
 
     /// Z(q, s), K m2/W.
@@ -58,9 +60,26 @@ impl<'a> Depth<'a> {
 
     /// D(q, s), m3/W; 0 where nothing expands.
     pub fn distortion(&self, s: Complex<f64>) -> Complex<f64> {
-        let Some((direct, reflected)) = self.dilatation else { return Complex::from(0.0) };
+        self.respond(s)[1]
+    }
+
+    /// Z and D at once.
+    pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let (q, h) = (self.number, self.slab.height);
-        let kappa = (s / self.slab.diffusivity() + q * q).sqrt();
+        let impedance = self.impedance(s);
+        let Some((direct, reflected)) = self.dilatation else { return [impedance, Complex::from(0.0)] };
+        let kappa = principal_root(s / self.slab.diffusivity() + q * q);
+        // Integrals over the depth of the four products of exponentials.
+        let slow = self.fall;
+        if kappa.re * h > UNFELT {
+            // What is heated ends above the base.
+            let mut integral = direct / (kappa + q);
+            if reflected != 0.0 {
+                // Only waves of q h up to 20 reflect, so the two decays differ.
+                integral += slow * reflected / (kappa - q);
+            }
+            return [impedance, -impedance * integral];
+        }
         let reflection = match self.slab.base {
             Base::Held => Complex::from(-1.0),
             Base::Insulated => Complex::from(1.0),
@@ -69,11 +88,10 @@ impl<'a> Depth<'a> {
                 (1.0 - beta) / (1.0 + beta)
             }
         };
-        // Integrals over the depth of the four products of exponentials.
-        let (slow, fast) = ((-q * h).exp(), (-kappa * h).exp());
+        let fast = (-kappa * h).exp();
         let together = (1.0 - slow * fast) / (kappa + q);
         let difference = (kappa - q) * h;
-        let apart = if difference.norm() < 1e-3 {
+        let apart = if difference.norm() < CONFLUENT {
             // (1 - exp(-x))/x
             slow * h * (1.0 - 0.5 * difference + difference * difference / 6.0 - difference.powi(3) / 24.0)
         } else {
@@ -81,7 +99,7 @@ impl<'a> Depth<'a> {
         };
         let integral =
             together * direct + apart * reflected + reflection * fast * (apart * direct + together * reflected);
-        -self.impedance(s) * integral / (1.0 + reflection * fast * fast)
+        [impedance, -impedance * integral / (1.0 + reflection * fast * fast)]
     }
 
     /// Reduces the layer to states that answer frequencies from `slowest` to `fastest` (1/s, of what drives it as of its own
@@ -190,6 +208,10 @@ impl<'a> Depth<'a> {
     }
 }
 
+/// Decay through the depth, in units of 1/h, from which on the base is not felt to rounding.
+const UNFELT: f64 = 40.0;
+/// Difference of two decays, in units of 1/h, below which their integral is that of a series.
+const CONFLUENT: f64 = 1e-3;
 /// Frequencies at which the rest is looked at.
 const FREQUENCIES: usize = 16;
 /// Part of a trial field, squared, that the others must leave.
@@ -213,10 +235,15 @@ impl DepthModes {
         self.rate.iter().zip(&self.temperature).map(|(rate, b)| b * b / (s + rate)).sum()
     }
 
-    /// Reduced D(q, s).
-    pub fn distortion(&self, s: Complex<f64>) -> Complex<f64> {
-        let observed = self.temperature.iter().zip(&self.distortion);
-        self.rate.iter().zip(observed).map(|(rate, (b, d))| b * d / (s + rate)).sum()
+    /// Reduced Z and D at once.
+    pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
+        let mut sums = [Complex::from(0.0); 2];
+        for (rate, (b, d)) in self.rate.iter().zip(self.temperature.iter().zip(&self.distortion)) {
+            let part = (s + rate).inv() * b;
+            sums[0] += part * b;
+            sums[1] += part * d;
+        }
+        sums
     }
 }
 
@@ -301,12 +328,12 @@ mod tests {
                 assert!(modes.rate.iter().all(|rate| *rate > 0.0));
                 // What answers at once at rest makes up for the weakened state.
                 let rest = depth.impedance(Complex::from(0.0)) - modes.impedance(Complex::from(0.0));
-                let still = depth.distortion(Complex::from(0.0)) - modes.distortion(Complex::from(0.0));
+                let still = depth.distortion(Complex::from(0.0)) - modes.respond(Complex::from(0.0))[1];
                 for frequency in [0.0, 0.01, 1.0, 30.0, 1e3] {
                     let s = Complex::new(0.0, frequency);
                     let (z, d) = (depth.impedance(s), depth.distortion(s));
                     let error = (modes.impedance(s) + rest - z).norm();
-                    let moved = (modes.distortion(s) + still - d).norm();
+                    let moved = (modes.respond(s)[1] + still - d).norm();
                     let bound = if frequency < 1e3 { 4e-4 } else { 4e-3 };
                     assert!(
                         error < bound * depth.impedance(Complex::from(0.0)).norm(),

@@ -12,6 +12,7 @@ use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::{Base, CoolingPort, Slab};
 use nalgebra::Complex;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Path of the contact on the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -92,7 +93,7 @@ pub struct Operators {
     pub waves: Vec<Wave>,
     /// Their wave numbers, 1/m.
     pub numbers: Vec<f64>,
-    pub shapes: Shapes,
+    pub shapes: Arc<Shapes>,
     /// `2 count/L`: what a wave's amplitude counts in the temperature.
     pub weight: Vec<f64>,
     /// Places of the states of all waves.
@@ -115,7 +116,9 @@ pub struct Operators {
     pub steady: f64,
     pub table: VelocityTable,
     pub give_back: Option<GiveBack>,
-    /// Mean over the contact of a wave's real amplitude.
+    /// Even and odd parts on the cells that a wave's real and imaginary amplitude show: (N + 1)/2 rows, one column per wave.
+    pub seen: [Vec<f64>; 2],
+    /// Mean over the contact of what a state's real part shows.
     pub contact_mean: Vec<f64>,
     pub error: f64,
 }
@@ -212,7 +215,7 @@ impl Operators {
             // Neighbouring copies of the contact with opposite signs: no mean, and the midpoint rule of the endless path.
             waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
         }
-        let shapes = Shapes::new(cells, &waves);
+        let shapes = Arc::new(Shapes::new(cells, &waves));
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
         let mean = slab.reduce(resolution.duration, tolerance);
@@ -233,22 +236,9 @@ impl Operators {
             }
         }
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        let remainder = Remainder {
-            cells,
-            slab: &slab,
-            bare: &bare,
-            expansion,
-            period,
-            last,
-            waves: &waves,
-            shapes: &shapes,
-            modes: &modes,
-            fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
-        };
         // The slowest motion that the waves as long as the contact can tell from rest.
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
-        let table = VelocityTable::new(&remainder, shapes.half(), slow, limit);
         // As many states as any shorter wave has: those it does not need stay 0.
         let mut counts: Vec<usize> = modes.iter().map(|mode| mode.rate.len()).collect();
         for wave in (1..counts.len()).rev() {
@@ -265,6 +255,19 @@ impl Operators {
                 distortion[place] = mode.distortion.get(k).copied().unwrap_or(0.0);
             }
         }
+        let remainder = Remainder {
+            cells: cells.clone(),
+            slab,
+            bare,
+            expansion: expansion.copied(),
+            period,
+            last,
+            waves: waves.clone(),
+            shapes: shapes.clone(),
+            modes,
+            fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
+        };
+        let table = VelocityTable::new(remainder, slow, limit);
         let mut operators = Operators {
             half: shapes.half(),
             period,
@@ -283,6 +286,7 @@ impl Operators {
             steady: 10.0 * tolerance.min(1e-3),
             table,
             give_back: None,
+            seen: Default::default(),
             contact_mean: Vec::new(),
             error,
             numbers: waves.iter().map(|wave| wave.number).collect(),
@@ -290,9 +294,18 @@ impl Operators {
             shapes,
             widths,
         };
-        operators.contact_mean = (0..operators.waves.len())
-            .map(|wave| operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width)
-            .collect();
+        operators.seen = std::array::from_fn(|part| {
+            let columns = operators.shapes.matrices()[part].chunks_exact(operators.half).zip(&operators.weight);
+            let sign = [1.0, -1.0][part];
+            columns.flat_map(|(column, weight)| column.iter().map(move |shape| sign * weight * shape)).collect()
+        });
+        operators.contact_mean = vec![0.0; operators.rate.len()];
+        for wave in 0..operators.waves.len() {
+            let mean = operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width;
+            for k in of_wave(&operators.levels, wave) {
+                operators.contact_mean[k] = mean * operators.temperature[k];
+            }
+        }
         if convection > 0.0 {
             operators.give_back = Some(GiveBack::new(cells, convection, &operators));
         }
@@ -376,26 +389,34 @@ impl Operators {
         }
     }
 
-    /// Values on the cells: `level` plus what the waves of these amplitudes give.
+    /// Values on the cells, of temperature and distortion: a level each plus what the waves of these amplitudes give.
     pub fn observe(
         &self,
-        amplitude: &[Vec<f64>; 2],
-        weighted: &mut [Vec<f64>; 2],
-        parts: &mut [Vec<f64>; 2],
-        level: f64,
-        values: &mut [f64],
+        amplitudes: [&[Vec<f64>; 2]; 2],
+        parts: &mut [[Vec<f64>; 2]; 2],
+        levels: [f64; 2],
+        values: [&mut [f64]; 2],
     ) {
-        parts.iter_mut().for_each(|part| part.fill(0.0));
-        let [into_even, into_odd] = parts;
-        for (wave, weight) in self.weight.iter().enumerate() {
-            weighted[0][wave] = weight * amplitude[0][wave];
-            weighted[1][wave] = -weight * amplitude[1][wave];
+        let [[warm_re, warm_im], [moved_re, moved_im]] = amplitudes;
+        parts.iter_mut().flatten().for_each(|part| part.fill(0.0));
+        let [[warm_even, warm_odd], [moved_even, moved_odd]] = parts;
+        let [even, odd] = &self.seen;
+        dense::multiply_add_pair(even, [warm_re, moved_re], [warm_even, moved_even]);
+        dense::multiply_add_pair(odd, [warm_im, moved_im], [warm_odd, moved_odd]);
+        for ((values, level), [even, odd]) in values.into_iter().zip(levels).zip(parts) {
+            values.fill(level);
+            self.unfold_onto([even, odd], values);
         }
-        let [even, odd] = self.shapes.matrices();
-        dense::multiply_add(even, &weighted[0], into_even);
-        dense::multiply_add(odd, &weighted[1], into_odd);
+    }
+
+    /// One of them.
+    pub fn observe_one(&self, amplitude: &[Vec<f64>; 2], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
+        parts.iter_mut().for_each(|part| part.fill(0.0));
+        for ((matrix, amplitude), part) in self.seen.iter().zip(amplitude).zip(&mut *parts) {
+            dense::multiply_add(matrix, amplitude, part);
+        }
         values.fill(level);
-        self.unfold_onto([into_even, into_odd], values);
+        self.unfold_onto([&parts[0], &parts[1]], values);
     }
 }
 

@@ -11,10 +11,15 @@ use super::operators::Forgetting;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::contact::dense;
 use crate::elastic::Cells;
-use crate::heat::slab::Slab;
-use nalgebra::{Complex, DMatrix, SymmetricEigen};
+use crate::heat::slab::{Slab, principal_root};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::{Col, Mat, Par};
+use nalgebra::{Complex, DMatrix};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
+use std::fmt;
+use std::sync::Arc;
 
 /// A translation-invariant response on symmetric cells, per heat (W/m) into a cell, split by parity.
 ///
@@ -154,19 +159,13 @@ impl Blocks {
     /// What a reduction leaves out at a frequency just beyond its range has a real part of either sign. As an answer at
     /// once, a negative one lets two bodies that exchange heat raise each other's flux without end in steps short
     /// against the range; what is taken away is below the reduction's own error.
-    pub fn make_passive(&mut self) {
+    pub fn make_passive(&mut self, room: &mut Passive) {
         let (half, size) = (self.half, self.half * self.half);
         for block in [0, 2] {
             let values = &mut self.values[block * size..(block + 1) * size];
-            let mut matrix = DMatrix::from_column_slice(half, half, values);
-            matrix = 0.5 * (&matrix + matrix.transpose());
-            let shift = 1e-12 * matrix.diagonal().amax();
-            if (&matrix + DMatrix::identity(half, half) * shift).cholesky().is_some() {
-                continue;
+            if !room.is_passive(values, half) {
+                room.project(values, half);
             }
-            let mut eigen = SymmetricEigen::new(matrix);
-            eigen.eigenvalues.iter_mut().for_each(|value| *value = value.max(0.0));
-            values.copy_from_slice(eigen.recompose().as_slice());
         }
     }
 
@@ -230,19 +229,104 @@ fn column<S: Simd>(
     bottom.iter_mut().rev().zip(&*mirrored).for_each(|(value, mirrored)| *value = *mirrored);
 }
 
+/// Memory in which a symmetric matrix loses its negative eigenvalues.
+pub struct Passive {
+    matrix: Mat<f64>,
+    vectors: Mat<f64>,
+    values: Col<f64>,
+    stack: MemBuffer,
+}
+
+impl fmt::Debug for Passive {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("Passive").field("size", &self.values.nrows()).finish()
+    }
+}
+
+impl Passive {
+    /// For matrices of this size.
+    pub fn new(size: usize) -> Passive {
+        let eigenvectors = ComputeEigenvectors::Yes;
+        let stack = self_adjoint_evd_scratch::<f64>(size, eigenvectors, Par::Seq, Default::default());
+        Passive {
+            matrix: Mat::zeros(size, size),
+            vectors: Mat::zeros(size, size),
+            values: Col::zeros(size),
+            stack: MemBuffer::new(stack),
+        }
+    }
+
+    fn set(&mut self, values: &[f64], size: usize) {
+        for j in 0..size {
+            for i in 0..size {
+                self.matrix[(i, j)] = 0.5 * (values[j * size + i] + values[i * size + j]);
+            }
+        }
+    }
+
+    /// Whether the symmetric part has no eigenvalue below 0, but for rounding: its Cholesky factor exists.
+    fn is_passive(&mut self, values: &[f64], size: usize) -> bool {
+        self.set(values, size);
+        let matrix = &mut self.matrix;
+        let shift = 1e-12 * (0..size).map(|i| matrix[(i, i)].abs()).fold(0.0, f64::max);
+        for k in 0..size {
+            let mut pivot = matrix[(k, k)] + shift;
+            for i in 0..k {
+                pivot -= matrix[(i, k)] * matrix[(i, k)];
+            }
+            if pivot.is_nan() || pivot <= 0.0 {
+                return false;
+            }
+            let root = pivot.sqrt();
+            // The upper factor by columns: both sums run down a column.
+            for j in k + 1..size {
+                let mut entry = matrix[(k, j)];
+                for i in 0..k {
+                    entry -= matrix[(i, k)] * matrix[(i, j)];
+                }
+                matrix[(k, j)] = entry / root;
+            }
+        }
+        true
+    }
+
+    /// Sets the matrix to its symmetric part without the negative eigenvalues.
+    fn project(&mut self, values: &mut [f64], size: usize) {
+        self.set(values, size);
+        let stack = MemStack::new(&mut self.stack);
+        let (diagonal, vectors) = (self.values.as_diagonal_mut(), self.vectors.as_mut());
+        let found =
+            self_adjoint_evd(self.matrix.as_ref(), diagonal, Some(vectors), Par::Seq, stack, Default::default());
+        if found.is_err() {
+            // Of numbers that are none.
+            return;
+        }
+        values.fill(0.0);
+        for k in 0..size {
+            let eigenvalue = self.values[k].max(0.0);
+            let vector = self.vectors.col_as_slice(k);
+            for (column, part) in values.chunks_exact_mut(size).zip(vector) {
+                let part = eigenvalue * part;
+                column.iter_mut().zip(vector).for_each(|(entry, other)| *entry += part * other);
+            }
+        }
+    }
+}
+
 /// What the sums of the remainder are made of.
-pub struct Remainder<'a> {
-    pub cells: &'a Cells,
+#[derive(Debug)]
+pub struct Remainder {
+    pub cells: Cells,
     /// The layer with and without heat transfer on its surface.
-    pub slab: &'a Slab,
-    pub bare: &'a Slab,
-    pub expansion: Option<&'a Expansion>,
+    pub slab: Slab,
+    pub bare: Slab,
+    pub expansion: Option<Expansion>,
     pub period: f64,
     /// Number of the last harmonic that has states.
     pub last: usize,
-    pub waves: &'a [Wave],
-    pub shapes: &'a Shapes,
-    pub modes: &'a [DepthModes],
+    pub waves: Vec<Wave>,
+    pub shapes: Arc<Shapes>,
+    pub modes: Vec<DepthModes>,
     /// On fresh material: frequency below which nothing counts as steady, 1/s, and how the states forget.
     pub fresh: Option<(f64, Forgetting)>,
 }
@@ -253,20 +337,51 @@ const NEAR_IMAGES: f64 = 0.3;
 const HALF_PLANE: f64 = 18.0;
 /// Wave number, in units of the contact's width, below which the endless path's integral has no structure left.
 const SLOWEST_WAVE: f64 = 1e-7;
+/// Wave number, in units of the contact's width, below which what is removed is smooth in the root of the wave number, where
+/// the contact slides by twice that in widths over the time of diffusion across the width, or faster.
+const LONGEST_SLIDING: f64 = 0.5;
 /// The distortion's sum, which falls like 1/q^2, goes on to this multiple of the last wave number with states.
 const DISTORTION_REACH: f64 = 4.0;
 
-/// Waves of the integrals, with their shapes: prepared once for all velocities.
+/// Waves of an integral over the wave number.
+#[derive(Debug)]
+struct Integral {
+    waves: Vec<Wave>,
+    shapes: Shapes,
+    /// The layer at each of them.
+    depths: Vec<Depth>,
+}
+
+impl Integral {
+    fn new(cells: &Cells, slab: &Slab, expansion: Option<&Expansion>, waves: Vec<Wave>) -> Integral {
+        Integral {
+            shapes: Shapes::new(cells, &waves),
+            depths: waves.iter().map(|wave| Depth::new(slab, expansion, wave.number)).collect(),
+            waves,
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (&Wave, &Depth)> {
+        self.waves.iter().zip(&self.depths)
+    }
+}
+
+/// Waves of the integrals: prepared once for all velocities.
+#[derive(Debug)]
 pub struct Integrals {
-    removed: Vec<Wave>,
-    removed_shapes: Shapes,
-    beyond: Vec<Wave>,
-    beyond_shapes: Shapes,
+    /// The layer at the waves with states.
+    depths: Vec<Depth>,
+    removed: Integral,
+    /// What is removed while sliding, without the scales that only rest has.
+    removed_sliding: Option<Integral>,
+    beyond: Integral,
+    /// The two harmonics about the end of those with states.
+    ends: Shapes,
     images: bool,
 }
 
 /// Gains of waves that are summed together: of temperature, and of distortion where there is one.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Sums {
     warm: Vec<Complex<f64>>,
     moved: Vec<Complex<f64>>,
@@ -282,7 +397,9 @@ impl Sums {
     /// Adds the sums over these waves, and begins anew.
     fn add_to(&mut self, shapes: &Shapes, temperature: &mut Blocks, distortion: &mut Blocks) {
         self.terms.resize(self.warm.len(), 0.0);
-        temperature.add_waves(&self.warm, shapes, &mut self.terms);
+        if self.warm.iter().any(|gain| *gain != Complex::from(0.0)) {
+            temperature.add_waves(&self.warm, shapes, &mut self.terms);
+        }
         if !self.moved.is_empty() {
             distortion.add_waves(&self.moved, shapes, &mut self.terms);
         }
@@ -291,7 +408,32 @@ impl Sums {
     }
 }
 
-impl Remainder<'_> {
+/// Memory that the sums are taken in.
+#[derive(Debug)]
+pub struct Room {
+    sums: Sums,
+    source: MovingSource,
+    pub passive: Passive,
+}
+
+impl Room {
+    /// For these integrals: nothing in it grows later.
+    pub fn new(remainder: &Remainder, integrals: &Integrals) -> Room {
+        let counts = [remainder.waves.len(), integrals.removed.waves.len(), integrals.beyond.waves.len()];
+        let most = counts.into_iter().max().unwrap_or(0);
+        Room {
+            sums: Sums {
+                warm: Vec::with_capacity(most),
+                moved: Vec::with_capacity(most),
+                terms: Vec::with_capacity(most),
+            },
+            source: MovingSource::new(remainder.cells.count()),
+            passive: Passive::new(remainder.shapes.half()),
+        }
+    }
+}
+
+impl Remainder {
     fn spacing(&self) -> f64 {
         2.0 * PI / self.period
     }
@@ -299,43 +441,47 @@ impl Remainder<'_> {
     /// See [`Integrals`].
     pub fn integrals(&self) -> Integrals {
         let width = 2.0 * self.cells.half_width();
-        let images = width > NEAR_IMAGES * self.period;
+        let fresh = self.fresh.is_some();
+        let images = !fresh && width > NEAR_IMAGES * self.period;
         let reach = if images { width + self.period } else { width };
         let last = (self.last as f64 + 0.5) * self.spacing();
-        if self.fresh.is_some() {
-            let mut end = (HALF_PLANE / self.slab.height).max(last);
-            if self.expansion.is_some() {
-                end = end.max(DISTORTION_REACH * last);
-            }
-            let removed = continuous(SLOWEST_WAVE / width, end, width);
-            return Integrals {
-                removed_shapes: Shapes::new(self.cells, &removed),
-                beyond_shapes: Shapes::new(self.cells, &[]),
-                removed,
-                beyond: Vec::new(),
-                images: false,
-            };
-        }
-        let removed = continuous(1e-6 / width, last, reach);
-        let mut beyond = Vec::new();
         let mut end = HALF_PLANE / self.slab.height;
         if self.expansion.is_some() {
             end = end.max(DISTORTION_REACH * last);
         }
-        if end > last {
-            beyond = continuous(last, end, reach).split_off(CONTINUOUS);
-        }
+        let expansion = self.expansion.as_ref();
+        let integral = |slab: &Slab, waves: Vec<Wave>| Integral::new(&self.cells, slab, expansion, waves);
+        let (removed, removed_sliding, beyond) = if fresh {
+            (integral(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width)), None, Vec::new())
+        } else {
+            let beyond = if end > last { continuous(last, end, reach).split_off(CONTINUOUS) } else { Vec::new() };
+            let sliding = integral(&self.bare, continuous(LONGEST_SLIDING / width, last, reach));
+            (integral(&self.bare, continuous(1e-6 / width, last, reach)), Some(sliding), beyond)
+        };
+        let ends = [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic));
         Integrals {
-            removed_shapes: Shapes::new(self.cells, &removed),
-            beyond_shapes: Shapes::new(self.cells, &beyond),
+            depths: self.waves.iter().map(|wave| Depth::new(&self.slab, expansion, wave.number)).collect(),
             removed,
-            beyond,
+            removed_sliding,
+            beyond: integral(&self.bare, beyond),
+            ends: Shapes::new(&self.cells, &ends),
             images,
         }
     }
 
+    fn harmonic(&self, number: usize) -> Wave {
+        Wave { number: self.spacing() * number as f64, count: 1.0 }
+    }
+
     /// Temperature and distortion per heat at the velocity `velocity` >= 0.
-    pub fn at(&self, velocity: f64, integrals: &Integrals, temperature: &mut Blocks, distortion: &mut Blocks) {
+    pub fn at(
+        &self,
+        velocity: f64,
+        integrals: &Integrals,
+        room: &mut Room,
+        temperature: &mut Blocks,
+        distortion: &mut Blocks,
+    ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         temperature.clear();
         distortion.clear();
@@ -343,41 +489,44 @@ impl Remainder<'_> {
         let slow = 1e-4 * diffusivity / self.cells.half_width();
         let moving = velocity.max(slow);
         let turning = |q: f64| Complex::new(0.0, -q * moving);
-        let half_plane = |q: f64| ((q * q + turning(q) / diffusivity).sqrt() * conductivity).inv();
+        let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
         if let Some(fresh) = self.fresh {
-            self.add_fresh(velocity, moving, fresh, integrals, [temperature, distortion]);
+            self.add_fresh(velocity, moving, fresh, integrals, room, [temperature, distortion]);
             return;
         }
-        let mut sums = Sums::default();
-        for (wave, modes) in self.waves.iter().zip(self.modes) {
+        let Room { sums, source, .. } = room;
+        let expands = self.expansion.is_some();
+        for ((wave, depth), modes) in self.waves.iter().zip(&integrals.depths).zip(&self.modes) {
             let s = Complex::new(0.0, -wave.number * velocity);
-            let depth = Depth::new(self.slab, self.expansion, wave.number);
             let weight = 2.0 * wave.count / self.period;
-            let moved = self.expansion.map(|_| depth.distortion(s) - modes.distortion(s));
-            sums.push(depth.impedance(s) - modes.impedance(s), moved, weight);
+            let (exact, reduced) = (depth.respond(s), modes.respond(s));
+            sums.push(exact[0] - reduced[0], expands.then(|| exact[1] - reduced[1]), weight);
         }
-        sums.add_to(self.shapes, temperature, distortion);
+        sums.add_to(&self.shapes, temperature, distortion);
         let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
         for shift in shifts {
-            let source = MovingSource::new(self.cells, shift * self.period, 0.5 * moving / diffusivity);
+            source.find(&self.cells, shift * self.period, 0.5 * moving / diffusivity);
             temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
         }
         let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
-        for wave in &integrals.removed {
+        let width = 2.0 * self.cells.half_width();
+        let removed = match &integrals.removed_sliding {
+            Some(sliding) if moving * width >= 2.0 * LONGEST_SLIDING * diffusivity => sliding,
+            _ => &integrals.removed,
+        };
+        for wave in &removed.waves {
             sums.push(-half_plane(wave.number), None, wave.count * copies(wave.number) / PI);
         }
-        sums.add_to(&integrals.removed_shapes, temperature, distortion);
-        for wave in &integrals.beyond {
-            let depth = Depth::new(self.bare, self.expansion, wave.number);
-            let mut gain = Complex::from(0.0);
-            if wave.number * self.bare.height < HALF_PLANE {
-                gain = depth.impedance(turning(wave.number)) - half_plane(wave.number);
-            }
-            let moved = self.expansion.map(|_| depth.distortion(turning(wave.number)));
-            sums.push(gain, moved, wave.count * copies(wave.number) / PI);
+        sums.add_to(&removed.shapes, temperature, distortion);
+        for (wave, depth) in integrals.beyond.iter() {
+            let s = turning(wave.number);
+            let felt = wave.number * self.bare.height < HALF_PLANE;
+            let [gain, moved] = if expands { depth.respond(s) } else { [depth.impedance(s), Complex::from(0.0)] };
+            let gain = if felt { gain - half_plane(wave.number) } else { Complex::from(0.0) };
+            sums.push(gain, expands.then_some(moved), wave.count * copies(wave.number) / PI);
         }
-        sums.add_to(&integrals.beyond_shapes, temperature, distortion);
-        self.correct_ends(integrals.images, &half_plane, temperature);
+        sums.add_to(&integrals.beyond.shapes, temperature, distortion);
+        self.correct_ends(integrals, &half_plane, temperature);
     }
 
     /// The endless path's whole response, in real space for the half-plane and as an integral over the wave number for what
@@ -388,41 +537,43 @@ impl Remainder<'_> {
         moving: f64,
         (slowest, forgetting): (f64, Forgetting),
         integrals: &Integrals,
+        room: &mut Room,
         [temperature, distortion]: [&mut Blocks; 2],
     ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        let Room { sums, source, .. } = room;
+        let expands = self.expansion.is_some();
         // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
         let forgotten = forgetting.rate(velocity);
         let share = slowest / (slowest + forgotten);
         let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
         let (lasting, still) = ((slowest * share).max(resolved), slowest * share.powi(3));
-        let source = MovingSource::new(self.cells, 0.0, 0.5 * moving / diffusivity);
+        source.find(&self.cells, 0.0, 0.5 * moving / diffusivity);
         temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
-        let mut sums = Sums::default();
-        for wave in &integrals.removed {
+        for (wave, depth) in integrals.removed.iter() {
             let q = wave.number;
-            let depth = Depth::new(self.slab, self.expansion, q);
             let s = Complex::new(lasting, -q * moving);
-            let half_plane = (Complex::new(q * q, -q * moving / diffusivity).sqrt() * conductivity).inv();
-            sums.push(depth.impedance(s) - half_plane, self.expansion.map(|_| depth.distortion(s)), wave.count / PI);
+            let half_plane = (principal_root(Complex::new(q * q, -q * moving / diffusivity)) * conductivity).inv();
+            let [gain, moved] = depth.respond(s);
+            sums.push(gain - half_plane, expands.then_some(moved), wave.count / PI);
         }
-        sums.add_to(&integrals.removed_shapes, temperature, distortion);
-        for (wave, modes) in self.waves.iter().zip(self.modes) {
+        sums.add_to(&integrals.removed.shapes, temperature, distortion);
+        for (wave, modes) in self.waves.iter().zip(&self.modes) {
             let s = Complex::new(forgotten + still, -wave.number * velocity);
             let weight = 2.0 * wave.count / self.period;
-            sums.push(-modes.impedance(s), self.expansion.map(|_| -modes.distortion(s)), weight);
+            let [warm, moved] = modes.respond(s);
+            sums.push(-warm, expands.then_some(-moved), weight);
         }
-        sums.add_to(self.shapes, temperature, distortion);
+        sums.add_to(&self.shapes, temperature, distortion);
     }
 
     /// f'/24 at the first harmonic left to the integral; the nearest images have their part of it already.
-    fn correct_ends(&self, images: bool, response: &dyn Fn(f64) -> Complex<f64>, blocks: &mut Blocks) {
-        let part = if images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
-        for (harmonic, sign) in [(self.last, -1.0), (self.last + 1, 1.0)] {
-            let wave = Wave { number: self.spacing() * harmonic as f64, count: 1.0 };
-            let shapes = Shapes::new(self.cells, &[wave]);
-            let (even, odd) = shapes.rows(0);
-            blocks.add_wave(response(wave.number) * (sign * part * 2.0 / (24.0 * self.period)), even, odd);
+    fn correct_ends(&self, integrals: &Integrals, response: &dyn Fn(f64) -> Complex<f64>, blocks: &mut Blocks) {
+        let part = if integrals.images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
+        for (end, (harmonic, sign)) in [(self.last, -1.0), (self.last + 1, 1.0)].into_iter().enumerate() {
+            let (even, odd) = integrals.ends.rows(end);
+            let gain = response(self.harmonic(harmonic).number) * (sign * part * 2.0 / (24.0 * self.period));
+            blocks.add_wave(gain, even, odd);
         }
     }
 }

@@ -61,12 +61,11 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
             body.prepare(step, [velocity, velocity]);
             let gains = body.gains(Stage::End).temperature.clone();
             let answer: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
-            let level = body.mean_level(
+            let [level, _] = body.mean_levels(
                 &vec![0.0; body.states()],
                 &Surroundings::default(),
                 &body.step.end,
                 [0.0, 2.0 * 0.0475 / 0.74],
-                true,
             );
             let computed = mean(&cells, &answer) - level;
             let steady = exact.steady_mean(velocity, 200_000);
@@ -409,6 +408,31 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
                 let (first, last) = (sizes[0], sizes[59]);
                 assert!(last < 0.1 * first, "{path:?} {velocity} m/s, {step} s: {first:e} W/m2 became {last:e}");
             }
+        }
+    }
+}
+
+#[test]
+fn answers_do_not_depend_on_when_they_were_found() {
+    let cells = Cells::graded(0.03, 9).unwrap();
+    let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-2 };
+    for path in [Path::OneWay, Path::Stroke { stroke: 0.02, length: 0.0 }] {
+        let properties = StripProperties { convection: 0.2, ..unit(0.5, Base::Held, path) };
+        let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let gains = |body: &mut StripHeat, velocity: f64| {
+            body.prepare(0.3, [velocity; 2]);
+            body.gains(Stage::End).clone()
+        };
+        let [mut planned, mut asked, mut fast] = [strip(), strip(), strip()];
+        planned.expect(900.0);
+        let velocities = [0.0, 3.0, -40.0, 800.0];
+        let expected = velocities.map(|velocity| gains(&mut planned, velocity));
+        // The fastest first, and from a copy that shares what is found.
+        let mut copy = fast.clone();
+        gains(&mut copy, 800.0);
+        for (velocity, expected) in velocities.into_iter().zip(&expected) {
+            assert_eq!(&gains(&mut asked, velocity), expected, "{path:?} {velocity}");
+            assert_eq!(&gains(&mut fast, velocity), expected, "{path:?} {velocity}");
         }
     }
 }

@@ -1,6 +1,11 @@
 //! The remainder as a table over the velocity.
+//!
+//! A knot costs as much as many steps, a scene needs few of them, and nothing is known of the velocities to come but the
+//! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
+//! of its number alone, whoever asks first.
 
-use super::remainder::{Blocks, Remainder};
+use super::remainder::{Blocks, Integrals, Remainder, Room};
+use std::sync::{Mutex, OnceLock};
 
 /// Distance of the knots in asinh(v/v0).
 const SPACING: f64 = 0.35;
@@ -9,11 +14,24 @@ const STENCIL: usize = 6;
 
 /// Responses (temperature, distortion) at the knots `v = v0 sinh(0.35 k)`, k = 0, 1, ...; the opposite velocity by symmetry,
 /// beyond the last knot the limit of fast sliding, v^(-1/2) (conduction straight down).
-#[derive(Clone, PartialEq, Debug)]
+#[derive(Debug)]
 pub struct VelocityTable {
     scale: f64,
-    temperature: Vec<Blocks>,
-    distortion: Vec<Blocks>,
+    /// Temperature and distortion, the second without values where nothing expands.
+    knots: Vec<OnceLock<[Blocks; 2]>>,
+    remainder: Remainder,
+    integrals: Integrals,
+    workshop: Mutex<Workshop>,
+}
+
+/// What knots are made in, and of.
+#[derive(Debug)]
+struct Workshop {
+    room: Room,
+    /// One for every knot that is still to be found.
+    spare: Vec<[Blocks; 2]>,
+    /// Where the distortion goes that nobody asks for.
+    unused: Blocks,
 }
 
 /// Weights of the knots for one velocity: index, weight, and whether it stands for the opposite velocity.
@@ -21,28 +39,58 @@ pub type Stencil = [(usize, f64, bool); STENCIL];
 
 impl VelocityTable {
     /// `scale` is the velocity v0 below which nothing depends on the velocity, `fastest` where the limit is reached.
-    pub fn new(remainder: &Remainder, half: usize, scale: f64, fastest: f64) -> VelocityTable {
-        let intervals = ((fastest / scale).asinh() / SPACING).ceil().max(1.0) as usize;
+    pub fn new(remainder: Remainder, scale: f64, fastest: f64) -> VelocityTable {
+        let half = remainder.shapes.half();
+        let count = ((fastest / scale).asinh() / SPACING).ceil().max(1.0) as usize + 1 + STENCIL / 2;
         let integrals = remainder.integrals();
-        let expands = remainder.expansion.is_some();
-        let (mut temperature, mut distortion) = (Vec::new(), Vec::new());
-        let mut unused = Blocks::zeros(half);
-        for knot in 0..=intervals + STENCIL / 2 {
-            let velocity = scale * (knot as f64 * SPACING).sinh();
-            let (mut warm, mut moved) = (Blocks::zeros(half), Blocks::zeros(half));
-            remainder.at(velocity, &integrals, &mut warm, if expands { &mut moved } else { &mut unused });
+        let moving = if remainder.expansion.is_some() { half } else { 0 };
+        let workshop = Workshop {
+            room: Room::new(&remainder, &integrals),
+            spare: (0..count).map(|_| [Blocks::zeros(half), Blocks::zeros(moving)]).collect(),
+            unused: Blocks::zeros(half),
+        };
+        VelocityTable {
+            scale,
+            knots: (0..count).map(|_| OnceLock::new()).collect(),
+            remainder,
+            integrals,
+            workshop: Mutex::new(workshop),
+        }
+    }
+
+    /// Finds the knots that velocities up to `velocity` ask for.
+    pub fn expect(&self, velocity: f64) {
+        let furthest = self.stencil(velocity).into_iter().map(|(knot, ..)| knot).max().unwrap_or(0);
+        (0..=furthest).for_each(|knot| {
+            self.knot(knot);
+        });
+    }
+
+    /// Both responses at a knot; takes no memory.
+    fn knot(&self, knot: usize) -> &[Blocks; 2] {
+        if let Some(known) = self.knots[knot].get() {
+            return known;
+        }
+        // What a panic may have left behind is overwritten.
+        let mut workshop = self.workshop.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        // Somebody else may just have found it.
+        if self.knots[knot].get().is_none()
+            && let Some(mut found) = workshop.spare.pop()
+        {
+            let Workshop { room, unused, .. } = &mut *workshop;
+            let expands = self.remainder.expansion.is_some();
+            let velocity = self.scale * (knot as f64 * SPACING).sinh();
+            let [warm, moved] = &mut found;
+            self.remainder.at(velocity, &self.integrals, room, warm, if expands { moved } else { unused });
             if knot == 0 {
                 // At rest the response is symmetric; what stood in for rest moves a little.
-                warm.make_symmetric();
-                moved.make_symmetric();
+                found.iter_mut().for_each(Blocks::make_symmetric);
             }
-            warm.make_passive();
-            temperature.push(warm);
-            if expands {
-                distortion.push(moved);
-            }
+            found[0].make_passive(&mut room.passive);
+            let _ = self.knots[knot].set(found);
         }
-        VelocityTable { scale, temperature, distortion }
+        drop(workshop);
+        self.knots[knot].get().expect("there is a spare one for every knot")
     }
 
     /// Velocity below which nothing depends on it, m/s.
@@ -52,7 +100,7 @@ impl VelocityTable {
 
     /// Knots and weights at a velocity.
     pub fn stencil(&self, velocity: f64) -> Stencil {
-        let last = self.temperature.len() - 1 - STENCIL / 2;
+        let last = self.knots.len() - 1 - STENCIL / 2;
         let mut position = (velocity.abs() / self.scale).asinh() / SPACING;
         let mut limit = 1.0;
         if position > last as f64 {
@@ -75,11 +123,11 @@ impl VelocityTable {
 
     /// Response at one knot of a stencil: temperature (0) or distortion (1), where the surface moves.
     pub fn response(&self, moving: usize, knot: usize) -> &Blocks {
-        if moving == 1 { &self.distortion[knot] } else { &self.temperature[knot] }
+        &self.knot(knot)[moving]
     }
 
     /// Number of knots.
     pub fn knots(&self) -> usize {
-        self.temperature.len()
+        self.knots.len()
     }
 }
