@@ -160,7 +160,7 @@ struct Assembly<'a> {
     cooled: Cooled,
     cells: &'a Cells,
     modes: Vec<Mode>,
-    error: f64,
+    errors: [f64; 2],
 }
 
 /// Effects of the steady field of one mode: at the contact and at the cooled surface, by unit flux or port.
@@ -190,7 +190,7 @@ impl<'a> Assembly<'a> {
                 Mode { wave: mode.wave, states, immediate }
             })
             .collect();
-        Assembly { across, depth, cooled, cells, modes, error: selection.error }
+        Assembly { across, depth, cooled, cells, modes, errors: [selection.error, selection.mean_error] }
     }
 
     /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
@@ -307,7 +307,8 @@ impl<'a> Assembly<'a> {
             stored_by_far: 0.0,
             uniform: Vec::with_capacity(count),
             heat_capacity: self.capacity() * width * self.depth.height,
-            error: self.error,
+            error: self.errors[0],
+            mean_error: self.errors[1],
         };
         let mut first = 0;
         for mode in &self.modes {
