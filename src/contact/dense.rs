@@ -293,64 +293,101 @@ pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f
 /// Rows up to which a product keeps its sums in registers while the columns pass: then it reads nothing twice. More rows are
 /// read column after column, as they lie.
 const NARROW: usize = 72;
-/// Vectors of rows that pass together, and most numbers in one.
-const ABREAST: usize = 8;
+/// Most numbers in a vector.
 const MOST_LANES: usize = 8;
 
-/// Adds the product of some rows, V vectors of them from row `row` on; with `REST` also the rows behind these, fewer than
-/// a vector, which reaches back over rows that are done.
+/// Adds the products of some rows, V vectors of them from row `row` on, with K columns of factors; with `REST` also the rows
+/// behind these, fewer than a vector, which reaches back over rows that are done.
 #[inline(always)]
-fn pass<S: Simd, const V: usize, const REST: bool>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64], row: usize) {
-    let rows = target.len();
+fn pass<S: Simd, const K: usize, const V: usize, const REST: bool>(
+    simd: S,
+    matrix: &[f64],
+    factors: impl Iterator<Item = [f64; K]>,
+    targets: &mut [&mut [f64]; K],
+    row: usize,
+) {
+    let rows = targets[0].len();
     let (end, back) = (row + V * S::F64_LANES, rows.max(S::F64_LANES) - S::F64_LANES);
-    let mut sums = [simd.splat_f64s(0.0); V];
-    let mut rest = simd.splat_f64s(0.0);
-    for (column, factor) in matrix.chunks_exact(rows).zip(x) {
-        let factor = simd.splat_f64s(*factor);
+    let mut sums = [[simd.splat_f64s(0.0); V]; K];
+    let mut rest = [simd.splat_f64s(0.0); K];
+    for (column, factors) in matrix.chunks_exact(rows).zip(factors) {
         if let Some(part) = S::as_simd_f64s(&column[row..end]).0.first_chunk::<V>() {
-            for k in 0..V {
-                sums[k] = simd.mul_add_f64s(factor, part[k], sums[k]);
+            for n in 0..K {
+                let factor = simd.splat_f64s(factors[n]);
+                for k in 0..V {
+                    sums[n][k] = simd.mul_add_f64s(factor, part[k], sums[n][k]);
+                }
             }
         }
         if REST && let Some(part) = S::as_simd_f64s(&column[back..]).0.first() {
-            rest = simd.mul_add_f64s(factor, *part, rest);
+            for n in 0..K {
+                rest[n] = simd.mul_add_f64s(simd.splat_f64s(factors[n]), *part, rest[n]);
+            }
         }
     }
-    if let Some(part) = S::as_mut_simd_f64s(&mut target[row..end]).0.first_chunk_mut::<V>() {
-        for k in 0..V {
-            part[k] = simd.add_f64s(part[k], sums[k]);
+    for n in 0..K {
+        if let Some(part) = S::as_mut_simd_f64s(&mut targets[n][row..end]).0.first_chunk_mut::<V>() {
+            for k in 0..V {
+                part[k] = simd.add_f64s(part[k], sums[n][k]);
+            }
         }
-    }
-    if REST {
-        let mut values = [0.0; MOST_LANES];
-        if let Some(part) = S::as_mut_simd_f64s(&mut values).0.first_mut() {
-            *part = rest;
-        }
-        for i in end..rows {
-            target[i] += values[i - back];
+        if REST {
+            let mut values = [0.0; MOST_LANES];
+            if let Some(part) = S::as_mut_simd_f64s(&mut values).0.first_mut() {
+                *part = rest[n];
+            }
+            for i in end..rows {
+                targets[n][i] += values[i - back];
+            }
         }
     }
 }
 
-/// `target += matrix x` of few rows, at least a vector of them.
+/// `target += matrix x` of few rows, at least a vector of them, for K pairs of x and target.
 #[inline(always)]
-fn multiply_narrow<S: Simd>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64]) {
-    let rows = target.len();
+fn multiply_narrow<S: Simd, const K: usize>(
+    simd: S,
+    matrix: &[f64],
+    factors: impl Iterator<Item = [f64; K]> + Clone,
+    mut targets: [&mut [f64]; K],
+) {
+    let rows = targets[0].len();
     let mut row = 0;
-    while rows - row >= (ABREAST + 1) * S::F64_LANES {
-        pass::<S, ABREAST, false>(simd, matrix, x, target, row);
-        row += ABREAST * S::F64_LANES;
-    }
-    macro_rules! last {
-        ($($vectors:literal)*) => {
-            match ((rows - row) / S::F64_LANES, rows % S::F64_LANES != 0) {
-                $(($vectors, false) => pass::<S, $vectors, false>(simd, matrix, x, target, row),
-                ($vectors, true) => pass::<S, $vectors, true>(simd, matrix, x, target, row),)*
-                _ => unreachable!("from 1 to {ABREAST} vectors are left"),
+    macro_rules! passes {
+        ($abreast:literal: $($vectors:literal)*) => {{
+            while rows - row >= ($abreast + 1) * S::F64_LANES {
+                pass::<S, K, $abreast, false>(simd, matrix, factors.clone(), &mut targets, row);
+                row += $abreast * S::F64_LANES;
             }
-        };
+            match ((rows - row) / S::F64_LANES, rows % S::F64_LANES != 0) {
+                $(($vectors, false) => pass::<S, K, $vectors, false>(simd, matrix, factors, &mut targets, row),
+                ($vectors, true) => pass::<S, K, $vectors, true>(simd, matrix, factors, &mut targets, row),)*
+                _ => unreachable!("at least one vector is left, and no more than pass together"),
+            }
+        }};
     }
-    last!(1 2 3 4 5 6 7 8)
+    // The sums of all have to fit the registers.
+    if K == 1 { passes!(8: 1 2 3 4 5 6 7 8) } else { passes!(4: 1 2 3 4) }
+}
+
+/// Whether [`multiply_narrow`] takes a matrix.
+#[inline(always)]
+fn is_narrow<S: Simd>(rows: usize, columns: usize) -> bool {
+    (2 * S::F64_LANES..=NARROW).contains(&rows) && columns >= GROUP
+}
+
+/// `target += matrix x`, column after column as they lie.
+#[inline(always)]
+fn multiply_wide<S: Simd>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64]) {
+    let rows = target.len();
+    let full = x.len() - x.len() % GROUP;
+    for start in (0..full).step_by(GROUP) {
+        let factors = [x[start], x[start + 1], x[start + 2], x[start + 3]];
+        accumulate(simd, target, matrix, rows, 0, start, factors);
+    }
+    for j in full..x.len() {
+        accumulate(simd, target, matrix, rows, 0, j, [x[j]]);
+    }
 }
 
 /// `target += matrix x`, with as many rows as `target` and columns as `x` is long.
@@ -362,22 +399,36 @@ pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
             let Self(matrix, x, target) = self;
-            let rows = target.len();
-            if (2 * S::F64_LANES..=NARROW).contains(&rows) && x.len() >= GROUP {
-                return multiply_narrow(simd, matrix, x, target);
+            if is_narrow::<S>(target.len(), x.len()) {
+                return multiply_narrow(simd, matrix, x.iter().map(|x| [*x]), [target]);
             }
-            let full = x.len() - x.len() % GROUP;
-            for start in (0..full).step_by(GROUP) {
-                let factors = [x[start], x[start + 1], x[start + 2], x[start + 3]];
-                accumulate(simd, target, matrix, rows, 0, start, factors);
-            }
-            for j in full..x.len() {
-                accumulate(simd, target, matrix, rows, 0, j, [x[j]]);
-            }
+            multiply_wide(simd, matrix, x, target);
         }
     }
     assert_eq!(matrix.len(), x.len() * target.len(), "one column per x, one row per target");
     Arch::new().dispatch(Multiply(matrix, x, target));
+}
+
+/// [`multiply_add`] for two x and targets of the same lengths at once: a matrix of few rows is read once.
+pub fn multiply_add_pair(matrix: &[f64], x: [&[f64]; 2], targets: [&mut [f64]; 2]) {
+    struct Multiply<'a>(&'a [f64], [&'a [f64]; 2], [&'a mut [f64]; 2]);
+    impl WithSimd for Multiply<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(matrix, [x, y], targets) = self;
+            if is_narrow::<S>(targets[0].len(), x.len()) {
+                return multiply_narrow(simd, matrix, x.iter().zip(y).map(|(x, y)| [*x, *y]), targets);
+            }
+            let [one, other] = targets;
+            multiply_wide(simd, matrix, x, one);
+            multiply_wide(simd, matrix, y, other);
+        }
+    }
+    assert!(matrix.len() == x[0].len() * targets[0].len(), "one column per x, one row per target");
+    assert!(x[0].len() == x[1].len() && targets[0].len() == targets[1].len(), "pairs of the same lengths");
+    Arch::new().dispatch(Multiply(matrix, x, targets));
 }
 
 /// `target = sum_k factors[k] sources[k]`, all of one length.
@@ -450,9 +501,14 @@ mod tests {
             let exact = noise(n, 99);
             let mut right = vec![0.0; n];
             multiply_add(&matrix, &exact, &mut right);
+            let second = noise(n, 98);
+            let (mut one, mut other) = (vec![1.0; n], vec![0.0; n]);
+            multiply_add_pair(&matrix, [&exact, &second], [&mut one, &mut other]);
             for i in 0..n {
-                let sum: f64 = (0..n).map(|j| matrix[i + j * n] * exact[j]).sum();
-                assert!((right[i] - sum).abs() < 1e-13 * n as f64);
+                let sum = |x: &[f64]| (0..n).map(|j| matrix[i + j * n] * x[j]).sum::<f64>();
+                assert!((right[i] - sum(&exact)).abs() < 1e-13 * n as f64);
+                assert!((one[i] - 1.0 - sum(&exact)).abs() < 1e-13 * n as f64);
+                assert!((other[i] - sum(&second)).abs() < 1e-13 * n as f64);
             }
             let (mut factors, mut exchanged) = (matrix.clone(), vec![0; n]);
             assert!(factorise(&mut factors, n, &mut exchanged));

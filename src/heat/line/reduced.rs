@@ -11,9 +11,13 @@
 //! the stored heat are sums over the same states. Each state follows its fluxes without error, at any rate and step, so
 //! the response of a stage is a weight per state: N^2 products per mode across for a new step.
 
+mod modes;
+
 use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
+use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -22,9 +26,6 @@ pub(super) const PORTS: usize = 3;
 
 /// Steps whose weights are kept: the one at hand and those of a step control that hesitates.
 const KEPT_STEPS: usize = 3;
-
-/// States whose distortion is summed at once.
-const TOGETHER: usize = 64;
 
 impl Surroundings {
     /// Cooling, ambient, far: the order of all ports.
@@ -126,9 +127,9 @@ struct StageWeights {
     decay: Vec<f64>,
     /// Of inputs that are constant from the start to the stage, s.
     constant: Vec<f64>,
-    /// Of the fluxes known before the stage (see [`LineHeat::base`]), s.
+    /// Of the heat that the fluxes known before the stage (see [`LineHeat::base`]) give to the mode, s times Z at the contact.
     known: Vec<f64>,
-    /// Of the fluxes of the stage itself, s.
+    /// The same of the fluxes of the stage itself.
     own: Vec<f64>,
     gains: Gains,
 }
@@ -137,8 +138,8 @@ struct StageWeights {
 #[derive(Clone, Debug)]
 pub struct ReducedHeat {
     operators: Arc<Operators>,
-    /// For the gains; lives here so that no step allocates.
-    scratch: Vec<f64>,
+    modes: Arc<Modes>,
+    scratch: RefCell<Scratch>,
     kept: Vec<Weights>,
     current: usize,
     clock: u64,
@@ -147,8 +148,9 @@ pub struct ReducedHeat {
 impl ReducedHeat {
     pub(super) fn new(mut operators: Operators) -> Self {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
-        let scratch = vec![0.0; operators.widths.len()];
-        Self { operators: Arc::new(operators), scratch, kept: Vec::new(), current: 0, clock: 0 }
+        let modes = Modes::new(&std::mem::take(&mut operators.modes));
+        let scratch = RefCell::new(modes.scratch(operators.states(), operators.widths.len()));
+        Self { operators: Arc::new(operators), modes: Arc::new(modes), scratch, kept: Vec::new(), current: 0, clock: 0 }
     }
 
     /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
@@ -166,7 +168,7 @@ impl ReducedHeat {
         let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
         self.current = known.unwrap_or_else(|| {
             let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
-            self.operators.fill(&mut self.kept[oldest], step, euler, &mut self.scratch);
+            self.operators.fill(&self.modes, &mut self.kept[oldest], step, euler, self.scratch.get_mut());
             oldest
         });
         self.kept[self.current].last_used = self.clock;
@@ -174,6 +176,37 @@ impl ReducedHeat {
 
     fn stage(&self, stage: Stage) -> &StageWeights {
         &self.kept.get(self.current).expect("prepare comes before any step").stages[stage as usize]
+    }
+
+    /// Puts into the scratch what the states are at a stage without its own flux.
+    fn carry(&self, scratch: &mut Scratch, state: &[f64], ports: &[f64; PORTS], stage: Stage, known: &[f64]) {
+        let (operators, weights) = (&*self.operators, self.stage(stage));
+        let Scratch { heat, values, .. } = scratch;
+        modes::decay(state, weights, &operators.input, ports, values);
+        self.modes.heat(known, heat);
+        self.modes.add_heat(heat, &weights.known, values);
+    }
+
+    /// Temperatures or distortions, or both, of the cells by the ports and the states in the scratch.
+    fn observe(
+        &self,
+        scratch: &mut Scratch,
+        ports: &[f64; PORTS],
+        temperature: Option<&mut [f64]>,
+        distortion: Option<&mut [f64]>,
+    ) {
+        let operators = &*self.operators;
+        if let Some(temperature) = temperature {
+            combine(&operators.temperature_by_port, ports, temperature);
+            self.modes.show(&operators.contact, scratch, temperature);
+        }
+        if let Some(distortion) = distortion {
+            if operators.distortion.is_empty() {
+                return distortion.fill(0.0);
+            }
+            combine(&operators.distortion_by_port, ports, distortion);
+            dense::multiply_add(&operators.distortion, &scratch.values, distortion);
+        }
     }
 }
 
@@ -210,54 +243,6 @@ impl Operators {
         passed
     }
 
-    fn input_of(&self, state: usize, ports: &[f64; PORTS]) -> f64 {
-        self.input[0][state] * ports[0] + self.input[1][state] * ports[1] + self.input[2][state] * ports[2]
-    }
-
-    /// Temperatures or distortions, or both, of the cells by the ports and the states `value(k, flux into the mode)`.
-    fn observe(
-        &self,
-        mut temperature: Option<&mut [f64]>,
-        mut distortion: Option<&mut [f64]>,
-        ports: &[f64; PORTS],
-        flux: Option<&[f64]>,
-        value: impl Fn(usize, f64) -> f64,
-    ) {
-        if let Some(temperature) = temperature.as_deref_mut() {
-            combine(&self.temperature_by_port, ports, temperature);
-        }
-        if let Some(distortion) = distortion.as_deref_mut() {
-            combine(&self.distortion_by_port, ports, distortion);
-        }
-        let cells = self.widths.len();
-        // The states of all modes follow each other; the distortion takes some at a time.
-        let (mut values, mut first, mut count) = ([0.0; TOGETHER], 0, 0);
-        let mut distort = |values: &[f64], first: usize| {
-            if let Some(distortion) = distortion.as_deref_mut() {
-                let columns = first * cells..(first + values.len()) * cells;
-                dense::multiply_add(&self.distortion[columns], values, distortion);
-            }
-        };
-        for mode in &self.modes {
-            let flux = flux.map_or(0.0, |flux| dot(&mode.integrals, flux));
-            let mut surface = 0.0;
-            for k in mode.states.clone() {
-                let state = value(k, flux);
-                surface += self.contact[k] * state;
-                if count == TOGETHER {
-                    distort(&values, first);
-                    (first, count) = (k, 0);
-                }
-                values[count] = state;
-                count += 1;
-            }
-            if let Some(temperature) = temperature.as_deref_mut() {
-                add(temperature, surface, &mode.means);
-            }
-        }
-        distort(&values[..count], first);
-    }
-
     fn allocate(&self) -> Weights {
         let states = || vec![0.0; self.states()];
         let cells = self.widths.len();
@@ -271,7 +256,7 @@ impl Operators {
         Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()] }
     }
 
-    fn fill(&self, weights: &mut Weights, step: f64, euler: bool, scratch: &mut [f64]) {
+    fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
         (weights.step, weights.euler) = (step, euler);
         let [first, end] = &mut weights.stages;
         if euler {
@@ -279,49 +264,35 @@ impl Operators {
                 for (k, &rate) in self.rate.iter().enumerate() {
                     stage.decay[k] = (1.0 + rate * step).recip();
                     stage.constant[k] = step * stage.decay[k];
-                    (stage.known[k], stage.own[k]) = (0.0, stage.constant[k]);
+                    (stage.known[k], stage.own[k]) = (0.0, self.contact[k] * stage.constant[k]);
                 }
-                self.fill_gains(&stage.own, &mut stage.gains, scratch);
+                self.fill_gains(modes, stage, scratch);
             }
             return;
         }
         for (k, &rate) in self.rate.iter().enumerate() {
             let (early, whole) = (rate * GAMMA * step, rate * step);
+            let contact = self.contact[k];
             first.decay[k] = (-early).exp();
             first.constant[k] = GAMMA * step * mean_decay(early);
-            first.own[k] = first.constant[k];
-            first.known[k] = GAMMA * step * first_moment(early);
+            first.own[k] = contact * first.constant[k];
+            first.known[k] = contact * (GAMMA * step * first_moment(early));
             end.decay[k] = (-whole).exp();
             end.constant[k] = step * mean_decay(whole);
             // Flux q2 + (q2 - q1) (t - h)/((1 - gamma) h).
-            end.known[k] = step * first_moment(whole) / (1.0 - GAMMA);
-            end.own[k] = end.constant[k] - end.known[k];
+            let known = step * first_moment(whole) / (1.0 - GAMMA);
+            end.known[k] = contact * known;
+            end.own[k] = contact * (end.constant[k] - known);
         }
         for stage in [first, end] {
-            self.fill_gains(&stage.own, &mut stage.gains, scratch);
+            self.fill_gains(modes, stage, scratch);
         }
     }
 
-    fn fill_gains(&self, own: &[f64], gains: &mut Gains, scratch: &mut [f64]) {
-        gains.temperature.copy_from(&self.temperature_by_flux);
-        gains.distortion.copy_from(&self.distortion_by_flux);
-        let cells = self.widths.len();
-        let distorts = !self.distortion.is_empty();
-        for mode in &self.modes {
-            let surface: f64 = mode.states.clone().map(|k| self.contact[k] * self.contact[k] * own[k]).sum();
-            for (column, integral) in gains.temperature.as_mut_slice().chunks_exact_mut(cells).zip(&mode.integrals) {
-                add(column, surface * integral, &mode.means);
-            }
-            if distorts {
-                scratch.fill(0.0);
-                for k in mode.states.clone() {
-                    add(scratch, self.contact[k] * own[k], &self.distortion[k * cells..(k + 1) * cells]);
-                }
-                for (column, integral) in gains.distortion.as_mut_slice().chunks_exact_mut(cells).zip(&mode.integrals) {
-                    add(column, *integral, scratch);
-                }
-            }
-        }
+    fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
+        stage.gains.temperature.copy_from(&self.temperature_by_flux);
+        stage.gains.distortion.copy_from(&self.distortion_by_flux);
+        modes.add_gains(stage, &self.contact, &self.distortion, scratch);
     }
 }
 
@@ -368,30 +339,25 @@ impl LineHeat for ReducedHeat {
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
-        let (operators, weights) = (&*self.operators, self.stage(stage));
-        let ports = surroundings.ports();
-        distortion.fill(0.0);
-        let distortion = (!operators.distortion.is_empty()).then_some(distortion);
-        operators.observe(Some(temperature), distortion, &ports, Some(known), |k, flux| {
-            weights.decay[k] * state[k]
-                + weights.constant[k] * operators.input_of(k, &ports)
-                + weights.known[k] * operators.contact[k] * flux
-        });
+        let (scratch, ports) = (&mut *self.scratch.borrow_mut(), surroundings.ports());
+        self.carry(scratch, state, &ports, stage, known);
+        self.observe(scratch, &ports, Some(temperature), Some(distortion));
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let (operators, weights) = (&*self.operators, self.stage(Stage::End));
-        let ports = surroundings.ports();
+        self.carry(&mut self.scratch.borrow_mut(), state, &surroundings.ports(), Stage::End, first);
+        self.advance_from_end(state, surroundings, first, end);
+    }
+
+    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let (operators, ports) = (&*self.operators, surroundings.ports());
         let step = self.kept[self.current].step;
         let (states, tallies) = state.split_at_mut(operators.states());
-        for mode in &operators.modes {
-            let (before, after) = (dot(&mode.integrals, first), dot(&mode.integrals, end));
-            for k in mode.states.clone() {
-                states[k] = weights.decay[k] * states[k]
-                    + weights.constant[k] * operators.input_of(k, &ports)
-                    + operators.contact[k] * (weights.known[k] * before + weights.own[k] * after);
-            }
-        }
+        // The last base asked for has left what the states are without the last flux.
+        let Scratch { heat, values, .. } = &mut *self.scratch.borrow_mut();
+        self.modes.heat(end, heat);
+        states.copy_from_slice(values);
+        self.modes.add_heat(heat, &self.stage(Stage::End).own, states);
         // What enters over the step, with the weights of both stages.
         let over_step = |weights: &[f64]| (1.0 - GAMMA) * dot(weights, first) + GAMMA * dot(weights, end);
         tallies[Tally::Received as usize] += step * over_step(&operators.widths);
@@ -404,8 +370,9 @@ impl LineHeat for ReducedHeat {
     }
 
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
-        let operators = &*self.operators;
-        operators.observe(Some(temperature), None, &surroundings.ports(), None, |k, _| state[k]);
+        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        scratch.values.copy_from_slice(&state[..operators.states()]);
+        self.observe(scratch, &surroundings.ports(), Some(temperature), None);
         dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
     }
 
@@ -417,10 +384,10 @@ impl LineHeat for ReducedHeat {
         _velocity: f64,
         distortion: &mut [f64],
     ) {
-        let operators = &*self.operators;
-        distortion.fill(0.0);
+        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        scratch.values.copy_from_slice(&state[..operators.states()]);
+        self.observe(scratch, &surroundings.ports(), None, Some(distortion));
         if !operators.distortion.is_empty() {
-            operators.observe(None, Some(distortion), &surroundings.ports(), None, |k, _| state[k]);
             dense::multiply_add(operators.distortion_by_flux.as_slice(), flux, distortion);
         }
     }

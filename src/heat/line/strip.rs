@@ -99,66 +99,70 @@ impl StripHeat {
         flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>() / operators.period + cooling
     }
 
-    /// Surface temperature (`surface`), or mean temperature through the depth, of the mean wave at a stage with the mean of
-    /// the known fluxes and of the stage's own.
-    fn mean_level(
+    /// Surface temperature of the mean wave, and its mean temperature through the depth, at a stage with the mean of the known
+    /// fluxes and of the stage's own.
+    fn mean_levels(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
         weights: &StageWeights,
         fluxes: [f64; 2],
-        surface: bool,
-    ) -> f64 {
+    ) -> [f64; 2] {
         let mean = &self.operators.mean;
-        let observed = if surface { &mean.contact_temperature } else { &mean.mean_temperature };
         let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
-        let background = self.operators.background(state);
-        let mut sum = observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
-            + observed.direct[AMBIENT] * surroundings.ambient
-            + observed.direct[BASE] * surroundings.far;
-        for k in 0..mean.count {
-            sum += observed.states[k] * self.mean_state(background, surroundings, weights, fluxes, k);
-        }
-        sum
+        let states = self.mean_states(self.operators.background(state), surroundings, weights, fluxes);
+        [&mean.contact_temperature, &mean.mean_temperature].map(|observed| {
+            observed.of_states(&states, mean.count)
+                + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
+                + observed.direct[AMBIENT] * surroundings.ambient
+                + observed.direct[BASE] * surroundings.far
+        })
     }
 
-    /// State k of the mean wave at a stage.
-    fn mean_state(
+    /// States of the mean wave at a stage.
+    fn mean_states(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
         weights: &StageWeights,
         fluxes: [f64; 2],
-        k: usize,
-    ) -> f64 {
+    ) -> [f64; MAX_STATES] {
         let mean = &self.operators.mean;
-        let [known, own] = weights.mean_weight[k];
-        let whole = if weights.at_end { known + own } else { own };
-        let constant = mean.input[CONTACT][k] * surroundings.cooling
-            + mean.input[AMBIENT][k] * surroundings.ambient
-            + mean.input[BASE][k] * surroundings.far;
-        weights.mean_factor[k] * state[k]
-            + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
-            + whole * constant
+        let mut states = [0.0; MAX_STATES];
+        for (k, value) in states.iter_mut().enumerate().take(mean.count) {
+            let [known, own] = weights.mean_weight[k];
+            let whole = if weights.at_end { known + own } else { own };
+            let constant = mean.input[CONTACT][k] * surroundings.cooling
+                + mean.input[AMBIENT][k] * surroundings.ambient
+                + mean.input[BASE][k] * surroundings.far;
+            *value = weights.mean_factor[k] * state[k]
+                + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
+                + whole * constant;
+        }
+        states
     }
 
     /// Mean flux into the period's surface with the state held (contact, cooling beside it, heat transfer given back), and
-    /// that given back alone, W/m2 of contact. Needs the waves' amplitudes in `scratch`.
-    fn held_fluxes(&self, scratch: &Scratch, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+    /// that given back alone, W/m2 of contact.
+    fn held_fluxes(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let given = self.mean_flux(flux, self.free_cooling(surroundings));
         if operators.give_back.is_none() {
             return [given, 0.0];
         }
         let observed = &operators.mean.contact_temperature;
-        let waves: f64 =
-            operators.contact_mean.iter().zip(&scratch.amplitude[0]).map(|(mean, amplitude)| mean * amplitude).sum();
-        let level = waves + self.held_background(observed, state, surroundings, given);
+        let level = self.held_mean(state) + self.held_background(observed, state, surroundings, given);
         // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
         let covered = 1.0 - operators.free_length() / operators.period;
         let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
         let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
         [given + covered * returned, returned]
+    }
+
+    /// Mean temperature of the waves over the contact, with the state held.
+    fn held_mean(&self, state: &[f64]) -> f64 {
+        let (re, _) = self.operators.wave_states(state);
+        levels::dot(&self.operators.contact_mean, re)
     }
 
     /// The same as the contact zone sees it: on fresh material without what the contact left behind.
@@ -185,8 +189,9 @@ impl StripHeat {
     fn add_remainder(&self, scratch: &mut Scratch, velocity: f64, flux: &[f64], distortion: bool, answer: &mut [f64]) {
         let operators = &*self.operators;
         operators.fold(flux, &mut scratch.fold);
-        scratch.answer.iter_mut().for_each(|part| part.fill(0.0));
-        let [even, odd] = &mut scratch.answer;
+        let [parts, _] = &mut scratch.answer;
+        parts.iter_mut().for_each(|part| part.fill(0.0));
+        let [even, odd] = parts;
         for (knot, weight, reversed) in operators.table.stencil(velocity) {
             let blocks = operators.table.response(usize::from(distortion), knot);
             blocks.add_product(weight, reversed, (&scratch.fold[0], &scratch.fold[1]), (even, odd));
@@ -287,7 +292,7 @@ impl LineHeat for StripHeat {
             self.wave_amplitudes(scratch, state, &self.step.end);
             self.add_known_flux(scratch, &self.step.end);
             let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-            let level = self.mean_level(state, surroundings, &self.step.end, fluxes, true);
+            let [level, _] = self.mean_levels(state, surroundings, &self.step.end, fluxes);
             self.project(scratch, Stage::End, level);
         }
         self.advance_by(scratch, state, surroundings, [first, end]);
@@ -302,10 +307,10 @@ impl LineHeat for StripHeat {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state, false);
-        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
-        let Scratch { amplitude, weighted, answer, .. } = &mut *scratch;
-        operators.observe(amplitude, weighted, answer, level, temperature);
+        let Scratch { amplitude, answer, .. } = &mut *scratch;
+        operators.observe_one(amplitude, &mut answer[0], level, temperature);
         self.add_remainder(scratch, velocity, flux, false, temperature);
     }
 
@@ -324,35 +329,33 @@ impl LineHeat for StripHeat {
         }
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state, true);
-        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
-        let Scratch { moved, weighted, answer, .. } = &mut *scratch;
-        operators.observe(moved, weighted, answer, operators.mean_distortion * level, distortion);
+        let Scratch { moved, answer, .. } = &mut *scratch;
+        operators.observe_one(moved, &mut answer[0], operators.mean_distortion * level, distortion);
         self.add_remainder(scratch, velocity, flux, true, distortion);
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
         let operators = &*self.operators;
-        let scratch = &mut *self.scratch.borrow_mut();
-        self.held_amplitudes(scratch, state, false);
-        let [entering, _] = self.held_fluxes(scratch, state, surroundings, flux);
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
-        let waves: f64 =
-            operators.contact_mean.iter().zip(&scratch.amplitude[0]).map(|(mean, amplitude)| mean * amplitude).sum();
         let free = operators.free_length();
         if operators.fresh {
             return everywhere;
         }
         // The waves' mean over the period is 0: what they have under the contact they lack beside it.
-        if free > 1e-9 * operators.period { everywhere - waves * (operators.period - free) / free } else { everywhere }
+        if free > 1e-9 * operators.period {
+            everywhere - self.held_mean(state) * (operators.period - free) / free
+        } else {
+            everywhere
+        }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let mean = &operators.mean;
-        let scratch = &mut *self.scratch.borrow_mut();
-        self.held_amplitudes(scratch, state, false);
-        let [entering, returned] = self.held_fluxes(scratch, state, surroundings, flux);
+        let [entering, returned] = self.held_fluxes(state, surroundings, flux);
         let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
         let width = operators.period - operators.free_length();
         [flow(&mean.ambient_flow) - width * returned, flow(&mean.base_flow)]

@@ -117,9 +117,15 @@ impl Line {
         let sign = self.friction.sign(velocity);
         let fades = !operators.scene.friction_fade.flat;
         let by_cell = operators.wears_by_cell();
-        for i in 0..count {
-            heat.felt[i] = 0.5 * (earlier[0][i] + earlier[1][i]) + reference;
-            heat.faded[i] = self.friction.faded(heat.felt[i]);
+        for (felt, (punch, strip)) in heat.felt.iter_mut().zip(earlier[0].iter().zip(&earlier[1])) {
+            *felt = 0.5 * (punch + strip) + reference;
+        }
+        match fades {
+            true => {
+                let cells = heat.faded.iter_mut().zip(&heat.felt);
+                cells.for_each(|(faded, felt)| *faded = self.friction.faded(*felt));
+            }
+            false => heat.faded.fill(self.friction.faded(0.0)),
         }
         heat.linearised = false;
         let mut slip = moment.slip(stribeck);
@@ -210,16 +216,14 @@ impl Line {
     pub(super) fn set_laws(&mut self, heat: &mut Heat, moment: &Moment, by_cell: bool) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
-        let mut uniform = [0.0; 2];
-        for i in 0..heat.felt.len() {
-            if by_cell || i == 0 {
-                uniform = operators.coefficients(moment.speed, heat.faded[i], heat.felt[i], acceleration);
-            }
-            heat.laws[0][i] = uniform[0];
-            heat.laws[1][i] = uniform[1];
-        }
         if !by_cell {
+            let uniform = operators.coefficients(moment.speed, heat.faded[0], heat.felt[0], acceleration);
+            heat.laws.iter_mut().zip(uniform).for_each(|(laws, own)| laws.fill(own));
             return;
+        }
+        for i in 0..heat.felt.len() {
+            let own = operators.coefficients(moment.speed, heat.faded[i], heat.felt[i], acceleration);
+            (heat.laws[0][i], heat.laws[1][i]) = (own[0], own[1]);
         }
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {

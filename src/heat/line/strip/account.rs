@@ -29,18 +29,19 @@ impl StripHeat {
         let returned = total - received;
         let before = self.account(state).stored;
         let mut ambient = 0.0;
+        let carried = self.mean_states(state, surroundings, weights, effective);
+        let alone =
+            operators.fresh.then(|| self.mean_states(operators.background(state), surroundings, weights, [0.0; 2]));
         for k in 0..mean.count {
-            let old = state[k];
-            let new = self.mean_state(state, surroundings, weights, effective, k);
+            let (old, new) = (state[k], carried[k]);
             let source = mean.input[CONTACT][k] * (over_step(effective) + step * surroundings.cooling)
                 + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * surroundings.far);
             if mean.rate[k] > 0.0 {
                 ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
             }
             state[k] = new;
-            if operators.fresh {
-                let alone = &state[mean.count..];
-                state[mean.count + k] = self.mean_state(alone, surroundings, weights, [0.0; 2], k);
+            if let Some(alone) = &alone {
+                state[mean.count + k] = alone[k];
             }
         }
         ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * surroundings.cooling)

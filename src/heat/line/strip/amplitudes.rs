@@ -14,7 +14,7 @@ impl StripHeat {
         }
         let weights = &self.step.first;
         self.wave_amplitudes(scratch, state, weights);
-        let level = self.mean_level(state, surroundings, weights, [0.0; 2], true);
+        let [level, _] = self.mean_levels(state, surroundings, weights, [0.0; 2]);
         self.project(scratch, Stage::First, level);
     }
 
@@ -60,22 +60,22 @@ impl StripHeat {
         self.wave_amplitudes(scratch, state, weights);
         // The heat transfer given back in the first stage does not know of the deviation, which `advance` is not told.
         if stage == Stage::First && operators.give_back.is_some() {
-            let level = self.mean_level(state, surroundings, weights, [0.0; 2], true);
+            let [level, _] = self.mean_levels(state, surroundings, weights, [0.0; 2]);
             self.project(scratch, stage, level);
         }
         operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         self.add_known_flux(scratch, weights);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-        let level = self.mean_level(state, surroundings, weights, fluxes, true);
+        let [level, through_depth] = self.mean_levels(state, surroundings, weights, fluxes);
         if stage == Stage::End {
             self.project(scratch, stage, level);
         }
-        let Scratch { amplitude, moved, weighted, answer, .. } = &mut *scratch;
-        operators.observe(amplitude, weighted, answer, level, temperature);
+        let Scratch { amplitude, moved, answer, .. } = &mut *scratch;
         if operators.expands {
-            let mean = operators.mean_distortion * self.mean_level(state, surroundings, weights, fluxes, false);
-            operators.observe(moved, weighted, answer, mean, distortion);
+            let levels = [level, operators.mean_distortion * through_depth];
+            operators.observe([amplitude, moved], answer, levels, [temperature, distortion]);
         } else {
+            operators.observe_one(amplitude, &mut answer[0], level, temperature);
             distortion.fill(0.0);
         }
         // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.

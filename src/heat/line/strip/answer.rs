@@ -52,11 +52,11 @@ pub struct Parts<'a> {
     pub carried: [&'a mut [f64]; 4],
     /// Response of the waves to a uniform flux, without what answers at once.
     pub uniform: [&'a mut [f64]; 2],
-    /// V'W G of the heat given back, one row of N per polynomial.
+    /// V'W G of the heat given back: a row per polynomial, by columns.
     pub response: &'a mut [f64],
     /// Response of the waves to the polynomials V, N values each.
     pub lifted: [&'a mut [f64]; 2],
-    /// `(1 - H0 V'W G V)^-1 H0`, by rows.
+    /// `(1 - H0 V'W G V)^-1 H0`, by columns.
     pub solution: &'a mut [f64],
 }
 

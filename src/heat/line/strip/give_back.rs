@@ -23,8 +23,8 @@ pub const RANK: usize = 8;
 pub struct GiveBack {
     transfer: f64,
     rank: usize,
-    /// V, one row of N values per polynomial; even and odd by turns.
-    polynomials: Vec<Vec<f64>>,
+    /// V: N x rank, by columns; even and odd by turns.
+    polynomials: Vec<f64>,
     /// V'W of a uniform temperature.
     pub unit: [f64; RANK],
     widths: Vec<f64>,
@@ -66,7 +66,7 @@ impl GiveBack {
             .collect();
         let mut unit = [0.0; RANK];
         unit[0] = (0..count).map(|i| widths[i] * polynomials[0][i]).sum();
-        GiveBack { transfer, rank, polynomials, unit, widths, waves }
+        GiveBack { transfer, rank, polynomials: polynomials.concat(), unit, widths, waves }
     }
 
     /// V'W of the temperature that waves of these amplitudes (real and imaginary parts) give.
@@ -84,20 +84,18 @@ impl GiveBack {
     /// How much of every polynomial is given back besides `flux` (W/m2), where the waves have the projected temperature
     /// `level` without.
     pub fn amounts(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
-        let (response, solution) = (answer.response(), answer.solution());
-        let mut driving = [0.0; RANK];
-        for (degree, row) in response.chunks_exact(flux.len()).enumerate().take(self.rank) {
-            driving[degree] = level[degree] - self.unit[degree] * ambient + dense::dot(row, flux);
-        }
-        std::array::from_fn(|degree| (0..RANK).map(|other| solution[degree * RANK + other] * driving[other]).sum())
+        let mut driving = *level;
+        driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);
+        dense::multiply_add(answer.response(), flux, &mut driving);
+        let mut amounts = [0.0; RANK];
+        dense::multiply_add(answer.solution(), &driving, &mut amounts);
+        amounts
     }
 
     /// Adds the fluxes given back to `flux`; see [`GiveBack::amounts`].
     pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) {
         let amounts = self.amounts(answer, level, ambient, flux);
-        for (amount, polynomial) in amounts.iter().zip(&self.polynomials) {
-            flux.iter_mut().zip(polynomial).for_each(|(value, shape)| *value += amount * shape);
-        }
+        dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 
     /// Solves a stage whose waves answer fluxes by `slow` (N x N: temperature, distortion).
@@ -107,40 +105,42 @@ impl GiveBack {
         for (slow, lifted) in slow.iter().zip(lifted) {
             lifted.fill(0.0);
             if slow.ncols() > 0 {
-                for (target, polynomial) in lifted.chunks_exact_mut(count).zip(&self.polynomials) {
+                for (target, polynomial) in lifted.chunks_exact_mut(count).zip(self.polynomials.chunks_exact(count)) {
                     dense::multiply_add(slow.as_slice(), polynomial, target);
                 }
             }
         }
         let mut weighted = [0.0; MAXIMUM_CELLS];
-        let mut matrix = [[0.0; RANK]; RANK];
-        for a in 0..self.rank {
+        response.fill(0.0);
+        for (a, polynomial) in self.polynomials.chunks_exact(count).enumerate() {
             let weighted = &mut weighted[..count];
-            for (i, value) in weighted.iter_mut().enumerate() {
-                *value = self.widths[i] * self.polynomials[a][i];
+            for (value, (width, shape)) in weighted.iter_mut().zip(self.widths.iter().zip(polynomial)) {
+                *value = width * shape;
             }
-            let row = &mut response[a * count..(a + 1) * count];
-            for (value, column) in row.iter_mut().zip(slow[0].as_slice().chunks_exact(count)) {
-                *value = dense::dot(weighted, column);
+            for (target, column) in response.chunks_exact_mut(RANK).zip(slow[0].as_slice().chunks_exact(count)) {
+                target[a] = dense::dot(weighted, column);
             }
-            for b in 0..self.rank {
-                matrix[a][b] = f64::from(u8::from(a == b)) - self.transfer * dense::dot(row, &self.polynomials[b]);
+        }
+        let mut matrix = [[0.0; RANK]; RANK];
+        for (b, polynomial) in self.polynomials.chunks_exact(count).enumerate() {
+            let mut column = [0.0; RANK];
+            dense::multiply_add(response, polynomial, &mut column);
+            for (a, (row, value)) in matrix.iter_mut().zip(column).enumerate() {
+                row[b] = f64::from(u8::from(a == b)) - self.transfer * value;
             }
         }
         let inverse = inverse(matrix, self.rank);
-        for (target, value) in solution.iter_mut().zip(inverse.iter().flatten()) {
-            *target = self.transfer * value;
+        for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
+            column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
         }
     }
 
     /// Adds to `gains` (N x N) of temperature or distortion the response by way of the fluxes given back.
     pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, gains: &mut DMatrix<f64>) {
         let count = self.widths.len();
-        for (j, gain) in gains.as_mut_slice().chunks_exact_mut(count).enumerate() {
+        for (gain, response) in gains.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK)) {
             let mut returned = [0.0; RANK];
-            for (a, value) in returned.iter_mut().enumerate() {
-                *value = (0..self.rank).map(|b| parts.solution[a * RANK + b] * parts.response[b * count + j]).sum();
-            }
+            dense::multiply_add(parts.solution, response, &mut returned);
             dense::multiply_add(parts.lifted[moving], &returned, gain);
         }
     }

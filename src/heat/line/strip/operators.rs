@@ -116,7 +116,9 @@ pub struct Operators {
     pub steady: f64,
     pub table: VelocityTable,
     pub give_back: Option<GiveBack>,
-    /// Mean over the contact of a wave's real amplitude.
+    /// Even and odd parts on the cells that a wave's real and imaginary amplitude show: (N + 1)/2 rows, one column per wave.
+    pub seen: [Vec<f64>; 2],
+    /// Mean over the contact of what a state's real part shows.
     pub contact_mean: Vec<f64>,
     pub error: f64,
 }
@@ -284,6 +286,7 @@ impl Operators {
             steady: 10.0 * tolerance.min(1e-3),
             table,
             give_back: None,
+            seen: Default::default(),
             contact_mean: Vec::new(),
             error,
             numbers: waves.iter().map(|wave| wave.number).collect(),
@@ -291,9 +294,18 @@ impl Operators {
             shapes,
             widths,
         };
-        operators.contact_mean = (0..operators.waves.len())
-            .map(|wave| operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width)
-            .collect();
+        operators.seen = std::array::from_fn(|part| {
+            let columns = operators.shapes.matrices()[part].chunks_exact(operators.half).zip(&operators.weight);
+            let sign = [1.0, -1.0][part];
+            columns.flat_map(|(column, weight)| column.iter().map(move |shape| sign * weight * shape)).collect()
+        });
+        operators.contact_mean = vec![0.0; operators.rate.len()];
+        for wave in 0..operators.waves.len() {
+            let mean = operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width;
+            for k in of_wave(&operators.levels, wave) {
+                operators.contact_mean[k] = mean * operators.temperature[k];
+            }
+        }
         if convection > 0.0 {
             operators.give_back = Some(GiveBack::new(cells, convection, &operators));
         }
@@ -377,26 +389,34 @@ impl Operators {
         }
     }
 
-    /// Values on the cells: `level` plus what the waves of these amplitudes give.
+    /// Values on the cells, of temperature and distortion: a level each plus what the waves of these amplitudes give.
     pub fn observe(
         &self,
-        amplitude: &[Vec<f64>; 2],
-        weighted: &mut [Vec<f64>; 2],
-        parts: &mut [Vec<f64>; 2],
-        level: f64,
-        values: &mut [f64],
+        amplitudes: [&[Vec<f64>; 2]; 2],
+        parts: &mut [[Vec<f64>; 2]; 2],
+        levels: [f64; 2],
+        values: [&mut [f64]; 2],
     ) {
-        parts.iter_mut().for_each(|part| part.fill(0.0));
-        let [into_even, into_odd] = parts;
-        for (wave, weight) in self.weight.iter().enumerate() {
-            weighted[0][wave] = weight * amplitude[0][wave];
-            weighted[1][wave] = -weight * amplitude[1][wave];
+        let [[warm_re, warm_im], [moved_re, moved_im]] = amplitudes;
+        parts.iter_mut().flatten().for_each(|part| part.fill(0.0));
+        let [[warm_even, warm_odd], [moved_even, moved_odd]] = parts;
+        let [even, odd] = &self.seen;
+        dense::multiply_add_pair(even, [warm_re, moved_re], [warm_even, moved_even]);
+        dense::multiply_add_pair(odd, [warm_im, moved_im], [warm_odd, moved_odd]);
+        for ((values, level), [even, odd]) in values.into_iter().zip(levels).zip(parts) {
+            values.fill(level);
+            self.unfold_onto([even, odd], values);
         }
-        let [even, odd] = self.shapes.matrices();
-        dense::multiply_add(even, &weighted[0], into_even);
-        dense::multiply_add(odd, &weighted[1], into_odd);
+    }
+
+    /// One of them.
+    pub fn observe_one(&self, amplitude: &[Vec<f64>; 2], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
+        parts.iter_mut().for_each(|part| part.fill(0.0));
+        for ((matrix, amplitude), part) in self.seen.iter().zip(amplitude).zip(&mut *parts) {
+            dense::multiply_add(matrix, amplitude, part);
+        }
         values.fill(level);
-        self.unfold_onto([into_even, into_odd], values);
+        self.unfold_onto([&parts[0], &parts[1]], values);
     }
 }
 

@@ -107,15 +107,14 @@ pub struct Scratch {
     /// Total fluxes into the cells.
     pub first: Vec<f64>,
     pub end: Vec<f64>,
-    /// Even and odd halves of fluxes and answers.
+    /// Even and odd halves of fluxes and of answers, of temperature and distortion.
     pub fold: [Vec<f64>; 2],
-    pub answer: [Vec<f64>; 2],
-    /// Amplitudes of the waves, real and imaginary parts: heat in both stages, temperature, distortion, and those weighted.
+    pub answer: [[Vec<f64>; 2]; 2],
+    /// Amplitudes of the waves, real and imaginary parts: heat in both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
     pub amplitude: [Vec<f64>; 2],
     pub moved: [Vec<f64>; 2],
-    pub weighted: [Vec<f64>; 2],
     /// What the heat transfer given back at either stage follows.
     pub projected: [[f64; RANK]; 2],
 }
@@ -129,12 +128,11 @@ impl Scratch {
             first: vec![0.0; count],
             end: vec![0.0; count],
             fold: halves(),
-            answer: halves(),
+            answer: [halves(), halves()],
             heat: parts(),
             heat_end: parts(),
             amplitude: parts(),
             moved: parts(),
-            weighted: parts(),
             projected: [[0.0; RANK]; 2],
         }
     }

@@ -61,12 +61,11 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
             body.prepare(step, [velocity, velocity]);
             let gains = body.gains(Stage::End).temperature.clone();
             let answer: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
-            let level = body.mean_level(
+            let [level, _] = body.mean_levels(
                 &vec![0.0; body.states()],
                 &Surroundings::default(),
                 &body.step.end,
                 [0.0, 2.0 * 0.0475 / 0.74],
-                true,
             );
             let computed = mean(&cells, &answer) - level;
             let steady = exact.steady_mean(velocity, 200_000);
