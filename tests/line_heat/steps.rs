@@ -120,7 +120,7 @@ fn cooling_leaves_the_temperature_of_second_order() {
     let moving = |value: f64| both(["punch.convection_forced", "strip.convection_forced"], value);
     let radiation = both(["punch.emissivity", "strip.emissivity"], 0.9);
     let wear = [("punch.wear_coefficient", 4e-14)];
-    let cases: [(Vec<(&str, f64)>, std::ops::Range<f64>, f64); 3] = [
+    let cases = [
         (air.to_vec(), 1.9..2.1, 0.1),
         ([moving(100.0), radiation].concat(), 1.9..2.1, 1e-6),
         (moving(1e5).to_vec(), 1.4..2.1, 0.01),

@@ -165,7 +165,7 @@ struct Assembly<'a> {
     modes: Vec<Mode>,
     /// All modes that some sum needs, those with states first.
     waves: Waves,
-    error: f64,
+    errors: [f64; 2],
 }
 
 /// Effects of the steady field of one mode: at the contact and at the cooled surface, by unit flux or port.
@@ -197,7 +197,7 @@ impl<'a> Assembly<'a> {
             .collect();
         let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
         let waves = Waves::new(&across, cells, count);
-        Assembly { across, depth, cooled, cells, modes, waves, error: selection.error }
+        Assembly { across, depth, cooled, cells, modes, waves, errors: [selection.error, selection.mean_error] }
     }
 
     /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
@@ -314,7 +314,8 @@ impl<'a> Assembly<'a> {
             stored_by_far: 0.0,
             uniform: Vec::with_capacity(count),
             heat_capacity: self.capacity() * width * self.depth.height,
-            error: self.error,
+            error: self.errors[0],
+            mean_error: self.errors[1],
         };
         let mut first = 0;
         for (m, mode) in self.modes.iter().enumerate() {
