@@ -14,10 +14,10 @@
 //! T(s) = [S Z1 + (1 - S) Z2] q/2,    dT/dZ1 = S^2 q.
 //! ```
 //!
-//! An error `e Z1(1/D)` of the impedance at any frequency is then, relative to the rise at the end of the duration,
+//! An error `e Z1(1/D)` of the impedance at the frequency s is then, relative to the rise at the end of the duration,
 //!
 //! ```text
-//! e Z1(1/D) max S^2 q/T(1/D).
+//! f(s) e,    f(s) = S(s)^2 Z1(1/D) q/T(1/D).
 //! ```
 //!
 //! A block that keeps its heat beside a strip that gives it away warms up to the strip's temperature and takes next to nothing
@@ -33,11 +33,29 @@ use nalgebra::Complex;
 const PER_DECADE: i32 = 2;
 const DECADES: i32 = 5;
 
-/// T(1/D)/(Z(1/D) q max S^2) of punch and strip, at most 1: what the tolerance of the contact's temperature is multiplied by for that
-/// of the body's own. 1 where the other body is an insulator.
-pub fn shares(scene: &Scene) -> [f64; 2] {
+/// Least part of a tolerance that is asked of a body: where f is large only at frequencies at which the contact's resistance decides,
+/// the body's own impedance has long fallen.
+const LEAST: f64 = 0.1;
+
+/// What the error of a body's own rise is for the contact's.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Share {
+    /// 1/max f over the frequencies from 1/D on, from 0.1 to 1: what the tolerance of the contact's temperature is multiplied by for
+    /// that of the body's own.
+    pub tolerance: f64,
+    /// f(1/D), from 0.1 to 1: what the body's own error is multiplied by for that of the contact's temperature.
+    pub felt: f64,
+}
+
+impl Share {
+    /// Of a body that takes all heat.
+    pub const ALL: Share = Share { tolerance: 1.0, felt: 1.0 };
+}
+
+/// Shares of punch and strip.
+pub fn shares(scene: &Scene) -> [Share; 2] {
     if scene.punch.conductivity == 0.0 || scene.strip.conductivity == 0.0 {
-        return [1.0; 2];
+        return [Share::ALL; 2];
     }
     let area = scene.contact_area() * scene.count;
     let (path, length) = path_of(scene);
@@ -66,7 +84,13 @@ pub fn shares(scene: &Scene) -> [f64; 2] {
         let share = share(impedances(slowest * 10f64.powf(f64::from(k) / f64::from(PER_DECADE))));
         largest = [largest[0].max(share), largest[1].max(1.0 - share)];
     }
-    std::array::from_fn(|side| (rise / (last[side] * largest[side].powi(2))).min(1.0))
+    std::array::from_fn(|side| {
+        let factor = |share: f64| share.powi(2) * last[side] / rise;
+        Share {
+            tolerance: factor(largest[side]).recip().clamp(LEAST, 1.0),
+            felt: factor(taken[side]).clamp(LEAST, 1.0),
+        }
+    })
 }
 
 #[cfg(test)]
@@ -90,14 +114,15 @@ mod tests {
         let mut held = kept.clone();
         held.punch.far_thermal = ThermalBoundary::Held;
         let ([punch, strip], [other, _]) = (shares(&kept), shares(&held));
-        assert!(punch < 0.5 * other && punch < 0.1, "kept {punch}, held {other}");
-        assert!((0.3..=1.0).contains(&strip), "strip {strip}");
+        assert!(punch.tolerance < 0.5 && punch.felt < 0.5, "{punch:?}");
+        assert!(punch.felt <= other.felt, "kept {punch:?}, held {other:?}");
+        assert!(strip.tolerance > 0.5 && strip.felt > 0.5, "{strip:?}");
     }
 
     #[test]
     fn alone_a_body_is_judged_by_its_own_rise() {
         let mut alone = scene();
         alone.strip.conductivity = 0.0;
-        assert_eq!(shares(&alone), [1.0; 2]);
+        assert_eq!(shares(&alone), [Share::ALL; 2]);
     }
 }

@@ -272,6 +272,10 @@ impl LineHeat for DiscHeat {
         self.ring.error()
     }
 
+    fn error_of_the_mean(&self) -> f64 {
+        self.ring.error_of_the_mean()
+    }
+
     fn boxed(&self) -> Box<dyn LineHeat> {
         Box::new(self.clone())
     }

@@ -141,6 +141,10 @@ impl LineHeat for MergedHeat {
         self.body.error()
     }
 
+    fn error_of_the_mean(&self) -> f64 {
+        self.body.error_of_the_mean()
+    }
+
     fn boxed(&self) -> Box<dyn LineHeat> {
         Box::new(MergedHeat::new(self.body.boxed(), self.merging.clone()))
     }

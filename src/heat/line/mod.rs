@@ -170,6 +170,11 @@ pub trait LineHeat: Debug + Send {
     /// Relative error of the reduction at the contact line, computed when the body was made.
     fn error(&self) -> f64;
 
+    /// The same of the mean contact temperature.
+    fn error_of_the_mean(&self) -> f64 {
+        self.error()
+    }
+
     /// A copy with weights of its own.
     fn boxed(&self) -> Box<dyn LineHeat>;
 }

@@ -106,6 +106,8 @@ pub(super) struct Operators {
     pub own: usize,
     /// See [`LineHeat::error`].
     pub error: f64,
+    /// See [`LineHeat::error_of_the_mean`].
+    pub mean_error: f64,
 }
 
 /// Weights of the states and responses of the cells for one step.
@@ -422,6 +424,10 @@ impl LineHeat for ReducedHeat {
 
     fn error(&self) -> f64 {
         self.operators.error
+    }
+
+    fn error_of_the_mean(&self) -> f64 {
+        self.operators.mean_error
     }
 
     fn boxed(&self) -> Box<dyn LineHeat> {

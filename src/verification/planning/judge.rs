@@ -11,7 +11,7 @@ use crate::scene::{Escalation, HeatAlongContact, Scene};
 const FIXED: [usize; 3] = [9, 17, 33];
 
 /// Tolerance of the truth, and of the coarser run that it is compared with.
-const TRUTH: [f64; 2] = [5e-5, 1e-4];
+const TRUTH: [f64; 2] = [1e-4, 2e-4];
 
 /// What plans are judged by.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
 use crate::coupled::lumped::operators::moving_source;
-use crate::coupled::lumped::shares::shares;
+use crate::coupled::lumped::shares::{Share, shares};
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material, Merging};
 use crate::heat::line::LineHeat;
@@ -67,7 +67,7 @@ pub struct Bodies {
     pub waves: usize,
     /// Cooled lengths across the line (area per depth and punch), m.
     pub cooled_length: [f64; 2],
-    /// Larger error of the reductions, relative to the rise of the contact temperature.
+    /// Larger error of the contact temperature by the reductions, relative to its rise.
     pub error: f64,
 }
 
@@ -79,7 +79,7 @@ impl Bodies {
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let shares = shares(scene);
         let tolerances = [PUNCH_PART, 1.0].map(|part| part * scene.tolerance);
-        let tolerances: [f64; 2] = std::array::from_fn(|side| (tolerances[side] * shares[side]).max(FINEST));
+        let tolerances: [f64; 2] = std::array::from_fn(|side| (tolerances[side] * shares[side].tolerance).max(FINEST));
         let duration = scene.nominal_duration;
         let punch: Option<Box<dyn LineHeat>> = if scene.fidelity == Fidelity::Field {
             field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
@@ -102,7 +102,7 @@ impl Bodies {
     fn made(
         scene: &Scene,
         bodies: [Option<Box<dyn LineHeat>>; 2],
-        shares: [f64; 2],
+        shares: [Share; 2],
         free: f64,
         waves: usize,
     ) -> Bodies {
@@ -113,9 +113,8 @@ impl Bodies {
         };
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.fading()));
-        let errors =
-            bodies.iter().zip(shares).map(|(body, share)| body.as_ref().map_or(0.0, |body| body.error() / share));
-        let error = errors.fold(0.0, f64::max);
+        let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
+        let error = of_the_mean.zip(shares).map(|(error, share)| share.felt * error).fold(0.0, f64::max);
         Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,

@@ -204,6 +204,9 @@ pub(super) struct Selection {
     pub modes: Vec<Mode>,
     /// Largest error that is left.
     pub error: f64,
+    /// What it does to the mean temperature of the contact: of the mode number m the 1/m^2-th part. Of a flux that jumps a mode has
+    /// 1/m, and its temperature changes the mean only by the heat that goes into the other body instead, which is another 1/m.
+    pub mean_error: f64,
 }
 
 impl Selection {
@@ -230,6 +233,8 @@ impl Selection {
             states += modes[worst].states();
         }
         let error = modes.iter().map(|mode| mode.error).fold(0.0, f64::max);
-        Selection { modes, error }
+        let part = |m: usize| 1.0 / (m.max(1) as f64).powi(2);
+        let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.error * part(m)).fold(0.0, f64::max);
+        Selection { modes, error, mean_error }
     }
 }
