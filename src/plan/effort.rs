@@ -16,8 +16,9 @@ const TYPICAL_STATES: usize = 100;
 /// Part of what is left after building that one probe may take: two of them step along the contact.
 const PROBE_SHARE: f64 = 0.4;
 
-/// Bounds of the internal steps of a probe.
-const ATTEMPTS: (f64, f64) = (60.0, 250.0);
+/// Bounds of the internal steps of a probe. Most of them go into its first steps, as edges settle: one that ends early saves little
+/// and sees next to nothing.
+const ATTEMPTS: (f64, f64) = (300.0, 600.0);
 
 /// Costs of building: the lumped level; the bodies of a contact line, and for each pair of cells; heat along it, for each
 /// thermal state and pair of cells.

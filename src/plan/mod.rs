@@ -27,8 +27,8 @@
 //! # Limits
 //!
 //! Nominal values of 0 leave nothing to compare: the plan is then lumped and says so. Sliding to and fro is probed over a
-//! few strokes with wear as fast as that of the whole duration, so slow heating of thick bodies is judged by its
-//! beginning.
+//! few strokes with wear as fast as that of the whole duration. Errors of temperature and force grow with what diffuses, and are
+//! carried on to the run as `(run/probe)^0.4`, to twice the probe's length: slower heating of thick bodies is common to all levels.
 
 pub mod effects;
 pub mod effort;
@@ -63,7 +63,7 @@ const FINEST_NEXT: usize = 65;
 const UNKNOWN: f64 = 1.0;
 
 /// Bounds of a probe's tolerance: its steps need not be finer than the comparison.
-const PROBE_TOLERANCE: (f64, f64) = (5e-3, 1e-2);
+const PROBE_TOLERANCE: (f64, f64) = (5e-3, 2e-2);
 
 /// A rung with its estimated errors.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -79,7 +79,7 @@ pub struct Candidate {
 impl Candidate {
     /// The largest of the errors.
     pub fn error(&self) -> f64 {
-        self.errors.iter().copied().fold(0.0, f64::max)
+        largest(self.errors)
     }
 }
 
@@ -221,8 +221,9 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
         false => lumped.of_the_mean(probed.tolerance),
     };
     let apart = distance(&probe(Some(Rung::Lumped), &uniform)?);
+    let growth = course.growth(scene, &finest);
     // Cells are closer to each other than to the lumped level: where that is enough, nothing finer is asked.
-    let enough = apart.iter().all(|&apart| (1.0 + REMAINDER) * apart <= LEVEL_SHARE * scene.tolerance);
+    let enough = growth * (1.0 + REMAINDER) * largest(apart) <= LEVEL_SHARE * scene.tolerance;
     let closest = match fine.merged() {
         Some(merged) if !enough => distance(&probe(None, &merged)?),
         _ => apart,
@@ -232,6 +233,8 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
         true => Some(distance(&probe(Some(Rung::Line { cells, heat: mean }), &fine.of_the_mean(probed.tolerance))?)),
         false => None,
     };
+    let [apart, closest] = [apart, closest].map(|errors| grown(errors, growth));
+    let averaged = averaged.map(|errors| grown(errors, growth));
     let own = closest.map(|apart| REMAINDER * apart);
     let add = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|output| a[output] + b[output]);
     let mut candidates =
@@ -252,6 +255,15 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
     let covered = finest.covered / course.duration;
     effort.paces = paces;
     Ok(Findings { fine, candidates, rise, steps, covered, effort })
+}
+
+fn largest(errors: [f64; 3]) -> f64 {
+    errors.into_iter().fold(0.0, f64::max)
+}
+
+/// Errors of a probe as those of the whole run: of the worn depth the probe has already seen the end.
+fn grown([wear, temperature, force]: [f64; 3], growth: f64) -> [f64; 3] {
+    [wear, growth * temperature, growth * force]
 }
 
 fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planned, String> {

@@ -34,6 +34,11 @@ const HALF_STROKES: f64 = 4.0;
 /// Widths that a probe slides where the strip keeps a worn track: in one width the groove is steady.
 const WIDTHS: f64 = 2.0;
 
+/// Growth of the errors of temperature and force with the time seen, and the longest time, over what a probe has seen, to which it
+/// is carried on. Measured on blocks that slide to and fro: the error of a uniform pressure at the reversals.
+const GROWTH: f64 = 0.4;
+const CARRIED_ON: f64 = 2.0;
+
 /// Velocity (m/s) at both ends of a step, and its length (s).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Segment {
@@ -108,6 +113,13 @@ impl Course {
         let both = one.history.len().min(other.history.len());
         let first = self.beginning.min(both.checked_sub(1)?);
         Some(distance(&one.history[first..both], &other.history[first..both]))
+    }
+
+    /// How much larger the errors of temperature and force are over the whole run than over what `probe` has seen. One way the
+    /// course of a probe is that of the run, or ends where the groove is steady.
+    pub fn growth(&self, scene: &Scene, probe: &Probe) -> f64 {
+        let whole = if scene.nominal_stroke > 0.0 { scene.nominal_duration } else { self.duration };
+        if probe.covered > 0.0 { (whole / probe.covered).clamp(1.0, CARRIED_ON).powf(GROWTH) } else { 1.0 }
     }
 
     /// The scene whose operators a probe runs: heat resolves the steps of the probe, and wear is as fast as the probe is short.

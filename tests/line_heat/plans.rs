@@ -19,7 +19,7 @@ const SEEDS: [u64; 3] = [0, 3, 9];
 fn plans_meet_their_tolerance_at_the_cost_of_the_cheapest_setting() {
     for seed in SEEDS {
         let scene = generate(seed);
-        let truth = truth(&scene, 17, 1e-3).unwrap();
+        let truth = truth(&scene, 17).unwrap();
         for tolerance in [1e-1, 1e-2] {
             let judged = judge(&scene, tolerance, &truth).unwrap();
             let name = scene.name();

@@ -11,6 +11,7 @@ pub mod operators;
 pub mod outputs;
 mod plain;
 pub mod point;
+pub mod shares;
 pub mod stage;
 mod stage_body;
 mod stages;

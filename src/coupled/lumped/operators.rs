@@ -206,7 +206,7 @@ fn reduction_tolerance(scene: &Scene) -> f64 {
 }
 
 /// Path of the heat source, and the length of the strip it heats.
-fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
+pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     match scene.path {
         Path::Closed => (moving_source::Path::Closed(scene.length / scene.count), scene.length),
         Path::Straight if scene.nominal_stroke > 0.0 => {
@@ -280,43 +280,53 @@ fn annular_mean(scene: &Scene, power: f64) -> f64 {
     (outer.powf(power + 1.0) - inner.powf(power + 1.0)) / ((power + 1.0) * 2.0 * half)
 }
 
+/// Cooled area of the punch, m2.
+fn punch_cooled(scene: &Scene) -> f64 {
+    let sides = 2.0 * scene.punch.height * scene.depth * scene.count;
+    if scene.punch.cooled_area > 0.0 { scene.punch.cooled_area } else { sides }
+}
+
+/// The punch as a slab under the contact's `area`, m2.
+pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
+    let body = &scene.punch;
+    Slab {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        surface_transfer: 0.0,
+        volume_transfer: body.convection * punch_cooled(scene) / (area * body.height),
+        base: base_of(body),
+        cooling: CoolingPort::Sides,
+    }
+}
+
 fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
     let body = &scene.punch;
-    let sides = 2.0 * body.height * scene.depth * scene.count;
-    let cooled = if body.cooled_area > 0.0 { body.cooled_area } else { sides };
-    let mut operators = body_of(scene, body, area, cooled / area, 1.0, false);
+    let mut operators = body_of(scene, body, area, punch_cooled(scene) / area, 1.0, false);
     operators.worn_area = area;
     if body.conductivity > 0.0 {
-        let slab = Slab {
-            height: body.height,
-            conductivity: body.conductivity,
-            capacity: body.capacity(),
-            surface_transfer: 0.0,
-            volume_transfer: body.convection * cooled / (area * body.height),
-            base: base_of(body),
-            cooling: CoolingPort::Sides,
-        };
+        let slab = punch_slab(scene, area);
         operators.heat = Some(slab.reduce(scene.nominal_duration, reduction_tolerance(scene)));
     }
     operators
 }
 
-/// The strip's operators, and its slab for the moving source.
-fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
-    let body = &scene.strip;
+/// Area of the strip's conduction problem (m2), the part of it that the contact covers, and its cooled area (m2).
+fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f64, f64) {
     let reference = match scene.geometry {
         Geometry::Annular => length * scene.width,
         _ => length * scene.depth,
     };
     // On an endless path the problem is that of the integral over the path: all of it is cooled.
     let (coverage, free) = if endless { (1.0, reference) } else { (area / reference, reference - area) };
-    let cooled = if body.cooled_area > 0.0 { body.cooled_area } else { free };
-    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
-    // A closed path wears all along; a straight one under the contact, which its track remembers.
-    operators.worn_area = area;
-    if body.conductivity == 0.0 {
-        return (operators, None);
-    }
+    let cooled = if scene.strip.cooled_area > 0.0 { scene.strip.cooled_area } else { free };
+    (reference, coverage, cooled)
+}
+
+/// The strip as a slab under a contact of `area` (m2) on a path of `length` (m), and the part of it that the contact covers.
+pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
+    let body = &scene.strip;
+    let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
     let slab = Slab {
         height: body.height,
         conductivity: body.conductivity,
@@ -326,6 +336,20 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
         base: base_of(body),
         cooling: CoolingPort::Surface,
     };
+    (slab, coverage)
+}
+
+/// The strip's operators, and its slab for the moving source.
+fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
+    let body = &scene.strip;
+    let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
+    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
+    // A closed path wears all along; a straight one under the contact, which its track remembers.
+    operators.worn_area = area;
+    if body.conductivity == 0.0 {
+        return (operators, None);
+    }
+    let (slab, _) = strip_slab(scene, area, length, endless);
     let mut heat = slab.reduce(scene.nominal_duration, reduction_tolerance(scene));
     let count = heat.count;
     for weight in &mut heat.input[0][..count] {

@@ -3,19 +3,37 @@
 use super::runs::{Record, distance, processor_seconds, run, run_with};
 use super::scenes::Generated;
 use crate::coupled::line::heat::bodies::possible_on_the_cells;
+use crate::coupled::model::Operators;
 use crate::plan::{self, rung::Rung};
-use crate::scene::{HeatAlongContact, Scene};
+use crate::scene::{Escalation, HeatAlongContact, Scene};
 
 /// Cells of the fixed settings that plans compete with.
-const FIXED: [usize; 2] = [9, 17];
+const FIXED: [usize; 3] = [9, 17, 33];
 
-/// Far finer run of a scene.
+/// Tolerance of the truth, and of the coarser run that it is compared with.
+const TRUTH: [f64; 2] = [5e-5, 1e-4];
+
+/// What plans are judged by.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// A run far finer than all that are judged.
+    pub record: Record,
+    /// How far wear depth, contact temperature and friction force of a run of half its cells and twice its tolerance are from it:
+    /// more than its own error.
+    pub errors: [f64; 3],
+}
+
+/// Far finer run of a scene, on `cells` cells.
 ///
 /// # Errors
 /// What the set-up or a step refuses.
-pub fn truth(generated: &Generated, cells: usize, tolerance: f64) -> Result<Record, String> {
-    let scene = generated.scene(tolerance)?;
-    run(generated, &best(&scene, cells).apply(&scene))
+pub fn truth(generated: &Generated, cells: usize) -> Result<Truth, String> {
+    let [fine, coarse] = [(cells, TRUTH[0]), (cells / 2 + 1, TRUTH[1])].map(|(cells, tolerance)| {
+        let scene = generated.scene(tolerance)?;
+        run(generated, &best(&scene, cells).apply(&scene))
+    });
+    let (record, coarse) = (fine?, coarse?);
+    Ok(Truth { errors: distance(&coarse, &record), record })
 }
 
 fn best(scene: &Scene, cells: usize) -> Rung {
@@ -54,8 +72,8 @@ pub struct Judged {
     pub planned_error: f64,
     /// `estimated_error` at the end of the planned run.
     pub estimated_error: f64,
-    /// Processor time of planning, s.
-    pub planning_seconds: f64,
+    /// Processor time of planning without building the rung that it chose, which costs as much where it is fixed; and of that, s.
+    pub planning_seconds: [f64; 2],
     /// Every fixed setting that ran.
     pub fixed: Vec<Outcome>,
 }
@@ -65,6 +83,11 @@ impl Judged {
     pub fn cheapest(&self) -> Option<&Outcome> {
         let good = self.fixed.iter().filter(|outcome| outcome.error() <= self.tolerance);
         good.min_by(|one, other| one.work.total_cmp(&other.work))
+    }
+
+    /// Whether planning is cheap: at most 20 ms, or a hundredth of the run that it is made for.
+    pub fn planning_is_cheap(&self) -> bool {
+        self.planning_seconds[0] <= (0.01 * self.chosen.seconds).max(0.02)
     }
 
     /// Work of the plan over that of [`Judged::cheapest`].
@@ -77,14 +100,19 @@ impl Judged {
 ///
 /// # Errors
 /// What the scene, the plan or its run refuses.
-pub fn judge(generated: &Generated, tolerance: f64, truth: &Record) -> Result<Judged, String> {
-    let scene = generated.scene(tolerance)?;
+pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Judged, String> {
+    let mut scene = generated.scene(tolerance)?;
+    // The run stays within what is planned for: no rung above is to be prepared.
+    scene.escalation = Escalation::Off;
     let begin = processor_seconds();
     let planned = plan::make(&scene)?;
-    let planning_seconds = processor_seconds() - begin;
+    let made = processor_seconds();
+    Operators::new(&planned.plan.rung.apply(&scene))?;
+    let building = processor_seconds() - made;
+    let planning_seconds = [(made - begin - building).max(0.0), building];
     let outcome = |rung: Rung, record: &Record| Outcome {
         rung,
-        errors: distance(record, truth),
+        errors: distance(record, &truth.record),
         work: record.work,
         seconds: record.seconds[0],
     };

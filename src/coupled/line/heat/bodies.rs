@@ -1,6 +1,7 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
 use crate::coupled::lumped::operators::moving_source;
+use crate::coupled::lumped::shares::shares;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material, Merging};
 use crate::heat::line::LineHeat;
@@ -14,6 +15,13 @@ use std::sync::Mutex;
 
 /// Most states of a strip: with everything else a saved state stays below 256 KB.
 const MOST_STATES: usize = 16_000;
+
+/// Finest tolerance of a reduction.
+const FINEST: f64 = 2e-5;
+
+/// Part of the tolerance that the punch may take: every mode across may take it, for fluxes of every frequency. The strip judges all
+/// waves at once and has its own part.
+const PUNCH_PART: f64 = 0.25;
 
 /// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
 const EXPECTED: f64 = 1.5;
@@ -59,7 +67,7 @@ pub struct Bodies {
     pub waves: usize,
     /// Cooled lengths across the line (area per depth and punch), m.
     pub cooled_length: [f64; 2],
-    /// Larger relative error of the reductions.
+    /// Larger error of the reductions, relative to the rise of the contact temperature.
     pub error: f64,
 }
 
@@ -69,31 +77,35 @@ impl Bodies {
     /// # Errors
     /// What a body refuses, as a text with the numbers.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
-        let tolerance = scene.tolerance.max(2e-5);
+        let shares = shares(scene);
+        let tolerances = [PUNCH_PART, 1.0].map(|part| part * scene.tolerance);
+        let tolerances: [f64; 2] = std::array::from_fn(|side| (tolerances[side] * shares[side]).max(FINEST));
         let duration = scene.nominal_duration;
         let punch: Option<Box<dyn LineHeat>> = if scene.fidelity == Fidelity::Field {
             field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
         } else {
-            punch::reduce(scene, cells, tolerance, duration).map(|body| body.map(|body| Box::new(body) as _))
+            punch::reduce(scene, cells, tolerances[0], duration).map(|body| body.map(|body| Box::new(body) as _))
         }
         .map_err(|error| format!("punch: {error}"))?;
         if scene.geometry == Geometry::Annular {
-            return Ok(Bodies::made(
-                scene,
-                [punch, mate(scene, cells, tolerance)?],
-                punch::mate::cooled_length(scene),
-                0,
-            ));
+            let bodies = [punch, mate(scene, cells, tolerances[1])?];
+            return Ok(Bodies::made(scene, bodies, shares, punch::mate::cooled_length(scene), 0));
         }
-        let strip = strip(scene, cells, tolerance)?;
+        let strip = strip(scene, cells, tolerances[1])?;
         let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
         let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
         let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);
-        Ok(Bodies::made(scene, [punch, strip], free.max(0.0), waves))
+        Ok(Bodies::made(scene, [punch, strip], shares, free.max(0.0), waves))
     }
 
-    /// With the cooled length of the strip (m) and the number of its waves.
-    fn made(scene: &Scene, bodies: [Option<Box<dyn LineHeat>>; 2], free: f64, waves: usize) -> Bodies {
+    /// With the [`shares`] of both bodies, the cooled length of the strip (m) and the number of its waves.
+    fn made(
+        scene: &Scene,
+        bodies: [Option<Box<dyn LineHeat>>; 2],
+        shares: [f64; 2],
+        free: f64,
+        waves: usize,
+    ) -> Bodies {
         let cooled = if scene.punch.cooled_area > 0.0 {
             scene.punch.cooled_area / (scene.depth * scene.count)
         } else {
@@ -101,7 +113,9 @@ impl Bodies {
         };
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.fading()));
-        let error = bodies.iter().flatten().map(|body| body.error()).fold(0.0, f64::max);
+        let errors =
+            bodies.iter().zip(shares).map(|(body, share)| body.as_ref().map_or(0.0, |body| body.error() / share));
+        let error = errors.fold(0.0, f64::max);
         Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,
