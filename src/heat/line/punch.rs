@@ -100,7 +100,7 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
         face: 0.0,
     };
     let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
-    let distortion = Distortion::new(scene, cells, tolerance)?;
+    let distortion = Distortion::new(scene, cells)?;
     project(across, depth, cooled, distortion, cells, (tolerance, duration)).map(Some)
 }
 
