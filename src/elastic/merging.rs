@@ -107,6 +107,10 @@ mod tests {
             let values: Vec<f64> = cells.centres().iter().map(|x| 1.0 + 20.0 * x * x).collect();
             let means = merging.means(&values);
             assert!((cells.integral(&values) - merged.integral(&means)).abs() < 1e-15);
+            let loads: Vec<f64> = values.iter().zip(cells.widths()).map(|(value, width)| value * width).collect();
+            for ((sum, mean), width) in merging.sums(&loads).iter().zip(&means).zip(merged.widths()) {
+                assert!((sum - mean * width).abs() < 1e-15, "{count}");
+            }
             let mut spread = vec![0.0; count];
             merging.spread(&means, &mut spread);
             assert!((cells.integral(&spread) - cells.integral(&values)).abs() < 1e-15);

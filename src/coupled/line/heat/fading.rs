@@ -101,8 +101,11 @@ mod tests {
     #[test]
     fn heat_changes_as_the_law_of_friction_says() {
         let count = 6;
+        // As of a moving source: heat upstream is felt downstream more than the other way.
         let gains = |scale: f64| Gains {
-            temperature: DMatrix::from_fn(count, count, |i, j| scale / (1.0 + i.abs_diff(j) as f64)),
+            temperature: DMatrix::from_fn(count, count, |i, j| {
+                scale * (1.0 + 0.1 * j as f64) / (1.0 + i.abs_diff(j) as f64)
+            }),
             distortion: DMatrix::zeros(count, count),
         };
         let (punch, strip) = (gains(2.0), gains(0.5));

@@ -172,6 +172,21 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
+    /// Long cells by their primitive, short ones by quadrature.
+    #[test]
+    fn long_cells_integrate_like_the_short_ones_that_they_are_made_of() {
+        let radii = Radii { inner: 0.04, outer: 0.08, mean: 0.06, loss: 3.0 };
+        let short: Vec<f64> = (0..=400).map(|k| -0.02 + 1e-4 * f64::from(k)).collect();
+        for m in 0..8 {
+            let mode = radii.mode(m);
+            let parts = mode.integrals(&short);
+            let long: Vec<f64> = short.iter().copied().step_by(100).collect();
+            for (sum, whole) in parts.chunks(100).map(|cell| cell.iter().sum::<f64>()).zip(mode.integrals(&long)) {
+                assert!((sum - whole).abs() < 2e-10, "{m}: {sum} {whole}");
+            }
+        }
+    }
+
     #[test]
     fn modes_satisfy_their_equations_and_are_orthonormal() {
         let edges: Vec<f64> = (0..=4000).map(|k| -0.02 + 1e-5 * f64::from(k)).collect();
