@@ -99,7 +99,18 @@ fn accumulate_pair<S: Simd, const K: usize>(
     }
 }
 
-/// The unit lower triangle on the diagonal of a panel's first K columns, by columns.
+/// Solves with an upper triangle that holds the reciprocals of its diagonal, in place.
+#[inline(always)]
+fn upper<const K: usize>(triangle: &[[f64; K]; K], x: &mut [f64; K]) {
+    for i in (0..K).rev() {
+        x[i] *= triangle[i][i];
+        for k in 0..i {
+            x[k] -= triangle[i][k] * x[i];
+        }
+    }
+}
+
+/// Both triangles on the diagonal of a panel's first K columns, by columns.
 #[inline(always)]
 fn triangle<const K: usize>(matrix: &[f64], rows: usize, start: usize) -> [[f64; K]; K] {
     let mut triangle = [[0.0; K]; K];
@@ -250,42 +261,42 @@ pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
             let Self(factors, n, x) = self;
-            let full = n - n % GROUP;
-            for start in (0..full).step_by(GROUP) {
-                let end = start + GROUP;
-                for i in start..end {
-                    for k in i + 1..end {
-                        x[k] -= factors[i * n + k] * x[i];
-                    }
-                }
-                let (done, rest) = x.split_at_mut(end);
-                accumulate(simd, rest, factors, n, end, start, negated::<GROUP>(&done[start..]));
+            // The first few rows by themselves, so that all others come in whole groups.
+            let odd = n % GROUP;
+            for i in 0..odd {
+                let (done, rest) = x.split_at_mut(i + 1);
+                accumulate(simd, rest, factors, n, i + 1, i, [-done[i]]);
             }
-            for i in full..n {
-                for k in i + 1..n {
+            for start in (odd..n).step_by(GROUP) {
+                let (done, rest) = x.split_at_mut(start + GROUP);
+                let own = &mut done[start..];
+                let mut solved = [0.0; GROUP];
+                solved.copy_from_slice(own);
+                lower(&triangle(factors, n, start), &mut solved);
+                own.copy_from_slice(&solved);
+                accumulate(simd, rest, factors, n, start + GROUP, start, negated::<GROUP>(&solved));
+            }
+            for start in (odd..n).step_by(GROUP).rev() {
+                let (rest, own) = x[..start + GROUP].split_at_mut(start);
+                let mut solved = [0.0; GROUP];
+                solved.copy_from_slice(own);
+                upper(&triangle(factors, n, start), &mut solved);
+                own.copy_from_slice(&solved);
+                accumulate(simd, rest, factors, n, 0, start, negated::<GROUP>(&solved));
+            }
+            for i in (0..odd).rev() {
+                x[i] *= factors[i * n + i];
+                for k in 0..i {
                     x[k] -= factors[i * n + k] * x[i];
                 }
-            }
-            for i in (full..n).rev() {
-                x[i] *= factors[i * n + i];
-                let (rest, done) = x.split_at_mut(i);
-                accumulate(simd, rest, factors, n, 0, i, [-done[0]]);
-            }
-            for start in (0..full).step_by(GROUP).rev() {
-                for i in (start..start + GROUP).rev() {
-                    x[i] *= factors[i * n + i];
-                    for k in start..i {
-                        x[k] -= factors[i * n + k] * x[i];
-                    }
-                }
-                let (rest, done) = x.split_at_mut(start);
-                accumulate(simd, rest, factors, n, 0, start, negated::<GROUP>(done));
             }
         }
     }
     assert!(factors.len() == n * n && exchanged.len() == n && right.len() == n, "n x n factors, n values");
     for (k, &row) in exchanged.iter().enumerate() {
-        right.swap(k, row);
+        if row != k {
+            right.swap(k, row);
+        }
     }
     Arch::new().dispatch(Substitute(factors, n, right));
 }

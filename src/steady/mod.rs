@@ -7,6 +7,7 @@
 pub(crate) mod acceleration;
 mod box_programme;
 mod cycle;
+pub(crate) mod krylov;
 mod one_way;
 pub mod relative_velocity;
 mod rocking;

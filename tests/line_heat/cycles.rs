@@ -369,3 +369,43 @@ fn the_steps_of_a_cycle_are_short_enough() {
     println!("{error:e} of the mean pressure");
     assert!(error < 1e-3, "{error:e}");
 }
+
+/// Long cycles near the critical speed, in which heat decides what touches: found by the whole derivative, and stepping ends there.
+#[test]
+fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
+    let light = [("punch.specific_heat", 4.6), ("strip.specific_heat", 4.6)];
+    let mut map = map(&[&light[..], &[("nominal.velocity", 0.2)]].concat(), true);
+    assert!((0.6..0.8).contains(&map.speed_ratio()), "{}", map.speed_ratio());
+    let start = map.start();
+    let direct = map.steady(&start, &SolveOptions::default()).unwrap();
+    println!("{} cycles, {:?}", direct.cycles, direct.residual);
+    assert!(direct.cycles > 30 && direct.residual.iter().all(|rest| *rest <= 1e-7));
+    let mut jumps = Jumps::new(&mut map, start, JumpOptions { tolerance: 1e-2, ..JumpOptions::default() });
+    let mut last = None;
+    jumps.carry_to(1e4, |jump| last = Some(jump.clone())).unwrap();
+    let last = last.unwrap();
+    println!("{} cycles computed of {}", last.computed, last.cycles);
+    let mean = 1e3 / (6e-3 * 0.01);
+    for (jumped, direct) in last.passage.strokes.iter().zip(&direct.passage.strokes) {
+        for (jumped, direct) in jumped.pressure.iter().zip(&direct.pressure) {
+            assert!((jumped - direct).abs() < 1e-3 * mean, "{jumped} {direct}");
+        }
+    }
+}
+
+/// Above the critical speed there is no steady pressure of long half-strokes, and the refusal says from which speed.
+#[test]
+fn long_cycles_above_the_critical_speed_are_refused_with_it() {
+    let light = [("punch.specific_heat", 0.46), ("strip.specific_heat", 0.46), ("nominal.velocity", 0.4)];
+    let mut fast = map(&light, true);
+    let (ratio, start) = (fast.speed_ratio(), fast.start());
+    assert!(ratio > 1.2, "{ratio}");
+    let critical = format!("{:.4} m/s", 0.4 / ratio);
+    let refused = fast.steady(&start, &SolveOptions::default()).unwrap_err().to_string();
+    assert!(refused.contains("critical speed") && refused.contains(&critical), "{refused}");
+    let scene = made(&light);
+    let cells = cells_for(&scene, 17).unwrap();
+    let bodies = compliances(&scene, &cells).unwrap();
+    let refused = endless_cycles(&scene, &cells, &bodies).unwrap_err().to_string();
+    assert!(refused.contains("critical speed") && refused.contains("0.4000 m/s"), "{refused}");
+}

@@ -66,10 +66,14 @@ fn heat_that_moves_nothing_leaves_pressure_and_wear() {
 
 /// Profiles of pressure and temperature after a run-up whose speed rises like the cube of time, with `parts` steps.
 fn run_up(parts: u32, wear: f64) -> [Vec<f64>; 2] {
-    let mut drive =
-        reciprocating(&[("solver.tolerance", 0.1), ("punch.wear_coefficient", wear), ("contact.shear_coupling", 0.0)]);
+    run_up_to(0.01, parts, &[("punch.wear_coefficient", wear)])
+}
+
+fn run_up_to(last: f64, parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
+    let plain = [("solver.tolerance", 0.1), ("contact.shear_coupling", 0.0)];
+    let mut drive = reciprocating(&[&plain, changes].concat());
     drive.set("normal_load", 1e4);
-    let (duration, last) = (2.0, 0.01);
+    let duration = 2.0;
     let step = duration / f64::from(parts);
     let velocity = |time: f64| last * (time / duration).powi(3);
     for part in 0..parts {
@@ -103,6 +107,35 @@ fn pressure_and_temperature_are_of_second_order() {
             println!("{wear:e} {quantity}: order {order}");
             assert!((1.9..2.1).contains(&order), "{wear:e} {quantity}: {order} {errors:?}");
         }
+    }
+}
+
+/// The same where the bodies cool: by still air at coefficients (W/(m2 K)) at which they lose a third of what they take up, by air
+/// that moves with them and by radiation as machines have them. A flux that varies with speed or temperature is that of the middle of a
+/// step: where such cooling is made a thousand times as strong, the order falls to the 3/2 of a flux that is constant over a step.
+#[test]
+fn cooling_leaves_the_temperature_of_second_order() {
+    let both = |names: [&'static str; 2], value: f64| names.map(|name| (name, value));
+    let air = both(["punch.convection", "strip.convection"], 5e3);
+    let moving = |value: f64| both(["punch.convection_forced", "strip.convection_forced"], value);
+    let radiation = both(["punch.emissivity", "strip.emissivity"], 0.9);
+    let wear = [("punch.wear_coefficient", 4e-14)];
+    let cases = [
+        (air.to_vec(), 1.9..2.1, 0.1),
+        ([moving(100.0), radiation].concat(), 1.9..2.1, 1e-6),
+        (moving(1e5).to_vec(), 1.4..2.1, 0.01),
+    ];
+    let warm = run_up_to(0.01, 320, &wear)[1].clone();
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    for (changes, expected, least) in cases {
+        let changes = [&changes[..], &wear].concat();
+        let runs = [40, 80, 160, 320].map(|parts| run_up_to(0.01, parts, &changes)[1].clone());
+        let differences = [0, 1, 2].map(|k| distance(&runs[k], &runs[k + 1]));
+        let order = (differences[0] / differences[2]).log2() / 2.0;
+        let cooled = distance(&warm, &runs[3]) / distance(&warm, &[293.15; 33]);
+        println!("{changes:?}: order {order}, {differences:?}, cooled by {cooled}");
+        assert!(expected.contains(&order), "{changes:?}: {order} {differences:?}");
+        assert!(cooled > least, "{changes:?}: {cooled}");
     }
 }
 

@@ -47,7 +47,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         3 => changes.push(("contact.regularization_velocity", random.between(0.1, 2.0))),
         4 => changes.extend([("strip.path", 1.0), ("strip.length", 0.0), ("nominal.stroke", 0.05)]),
         5 => changes.extend([("holder.constraint", 2.0), ("holder.pivot_height", 0.03)]),
-        6 => changes.extend([
+        6 | 9 => changes.extend([
             ("contact.geometry", 2.0),
             ("contact.mean_radius", 0.1),
             ("strip.length", 0.0),
@@ -66,8 +66,8 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
     if random.next() < 0.5 {
         changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);
     }
-    // Where nothing follows the temperature, heat follows the mean, and the contact temperature the inputs of the moment.
-    if special == 3 {
+    // Where nothing follows the temperature (9: on an annulus), heat follows the mean, and the contact temperature the inputs of the moment.
+    if special == 3 || special == 9 {
         for (name, value) in &mut changes {
             match *name {
                 "contact.friction_fade.factor[2]" | "punch.wear_fade.factor[2]" => *value = 1.0,
@@ -104,8 +104,8 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
     let mut random = Random(20_240_229);
     let mut nonzero = vec![false; outputs.len()];
     let (mut failed, mut kinks, mut compared) = (Vec::new(), 0, 0);
-    for case in 0..42 {
-        let (mut drive, inputs) = scene(&mut random, if case < 40 { case % 8 } else { 8 });
+    for case in 0..46 {
+        let (mut drive, inputs) = scene(&mut random, if case < 40 { case % 8 } else { 8 + u32::from(case >= 42) });
         // Entries scaled by a typical size of the input, so that they compare.
         let mut entries = vec![[(0.0, 0.0); 7]; outputs.len()];
         for (index, (name, size)) in INPUTS.iter().enumerate() {
@@ -121,7 +121,7 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
             };
             let middle = at(0.0);
             let forward = difference(at(0.05 * step), middle.clone(), 0.05 * step);
-            let backward = difference(middle, at(-0.05 * step), 0.05 * step);
+            let backward = difference(middle.clone(), at(-0.05 * step), 0.05 * step);
             let wide = difference(at(step), at(-step), 2.0 * step);
             let narrow = difference(at(0.5 * step), at(-0.5 * step), step);
             let finest = difference(at(0.25 * step), at(-0.25 * step), 0.5 * step);
@@ -134,9 +134,10 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
                 compared += 1;
                 // Where a cell lifts off, or another one carries the largest pressure, there is a derivative on each side.
                 let size_of = numeric.abs().max(exact[output].abs() * size);
-                if (forward[output] - backward[output]).abs() > 0.02 * size_of
-                    || (second - first).abs() > 1e-4 * size_of
-                {
+                let at_kink = (forward[output] - backward[output]).abs() > 0.02 * size_of
+                    || (second - first).abs() > 1e-4 * size_of;
+                // What does not answer differs by rounding.
+                if at_kink && size_of > 1e-11 * middle[output].abs() {
                     kinks += 1;
                     entries[output][index] = (numeric, numeric);
                     continue;

@@ -181,3 +181,34 @@ fn memory() -> f64 {
     let line = status.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 1024.0
 }
+
+/// Wear like p^.785, infinitely steep where a cell of a parabola has just touched, friction that falls with its heat, and heat that
+/// opens the cells at the edge.
+#[test]
+fn a_parabola_whose_edge_wears_steeply_and_fades() {
+    let mut lowest: f64 = 1.0;
+    for step in [0.01, 0.05, 0.1, 0.2, 0.3, 1.0] {
+        let mut drive = line(&[
+            ("solver.cells", 22.0),
+            ("contact.initial_shape", 2.0),
+            ("contact.initial_radius", 300.0),
+            ("punch.thermal_expansion", 1e-7),
+            ("strip.thermal_expansion", 1e-7),
+            ("punch.wear_pressure_exponent", 0.785),
+            ("contact.friction_fade.factor[2]", 0.724),
+        ]);
+        for (velocity, load) in [(-3.17, 4.3e3), (-7.63, 5.6e3)] {
+            drive.set("sliding_velocity", velocity).set("normal_load", load);
+            for _ in 0..2 {
+                drive.step(step);
+            }
+            assert!((carried(&mut drive) * 1e4 / load - 1.0).abs() < 1e-9, "{step} s");
+        }
+        let (worn, faded) = (drive.get("wear_volume_punch"), drive.get("friction_coefficient"));
+        // Hot enough, the friction is that of the cold contact again: only one factor of the table is below 1.
+        assert!(worn > 0.0 && faded <= 0.25 && faded > 0.18, "{step} s: {worn} {faded}");
+        lowest = lowest.min(faded);
+        assert!(drive.imbalance() < 1e-9, "{step} s: {:e}", drive.imbalance());
+    }
+    assert!(lowest < 0.249, "friction fades: {lowest}");
+}

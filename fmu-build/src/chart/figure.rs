@@ -22,6 +22,8 @@ fn look(name: &str, peer: bool) -> (usize, Mark) {
         "lumped, inputs held" => (0, Mark::DashesAndSquares),
         "line, tolerance" => (2, Mark::LineAndPoints),
         "line, cells" => (4, Mark::LineAndPoints),
+        "line, cells, 1e-3" => (4, Mark::DashesAndSquares),
+        "line, cells, 1e-2" => (4, Mark::Points),
         "line, inputs held" => (2, Mark::DashesAndSquares),
         "explicit" => (5, Mark::LineAndPoints),
         "staggered" => (5, Mark::DashesAndSquares),

@@ -8,6 +8,7 @@
 mod exchange;
 pub mod jump;
 pub mod map;
+mod newton;
 pub mod solve;
 mod tangent;
 

@@ -533,6 +533,16 @@ impl Operators {
         self.radial[body][i] * power(pressure / REFERENCE_PRESSURE, self.wear[body].0.pressure_exponent)
     }
 
+    /// Multiplies `rates`, of all cells, by [`Operators::relative_rate`].
+    pub(super) fn scale_by_relative_rates(&self, body: usize, pressure: &[f64], rates: &mut [f64]) {
+        let exponent = self.wear[body].0.pressure_exponent;
+        let cells = rates.iter_mut().zip(self.radial[body].iter().zip(pressure));
+        if exponent == 1.0 {
+            return cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE));
+        }
+        cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE).powf(exponent));
+    }
+
     /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
     fn rates(&self, moment: &Moment, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
         let laws = self.coefficients(moment.speed, moment.faded, moment.temperature, acceleration);

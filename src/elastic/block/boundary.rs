@@ -28,6 +28,12 @@ pub fn contact_cells(width: f64, boundaries: &[f64]) -> Result<Vec<(f64, f64)>, 
     Ok(boundaries.windows(2).map(|pair| (pair[0], pair[1])).collect())
 }
 
+/// Whether cells between these boundaries are their own mirror images about x = 0.
+pub fn are_symmetric(boundaries: &[f64]) -> bool {
+    let width = boundaries.last().map_or(0.0, |last| 2.0 * last.abs());
+    boundaries.iter().zip(boundaries.iter().rev()).all(|(x, mirrored)| (x + mirrored).abs() <= 1e-14 * width)
+}
+
 /// Integrals of the contact's shape functions over each cell: (scalar degree of freedom, integral [m]). Exact, also
 /// where a cell covers a part of an element.
 pub fn contact_integrals(mesh: &Mesh, cells: &[(f64, f64)]) -> Vec<Vec<(usize, f64)>> {

@@ -9,7 +9,7 @@
 //! Normal displacements count positive into the body (+z), so heating gives negative ones: the surface moves towards
 //! the partner and closes the gap.
 
-use super::boundary::{contact_cells, contact_integrals};
+use super::boundary::{are_symmetric, contact_cells, contact_integrals};
 use super::element::{Shape, dilatation, local_functions};
 use super::lobatto::{ReferenceMatrices, gauss_legendre, shape_derivatives, shape_values};
 use super::mechanical::Block;
@@ -29,6 +29,18 @@ pub struct DepthPoint {
     row: usize,
     /// Part of the row's height that lies below.
     reference: f64,
+}
+
+/// Functions across the width of which temperature fields are products.
+pub struct FunctionsAcross<'a> {
+    /// Their number.
+    pub count: usize,
+    /// They vary no faster than cos(`steepest` x).
+    pub steepest: f64,
+    /// Value by number and x.
+    pub value: &'a dyn Fn(usize, f64) -> f64,
+    /// Whether a function is even (1) or odd (-1) by its number; None: neither.
+    pub parity: &'a dyn Fn(usize) -> Option<f64>,
 }
 
 impl Block {
@@ -98,46 +110,57 @@ impl Block {
     /// Mean normal displacement over each cell per unit thermal expansion coefficient by temperature fields that are
     /// products, N x fields [m/K].
     ///
-    /// `fields` name one of the `count` functions `across(index, x)`, which vary no faster than cos(`steepest` x), and
-    /// give the profile at the [`Self::depth_points`]. By Betti's theorem the displacement of a cell is the thermal
-    /// stress times the dilatation under unit pressure on that cell: one elastic solution per cell, whatever the number of
-    /// fields, and the fields need not be polynomials.
+    /// `fields` name one of the functions across, and give the profile at the [`Self::depth_points`]. By Betti's theorem
+    /// the displacement of a cell is the thermal stress times the dilatation under unit pressure on that cell: one elastic
+    /// solution per cell, whatever the number of fields, and the fields need not be polynomials. Of cells and functions
+    /// that are symmetric one half follows from the other.
     ///
     /// # Errors
     /// Boundaries that do not ascend or do not span the contact.
     pub fn product_distortion(
         &self,
         boundaries: &[f64],
-        count: usize,
-        steepest: f64,
-        across: impl Fn(usize, f64) -> f64,
+        functions: &FunctionsAcross<'_>,
         fields: &[(usize, &[f64])],
     ) -> Result<DMatrix<f64>, BlockError> {
         let cells = contact_cells(self.properties.width, boundaries)?;
-        let mut pressed = Mat::zeros(self.degrees(), cells.len());
-        for (cell, integrals) in contact_integrals(&self.mesh, &cells).into_iter().enumerate() {
+        let parities: Option<Vec<f64>> = (0..functions.count).map(functions.parity).collect();
+        let parities = parities.filter(|_| are_symmetric(boundaries));
+        let pressed_cells = if parities.is_some() { cells.len().div_ceil(2) } else { cells.len() };
+        let mut pressed = Mat::zeros(self.degrees(), pressed_cells);
+        for (cell, integrals) in contact_integrals(&self.mesh, &cells[..pressed_cells]).into_iter().enumerate() {
             for (degree, integral) in integrals {
                 pressed[(2 * degree + 1, cell)] += integral;
             }
         }
         self.solve_in_place(&mut pressed)?;
         let along: Vec<[DMatrix<f64>; 2]> =
-            (0..self.mesh.x.intervals()).map(|column| self.moments_across(column, count, steepest, &across)).collect();
+            (0..self.mesh.x.intervals()).map(|column| self.moments_across(column, functions)).collect();
         let up = self.moments_of_profiles(fields);
         let mut result = DMatrix::zeros(cells.len(), fields.len());
-        for element in 0..self.mesh.elements() {
-            let (column, row) = self.mesh.column_and_row(element);
-            let [along_x, along_z] = self.local_displacements(element, &pressed);
+        for (row, [up_values, up_slopes]) in up.iter().enumerate() {
             // int T div u = sum over the functions a, b of u_x int X N_a' int Z N_b + u_z int X N_a int Z N_b'.
-            let [values, slopes] = &along[column];
-            let (along_x, along_z) = (along_x * slopes, along_z * values);
-            let [up_values, up_slopes] = &up[row];
+            let rows = up_values.nrows() * pressed_cells;
+            let mut sums = [(); 2].map(|()| DMatrix::zeros(rows, functions.count));
+            for (column, [values, slopes]) in along.iter().enumerate() {
+                let [along_x, along_z] = self.local_displacements(self.mesh.element(column, row), &pressed);
+                sums[0].gemm(1.0, &along_x, slopes, 1.0);
+                sums[1].gemm(1.0, &along_z, values, 1.0);
+            }
             for (field, &(index, _)) in fields.iter().enumerate() {
-                let mut sums = result.column_mut(field);
+                let mut answer = result.column_mut(field);
+                let mut answer = answer.rows_mut(0, pressed_cells);
                 for b in 0..up_values.nrows() {
-                    let first = b * cells.len();
-                    sums.axpy(up_values[(b, field)], &along_x.column(index).rows(first, cells.len()), 1.0);
-                    sums.axpy(up_slopes[(b, field)], &along_z.column(index).rows(first, cells.len()), 1.0);
+                    let first = b * pressed_cells;
+                    answer.axpy(up_values[(b, field)], &sums[0].column(index).rows(first, pressed_cells), 1.0);
+                    answer.axpy(up_slopes[(b, field)], &sums[1].column(index).rows(first, pressed_cells), 1.0);
+                }
+            }
+        }
+        if let Some(parities) = parities {
+            for (mut column, &(index, _)) in result.column_iter_mut().zip(fields) {
+                for cell in pressed_cells..cells.len() {
+                    column[cell] = parities[index] * column[cells.len() - 1 - cell];
                 }
             }
         }
@@ -149,13 +172,8 @@ impl Block {
     }
 
     /// Integrals over a column of elements of the functions across times the shape functions (rows) and their slopes.
-    fn moments_across(
-        &self,
-        column: usize,
-        count: usize,
-        steepest: f64,
-        across: impl Fn(usize, f64) -> f64,
-    ) -> [DMatrix<f64>; 2] {
+    fn moments_across(&self, column: usize, across: &FunctionsAcross<'_>) -> [DMatrix<f64>; 2] {
+        let (count, steepest) = (across.count, across.steepest);
         let (start, size) = (self.mesh.x.points[column], self.mesh.x.size(column));
         let functions = self.mesh.x.orders[column] + 1;
         let (mut shape, mut slope) = (vec![0.0; functions], vec![0.0; functions]);
@@ -164,7 +182,7 @@ impl Block {
             shape_values(xi, &mut shape);
             shape_derivatives(xi, &mut slope);
             for index in 0..count {
-                let value = weight * across(index, start + 0.5 * size * (1.0 + xi));
+                let value = weight * (across.value)(index, start + 0.5 * size * (1.0 + xi));
                 for a in 0..functions {
                     moments[0][(a, index)] += 0.5 * size * value * shape[a];
                     moments[1][(a, index)] += value * slope[a];
@@ -310,14 +328,11 @@ mod tests {
     #[test]
     fn products_are_distorted_as_the_same_fields_of_elements() {
         let (block, thermal) = pair(2.0, 0.3);
-        let boundaries = [-1.0, -0.3, 0.4, 0.9, 1.0];
         // T = 1 everywhere; T = 1 - z by a uniform flux; T = x (1 - z), which the elements hold by its values at vertices.
         let points = block.depth_points();
         let one = vec![1.0; points.len()];
         let falling: Vec<f64> = points.iter().map(|point| 1.0 - point.z).collect();
-        let across = |index: usize, x: f64| if index == 0 { 1.0 } else { x };
         let fields = [(0, &one[..]), (0, &falling[..]), (1, &falling[..])];
-        let found = block.product_distortion(&boundaries, 2, 0.0, across, &fields).unwrap();
         let mut elements = Mat::zeros(thermal.degrees(), 2);
         for entity in &thermal.mesh.entities[..thermal.mesh.free_entities] {
             if let Some((x, z)) = thermal.mesh.vertex(entity) {
@@ -325,15 +340,27 @@ mod tests {
                 elements[(entity.first, 1)] = x * (1.0 - z);
             }
         }
-        let uniform = block.uniform_distortion(&boundaries).unwrap();
-        let others = block.thermal_distortion(&thermal, &elements, &boundaries).unwrap();
-        for i in 0..4 {
-            for (column, expected) in [uniform[(i, 0)], others[(i, 0)], others[(i, 1)]].into_iter().enumerate() {
-                assert!(
-                    (found[(i, column)] - expected).abs() < 1e-9,
-                    "{i} {column}: {} {expected}",
-                    found[(i, column)]
-                );
+        // Cells that are their own mirror images, with and without one in the middle, and others.
+        let sets: [&[f64]; 3] =
+            [&[-1.0, -0.3, 0.4, 0.9, 1.0], &[-1.0, -0.7, -0.2, 0.2, 0.7, 1.0], &[-1.0, -0.7, 0.0, 0.7, 1.0]];
+        for boundaries in sets {
+            let uniform = block.uniform_distortion(boundaries).unwrap();
+            let others = block.thermal_distortion(&thermal, &elements, boundaries).unwrap();
+            for parities in [[Some(1.0), Some(-1.0)], [None; 2]] {
+                let functions = FunctionsAcross {
+                    count: 2,
+                    steepest: 0.0,
+                    value: &|index, x| if index == 0 { 1.0 } else { x },
+                    parity: &|index| parities[index],
+                };
+                let found = block.product_distortion(boundaries, &functions, &fields).unwrap();
+                for i in 0..boundaries.len() - 1 {
+                    let expected = [uniform[(i, 0)], others[(i, 0)], others[(i, 1)]];
+                    for (column, expected) in expected.into_iter().enumerate() {
+                        let found = found[(i, column)];
+                        assert!((found - expected).abs() < 1e-9, "{i} {column}: {found} {expected}");
+                    }
+                }
             }
         }
     }

@@ -155,7 +155,7 @@ impl CondensedElement {
             block.copy_from(&matrix.view((skeleton, skeleton), (interior, interior)));
             let Some(factor) = Cholesky::new(block) else { return false };
             self.interior_factor = factor.unpack_dirty();
-            self.interior_factor.solve_lower_triangular_mut(&mut self.coupling);
+            solve_lower_triangular_in_place(view(&self.interior_factor), view_mut(&mut self.coupling), Par::Seq);
             self.skeleton.gemm_tr(-1.0, &self.coupling, &self.coupling, 1.0);
         }
         true

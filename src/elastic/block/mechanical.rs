@@ -1,6 +1,6 @@
 //! The block's elasticity: stiffness, compliance of the contact line, strain energy.
 
-use super::boundary::{contact_cells, contact_integrals, side_loads, top_values};
+use super::boundary::{are_symmetric, contact_cells, contact_integrals, side_loads, top_values};
 use super::condense::{Factor, FactorizationError, Pattern};
 use super::element::{CondensedElement, Shape, condense, elastic_stiffness, local_functions};
 use super::half_plane::HalfPlane;
@@ -111,11 +111,17 @@ impl Block {
         let cells = contact_cells(self.properties.width, boundaries)?;
         let n = cells.len();
         let half_plane = HalfPlane { poissons_ratio: self.properties.poissons_ratio, scale: self.properties.width };
-        let remainder = self.remainder(&half_plane, &cells)?;
+        // A cell and its mirror image have mirrored fields.
+        let solved = if are_symmetric(boundaries) { n.div_ceil(2) } else { n };
+        let remainder = self.remainder(&half_plane, &cells[..solved])?;
         let integrals = contact_integrals(&self.mesh, &cells);
         let observe = |component: usize, observed: usize, loaded: usize| -> f64 {
+            let mirrored = loaded >= solved;
+            let (observed, loaded) = if mirrored { (n - 1 - observed, n - 1 - loaded) } else { (observed, loaded) };
             let column = remainder.col(loaded);
-            integrals[observed].iter().map(|&(degree, weight)| weight * column[2 * degree + component]).sum()
+            let sum: f64 =
+                integrals[observed].iter().map(|&(degree, weight)| weight * column[2 * degree + component]).sum();
+            if mirrored && component == 0 { -sum } else { sum }
         };
         // Integrals over the observed cell; those of the normal displacement are symmetric by Betti's theorem.
         let normal = DMatrix::from_fn(n, n, |i, j| half_plane.normal_influence(cells[i], cells[j]) + observe(1, i, j));

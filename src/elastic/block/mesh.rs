@@ -191,6 +191,11 @@ impl Mesh {
         (shapes, kind)
     }
 
+    /// Number of the element in `column`, `row`.
+    pub fn element(&self, column: usize, row: usize) -> usize {
+        column * self.z.intervals() + row
+    }
+
     /// Column and row of element `element`.
     pub fn column_and_row(&self, element: usize) -> (usize, usize) {
         (element / self.z.intervals(), element % self.z.intervals())

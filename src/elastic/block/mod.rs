@@ -38,6 +38,7 @@ pub mod thermal;
 pub mod thermal_factor;
 pub mod unreduced;
 
+pub use distortion::FunctionsAcross;
 pub use mechanical::{Block, BlockProperties, Compliance};
 pub use thermal::{ThermalBlock, ThermalProperties, TopCondition};
 pub use thermal_factor::{ThermalFactor, ThermalWorkspace};

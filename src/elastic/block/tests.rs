@@ -300,6 +300,22 @@ fn cyclic_pressure_of_a_translating_block_on_a_rigid_strip() {
 }
 
 #[test]
+fn cells_that_are_mirror_images_answer_like_all_others() {
+    let block = Block::new(SQUARE, Discretization::uniform(5, 3)).unwrap();
+    for half in [&[0.4, 0.9, 1.0][..], &[0.0, 0.3, 1.0]] {
+        let mirrored = half.iter().rev().map(|x| -x).filter(|x| *x < 0.0);
+        let symmetric: Vec<f64> = mirrored.chain(half.iter().copied()).collect();
+        let mut moved = symmetric.clone();
+        moved[2] += 1e-9;
+        let [expected, found] = [&moved, &symmetric].map(|boundaries| block.compliance(boundaries).unwrap());
+        for (expected, found) in [(&expected.normal, &found.normal), (&expected.shear, &found.shear)] {
+            let error = (expected - found).amax() / expected.amax();
+            assert!(error < 1e-7, "{error:e}");
+        }
+    }
+}
+
+#[test]
 fn refusals_name_variable_value_and_limit() {
     let fine = Discretization::uniform(3, 2);
     let message = |properties, discretization| Block::new(properties, discretization).unwrap_err().to_string();

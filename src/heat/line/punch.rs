@@ -30,6 +30,7 @@ mod selection;
 mod steady;
 #[cfg(test)]
 mod tests;
+mod waves;
 
 use super::reduced::{ModeStates, Observation, Operators, PORTS, ReducedHeat};
 use crate::elastic::Cells;
@@ -40,6 +41,8 @@ use depth::{Depth, Points, Shape, Top};
 use distortion::{Distortion, Field};
 use nalgebra::DMatrix;
 use selection::{Scale, Selection};
+use steady::{steady_beyond, summed_modes};
+use waves::Waves;
 
 /// Most states. A steel punch in minutes needs fewer than 100 for an error of 1e-4; a heated layer that is thin against
 /// the width, as in a brake pad during one stop, needs more, because more modes across have a history of their own.
@@ -97,7 +100,7 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
         face: 0.0,
     };
     let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
-    let distortion = Distortion::new(scene, cells)?;
+    let distortion = Distortion::new(scene, cells, tolerance)?;
     project(across, depth, cooled, distortion, cells, (tolerance, duration)).map(Some)
 }
 
@@ -160,6 +163,8 @@ struct Assembly<'a> {
     cooled: Cooled,
     cells: &'a Cells,
     modes: Vec<Mode>,
+    /// All modes that some sum needs, those with states first.
+    waves: Waves,
     errors: [f64; 2],
 }
 
@@ -183,14 +188,16 @@ impl<'a> Assembly<'a> {
         points: &Points,
         selection: &Selection,
     ) -> Self {
-        let modes = (selection.modes.iter().filter(|mode| mode.basis.count() > 0))
+        let modes: Vec<Mode> = (selection.modes.iter().filter(|mode| mode.basis.count() > 0))
             .map(|mode| {
                 let mut states = mode.basis.shapes(points);
                 let immediate = if mode.fastest_is_steady { states.pop() } else { None };
                 Mode { wave: mode.wave, states, immediate }
             })
             .collect();
-        Assembly { across, depth, cooled, cells, modes, errors: [selection.error, selection.mean_error] }
+        let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
+        let waves = Waves::new(&across, cells, count);
+        Assembly { across, depth, cooled, cells, modes, waves, errors: [selection.error, selection.mean_error] }
     }
 
     /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
@@ -293,7 +300,7 @@ impl<'a> Assembly<'a> {
             contact: Vec::with_capacity(count),
             distortion: Vec::new(),
             input: [(); PORTS].map(|()| Vec::with_capacity(count)),
-            temperature_by_flux: steady::steady_beyond(&self.across, &self.depth, self.cells, self.modes.len()),
+            temperature_by_flux: steady_beyond(&self.across, &self.depth, self.cells, &self.waves, self.modes.len()),
             temperature_by_port: [(); PORTS].map(|()| vec![0.0; cells]),
             distortion_by_flux: DMatrix::zeros(cells, cells),
             distortion_by_port: [(); PORTS].map(|()| Vec::new()),
@@ -311,8 +318,8 @@ impl<'a> Assembly<'a> {
             mean_error: self.errors[1],
         };
         let mut first = 0;
-        for mode in &self.modes {
-            let integrals = mode.wave.cell_integrals(self.cells);
+        for (m, mode) in self.modes.iter().enumerate() {
+            let integrals = self.waves.integrals(m).to_vec();
             let means: Vec<f64> = integrals.iter().zip(&operators.widths).map(|(f, width)| f / width).collect();
             if let Some(shape) = &mode.immediate {
                 let gain = shape.contact * shape.contact / shape.rate;
@@ -367,8 +374,8 @@ impl<'a> Assembly<'a> {
         let mut first = 0;
         for m in 0..SUMMED_MODES.max(self.modes.len()) {
             let mode = self.modes.get(m);
-            let wave = mode.map_or_else(|| self.across.wave(m), |mode| mode.wave);
-            let exposure = self.exposure(&wave);
+            let wave = self.waves.wave(m);
+            let exposure = self.exposure(wave);
             for shape in mode.map_or(&[][..], |mode| &mode.states[..]) {
                 operators.cooled.states[first] = per_length * exposure * self.seen(shape);
                 first += 1;
@@ -376,9 +383,8 @@ impl<'a> Assembly<'a> {
             if exposure == 0.0 && wave.integral == 0.0 {
                 continue;
             }
-            let left = self.remainder(&wave, mode);
-            let integrals = wave.cell_integrals(self.cells);
-            for (i, integral) in integrals.iter().enumerate() {
+            let left = self.remainder(wave, mode);
+            for (i, integral) in self.waves.integrals(m).iter().enumerate() {
                 for port in 0..PORTS {
                     operators.temperature_by_port[port][i] += left.contact[port] * integral / operators.widths[i];
                 }
@@ -470,7 +476,7 @@ impl<'a> Assembly<'a> {
         let first: Vec<usize> = first.collect();
         for m in 0..DISTORTING_MODES.max(self.modes.len()) {
             let mode = self.modes.get(m);
-            let wave = mode.map_or_else(|| self.across.wave(m), |mode| mode.wave);
+            let wave = self.waves.wave(m);
             match mode {
                 Some(Mode { immediate: Some(shape), .. }) => {
                     by_flux.push((fields.len(), shape.contact / shape.rate));
@@ -483,7 +489,7 @@ impl<'a> Assembly<'a> {
                     fields.push(Field { mode: m, integral: depth.steady_integral(wave.decay), profile });
                 }
             }
-            let exposure = self.exposure(&wave);
+            let exposure = self.exposure(wave);
             if exposure == 0.0 && wave.integral == 0.0 || !depth.has_steady_state(wave.decay) {
                 continue;
             }
@@ -508,31 +514,28 @@ impl<'a> Assembly<'a> {
                 },
             });
             for (i, shape) in mode.map_or(&[][..], |mode| &mode.states[..]).iter().enumerate() {
-                for (port, input) in self.input(&wave, shape).into_iter().enumerate() {
+                for (port, input) in self.input(wave, shape).into_iter().enumerate() {
                     by_port.push((first[m] + i, port, -input / shape.rate));
                 }
             }
         }
-        let displacements = distortion.of(&self.across, cells, &fields)?;
+        let (displacements, uniform) = distortion.of(&self.across, cells, &self.waves, &fields)?;
         operators.distortion = displacements.columns(0, states).iter().copied().collect();
         for &(field, weight) in &by_flux {
-            let integrals = self.across.wave(fields[field].mode).cell_integrals(cells);
-            for (j, integral) in integrals.iter().enumerate() {
+            for (j, integral) in self.waves.integrals(fields[field].mode).iter().enumerate() {
                 let mut column = operators.distortion_by_flux.column_mut(j);
                 column.axpy(weight * integral, &displacements.column(field), 1.0);
             }
         }
         // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a short wave.
-        for m in DISTORTING_MODES.max(self.modes.len())..SUMMED_MODES {
-            let wave = self.across.wave(m);
-            let integrals = wave.cell_integrals(cells);
-            let displacement = distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay);
-            for (j, right) in integrals.iter().enumerate() {
-                for (i, (left, width)) in integrals.iter().zip(&operators.widths).enumerate() {
-                    operators.distortion_by_flux[(i, j)] += displacement * left * right / width;
-                }
-            }
+        let longest = DISTORTING_MODES.max(self.modes.len());
+        let mut short = self.waves.sum(longest..SUMMED_MODES.max(longest), |_, wave| {
+            distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
+        });
+        for (mut row, width) in short.row_iter_mut().zip(&operators.widths) {
+            row /= *width;
         }
+        operators.distortion_by_flux += short;
         operators.distortion_by_port = [(); PORTS].map(|()| vec![0.0; cells.count()]);
         for &(field, port, weight) in &by_port {
             for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(displacements.column(field).iter()) {
@@ -541,7 +544,7 @@ impl<'a> Assembly<'a> {
         }
         let port = if self.held() { FAR } else { AMBIENT };
         if self.held() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
-            for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(distortion.uniform(cells)?) {
+            for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(uniform) {
                 *sum += value;
             }
         }

@@ -184,20 +184,6 @@ impl StripHeat {
     fn free_cooling(&self, surroundings: &Surroundings) -> f64 {
         surroundings.cooling * self.operators.free_length() / self.operators.period
     }
-
-    /// Adds the remainder's answer to `flux` at `velocity`.
-    fn add_remainder(&self, scratch: &mut Scratch, velocity: f64, flux: &[f64], distortion: bool, answer: &mut [f64]) {
-        let operators = &*self.operators;
-        operators.fold(flux, &mut scratch.fold);
-        let [parts, _] = &mut scratch.answer;
-        parts.iter_mut().for_each(|part| part.fill(0.0));
-        let [even, odd] = parts;
-        for (knot, weight, reversed) in operators.table.stencil(velocity) {
-            let blocks = operators.table.response(usize::from(distortion), knot);
-            blocks.add_product(weight, reversed, (&scratch.fold[0], &scratch.fold[1]), (even, odd));
-        }
-        operators.unfold_onto([even, odd], answer);
-    }
 }
 
 /// The mean wave's states as the observations of reduced bodies take them.
@@ -311,7 +297,7 @@ impl LineHeat for StripHeat {
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
         let Scratch { amplitude, answer, .. } = &mut *scratch;
         operators.observe_one(amplitude, &mut answer[0], level, temperature);
-        self.add_remainder(scratch, velocity, flux, false, temperature);
+        operators.table.add_response(0, velocity, flux, &mut scratch.held, temperature);
     }
 
     fn held_distortion(
@@ -333,7 +319,7 @@ impl LineHeat for StripHeat {
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
         let Scratch { moved, answer, .. } = &mut *scratch;
         operators.observe_one(moved, &mut answer[0], operators.mean_distortion * level, distortion);
-        self.add_remainder(scratch, velocity, flux, true, distortion);
+        operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {

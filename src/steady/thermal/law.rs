@@ -29,6 +29,7 @@
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;
 use super::split::Split;
+use crate::coupled::instability::CriticalSpeed;
 use crate::coupled::line::cycle::{Resolution, SolveOptions};
 use crate::coupled::line::heat::bodies::Bodies;
 use crate::elastic::{Cells, Compliance};
@@ -176,7 +177,16 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
         rate: &CellRate::uniform(1.0, 1.0, scene.punch.wear_pressure_exponent),
         durations: [1.0; 2],
     };
-    let hot = problem.solve()?;
+    let hot = problem.solve().map_err(|reason| {
+        let critical = CriticalSpeed::new(&scene).at(scene.friction_coefficient);
+        if critical == 0.0 || speed <= critical {
+            return reason;
+        }
+        SteadyError::Heat(format!(
+            "no steady pressures of endless half-strokes: {speed:.4} m/s is above the critical speed of thermoelastic \
+             instability, {critical:.4} m/s"
+        ))
+    })?;
     let mean = problem.load / (2.0 * cells.half_width());
     let both = [(&hot.forward, &cold.strokes[0].pressure), (&hot.backward, &cold.strokes[1].pressure)];
     let worst = |part: f64| {

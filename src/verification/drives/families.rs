@@ -40,7 +40,11 @@ impl DriveProblem {
             let with = |&step: &f64| Setting { step, ..like };
             self.steps[..kept(self.steps.len())].iter().map(with).collect()
         };
-        let cells = [9, 17, 25, 33, 49, 65];
+        let by_cells = |tolerance: f64, cells: &[usize]| {
+            let with = |&cells: &usize| Setting { cells, tolerance, ..setting };
+            cells[..kept(cells.len())].iter().map(with).collect()
+        };
+        let fine = [17, 25, 33, 49, 65];
         vec![
             Family { name: "auto", varied: "tolerance", settings: tolerances(Fidelity::Auto, 0, &[-1, -2, -3, -4]) },
             Family {
@@ -61,7 +65,17 @@ impl DriveProblem {
             Family {
                 name: "line, cells",
                 varied: "9 to 65 cells at tolerance 1e-4",
-                settings: cells[..kept(cells.len())].iter().map(|&cells| Setting { cells, ..setting }).collect(),
+                settings: by_cells(TIGHT, &[9, 17, 25, 33, 49, 65]),
+            },
+            Family {
+                name: "line, cells, 1e-3",
+                varied: "17 to 65 cells at tolerance 1e-3",
+                settings: by_cells(1e-3, &fine),
+            },
+            Family {
+                name: "line, cells, 1e-2",
+                varied: "17 to 65 cells at tolerance 1e-2",
+                settings: by_cells(1e-2, &fine),
             },
             Family {
                 name: "line, inputs held",

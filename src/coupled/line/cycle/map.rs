@@ -31,6 +31,15 @@ pub enum CycleError {
         /// Change of the heat in the last iteration over the heat.
         heat: f64,
     },
+    /// The iteration did not converge, and the contact slides close to its critical speed or above, where hot spots grow.
+    Unstable {
+        /// Mean sliding speed, m/s.
+        speed: f64,
+        /// Critical speed of thermoelastic instability, m/s.
+        critical_speed: f64,
+        /// How the iteration ended.
+        reason: Box<CycleError>,
+    },
 }
 
 impl fmt::Display for CycleError {
@@ -43,6 +52,15 @@ impl fmt::Display for CycleError {
                 "no steady cycle found in {cycles} cycles: the last one changed the shape by {shape:.1e} of the elastic \
                  displacement and the heat by {heat:.1e} of itself"
             ),
+            Self::Unstable { speed, critical_speed, reason } => {
+                let ratio = speed / critical_speed;
+                let growth = if ratio > 1.0 { ", and hot spots grow within a half-stroke" } else { "" };
+                write!(
+                    f,
+                    "{reason}; the speed {speed:.4} m/s is {ratio:.2} of the critical speed of thermoelastic instability, \
+                     {critical_speed:.4} m/s{growth}"
+                )
+            }
         }
     }
 }

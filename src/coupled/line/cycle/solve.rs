@@ -8,7 +8,7 @@
 //! One evaluation of F is one cycle of the stepped model. A Newton step takes its derivative without the feedback of the
 //! pressure on the heat: the heat fades and is exchanged as [`super::exchange`] has it, and with the gap that it distorts, the
 //! wear follows the gap by the matrix J of [`super::tangent`]. What this leaves out - the pressure's feedback on the heat, cells that open or close - is found by
-//! [acceleration](crate::steady::acceleration).
+//! [acceleration](crate::steady::acceleration), and for the steady cycle, where that does not find it, by [`super::newton`].
 
 use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};
@@ -23,6 +23,12 @@ const LEAST_LOSS: f64 = 1e-7;
 /// Growth of the step over the smallest one so far at which the iteration starts again from there.
 const ASTRAY: f64 = 100.0;
 
+/// Cycles after which the steady cycle is looked for by the whole derivative: where acceleration finds it, it takes about ten.
+const MOST_ACCELERATED: usize = 30;
+
+/// Speed over the critical speed above which that may be why there is no steady cycle.
+const CLOSE: f64 = 0.5;
+
 /// When to stop.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SolveOptions {
@@ -35,7 +41,7 @@ pub struct SolveOptions {
 
 impl Default for SolveOptions {
     fn default() -> Self {
-        SolveOptions { tolerance: 1e-7, most_cycles: 150 }
+        SolveOptions { tolerance: 1e-7, most_cycles: 400 }
     }
 }
 
@@ -60,10 +66,10 @@ pub(super) enum Equation<'a> {
 }
 
 /// The derivative's inverse.
-struct Newton {
-    tangent: Tangent,
+pub(super) struct Newton {
+    pub(super) tangent: Tangent,
     factors: LU<f64, Dyn, Dyn>,
-    touching: Vec<bool>,
+    pub(super) touching: Vec<bool>,
     /// Equations of force and moment behind those of the cells.
     balances: usize,
     /// What a change of the heat over a cycle by 1 makes of the heat.
@@ -76,12 +82,24 @@ impl CycleMap {
     /// best with the shape of the steady cycle without heat.
     ///
     /// The solution is the fixed point that time stepping with the same steps ends in. Above the critical speed of
-    /// thermoelastic instability it may be one from which time stepping departs.
+    /// thermoelastic instability it may be one from which time stepping departs, and where cycles are long enough for hot spots
+    /// to grow in a half-stroke there is none. Where [the cycle jumps](super::newton) beside it, the residual says by how much.
     ///
     /// # Errors
     /// [`CycleError`].
     pub fn steady(&mut self, start: &[f64], options: &SolveOptions) -> Result<Solution, CycleError> {
-        self.solve(start, Equation::Steady, options)
+        let few = SolveOptions { most_cycles: options.most_cycles.min(MOST_ACCELERATED), ..*options };
+        let state = self.line.state.clone();
+        if let Ok(solution) = self.solve(start, Equation::Steady, &few) {
+            return Ok(solution);
+        }
+        self.line.state = state;
+        let found = self.newton_krylov(start, options);
+        let (speed, ratio) = (self.distance() / self.period(), self.speed_ratio());
+        found.map_err(|reason| match ratio > CLOSE {
+            true => CycleError::Unstable { speed, critical_speed: speed / ratio, reason: Box::new(reason) },
+            false => reason,
+        })
     }
 
     pub(super) fn solve(
@@ -134,7 +152,7 @@ impl CycleMap {
         Err(CycleError::NotConverged { cycles: options.most_cycles, shape: residual[0], heat: residual[1] })
     }
 
-    fn newton(&self, passage: &Passage, equation: Equation) -> Newton {
+    pub(super) fn newton(&self, passage: &Passage, equation: Equation) -> Newton {
         let cells = &self.operators().cells;
         let tangent = passage.tangent.clone();
         let factors = match equation {
@@ -168,7 +186,13 @@ impl CycleMap {
         if turns > 1e-8 { -(-turns).exp_m1() / turns } else { 1.0 }
     }
 
-    fn newton_step(&self, newton: &Newton, memory: &[f64], passage: &Passage, equation: Equation) -> Vec<f64> {
+    pub(super) fn newton_step(
+        &self,
+        newton: &Newton,
+        memory: &[f64],
+        passage: &Passage,
+        equation: Equation,
+    ) -> Vec<f64> {
         let heat = self.heat_entries();
         let count = self.operators().count();
         let worn = self.worn_ranges();
@@ -247,9 +271,19 @@ impl CycleMap {
         weights
     }
 
+    /// The same by the larger of the heat in a memory and in a change of it: what begins without heat has none.
+    pub(super) fn weights_of_both(&self, memory: &[f64], change: &[f64]) -> Vec<f64> {
+        let mut weights = self.weights(memory);
+        for range in self.heat_ranges() {
+            let size = norm(&memory[range.clone()]).max(norm(&change[range.clone()]));
+            weights[range].fill(if size > 0.0 { 1.0 / size } else { 0.0 });
+        }
+        weights
+    }
+
     /// Size of a change of the memory: of the gap without its rigid motion (the tilt where `tilts`) over the elastic displacement, and
     /// of the heat over the heat of `memory`.
-    fn sizes(&self, change: &[f64], memory: &[f64], tilts: bool) -> [f64; 2] {
+    pub(super) fn sizes(&self, change: &[f64], memory: &[f64], tilts: bool) -> [f64; 2] {
         let cells = &self.operators().cells;
         let mut gap = vec![0.0; cells.count()];
         self.displacement(&change[..self.heat_entries()], &mut gap);

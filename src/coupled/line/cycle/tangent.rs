@@ -97,6 +97,11 @@ impl Tangent {
         total
     }
 
+    /// What a cell that never touches wears per gap in [`Self::implicit`] and [`Self::steady`], dimensionless.
+    pub fn least(&self) -> f64 {
+        self.least
+    }
+
     /// Number of rigid motions that the holder leaves free.
     pub fn balances(&self) -> usize {
         1 + usize::from(self.rotates)

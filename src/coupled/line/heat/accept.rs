@@ -1,5 +1,6 @@
 //! The error of a step with heat, and what the state takes from one that is accepted.
 
+use super::evaluation::largest;
 use super::stage::weighted;
 use crate::contact::dense;
 use crate::coupled::line::Line;
@@ -16,16 +17,17 @@ const ALLOWANCE: f64 = 2.0;
 
 impl Line {
     /// A bound of [`Line::heat_error`] that costs nothing.
-    fn bound_of_heat_error(&self, bound: f64) -> f64 {
-        let Some(heat) = &self.heat else { return 0.0 };
+    fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
+        let Some(heat) = &mut self.heat else { return 0.0 };
         let (mut moved, mut warmed, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
         for (side, [of_temperature, of_distortion]) in heat.splits[1].norms().iter().enumerate() {
             let [first, end] = &heat.flux;
-            let changes = first[side].iter().zip(&end[side]).map(|(first, end)| (end - first).abs());
-            let change = changes.fold(0.0, f64::max);
+            let fluxes = heat.difference.iter_mut().zip(first[side].iter().zip(&end[side]));
+            fluxes.for_each(|(difference, (first, end))| *difference = end - first);
+            let change = largest(&heat.difference);
             moved += of_distortion * change;
             warmed = warmed.max(of_temperature * change);
-            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
+            rise = rise.max(largest(&heat.temperature[1][side]));
         }
         let share = ALLOWANCE * (0.5 - GAMMA);
         (share * moved / bound).max(share * warmed / (self.operators.scene.tolerance * rise))

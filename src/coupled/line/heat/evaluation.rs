@@ -89,13 +89,11 @@ impl Heat {
         let s = stage as usize;
         let conducts = self.conducts();
         let exchanges = conducts == [true, true] && self.half_resistance > 0.0;
-        let mut exact = self.reference.exact && !self.renewed[s] && !self.staggered;
-        let cells = self.faded.iter().zip(&self.closed).zip(&self.ratio);
-        for (per_pressure, ((faded, closed), ratio)) in self.per_pressure.iter_mut().zip(cells) {
-            let at_mean_radius = faded * slip;
-            exact &= *closed && at_mean_radius == self.reference.per_pressure;
-            *per_pressure = at_mean_radius * ratio;
+        for ((per_pressure, faded), ratio) in self.per_pressure.iter_mut().zip(&self.faded).zip(&self.ratio) {
+            *per_pressure = faded * slip * ratio;
         }
+        let known = self.reference.exact && !self.renewed[s] && !self.staggered && self.splits[s].open().is_empty();
+        let exact = known && self.faded.iter().all(|faded| faded * slip == self.reference.per_pressure);
         self.exact[s] = exact;
         let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);
         if exact {
@@ -115,18 +113,16 @@ impl Heat {
             self.warmed = false;
             return 0.0;
         }
-        let known = self.pressure.iter().zip(&self.per_pressure).zip(&self.closed);
-        for (heat, ((pressure, per_pressure), closed)) in friction.iter_mut().zip(known) {
-            *heat = if *closed { per_pressure * pressure } else { 0.0 };
+        for ((heat, pressure), per_pressure) in friction.iter_mut().zip(&self.pressure).zip(&self.per_pressure) {
+            *heat = per_pressure * pressure;
         }
-        for ((punch, heat), closed) in punch.iter_mut().zip(&*friction).zip(&self.closed) {
-            *punch = match conducts {
-                _ if !closed => 0.0,
-                [true, true] if exchanges => *punch,
-                [true, true] => 0.5 * heat,
-                [true, false] => *heat,
-                [false, _] => 0.0,
-            };
+        let open = self.splits[s].open();
+        open.iter().for_each(|&i| (friction[i], punch[i]) = (0.0, 0.0));
+        match conducts {
+            [true, true] if exchanges => {}
+            [true, true] => punch.iter_mut().zip(&*friction).for_each(|(punch, heat)| *punch = 0.5 * heat),
+            [true, false] => punch.copy_from_slice(friction),
+            [false, _] => punch.fill(0.0),
         }
         rest(strip, friction, punch, conducts[1]);
         if !exchanges {
@@ -147,13 +143,11 @@ impl Heat {
     fn lacking(&mut self, stage: Stage) {
         let s = stage as usize;
         let ([punch, strip], [punch_flux, strip_flux]) = (&self.temperature[s], &self.flux[s]);
-        for i in 0..self.closed.len() {
-            self.difference[i] = if self.closed[i] {
-                strip[i] - punch[i] + self.half_resistance * (strip_flux[i] - punch_flux[i])
-            } else {
-                0.0
-            };
+        let (surfaces, fluxes) = (strip.iter().zip(punch), strip_flux.iter().zip(punch_flux));
+        for ((lacking, (strip, punch)), (given, taken)) in self.difference.iter_mut().zip(surfaces).zip(fluxes) {
+            *lacking = strip - punch + self.half_resistance * (given - taken);
         }
+        self.splits[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
     }
 
     /// How far the surfaces are from the law of the interface, relative to the largest rise and jump of temperature; cell by
@@ -161,7 +155,6 @@ impl Heat {
     fn lacks(&mut self, stage: Stage) -> f64 {
         let s = stage as usize;
         self.lacking(stage);
-        let largest = |values: &[f64]| values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
         let scale = (largest(&self.temperature[s][0]).max(largest(&self.temperature[s][1])))
             .max(self.half_resistance * largest(&self.friction[s]));
         if scale > 0.0 { largest(&self.difference) / scale } else { 0.0 }
@@ -195,18 +188,23 @@ impl Heat {
     /// the largest. A difference of no more than `enough` leaves the split as it is.
     pub(super) fn take(&mut self, stage: Stage, pressure: &[f64], enough: f64) -> f64 {
         let s = stage as usize;
-        let (mut change, mut largest): (f64, f64) = (0.0, 0.0);
+        if self.exact[s] {
+            return self.take_exact(stage, pressure);
+        }
+        let most = largest(pressure).max(largest(&self.pressure));
         for ((own, new), moved) in self.pressure.iter_mut().zip(pressure).zip(&mut self.gap) {
             *moved = new - *own;
-            change = change.max(moved.abs());
-            largest = largest.max(*new).max(*own);
             *own = *new;
         }
-        let known = self.pressure.iter().zip(&self.per_pressure).zip(&self.closed);
-        let heats = self.friction[s].iter().zip(&mut self.difference);
-        for ((own, difference), ((pressure, per_pressure), closed)) in heats.zip(known) {
-            *difference = if *closed { per_pressure * pressure } else { 0.0 } - own;
+        let change = largest(&self.gap);
+        let known = self.pressure.iter().zip(&self.per_pressure);
+        for ((own, difference), (pressure, per_pressure)) in
+            self.friction[s].iter().zip(&mut self.difference).zip(known)
+        {
+            *difference = per_pressure * pressure - own;
         }
+        // An open cell had none and gets none.
+        self.splits[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
         if let (Some(fading), true) = (&self.fading, self.linearised) {
             // The temperature that follows is that of the friction at that temperature.
             self.difference.fill(0.0);
@@ -215,7 +213,7 @@ impl Heat {
         for (friction, more) in self.friction[s].iter_mut().zip(&self.difference) {
             *friction += more;
         }
-        let change = if largest > 0.0 { change / largest } else { 0.0 };
+        let change = if most > 0.0 { change / most } else { 0.0 };
         self.warmed = false;
         let conducts = self.conducts();
         let [punch, strip] = &mut self.flux[s];
@@ -227,6 +225,24 @@ impl Heat {
         }
         rest(strip, &self.friction[s], punch, conducts[1]);
         change
+    }
+
+    /// [`Heat::take`] where nothing was known before: all cells exchange heat, and nothing is left to repeat.
+    fn take_exact(&mut self, stage: Stage, pressure: &[f64]) -> f64 {
+        let s = stage as usize;
+        self.pressure.copy_from_slice(pressure);
+        for ((heat, pressure), per_pressure) in self.friction[s].iter_mut().zip(pressure).zip(&self.per_pressure) {
+            *heat = per_pressure * pressure;
+        }
+        let conducts = self.conducts();
+        let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
+        match conducts {
+            [true, true] => self.splits[s].share(friction, punch),
+            [true, false] => punch.copy_from_slice(friction),
+            [false, _] => {}
+        }
+        rest(strip, friction, punch, conducts[1]);
+        0.0
     }
 
     /// Temperatures of both surfaces by their fluxes.
@@ -301,6 +317,22 @@ impl Heat {
             }
         }
     }
+}
+
+/// Numbers that [`largest`] looks at together.
+const ABREAST: usize = 8;
+
+/// Largest absolute value; what is not a number does not count.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    let more = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
+    let (groups, rest) = values.as_chunks::<ABREAST>();
+    let mut most = [0.0; ABREAST];
+    for group in groups {
+        for k in 0..ABREAST {
+            most[k] = more(most[k], group[k]);
+        }
+    }
+    most.into_iter().chain(rest.iter().copied()).fold(0.0, more)
 }
 
 /// What of the friction heat the strip takes, if it conducts.

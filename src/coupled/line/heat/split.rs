@@ -22,13 +22,12 @@ pub struct Split {
     resistance: Option<f64>,
     /// Step and velocity that the operators were made for.
     key: Option<(f64, f64)>,
-    /// G_1 + G_2 + I/h_c on all cells, by columns, and its inverse: one product instead of two substitutions that wait for
-    /// their own results. What it lacks in precision the repetition makes up for.
-    matrix: Vec<f64>,
+    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product instead of two substitutions that wait for their
+    /// own results. What it lacks in precision the repetition makes up for.
     inverse: Vec<f64>,
-    /// Cells that exchange heat, and the factors of their part where it is not all.
+    /// Cells that exchange heat; those that do not, and the factors of their part of the inverse.
     closed: Vec<bool>,
-    indices: Vec<usize>,
+    open: Vec<usize>,
     known: bool,
     factors: Vec<f64>,
     exchanged: Vec<usize>,
@@ -47,6 +46,7 @@ pub struct Split {
     /// Largest row sums of the gains of both bodies: of temperature, K per W/m2, and of distortion, m per W/m2.
     norms: [[f64; 2]; 2],
     column: Vec<f64>,
+    needed: Vec<f64>,
 }
 
 impl Split {
@@ -58,10 +58,9 @@ impl Split {
         Split {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
-            matrix: square(),
             inverse: square(),
             closed: vec![false; count],
-            indices: Vec::with_capacity(count),
+            open: Vec::with_capacity(count),
             known: false,
             factors: square(),
             exchanged: vec![0; count],
@@ -73,6 +72,7 @@ impl Split {
             ratio: ratio.to_vec(),
             norms: [[0.0; 2]; 2],
             column: vec![0.0; count],
+            needed: vec![0.0; count],
         }
     }
 
@@ -97,15 +97,14 @@ impl Split {
                 let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
                 self.shares.fill(0.0);
                 self.inverse.fill(0.0);
-                for (entry, (own, other)) in self.matrix.iter_mut().zip(own.iter().zip(other)) {
+                for (entry, (own, other)) in self.factors.iter_mut().zip(own.iter().zip(other)) {
                     *entry = own + other;
                 }
                 if let Some(resistance) = self.resistance {
                     for i in 0..count {
-                        self.matrix[i * count + i] += resistance;
+                        self.factors[i * count + i] += resistance;
                         self.inverse[i * count + i] = 1.0;
                     }
-                    self.factors.copy_from_slice(&self.matrix);
                     dense::factorise(&mut self.factors, count, &mut self.exchanged);
                     for column in self.inverse.chunks_exact_mut(count) {
                         dense::substitute(&self.factors, count, &self.exchanged, column);
@@ -142,45 +141,55 @@ impl Split {
         }
         self.known = true;
         self.closed.copy_from_slice(closed);
-        self.indices.clear();
-        self.indices.extend((0..closed.len()).filter(|&i| closed[i]));
-        let (count, m) = (closed.len(), self.indices.len());
-        if m == count || self.resistance.is_none() {
+        self.open.clear();
+        self.open.extend((0..closed.len()).filter(|&i| !closed[i]));
+        let (count, m) = (closed.len(), self.open.len());
+        if m == 0 || m == count || self.resistance.is_none() {
             return;
         }
-        for (target, &j) in self.factors.chunks_exact_mut(m.max(1)).zip(&self.indices) {
-            let column = &self.matrix[j * count..(j + 1) * count];
-            target.iter_mut().zip(&self.indices).for_each(|(entry, &i)| *entry = column[i]);
+        for (target, &j) in self.factors.chunks_exact_mut(m).zip(&self.open) {
+            let column = &self.inverse[j * count..(j + 1) * count];
+            target.iter_mut().zip(&self.open).for_each(|(entry, &i)| *entry = column[i]);
         }
         dense::factorise(&mut self.factors[..m * m], m, &mut self.exchanged[..m]);
     }
 
     /// Adds to the punch's flux what takes the temperature difference `lacking` (strip above punch, resistance of the
-    /// interface included, K) away on the cells that exchange heat.
+    /// interface included, K) away on the cells that exchange heat; on the others it is 0.
+    ///
+    /// Differences `y` on the open cells that keep their fluxes at 0, `P_oo y = (P lacking)_o` with the inverse P, solve the
+    /// equations of the closed ones: as long as few cells are open that is hardly more than the product.
     pub fn exchange(&mut self, lacking: &[f64], flux: &mut [f64]) {
-        let (count, m) = (self.closed.len(), self.indices.len());
-        if m == count {
+        let (count, m) = (self.closed.len(), self.open.len());
+        if m == 0 {
             return dense::multiply_add(&self.inverse, lacking, flux);
         }
-        for (value, &i) in self.column.iter_mut().zip(&self.indices) {
-            *value = lacking[i];
+        if m == count {
+            return;
         }
-        let column = &mut self.column[..m];
-        dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], column);
-        for (value, &i) in column.iter().zip(&self.indices) {
-            flux[i] += value;
+        self.column.fill(0.0);
+        dense::multiply_add(&self.inverse, lacking, &mut self.column);
+        let needed = &mut self.needed[..m];
+        needed.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
+        dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], needed);
+        for (value, &j) in needed.iter().zip(&self.open) {
+            dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
         }
+        self.open.iter().for_each(|&i| self.column[i] = 0.0);
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Cells that do not exchange heat.
+    pub fn open(&self) -> &[usize] {
+        &self.open
     }
 
     /// Adds to the punch's flux its share of additional friction heat (W/m2), which is 0 on open cells.
     pub fn share(&mut self, heat: &[f64], flux: &mut [f64]) {
         self.column.fill(0.0);
         dense::multiply_add(&self.shares, heat, &mut self.column);
-        for (i, value) in flux.iter_mut().enumerate() {
-            if self.closed[i] {
-                *value += self.column[i];
-            }
-        }
+        self.open.iter().for_each(|&i| self.column[i] = 0.0);
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
     /// D_1 - D_2 of two conducting bodies, by columns, m per W/m2.

@@ -1,6 +1,7 @@
 //! A stage of the step with heat: pressure, heat split, wear and rigid motion at once.
 
 use super::Heat;
+use super::evaluation::largest;
 use crate::coupled::line::Line;
 use crate::coupled::line::path::Moment;
 use crate::heat::line::Stage;
@@ -159,12 +160,11 @@ impl Line {
             if !heat.exact[s] && self.conditions.signed_friction != 0.0 && heat.reference.friction != 0.0 {
                 // The contact's matrix has the friction coefficient of the reference, every cell its own.
                 let known = heat.reference.friction.copysign(self.conditions.signed_friction);
-                let mut same = true;
-                for i in 0..count {
-                    heat.difference[i] = (sign * heat.faded[i] * stribeck - known) * heat.pressure[i];
-                    same &= heat.difference[i] == 0.0;
+                let cells = heat.difference.iter_mut().zip(heat.faded.iter().zip(&heat.pressure));
+                for (difference, (faded, pressure)) in cells {
+                    *difference = (sign * faded * stribeck - known) * pressure;
                 }
-                if !same {
+                if largest(&heat.difference) > 0.0 {
                     heat.contacts[s].add_shear_displacement(&heat.difference, &mut heat.gap);
                 }
                 self.conditions.signed_friction = known;
@@ -205,9 +205,9 @@ impl Line {
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
             let lacking = tau * (heat.laws[body][0] - reference[body]);
-            for (i, gap) in heat.gap.iter_mut().enumerate() {
-                *gap += lacking * operators.relative_rate(body, i, heat.pressure[i]);
-            }
+            heat.difference.fill(lacking);
+            operators.scale_by_relative_rates(body, &heat.pressure, &mut heat.difference);
+            heat.gap.iter_mut().zip(&heat.difference).for_each(|(gap, worn)| *gap += worn);
             term.coefficient = Coefficient::Uniform(reference[body]);
         }
     }
@@ -242,9 +242,10 @@ impl Line {
             Stage::End => &self.work.end.pressure,
         };
         for body in 0..2 {
-            for (i, rate) in self.work.rates[s][body].iter_mut().enumerate() {
-                let law = heat.laws[body][i];
-                *rate = if law == 0.0 { 0.0 } else { law * self.operators.relative_rate(body, i, pressure[i]) };
+            let rates = &mut self.work.rates[s][body];
+            rates.copy_from_slice(&heat.laws[body]);
+            if largest(rates) > 0.0 {
+                self.operators.scale_by_relative_rates(body, pressure, rates);
             }
         }
         if stage == Stage::End {

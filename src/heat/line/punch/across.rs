@@ -149,18 +149,40 @@ impl Wave {
         }
     }
 
-    /// Integral of X over every cell, on an annulus of X r/r_m, m^(1/2).
-    pub fn cell_integrals(&self, cells: &Cells) -> Vec<f64> {
-        if let Form::Radial(mode) = &self.form {
-            return mode.integrals(cells.edges());
+    /// Whether X is even (1) or odd (-1); None: neither.
+    pub fn parity(&self) -> Option<f64> {
+        match &self.form {
+            Form::Cosine(_) => Some(1.0),
+            Form::Sine(_) => Some(-1.0),
+            Form::Radial(_) => None,
         }
-        (cells.centres().iter().zip(cells.widths()))
-            .map(|(&centre, &width)| {
-                let half = 0.5 * self.wave_number * width;
-                let damping = if half < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
-                width * damping * self.value(centre)
-            })
-            .collect()
+    }
+
+    /// [`Self::integrate`] in a vector.
+    #[cfg(test)]
+    pub fn cell_integrals(&self, cells: &Cells) -> Vec<f64> {
+        let mut integrals = vec![0.0; cells.count()];
+        self.integrate(cells, &mut integrals);
+        integrals
+    }
+
+    /// Integral of X over every cell, on an annulus of X r/r_m, m^(1/2); the cells are symmetric about x = 0.
+    pub fn integrate(&self, cells: &Cells, integrals: &mut [f64]) {
+        let Some(sign) = self.parity() else {
+            if let Form::Radial(mode) = &self.form {
+                integrals.copy_from_slice(&mode.integrals(cells.edges()));
+            }
+            return;
+        };
+        let count = cells.count();
+        for i in 0..count.div_ceil(2) {
+            let (centre, width) = (cells.centres()[i], cells.widths()[i]);
+            let half = 0.5 * self.wave_number * width;
+            let damping = if half < 1e-4 { 1.0 - half * half / 6.0 } else { half.sin() / half };
+            let integral = width * damping * self.value(centre);
+            integrals[count - 1 - i] = sign * integral;
+            integrals[i] = integral;
+        }
     }
 }
 

@@ -7,9 +7,10 @@
 //! layer bonded at its top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its waves along
 //! the radius are Bessel functions, which a layer answers like plane waves of the same number.
 
-use super::across::{Across, Wave};
+use super::across::Across;
 use super::depth::Shape;
-use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization};
+use super::waves::Waves;
+use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization, FunctionsAcross};
 use crate::elastic::{Base, Cells};
 use crate::heat::line::strip::dilatation;
 use crate::scene::{Body, Geometry, MechanicalBody, Scene};
@@ -37,13 +38,19 @@ pub(super) struct Distortion {
 }
 
 /// Order and layers of the elements: fields of temperature are smooth, so only the corners ask for layers. One order and
-/// one layer more change the distortion by less than 1e-6 of its largest value.
-const DISCRETIZATION: Discretization =
-    Discretization { order: 6, contact_layers: 4, top_layers: 4, grading: Discretization::CORNER_GRADING };
+/// one layer more change the distortion by less than 1e-6 of its largest value; where a tolerance of [`COARSE`] is enough, one
+/// layer less changes it by up to 2e-5.
+fn discretization(tolerance: f64) -> Discretization {
+    let (contact_layers, top_layers) = if tolerance >= COARSE { (3, 2) } else { (4, 3) };
+    Discretization { order: 6, contact_layers, top_layers, grading: Discretization::CORNER_GRADING }
+}
+
+/// Tolerance at which fewer layers do.
+const COARSE: f64 = 5e-3;
 
 impl Distortion {
     /// None where nothing expands.
-    pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
+    pub fn new(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Distortion>, BlockError> {
         let body = &scene.punch;
         if body.thermal_expansion == 0.0 {
             return Ok(None);
@@ -56,7 +63,7 @@ impl Distortion {
         } else {
             let width = 2.0 * cells.half_width();
             let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio };
-            Kind::Block(Box::new(Block::new(properties, DISCRETIZATION)?))
+            Kind::Block(Box::new(Block::new(properties, discretization(tolerance))?))
         };
         let points = match &kind {
             Kind::Block(block) => block.depth_points().into_iter().map(|point| (point.z, point.weight)).collect(),
@@ -101,26 +108,39 @@ impl Distortion {
         self.points.iter().map(|point| point.0).collect()
     }
 
-    /// Mean displacement of the cells into the body by fields of 1 K, N x fields [m/K].
-    pub fn of(&self, across: &Across, cells: &Cells, fields: &[Field]) -> Result<DMatrix<f64>, BlockError> {
+    /// Mean displacement of the cells into the body by fields of 1 K, N x fields, and by 1 K everywhere [m/K].
+    pub fn of(
+        &self,
+        across: &Across,
+        cells: &Cells,
+        waves: &Waves,
+        fields: &[Field],
+    ) -> Result<(DMatrix<f64>, Vec<f64>), BlockError> {
         let count = fields.iter().map(|field| field.mode + 1).max().unwrap_or(0);
-        let waves: Vec<Wave> = (0..count).map(|m| across.wave(m)).collect();
         if let Kind::Block(block) = &self.kind {
-            let products: Vec<(usize, &[f64])> = fields.iter().map(|field| (field.mode, &field.profile[..])).collect();
-            let steepest = waves.last().map_or(0.0, |wave| wave.wave_number);
-            let value = |m: usize, x: f64| waves[m].value(x);
-            return Ok(block.product_distortion(cells.edges(), count, steepest, value, &products)? * self.expansion);
+            // The uniform temperature is one function more.
+            let one = vec![1.0; self.points.len()];
+            let products = fields.iter().map(|field| (field.mode, &field.profile[..])).chain([(count, &one[..])]);
+            let functions = FunctionsAcross {
+                count: count + 1,
+                steepest: if count > 0 { waves.wave(count - 1).wave_number } else { 0.0 },
+                value: &|m, x| if m < count { waves.wave(m).value(x) } else { 1.0 },
+                parity: &|m| if m < count { waves.wave(m).parity() } else { Some(1.0) },
+            };
+            let products: Vec<(usize, &[f64])> = products.collect();
+            let found = block.product_distortion(cells.edges(), &functions, &products)? * self.expansion;
+            let uniform = found.column(fields.len()).iter().copied().collect();
+            return Ok((found.remove_column(fields.len()), uniform));
         }
         let mut result = DMatrix::zeros(cells.count(), fields.len());
         let weights = across.weights(cells);
         for (column, field) in fields.iter().enumerate() {
-            let wave = &waves[field.mode];
-            let displacement = self.expansion * self.per_wave(wave.wave_number, field);
-            for (row, (integral, weight)) in wave.cell_integrals(cells).iter().zip(&weights).enumerate() {
+            let displacement = self.expansion * self.per_wave(waves.wave(field.mode).wave_number, field);
+            for (row, (integral, weight)) in waves.integrals(field.mode).iter().zip(&weights).enumerate() {
                 result[(row, column)] = displacement * integral / weight;
             }
         }
-        Ok(result)
+        Ok((result, vec![self.by_uniform(); cells.count()]))
     }
 
     /// Displacement times wave number by a steady field of unit amplitude at the surface, whose wave is short, 1/K.
@@ -128,18 +148,11 @@ impl Distortion {
         -self.expansion * (1.0 + self.poissons_ratio)
     }
 
-    /// Mean displacement of the cells by 1 K everywhere, m/K.
-    pub fn uniform(&self, cells: &Cells) -> Result<Vec<f64>, BlockError> {
+    /// Displacement by 1 K everywhere of columns that expand freely or of a layer that cannot get longer, m/K.
+    fn by_uniform(&self) -> f64 {
         let nu = self.poissons_ratio;
-        Ok(match &self.kind {
-            Kind::Block(block) => {
-                (block.uniform_distortion(cells.edges())? * self.expansion).column(0).iter().copied().collect()
-            }
-            Kind::Columns => vec![-self.expansion * (1.0 + nu) * self.height; cells.count()],
-            Kind::Layer { .. } | Kind::OnBase(_) => {
-                vec![-self.expansion * (1.0 + nu) / (1.0 - nu) * self.height; cells.count()]
-            }
-        })
+        let restrained = if matches!(self.kind, Kind::Columns) { 1.0 } else { 1.0 - nu };
+        -self.expansion * (1.0 + nu) / restrained * self.height
     }
 
     /// Displacement amplitude per unit expansion coefficient of a sinusoidal field of columns or of a layer.

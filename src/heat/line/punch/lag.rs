@@ -17,11 +17,12 @@
 //! shapes and the rest at once: both symmetric, neither gives back more than it takes.
 
 use super::Assembly;
+use super::across::Wave;
 use crate::heat::line::reduced::{ModeStates, Operators};
-use nalgebra::{Complex, DMatrix, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVectorView, SymmetricEigen};
 
 /// Modes across that are summed.
-const SUMMED: usize = 1000;
+const SUMMED: usize = super::SUMMED_MODES;
 
 /// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
 const SMALLEST: f64 = 1e-10;
@@ -37,27 +38,17 @@ impl Assembly<'_> {
     /// Gives what answers at once states of its own; call it when all other operators are complete.
     pub(super) fn delay(&self, operators: &mut Operators) {
         let count = self.cells.count();
-        let mut steady = DMatrix::<f64>::zeros(count, count);
-        let mut moment = steady.clone();
-        let mut add = |integrals: &[f64], weight: f64, time: f64| {
-            for (j, right) in integrals.iter().enumerate() {
-                for (i, left) in integrals.iter().enumerate() {
-                    let product = weight * left * right;
-                    steady[(i, j)] += product;
-                    moment[(i, j)] += time * product;
-                }
-            }
-        };
-        for mode in &self.modes {
+        let beyond = self.modes.len().max(1)..SUMMED.max(self.modes.len());
+        let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
+        let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
+        let mut moment = self.waves.sum(beyond, |_, wave| self.time_to_follow(wave.decay) * impedance(wave));
+        for (m, mode) in self.modes.iter().enumerate() {
             if let Some(shape) = &mode.immediate {
                 let gain = shape.contact * shape.contact / shape.rate;
-                add(&mode.wave.cell_integrals(self.cells), gain, DISTORTION_OVER_TEMPERATURE / shape.rate);
+                let integrals = DVectorView::from_slice(self.waves.integrals(m), count);
+                steady.ger(gain, &integrals, &integrals, 1.0);
+                moment.ger(gain * DISTORTION_OVER_TEMPERATURE / shape.rate, &integrals, &integrals, 1.0);
             }
-        }
-        for m in self.modes.len().max(1)..SUMMED {
-            let wave = self.across.wave(m);
-            let impedance = self.depth.steady_impedance(wave.decay);
-            add(&wave.cell_integrals(self.cells), impedance, self.time_to_follow(wave.decay));
         }
         // Symmetric and scaled to a unit diagonal; the widths of the cells differ by orders of magnitude.
         let scale: Vec<f64> = (0..count).map(|i| steady[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();

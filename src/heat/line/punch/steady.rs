@@ -2,6 +2,7 @@
 
 use super::across::{Across, Sides};
 use super::depth::Depth;
+use super::waves::Waves;
 use crate::elastic::Cells;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
@@ -11,9 +12,13 @@ use std::f64::consts::PI;
 /// In the limit of a deep body with insulated sides the sum over all modes is closed, because
 /// `integral integral cos(m s) cos(m t)/m ds dt` sums to differences of `C3(t) = sum cos(m t)/m^3`. Modes are summed one
 /// by one only where they differ from that, which ends soon.
-pub(super) fn steady_beyond(across: &Across, depth: &Depth, cells: &Cells, skipped: usize) -> DMatrix<f64> {
-    let mut result = deep_and_insulated(across, depth, cells);
-    let width = 2.0 * across.half_width;
+pub(super) fn steady_beyond(
+    across: &Across,
+    depth: &Depth,
+    cells: &Cells,
+    waves: &Waves,
+    skipped: usize,
+) -> DMatrix<f64> {
     let weights = across.weights(cells);
     // Short waves of an annulus are those of a straight body times the root of r_m/r.
     let straight = match across.sides {
@@ -21,38 +26,34 @@ pub(super) fn steady_beyond(across: &Across, depth: &Depth, cells: &Cells, skipp
         sides => sides,
     };
     let unlosing = Across { transfer: 0.0, sides: straight, ..*across };
+    let last = summed_modes(across, depth, skipped);
+    let plain;
+    let plain = if unlosing == *across {
+        waves
+    } else {
+        plain = Waves::new(&unlosing, cells, last);
+        &plain
+    };
+    let known = plain.sum(1..last, |_, wave| 1.0 / (depth.conductivity * wave.wave_number));
+    let mut result = deep_and_insulated(across, depth, cells) - known;
     let root: Vec<f64> = weights.iter().zip(cells.widths()).map(|(weight, width)| (weight / width).sqrt()).collect();
-    for (i, row) in root.iter().enumerate() {
-        for (j, column) in root.iter().enumerate() {
+    for (j, column) in root.iter().enumerate() {
+        for (i, row) in root.iter().enumerate() {
             result[(i, j)] *= row * column;
         }
     }
-    // Beyond 20 decay lengths the top is not felt; the sides' share falls like 1/m^4.
-    let felt = (20.0 * width / (PI * depth.height)).ceil() as usize;
-    for m in 0..skipped.max(felt).max(256) {
-        let (wave, plain) = (across.wave(m), unlosing.wave(m));
-        if m > 0 {
-            let mut integrals = plain.cell_integrals(cells);
-            integrals.iter_mut().zip(&root).for_each(|(integral, root)| *integral *= root);
-            add_product(&mut result, -1.0 / (depth.conductivity * plain.wave_number), &integrals);
-        }
-        if m >= skipped {
-            add_product(&mut result, depth.steady_impedance(wave.decay), &wave.cell_integrals(cells));
-        }
-    }
+    result += waves.sum(skipped..last, |_, wave| depth.steady_impedance(wave.decay));
     for (row, weight) in weights.iter().enumerate() {
         result.row_mut(row).scale_mut(1.0 / weight);
     }
     result
 }
 
-/// Adds `factor` times the product of the vector with itself.
-fn add_product(matrix: &mut DMatrix<f64>, factor: f64, vector: &[f64]) {
-    for (mut column, &right) in matrix.column_iter_mut().zip(vector) {
-        for (entry, &left) in column.iter_mut().zip(vector) {
-            *entry += factor * left * right;
-        }
-    }
+/// Modes that [`steady_beyond`] sums one by one.
+pub(super) fn summed_modes(across: &Across, depth: &Depth, skipped: usize) -> usize {
+    // Beyond 20 decay lengths the top is not felt; the sides' share falls like 1/m^4.
+    let felt = (20.0 * 2.0 * across.half_width / (PI * depth.height)).ceil() as usize;
+    skipped.max(felt).max(256)
 }
 
 /// Sum over the modes but the uniform one of their products of cell integrals over k times the wave number.
@@ -136,13 +137,15 @@ mod tests {
         let depth = Depth { height: 0.05, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(100.0), face: 0.0 };
         for (sides, transfer) in [(Sides::Free, 0.0), (Sides::Free, 4e3), (Sides::Closed, 4e3)] {
             let across = Across { half_width: 0.03, sides, cooled: 2.0, transfer, conductivity: 55.0 };
-            let scale = steady_beyond(&across, &depth, &cells, 0).amax();
+            let waves = Waves::new(&across, &cells, 256);
+            let scale = steady_beyond(&across, &depth, &cells, &waves, 0).amax();
             for skipped in [0, 1, 9] {
-                let found = steady_beyond(&across, &depth, &cells, skipped);
+                let found = steady_beyond(&across, &depth, &cells, &waves, skipped);
                 let mut expected = DMatrix::zeros(7, 7);
                 for m in skipped..6000 {
                     let wave = across.wave(m);
-                    add_product(&mut expected, depth.steady_impedance(wave.decay), &wave.cell_integrals(&cells));
+                    let integrals = nalgebra::DVector::from_vec(wave.cell_integrals(&cells));
+                    expected.ger(depth.steady_impedance(wave.decay), &integrals, &integrals, 1.0);
                 }
                 for (row, width) in cells.widths().iter().enumerate() {
                     expected.row_mut(row).scale_mut(1.0 / width);

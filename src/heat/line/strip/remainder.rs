@@ -137,16 +137,6 @@ impl Blocks {
         Arch::new().dispatch(Unfold(self, widths, level, &mut turned[..size], matrix.as_mut_slice()));
     }
 
-    /// Becomes the sum of six responses, each with its factor; `reversed`: at the opposite velocity.
-    pub fn combine(&mut self, responses: [&Blocks; 6], factors: [f64; 6], reversed: [bool; 6]) {
-        let size = self.half * self.half;
-        for (block, target) in self.values.chunks_exact_mut(size).enumerate() {
-            let sources = responses.map(|response| &response.values[block * size..(block + 1) * size]);
-            let signed = |k: usize| if reversed[k] && block == 1 { -factors[k] } else { factors[k] };
-            dense::combine(target, sources, std::array::from_fn(signed));
-        }
-    }
-
     /// Leaves out what depends on the direction of sliding.
     pub fn make_symmetric(&mut self) {
         let size = self.half * self.half;
@@ -166,22 +156,6 @@ impl Blocks {
             if !room.is_passive(values, half) {
                 room.project(values, half);
             }
-        }
-    }
-
-    /// Adds `factor` times the response to the even and odd parts of heat to the even and odd parts of the answer.
-    pub fn add_product(&self, factor: f64, reversed: bool, heat: (&[f64], &[f64]), answer: (&mut [f64], &mut [f64])) {
-        let (half, size) = (self.half, self.half * self.half);
-        let mixed = if reversed { -factor } else { factor };
-        let dot = |left: &[f64], right: &[f64]| left.iter().zip(right).map(|(l, r)| l * r).sum::<f64>();
-        for a in 0..half {
-            let row = |block: usize| &self.values[block * size + a * half..block * size + (a + 1) * half];
-            answer.0[a] += factor * dot(row(0), heat.0) + mixed * dot(row(1), heat.1);
-            answer.1[a] += factor * dot(row(2), heat.1);
-        }
-        for a in 0..half {
-            let row = &self.values[size + a * half..size + (a + 1) * half];
-            answer.1.iter_mut().zip(row).for_each(|(value, entry)| *value -= mixed * entry * heat.0[a]);
         }
     }
 
@@ -371,9 +345,10 @@ impl Integral {
 pub struct Integrals {
     /// The layer at the waves with states.
     depths: Vec<Depth>,
+    /// What is removed while sliding, or at any velocity on fresh material.
     removed: Integral,
-    /// What is removed while sliding, without the scales that only rest has.
-    removed_sliding: Option<Integral>,
+    /// What is removed at rest of waves that are long against the contact, instead of the first of those.
+    removed_at_rest: Option<Integral>,
     beyond: Integral,
     /// The two harmonics about the end of those with states.
     ends: Shapes,
@@ -419,7 +394,8 @@ pub struct Room {
 impl Room {
     /// For these integrals: nothing in it grows later.
     pub fn new(remainder: &Remainder, integrals: &Integrals) -> Room {
-        let counts = [remainder.waves.len(), integrals.removed.waves.len(), integrals.beyond.waves.len()];
+        let at_rest = integrals.removed_at_rest.as_ref().map_or(0, |integral| integral.waves.len());
+        let counts = [remainder.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
         let most = counts.into_iter().max().unwrap_or(0);
         Room {
             sums: Sums {
@@ -451,18 +427,19 @@ impl Remainder {
         }
         let expansion = self.expansion.as_ref();
         let integral = |slab: &Slab, waves: Vec<Wave>| Integral::new(&self.cells, slab, expansion, waves);
-        let (removed, removed_sliding, beyond) = if fresh {
+        let (removed, removed_at_rest, beyond) = if fresh {
             (integral(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width)), None, Vec::new())
         } else {
             let beyond = if end > last { continuous(last, end, reach).split_off(CONTINUOUS) } else { Vec::new() };
-            let sliding = integral(&self.bare, continuous(LONGEST_SLIDING / width, last, reach));
-            (integral(&self.bare, continuous(1e-6 / width, last, reach)), Some(sliding), beyond)
+            let longest = (LONGEST_SLIDING / width).min(last);
+            let at_rest = integral(&self.bare, continuous(1e-6 / width, longest, reach));
+            (integral(&self.bare, continuous(longest, last, reach)), Some(at_rest), beyond)
         };
         let ends = [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic));
         Integrals {
             depths: self.waves.iter().map(|wave| Depth::new(&self.slab, expansion, wave.number)).collect(),
             removed,
-            removed_sliding,
+            removed_at_rest,
             beyond: integral(&self.bare, beyond),
             ends: Shapes::new(&self.cells, &ends),
             images,
@@ -510,14 +487,21 @@ impl Remainder {
         }
         let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
         let width = 2.0 * self.cells.half_width();
-        let removed = match &integrals.removed_sliding {
-            Some(sliding) if moving * width >= 2.0 * LONGEST_SLIDING * diffusivity => sliding,
-            _ => &integrals.removed,
+        let resting = moving * width < 2.0 * LONGEST_SLIDING * diffusivity;
+        let mut remove = |integral: &Integral, first: usize, sums: &mut Sums| {
+            for (at, wave) in integral.waves.iter().enumerate() {
+                let gain = if at < first { Complex::from(0.0) } else { -half_plane(wave.number) };
+                sums.push(gain, None, wave.count * copies(wave.number) / PI);
+            }
+            sums.add_to(&integral.shapes, temperature, distortion);
         };
-        for wave in &removed.waves {
-            sums.push(-half_plane(wave.number), None, wave.count * copies(wave.number) / PI);
+        match &integrals.removed_at_rest {
+            Some(at_rest) if resting => {
+                remove(at_rest, 0, sums);
+                remove(&integrals.removed, CONTINUOUS, sums);
+            }
+            _ => remove(&integrals.removed, 0, sums),
         }
-        sums.add_to(&removed.shapes, temperature, distortion);
         for (wave, depth) in integrals.beyond.iter() {
             let s = turning(wave.number);
             let felt = wave.number * self.bare.height < HALF_PLANE;

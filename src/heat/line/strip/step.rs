@@ -110,6 +110,8 @@ pub struct Scratch {
     /// Even and odd halves of fluxes and of answers, of temperature and distortion.
     pub fold: [Vec<f64>; 2],
     pub answer: [[Vec<f64>; 2]; 2],
+    /// For what answers at once with the state held.
+    pub held: [Vec<f64>; 2],
     /// Amplitudes of the waves, real and imaginary parts: heat in both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
@@ -129,6 +131,7 @@ impl Scratch {
             end: vec![0.0; count],
             fold: halves(),
             answer: [halves(), halves()],
+            held: [vec![0.0; count], vec![0.0; count]],
             heat: parts(),
             heat_end: parts(),
             amplitude: parts(),
@@ -397,7 +400,7 @@ impl Immediate {
     }
 
     /// Place of the responses at a velocity.
-    fn find(&mut self, operators: &Operators, velocity: f64, room: &mut Room) -> usize {
+    fn find(&mut self, operators: &Operators, velocity: f64) -> usize {
         let velocity = rounded(velocity);
         self.clock += 1;
         let found = self.known.iter().position(|known| known.0 == velocity);
@@ -406,14 +409,11 @@ impl Immediate {
         *used = self.clock;
         if found.is_none() {
             *of = velocity;
-            for (moving, (matrix, blocks)) in matrices.iter_mut().zip(&mut room.blocks).enumerate() {
+            for (moving, matrix) in matrices.iter_mut().enumerate() {
                 if matrix.ncols() == 0 {
                     continue;
                 }
-                let stencil = operators.table.stencil(velocity);
-                let responses = stencil.map(|(knot, ..)| operators.table.response(moving, knot));
-                blocks.combine(responses, stencil.map(|(_, weight, _)| weight), stencil.map(|(.., reversed)| reversed));
-                blocks.unfold(&operators.widths, 0.0, &mut room.turned, matrix);
+                operators.table.respond(moving, velocity, matrix);
             }
         }
         place
@@ -461,14 +461,14 @@ impl Step {
         (self.length, self.velocity, self.euler) = (length, velocity, false);
         let middle = velocity[0] + GAMMA * (velocity[1] - velocity[0]);
         let Step { first, end, room, immediate, .. } = self;
-        let last = immediate.find(operators, velocity[1], room);
+        let last = immediate.find(operators, velocity[1]);
         let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
-            let start = immediate.find(operators, velocity[0], room);
+            let start = immediate.find(operators, velocity[0]);
             let both = [(immediate.at(start), 1.0 - GAMMA), (immediate.at(last), GAMMA)];
             first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, room);
         } else {
-            let between = immediate.find(operators, middle, room);
+            let between = immediate.find(operators, middle);
             let one = [(immediate.at(between), 1.0)];
             first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, room);
         }
@@ -484,7 +484,7 @@ impl Step {
         for stage in [&mut self.first, &mut self.end] {
             stage.prepare_euler(operators, length, velocity, &mut self.room);
         }
-        let end = self.immediate.find(operators, velocity[1], &mut self.room);
+        let end = self.immediate.find(operators, velocity[1]);
         for stage in [&mut self.first, &mut self.end] {
             add(self.immediate.at(end), 1.0, &mut stage.answer.gains);
         }
