@@ -113,7 +113,7 @@ pub fn reduce_with_mean(
         face: 0.0,
     };
     let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
-    let distortion = Distortion::new(scene, cells, tolerances[0])?;
+    let distortion = Distortion::new(scene, cells)?;
     project(across, depth, cooled, distortion, cells, (tolerances, duration)).map(Some)
 }
 

@@ -43,6 +43,7 @@ pub(super) use depth::dilatation;
 pub use operators::{Path, Resolution, StripProperties};
 
 use super::{Account, Gains, LineHeat, Stage, Surroundings};
+use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use operators::Operators;
@@ -96,7 +97,7 @@ impl StripHeat {
     /// Mean flux over the period, W/m2, of fluxes into the cells and of a cooling flux on all of the surface.
     fn mean_flux(&self, flux: &[f64], cooling: f64) -> f64 {
         let operators = &*self.operators;
-        flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>() / operators.period + cooling
+        dense::dot(flux, &operators.widths) / operators.period + cooling
     }
 
     /// Surface temperature of the mean wave, and its mean temperature through the depth, at a stage with the mean of the known

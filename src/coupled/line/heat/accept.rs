@@ -77,8 +77,8 @@ impl Line {
     pub(in crate::coupled::line) fn accept_heat(&mut self, step: f64, velocity: f64) {
         let (Some(heat), Some(state)) = (&self.heat, &mut self.state.heat) else { return };
         let operators = &self.operators;
-        let entered =
-            |stage: usize| -> f64 { heat.friction[stage].iter().zip(&operators.weights).map(|(q, c)| q * c).sum() };
+        let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
+        let per_change = 1.0 / ((1.0 - GAMMA) * step);
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
@@ -88,24 +88,27 @@ impl Line {
                     false => own.advance_from_end(&mut state.bodies[side], &heat.surroundings[side], first, end),
                 }
             }
-            for i in 0..heat.closed.len() {
+            let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
+            for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
                 // No rate where the cell exchanges no heat, or has just begun to.
-                let lasting = state.flux[side][i] != 0.0 && heat.flux[1][side][i] != 0.0;
-                let change = heat.flux[1][side][i] - heat.flux[0][side][i];
-                state.slope[side][i] = if lasting { change / ((1.0 - GAMMA) * step) } else { 0.0 };
+                let lasting = (*before != 0.0) & (*end != 0.0);
+                *slope = if lasting { (end - first) * per_change } else { 0.0 };
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
             state.cooling[side] = heat.surroundings[side].cooling;
         }
         (state.cooled, state.last_step) = (heat.cooled, step);
-        for i in 0..heat.closed.len() {
-            let (first, end) = (self.work.first.pressure[i], self.work.end.pressure[i]);
-            let lasting = self.state.pressure[i] > 0.0 && first > 0.0 && end > 0.0;
-            state.pressure_slope[i] = if lasting { (end - first) / ((1.0 - GAMMA) * step) } else { 0.0 };
+        let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);
+        for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
+            let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);
+            *slope = if lasting { (end - first) * per_change } else { 0.0 };
         }
         state.distortion.copy_from_slice(&heat.distortion);
-        state.faded = weighted(&heat.faded, &self.work.end.pressure, &operators.torque_weights);
+        state.faded = match operators.scene.friction_fade.flat {
+            true => heat.faded[0],
+            false => weighted(&heat.faded, &self.work.end.pressure, &operators.torque_weights),
+        };
         (state.reference.velocity, state.reference.last) = (heat.reference.velocity, velocity);
         let fade = if self.friction.coefficient > 0.0 { state.faded / self.friction.coefficient } else { 1.0 };
         if (fade / state.reference.fade - 1.0).abs() > ZONE {

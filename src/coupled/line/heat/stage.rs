@@ -104,15 +104,14 @@ impl Line {
                 if follows { &heat.temperature[0] } else { &state.temperature }
             }
         };
-        let status = match stage {
-            Stage::First => self.contact.status(),
-            Stage::End => heat.contacts[0].status(),
-        };
         if moment.load == 0.0 {
             heat.closed.fill(false);
         }
-        self.work.status.copy_from(status);
-        heat.contacts[s].set_status(&self.work.status);
+        let [first, end] = &mut heat.contacts;
+        match stage {
+            Stage::First => first.set_status(self.contact.status()),
+            Stage::End => end.set_status(first.status()),
+        }
         let reference = self.mean.state().reference;
         let stribeck = self.friction.stribeck(velocity);
         let sign = self.friction.sign(velocity);

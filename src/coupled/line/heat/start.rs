@@ -24,8 +24,22 @@ fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> 
 }
 
 impl Heat {
+    /// Whether the first repetition will be the last whatever it starts from.
+    fn needs_no_start(&self) -> bool {
+        self.reference.exact && !self.staggered && self.closed.iter().all(|closed| *closed)
+    }
+
+    /// A start that depends on nothing, for what turns out to need one after all.
+    fn begin_at_nothing(&mut self, s: usize) {
+        self.flux[s][0].fill(0.0);
+        self.pressure.fill(0.0);
+    }
+
     /// Puts what is expected of the first stage into the punch's flux and the pressure.
     pub(super) fn foresee_first(&mut self, state: &HeatState, pressure: &[f64]) {
+        if self.needs_no_start() {
+            return self.begin_at_nothing(0);
+        }
         for i in 0..pressure.len() {
             self.flux[0][0][i] = on_the_line(state.flux[0][i], state.slope[0][i], self.step);
             self.pressure[i] = on_the_line(pressure[i], state.pressure_slope[i], self.step).max(0.0);
@@ -34,6 +48,9 @@ impl Heat {
 
     /// The same for the end; `pressure` is that of the start and of the first stage.
     pub(super) fn foresee_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
+        if self.needs_no_start() {
+            return self.begin_at_nothing(1);
+        }
         let (step, last) = (self.step, state.last_step);
         let [first, end] = &mut self.flux;
         for i in 0..pressure[0].len() {

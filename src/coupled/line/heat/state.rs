@@ -34,6 +34,9 @@ pub struct HeatState {
     pub start: [[f64; 4]; 2],
 }
 
+/// Temperatures that are looked at together.
+const ABREAST: usize = 8;
+
 /// Where the operators kept from step to step were made.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Place {
@@ -128,18 +131,30 @@ impl HeatState {
         (0..areas.len()).map(|i| 0.5 * areas[i] * (punch[i] + strip[i])).sum::<f64>() / total
     }
 
-    /// Lowest temperature of either surface.
+    /// Lowest temperature of either surface; not a number where one is not.
     pub fn lowest(&self) -> f64 {
-        self.temperature
-            .iter()
-            .flatten()
-            .copied()
-            .fold(f64::INFINITY, |lowest, t| if lowest.is_nan() || t >= lowest { lowest } else { t })
+        let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
+        self.extreme(f64::INFINITY, lower)
     }
 
     /// Highest temperature of either surface.
     pub fn highest(&self) -> f64 {
-        self.temperature.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+        self.extreme(f64::NEG_INFINITY, |most: f64, t: f64| if t > most { t } else { most })
+    }
+
+    /// The last of all temperatures that `choose` prefers to the ones before.
+    fn extreme(&self, start: f64, choose: impl Fn(f64, f64) -> f64) -> f64 {
+        let mut found = [start; ABREAST];
+        for side in &self.temperature {
+            let (groups, rest) = side.as_chunks::<ABREAST>();
+            for group in groups {
+                for k in 0..ABREAST {
+                    found[k] = choose(found[k], group[k]);
+                }
+            }
+            found[0] = rest.iter().copied().fold(found[0], &choose);
+        }
+        found.into_iter().fold(start, choose)
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {

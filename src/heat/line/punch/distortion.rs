@@ -50,7 +50,7 @@ const COARSE: f64 = 5e-3;
 
 impl Distortion {
     /// None where nothing expands.
-    pub fn new(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Distortion>, BlockError> {
+    pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
         let body = &scene.punch;
         if body.thermal_expansion == 0.0 {
             return Ok(None);
@@ -63,7 +63,7 @@ impl Distortion {
         } else {
             let width = 2.0 * cells.half_width();
             let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio };
-            Kind::Block(Box::new(Block::new(properties, discretization(tolerance))?))
+            Kind::Block(Box::new(Block::new(properties, discretization(scene.tolerance))?))
         };
         let points = match &kind {
             Kind::Block(block) => block.depth_points().into_iter().map(|point| (point.z, point.weight)).collect(),

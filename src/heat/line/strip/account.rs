@@ -5,6 +5,7 @@
 
 use super::step::Scratch;
 use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
+use crate::contact::dense;
 use crate::heat::line::{GAMMA, LineHeat, Surroundings};
 
 impl StripHeat {
@@ -22,7 +23,7 @@ impl StripHeat {
         let weights = &self.step.end;
         let step = self.step.length;
         let over_step = |values: [f64; 2]| step * ((1.0 - GAMMA) * values[0] + GAMMA * values[1]);
-        let heat = |flux: &[f64]| flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>();
+        let heat = |flux: &[f64]| dense::dot(flux, &operators.widths);
         let received = over_step([heat(contact[0]), heat(contact[1])]);
         let total = over_step([heat(&scratch.first), heat(&scratch.end)]);
         // What the cells got besides the contact: the heat transfer given back, and the cooling that is not there.

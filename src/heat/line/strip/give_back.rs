@@ -71,14 +71,16 @@ impl GiveBack {
 
     /// V'W of the temperature that waves of these amplitudes (real and imaginary parts) give.
     pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
-        let mut level = [0.0; RANK];
-        for (wave, row) in self.waves.iter().enumerate() {
-            let value = [amplitude[0][wave], amplitude[1][wave]];
-            for (degree, entry) in row.iter().enumerate() {
-                level[degree] += entry * value[degree % 2];
+        // Two sums: the additions of one would wait for each other.
+        let mut levels = [[0.0; RANK]; 2];
+        for (wave, (row, (re, im))) in self.waves.iter().zip(amplitude[0].iter().zip(&amplitude[1])).enumerate() {
+            let level = &mut levels[wave % 2];
+            for degree in 0..RANK / 2 {
+                level[2 * degree] += row[2 * degree] * re;
+                level[2 * degree + 1] += row[2 * degree + 1] * im;
             }
         }
-        level
+        std::array::from_fn(|degree| levels[0][degree] + levels[1][degree])
     }
 
     /// How much of every polynomial is given back besides `flux` (W/m2), where the waves have the projected temperature
