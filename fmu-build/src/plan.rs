@@ -148,8 +148,8 @@ fn record(plan: &Plan) -> Value {
 /// A generated scene at a tolerance.
 struct Case {
     scene: Generated,
-    /// Largest error of the truth.
-    truth: f64,
+    /// Cells of the truth, and its largest error.
+    truth: (usize, f64),
     judged: Judged,
 }
 
@@ -173,7 +173,7 @@ fn tried(seed: u64, cells: usize) -> Tried {
     for tolerance in TOLERANCES {
         match judge(&scene, tolerance, &truth) {
             Ok(judged) => {
-                let truth = truth.errors.into_iter().fold(0.0, f64::max);
+                let truth = (truth.cells, truth.errors.into_iter().fold(0.0, f64::max));
                 tried.cases.push(Case { scene: scene.clone(), truth, judged });
             }
             Err(text) => tried.left_out.push(format!("{} at {tolerance:e}: {text}", scene.name())),
@@ -226,7 +226,7 @@ fn campaign(arguments: &Arguments) -> Result<()> {
 
 fn table(all: &BTreeMap<u64, Tried>, cells: usize) -> String {
     let mut text = format!(
-        "# Plans of solver.fidelity = auto on generated scenes; truth: {cells} cells at solver.tolerance 1e-4; truth_error: how far half \
+        "# Plans of solver.fidelity = auto on generated scenes; truth: {cells} cells (truth_cells) at solver.tolerance 1e-4; truth_error: how far half \
          as many cells at 2e-4 are from it.\n\
          # Errors of wear depth (of the most worn), contact temperature (of the peak rise), friction force (of its peak).\n\
          # planning_seconds without building the rung that is chosen, which takes building_seconds.\n\
@@ -238,7 +238,7 @@ fn table(all: &BTreeMap<u64, Tried>, cells: usize) -> String {
         let _ = writeln!(text, "# left out: {reason}");
     }
     text.push_str(
-        "group,seed,tolerance,rung,planned_error,estimated_error,error_wear,error_temperature,error_force,truth_error,work_us,seconds,\
+        "group,seed,tolerance,rung,planned_error,estimated_error,error_wear,error_temperature,error_force,truth_cells,truth_error,work_us,seconds,\
          planning_seconds,building_seconds,cheapest,cheapest_work_us\n",
     );
     for Case { scene, truth, judged } in all.values().flat_map(|tried| &tried.cases) {
@@ -247,13 +247,15 @@ fn table(all: &BTreeMap<u64, Tried>, cells: usize) -> String {
             judged.cheapest().map_or((String::new(), f64::NAN), |cheapest| (cheapest.rung.to_string(), cheapest.work));
         let _ = writeln!(
             text,
-            "{},{},{:e},\"{}\",{:.2e},{:.2e},{wear:.2e},{temperature:.2e},{force:.2e},{truth:.2e},{:.0},{:.2e},{:.2e},{:.2e},\"{cheapest}\",{work:.0}",
+            "{},{},{:e},\"{}\",{:.2e},{:.2e},{wear:.2e},{temperature:.2e},{force:.2e},{},{:.2e},{:.0},{:.2e},{:.2e},{:.2e},\"{cheapest}\",{work:.0}",
             scene.group.name(),
             scene.seed,
             judged.tolerance,
             judged.chosen.rung,
             judged.planned_error,
             judged.estimated_error,
+            truth.0,
+            truth.1,
             judged.chosen.work,
             judged.chosen.seconds,
             judged.planning_seconds[0],

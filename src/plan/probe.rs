@@ -5,6 +5,7 @@
 //! same steps, so that their time errors cancel and the differences are those of the levels.
 
 use crate::coupled::INPUTS;
+use crate::coupled::line::heat::bodies::shortest;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::model::{Model, Operators};
 use crate::scene::{Path, Scene};
@@ -127,8 +128,12 @@ impl Course {
     pub fn scene(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         let segments = self.segments.len() as f64;
-        scene.shortest_step =
+        let step =
             self.duration / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
+        // Where the scene itself asks for that, its operators are the run's as well.
+        if (step / shortest(&scene) - 1.0).abs() > 1e-9 {
+            scene.shortest_step = step;
+        }
         let faster = self.faster_wear * scene.wear_acceleration;
         scene.punch.wear_coefficient *= faster;
         scene.strip.wear_coefficient *= faster;

@@ -71,6 +71,19 @@ const FAR: usize = 2;
 /// # Errors
 /// A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
 pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BlockError> {
+    reduce_with_mean(scene, cells, [tolerance; 2], duration)
+}
+
+/// The same with a tolerance of its own, the second, for the uniform mode, which alone carries the mean temperature of the contact.
+///
+/// # Errors
+/// As [`reduce`].
+pub fn reduce_with_mean(
+    scene: &Scene,
+    cells: &Cells,
+    tolerances: [f64; 2],
+    duration: f64,
+) -> Result<Option<ReducedHeat>, BlockError> {
     let body = &scene.punch;
     if body.conductivity == 0.0 {
         return Ok(None);
@@ -101,19 +114,19 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
     };
     let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
     let distortion = Distortion::new(scene, cells)?;
-    project(across, depth, cooled, distortion, cells, (tolerance, duration)).map(Some)
+    project(across, depth, cooled, distortion, cells, (tolerances, duration)).map(Some)
 }
 
-/// Projects a body, to a tolerance over a duration (s).
+/// Projects a body, to tolerances of every mode across and of the uniform one over a duration (s).
 fn project(
     across: Across,
     depth: Depth,
     cooled: Cooled,
     mut distortion: Option<Distortion>,
     cells: &Cells,
-    (tolerance, duration): (f64, f64),
+    (tolerances, duration): ([f64; 2], f64),
 ) -> Result<ReducedHeat, BlockError> {
-    let scale = Scale::new(&across, &depth, duration, tolerance);
+    let scale = Scale::new(&across, &depth, duration, tolerances);
     let steepest = scale.steepest(&depth);
     if let Some(distortion) = &mut distortion {
         distortion.resolve(steepest);

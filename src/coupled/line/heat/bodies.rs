@@ -19,8 +19,8 @@ const MOST_STATES: usize = 16_000;
 /// Finest tolerance of a reduction.
 const FINEST: f64 = 2e-5;
 
-/// Part of the tolerance that the punch may take: every mode across may take it, for fluxes of every frequency. The strip judges all
-/// waves at once and has its own part.
+/// Part of the tolerance that the mean temperature of the punch may take, for fluxes of every frequency. The strip judges all waves at
+/// once and has its own part.
 const PUNCH_PART: f64 = 0.25;
 
 /// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
@@ -78,20 +78,22 @@ impl Bodies {
     /// What a body refuses, as a text with the numbers.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let shares = shares(scene);
-        let tolerances = [PUNCH_PART, 1.0].map(|part| part * scene.tolerance);
-        let tolerances: [f64; 2] = std::array::from_fn(|side| (tolerances[side] * shares[side].tolerance).max(FINEST));
+        let whole = scene.tolerance.max(FINEST);
+        let [of_the_mean, tolerance] =
+            [PUNCH_PART * shares[0].tolerance, shares[1].tolerance].map(|part| (part * scene.tolerance).max(FINEST));
         let duration = scene.nominal_duration;
         let punch: Option<Box<dyn LineHeat>> = if scene.fidelity == Fidelity::Field {
             field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
         } else {
-            punch::reduce(scene, cells, tolerances[0], duration).map(|body| body.map(|body| Box::new(body) as _))
+            punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
+                .map(|body| body.map(|body| Box::new(body) as _))
         }
         .map_err(|error| format!("punch: {error}"))?;
         if scene.geometry == Geometry::Annular {
-            let bodies = [punch, mate(scene, cells, tolerances[1])?];
+            let bodies = [punch, mate(scene, cells, tolerance)?];
             return Ok(Bodies::made(scene, bodies, shares, punch::mate::cooled_length(scene), 0));
         }
-        let strip = strip(scene, cells, tolerances[1])?;
+        let strip = strip(scene, cells, tolerance)?;
         let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
         let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
         let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);

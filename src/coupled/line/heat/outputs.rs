@@ -1,7 +1,6 @@
 //! Outputs of heat along the contact line, by value reference. They are those of the end of the last step: the bodies'
 //! states are held in between.
 
-use crate::coupled::REPORTED;
 use crate::coupled::line::Line;
 use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::scalar::Dual;
@@ -9,6 +8,10 @@ use crate::coupled::{INPUTS, Inputs};
 use crate::heat::line::Surroundings;
 use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, reference};
+
+/// Part of the bounds of reduction and time steps that is told, as for the mean: with heat on the cells both bounds hold for every
+/// cell and every step, and the means that are judged come out closer. Measured on generated scenes.
+const REPORTED: f64 = 0.1;
 
 impl Line {
     /// What acts on both bodies at `inputs` besides the contact.

@@ -64,12 +64,14 @@ pub(super) struct Scale {
 const MEAN_OF_RING: f64 = 0.1;
 
 impl Scale {
-    pub fn new(across: &Across, depth: &Depth, duration: f64, tolerance: f64) -> Scale {
+    /// For a tolerance of every mode and one of the uniform one.
+    pub fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
         let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
         let mean = match across.sides {
             Sides::Radial(_) => MEAN_OF_RING,
             Sides::Free | Sides::Closed => 1.0,
         };
+        let mean = mean.min(of_the_mean / tolerance);
         Scale { impedance: depth.impedance(kappa).norm(), duration, tolerance, mean }
     }
 
