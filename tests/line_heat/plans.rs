@@ -9,6 +9,7 @@ use sliding_contact::plan::{self, rung::Rung};
 use sliding_contact::scene::{HeatAlongContact, Scene};
 use sliding_contact::variables::{COUNT, STARTS};
 use sliding_contact::verification::planning::judge::{judge, truth};
+use sliding_contact::verification::planning::runs;
 use sliding_contact::verification::planning::scenes::{Group, generate};
 use std::sync::Arc;
 
@@ -187,6 +188,19 @@ fn a_run_that_outlasts_its_plan_leaves_it() {
     stays.step(97.0).unwrap();
     let beyond = stays.get(reference("estimated_error"));
     assert!((3.5..=4.5).contains(&(beyond / within)), "{beyond} of {within}");
+}
+
+/// Where a rise by all of the friction heat would take more than all of the friction away, a friction of the repetition before
+/// alternates however short the step is, and stepping ended with no solution.
+#[test]
+fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
+    let generated = generate(113);
+    let [coarse, fine] = [17, 33].map(|cells| {
+        let scene = Rung::Line { cells, heat: HeatAlongContact::OnTheCells }.apply(&generated.scene(1e-2).unwrap());
+        runs::run(&generated, &scene).unwrap()
+    });
+    let errors = runs::distance(&coarse, &fine);
+    assert!(errors.iter().all(|error| *error < 0.02), "{errors:?}");
 }
 
 #[test]

@@ -113,8 +113,22 @@ impl Heat {
             self.warmed = false;
             return 0.0;
         }
-        for ((heat, pressure), per_pressure) in friction.iter_mut().zip(&self.pressure).zip(&self.per_pressure) {
-            *heat = per_pressure * pressure;
+        match &self.fading {
+            // What the heat lacks of the law at the temperature that it makes, with the temperature that follows: where a
+            // rise by all of the heat changes friction by more than itself, the law alone alternates however short the step is.
+            Some(fading) if self.linearised => {
+                let known = friction.iter().zip(&self.pressure).zip(&self.per_pressure);
+                for (lacking, ((heat, pressure), per_pressure)) in self.difference.iter_mut().zip(known) {
+                    *lacking = if *per_pressure > 0.0 { pressure - heat / per_pressure } else { 0.0 };
+                }
+                fading.add_heat(&self.difference, friction);
+            }
+            _ => {
+                let known = self.pressure.iter().zip(&self.per_pressure);
+                for (heat, (pressure, per_pressure)) in friction.iter_mut().zip(known) {
+                    *heat = per_pressure * pressure;
+                }
+            }
         }
         let open = self.splits[s].open();
         open.iter().for_each(|&i| (friction[i], punch[i]) = (0.0, 0.0));

@@ -77,7 +77,7 @@ impl Scale {
 
     /// Tolerance of the mode number `m`.
     fn of_mode(&self, m: usize) -> f64 {
-        if m == 0 { self.mean * self.tolerance } else { self.tolerance }
+        if m < LONGEST { self.mean * self.tolerance } else { self.tolerance }
     }
 
     /// Decay beyond which even a uniform flux has no impedance above the tolerance, 1/m.
