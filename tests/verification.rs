@@ -47,8 +47,11 @@ fn a_wrong_or_undefined_value_does_not_pass() {
 /// The harness of the charts: scenes over time, judged by their truth.
 #[cfg(feature = "scene-file")]
 mod drives {
+    use sliding_contact::component::Component;
     use sliding_contact::scene::{Fidelity, Scheme};
+    use sliding_contact::variables::reference;
     use sliding_contact::verification::drives::{DriveProblem, Ending, Errors, Quantity, Record, Setting, problems};
+    use std::sync::Arc;
 
     fn problem(name: &str) -> DriveProblem {
         problems().unwrap().into_iter().find(|problem| problem.name == name).unwrap()
@@ -128,6 +131,17 @@ mod drives {
         for unknown in [Quantity::ContactTemperature, Quantity::FrictionForce] {
             assert!(errors.of(unknown).is_nan() && !warm.of(unknown).is_nan(), "{errors:?} {warm:?}");
         }
+        // There really is none.
+        let mut component = Component::new(Arc::new(pin.starts_with(&cold)));
+        let ambient = component.get(reference("ambient_temperature"));
+        component.enter_initialization();
+        component.initialise(None).unwrap();
+        component.set_input(reference("sliding_velocity"), 0.5);
+        component.set_input(reference("normal_load"), 100.0);
+        component.step(1.0).unwrap();
+        let heat = ["contact_temperature", "friction_force", "stored_heat"].map(|name| component.get(reference(name)));
+        assert_eq!(heat, [ambient, 0.0, 0.0]);
+        assert!(component.get(reference("wear_depth")) > 0.0);
         // One communication step to each sample; the step is cut inside where the tolerance asks for it.
         let (record, long) = judged(&pin, &Setting { step: f64::INFINITY, order: 0, ..cold });
         assert_eq!((record.communications, record.samples.len()), (8, 8));

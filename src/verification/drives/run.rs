@@ -206,7 +206,8 @@ impl DriveProblem {
         Ok((0..=last).map(point).collect())
     }
 
-    fn starts_with(&self, setting: &Setting) -> Values {
+    /// Start values of every variable for this setting.
+    pub fn starts_with(&self, setting: &Setting) -> Values {
         let mut starts = self.starts;
         let changes = [
             (const { reference("solver.fidelity") }, f64::from(setting.fidelity as u8 + 1)),
