@@ -92,7 +92,7 @@ impl Slab {
         let kappa = principal_root(kappa_squared);
         let u = kappa * self.height;
         // Admittance q/T(0) = K kappa (sinh u + beta cosh u)/(cosh u + beta sinh u), with beta = Hb/(K kappa).
-        let admittance = if u.norm() < 1e-4 {
+        let admittance = if u.norm_sqr() < 1e-8 {
             // Small argument: the slab is a capacity behind (or beside) its base.
             let own = k * kappa_squared * self.height;
             match self.base {
