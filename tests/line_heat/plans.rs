@@ -82,8 +82,8 @@ fn plans_are_made_by_the_tolerance_of_the_scene() {
     };
     let default = plan(0.0, None);
     assert!(default.contains("tolerance 1e-3 from the default; auto takes line"), "{default}");
-    let importer = plan(0.0, Some(0.1));
-    assert!(importer.contains("tolerance 1e-1 from the importer; auto takes lumped"), "{importer}");
+    let importer = plan(0.0, Some(0.2));
+    assert!(importer.contains("tolerance 2e-1 from the importer; auto takes lumped"), "{importer}");
     let fine = plan(1e-3, Some(0.5));
     assert!(fine.contains("tolerance 1e-3 from solver.tolerance; auto takes line"), "{fine}");
     let rough = plan(0.5, Some(1e-3));
