@@ -36,6 +36,15 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
     [&re[level.clone()], &im[level.clone()]]
 }
 
+/// Waves whose sums [`observe`] takes together.
+const TOGETHER: usize = 4;
+
+/// Some values from a place on.
+#[inline(always)]
+fn some(values: &[f64], at: usize) -> &[f64; TOGETHER] {
+    &values[at..].as_chunks().0[0]
+}
+
 /// Amplitudes of the waves in states that are turned by their factors first, seen by two observations; by real and imaginary
 /// parts.
 pub fn observe(
@@ -51,29 +60,45 @@ pub fn observe(
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, states, factors, seen, [first, second]) = self;
+            let Self(levels, [re, im], [cosine, sine], [one, other], [first, second]) = self;
             let ([first_re, first_im], [second_re, second_im]) = (first, second);
-            for level in levels {
-                let count = level.len();
-                let [re, im] = on(level, states);
-                let [cosine, sine] = on(level, factors);
-                let [one, other] = on(level, seen);
-                let (first_re, first_im) = (&mut first_re[..count], &mut first_im[..count]);
-                let (second_re, second_im) = (&mut second_re[..count], &mut second_im[..count]);
-                for w in 0..count {
-                    let turned_re = cosine[w] * re[w] - sine[w] * im[w];
-                    let turned_im = cosine[w] * im[w] + sine[w] * re[w];
-                    first_re[w] += one[w] * turned_re;
-                    first_im[w] += one[w] * turned_im;
-                    second_re[w] += other[w] * turned_re;
-                    second_im[w] += other[w] * turned_im;
+            // The sums of some waves over all their levels, which stay in registers.
+            for wave in (0..first_re.len()).step_by(TOGETHER) {
+                let mut sums = [[0.0; TOGETHER]; 4];
+                for level in levels.iter().take_while(|level| level.len() > wave) {
+                    let at = level.start + wave;
+                    if level.end - at >= TOGETHER {
+                        let (re, im) = (some(re, at), some(im, at));
+                        let (cosine, sine) = (some(cosine, at), some(sine, at));
+                        let (one, other) = (some(one, at), some(other, at));
+                        for k in 0..TOGETHER {
+                            let turned_re = cosine[k] * re[k] - sine[k] * im[k];
+                            let turned_im = cosine[k] * im[k] + sine[k] * re[k];
+                            sums[0][k] += one[k] * turned_re;
+                            sums[1][k] += one[k] * turned_im;
+                            sums[2][k] += other[k] * turned_re;
+                            sums[3][k] += other[k] * turned_im;
+                        }
+                    } else {
+                        for (k, x) in (at..level.end).enumerate() {
+                            let turned_re = cosine[x] * re[x] - sine[x] * im[x];
+                            let turned_im = cosine[x] * im[x] + sine[x] * re[x];
+                            sums[0][k] += one[x] * turned_re;
+                            sums[1][k] += one[x] * turned_im;
+                            sums[2][k] += other[x] * turned_re;
+                            sums[3][k] += other[x] * turned_im;
+                        }
+                    }
+                }
+                let end = (wave + TOGETHER).min(first_re.len());
+                let targets = [&mut *first_re, &mut *first_im, &mut *second_re, &mut *second_im];
+                for (target, sums) in targets.into_iter().zip(&sums) {
+                    target[wave..end].copy_from_slice(&sums[..end - wave]);
                 }
             }
         }
     }
-    let [first, second] = sums;
-    first.iter_mut().chain(second.iter_mut()).for_each(|part| part.fill(0.0));
-    Arch::new().dispatch(Observe(levels, states, factors, seen, [first, second]));
+    Arch::new().dispatch(Observe(levels, states, factors, seen, sums));
 }
 
 /// Adds to amplitudes those of other waves, each turned and weighted by a factor.
@@ -138,25 +163,26 @@ pub struct Carrier<'a> {
     pub own: Parts<'a>,
 }
 
-/// Carries the states over a step; `heat` are the amplitudes of the fluxes of both stages.
-pub fn carry(levels: &[Level], states: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
-    struct Carry<'a>(&'a [Level], [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
+/// Carries the states over a step, from `before` to `after`; `heat` are the amplitudes of the fluxes of both stages.
+pub fn carry(levels: &[Level], before: Parts<'_>, after: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
+    struct Carry<'a>(&'a [Level], Parts<'a>, [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
     impl WithSimd for Carry<'_> {
         type Output = ();
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, [all_re, all_im], carrier, [first, end]) = self;
+            let Self(levels, before, [all_re, all_im], carrier, [first, end]) = self;
             for level in levels {
                 let count = level.len();
                 let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
+                let [start_re, start_im] = on(level, before);
                 let [cosine, sine] = on(level, carrier.factors);
                 let [a, b] = on(level, carrier.known);
                 let [d, e] = on(level, carrier.own);
                 let [first_re, first_im] = [&first[0][..count], &first[1][..count]];
                 let [end_re, end_im] = [&end[0][..count], &end[1][..count]];
                 for w in 0..count {
-                    let x = [re[w], im[w]];
+                    let x = [start_re[w], start_im[w]];
                     re[w] = cosine[w] * x[0] - sine[w] * x[1] + a[w] * first_re[w] - b[w] * first_im[w]
                         + d[w] * end_re[w]
                         - e[w] * end_im[w];
@@ -170,7 +196,7 @@ pub fn carry(levels: &[Level], states: [&mut [f64]; 2], carrier: Carrier<'_>, he
             }
         }
     }
-    Arch::new().dispatch(Carry(levels, states, carrier, heat));
+    Arch::new().dispatch(Carry(levels, before, after, carrier, heat));
 }
 
 /// Factors of the states: the decay of each, times the turn and the common decay `faded` of its wave.
