@@ -36,15 +36,6 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
     [&re[level.clone()], &im[level.clone()]]
 }
 
-/// Waves whose sums [`observe`] takes together.
-const TOGETHER: usize = 4;
-
-/// Some values from a place on.
-#[inline(always)]
-fn some(values: &[f64], at: usize) -> &[f64; TOGETHER] {
-    &values[at..].as_chunks().0[0]
-}
-
 /// Amplitudes of the waves in states that are turned by their factors first, seen by two observations; by real and imaginary
 /// parts.
 pub fn observe(
@@ -60,45 +51,29 @@ pub fn observe(
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, [re, im], [cosine, sine], [one, other], [first, second]) = self;
+            let Self(levels, states, factors, seen, [first, second]) = self;
             let ([first_re, first_im], [second_re, second_im]) = (first, second);
-            // The sums of some waves over all their levels, which stay in registers.
-            for wave in (0..first_re.len()).step_by(TOGETHER) {
-                let mut sums = [[0.0; TOGETHER]; 4];
-                for level in levels.iter().take_while(|level| level.len() > wave) {
-                    let at = level.start + wave;
-                    if level.end - at >= TOGETHER {
-                        let (re, im) = (some(re, at), some(im, at));
-                        let (cosine, sine) = (some(cosine, at), some(sine, at));
-                        let (one, other) = (some(one, at), some(other, at));
-                        for k in 0..TOGETHER {
-                            let turned_re = cosine[k] * re[k] - sine[k] * im[k];
-                            let turned_im = cosine[k] * im[k] + sine[k] * re[k];
-                            sums[0][k] += one[k] * turned_re;
-                            sums[1][k] += one[k] * turned_im;
-                            sums[2][k] += other[k] * turned_re;
-                            sums[3][k] += other[k] * turned_im;
-                        }
-                    } else {
-                        for (k, x) in (at..level.end).enumerate() {
-                            let turned_re = cosine[x] * re[x] - sine[x] * im[x];
-                            let turned_im = cosine[x] * im[x] + sine[x] * re[x];
-                            sums[0][k] += one[x] * turned_re;
-                            sums[1][k] += one[x] * turned_im;
-                            sums[2][k] += other[x] * turned_re;
-                            sums[3][k] += other[x] * turned_im;
-                        }
-                    }
-                }
-                let end = (wave + TOGETHER).min(first_re.len());
-                let targets = [&mut *first_re, &mut *first_im, &mut *second_re, &mut *second_im];
-                for (target, sums) in targets.into_iter().zip(&sums) {
-                    target[wave..end].copy_from_slice(&sums[..end - wave]);
+            for level in levels {
+                let count = level.len();
+                let [re, im] = on(level, states);
+                let [cosine, sine] = on(level, factors);
+                let [one, other] = on(level, seen);
+                let (first_re, first_im) = (&mut first_re[..count], &mut first_im[..count]);
+                let (second_re, second_im) = (&mut second_re[..count], &mut second_im[..count]);
+                for w in 0..count {
+                    let turned_re = cosine[w] * re[w] - sine[w] * im[w];
+                    let turned_im = cosine[w] * im[w] + sine[w] * re[w];
+                    first_re[w] += one[w] * turned_re;
+                    first_im[w] += one[w] * turned_im;
+                    second_re[w] += other[w] * turned_re;
+                    second_im[w] += other[w] * turned_im;
                 }
             }
         }
     }
-    Arch::new().dispatch(Observe(levels, states, factors, seen, sums));
+    let [first, second] = sums;
+    first.iter_mut().chain(second.iter_mut()).for_each(|part| part.fill(0.0));
+    Arch::new().dispatch(Observe(levels, states, factors, seen, [first, second]));
 }
 
 /// Adds to amplitudes those of other waves, each turned and weighted by a factor.
