@@ -99,6 +99,9 @@ pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], Body
     Ok(both)
 }
 
+/// Tolerance of the pressure by a block at loose tolerances, which are about wear, temperature and friction force.
+const PRESSURE_TOLERANCE: f64 = 1e-3;
+
 fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
     if body.mechanical == MechanicalBody::Rigid {
         return Ok(Rigid.compliance(cells));
@@ -128,8 +131,8 @@ fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compli
                 youngs_modulus: body.youngs_modulus,
                 poissons_ratio: body.poissons_ratio,
             };
-            let discretization =
-                Discretization::for_cells(scene.width, body.height, cells.edges(), scene.tolerance.min(1e-3));
+            let tolerance = if scene.is_probe() { scene.tolerance } else { scene.tolerance.min(PRESSURE_TOLERANCE) };
+            let discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
             let compliance = Block::new(properties, discretization)?.compliance(cells.edges())?;
             Compliance { normal: compliance.normal, shear: compliance.shear }
         }

@@ -21,8 +21,9 @@
 //!
 //! # What it costs
 //!
-//! At most 1 % of the run that is planned or 20 ms ([`effort`]): one contact line is built, the five cells are merged from its
-//! matrices, and a probe that needs more internal steps than this pays for ends early and compares what it covers.
+//! At most 1 % of the run that is planned or 20 ms ([`effort`]): one contact line is built, of bodies that are as coarse and reach as
+//! far as the probe asks for, the five cells are merged from its matrices, and a probe that needs more internal steps than this pays for
+//! ends early and compares what it covers.
 //!
 //! # Limits
 //!
@@ -62,8 +63,12 @@ const FINEST_NEXT: usize = 65;
 /// Error of a level that nothing could be compared with.
 const UNKNOWN: f64 = 1.0;
 
-/// Bounds of a probe's tolerance: its steps need not be finer than the comparison.
-const PROBE_TOLERANCE: (f64, f64) = (5e-3, 2e-2);
+/// Bounds of a probe's tolerance: its steps and bodies need not be finer than the comparison. From 5e-3 to 5e-2 neither difference of
+/// two levels changes by more than its fifth, but for the noise of steps that are not the same.
+const PROBE_TOLERANCE: (f64, f64) = (1e-2, 5e-2);
+
+/// A probe's tolerance within them over that of the scene.
+const LOOSER: f64 = 2.0;
 
 /// A rung with its estimated errors.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -150,38 +155,37 @@ struct Findings {
 /// # Errors
 /// A text with the numbers where the chosen level cannot be built.
 pub fn make(scene: &Scene) -> Result<Planned, String> {
-    let lumped = Operators::new(&Rung::Lumped.apply(scene))?;
     if [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2] {
-        return Ok(only_lumped(scene, lumped, "both bodies are rigid".into()));
+        return only_lumped(scene, "both bodies are rigid".into());
     }
     let Some(course) = Course::new(scene) else {
         let reason = format!(
             "nominal.load = {} N and nominal.velocity = {} m/s leave nothing to compare levels with",
             scene.nominal_load, scene.nominal_velocity
         );
-        return Ok(unknown(only_lumped(scene, lumped, reason)));
+        return only_lumped(scene, reason).map(unknown);
     };
     if possible_on_the_cells(scene) {
-        match explore(scene, &lumped, &course, true) {
-            Ok(findings) => return decide(scene, lumped, findings),
+        match explore(scene, &course, true) {
+            Ok(findings) => return decide(scene, findings),
             // Where heat on the cells has no solution (friction that runs away, instability), its mean still has one.
             Err(reason) => {
                 let reason = format!("nothing to compare the mean heat with: {reason}");
-                let Ok(findings) = explore(scene, &lumped, &course, false) else {
-                    return Ok(unknown(only_lumped(scene, lumped, reason)));
+                let Ok(findings) = explore(scene, &course, false) else {
+                    return only_lumped(scene, reason).map(unknown);
                 };
-                let mut planned = decide(scene, lumped, findings)?;
+                let mut planned = decide(scene, findings)?;
                 planned.plan.reason = reason;
                 return Ok(unknown(planned));
             }
         }
     }
-    match explore(scene, &lumped, &course, false) {
-        Ok(findings) => decide(scene, lumped, findings),
+    match explore(scene, &course, false) {
+        Ok(findings) => decide(scene, findings),
         // The lumped level knows nothing of what the contact line refuses.
         Err(reason) => {
             let reason = format!("no contact line to compare with: {reason}");
-            Ok(unknown(only_lumped(scene, lumped, reason)))
+            only_lumped(scene, reason).map(unknown)
         }
     }
 }
@@ -192,15 +196,16 @@ fn unknown(mut planned: Planned) -> Planned {
     planned
 }
 
-fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -> Result<Findings, String> {
+fn explore(scene: &Scene, course: &Course, by_cells: bool) -> Result<Findings, String> {
     let heat = if by_cells { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
     let cells = if scene.cells > 0 { scene.cells } else { rung::CELLS[0] };
     let mut probed = course.scene(scene);
     let (low, high) = PROBE_TOLERANCE;
-    probed.tolerance = probed.tolerance.clamp(low, high);
+    probed.tolerance = (LOOSER * probed.tolerance).clamp(low, high);
     let mut effort = Effort::default();
-    effort.built(lumped);
+    let uniform = Operators::new(&Rung::Lumped.apply(&probed))?;
     let fine = Operators::new(&Rung::Line { cells, heat }.apply(&probed))?;
+    effort.built(&uniform);
     effort.built(&fine);
     let most = effort.attempts(scene, rung::cost_per_step(&fine));
     let (mut steps, mut paces) = (0, Vec::new());
@@ -216,10 +221,6 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
         return Err(format!("{most} internal steps do not reach the end of a thousandth of the nominal duration"));
     }
     let distance = |other: &Probe| course.distance(other, &finest).unwrap_or([UNKNOWN; 3]);
-    let uniform = match course.faster_wear > 1.0 {
-        true => Operators::new(&Rung::Lumped.apply(&probed))?,
-        false => lumped.of_the_mean(probed.tolerance),
-    };
     let apart = distance(&probe(Some(Rung::Lumped), &uniform)?);
     let growth = course.growth(scene, &finest);
     // Cells are closer to each other than to the lumped level: where that is enough, nothing finer is asked.
@@ -237,8 +238,7 @@ fn explore(scene: &Scene, lumped: &Operators, course: &Course, by_cells: bool) -
     let averaged = averaged.map(|errors| grown(errors, growth));
     let own = closest.map(|apart| REMAINDER * apart);
     let add = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|output| a[output] + b[output]);
-    let mut candidates =
-        vec![Candidate { rung: Rung::Lumped, errors: add(apart, own), cost: rung::cost_per_step(lumped) }];
+    let mut candidates = vec![Candidate { rung: Rung::Lumped, errors: add(apart, own), cost: rung::cost(1, None) }];
     let Operators::Line(line) = &fine else { return Err("the contact line is not one".into()) };
     let states = line.heat.as_ref().map(|bodies| bodies.states[0] + bodies.states[1]);
     let ladder = if scene.cells > 0 { vec![cells] } else { rung::CELLS.to_vec() };
@@ -266,7 +266,7 @@ fn grown([wear, temperature, force]: [f64; 3], growth: f64) -> [f64; 3] {
     [wear, growth * temperature, growth * force]
 }
 
-fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planned, String> {
+fn decide(scene: &Scene, findings: Findings) -> Result<Planned, String> {
     let enough = LEVEL_SHARE * scene.tolerance;
     let good = findings.candidates.iter().find(|candidate| candidate.error() <= enough);
     let best = findings.candidates.iter().min_by(|one, other| one.error().total_cmp(&other.error()));
@@ -274,21 +274,6 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
     let reason = match good {
         Some(_) => "the cheapest whose estimated error is below the tolerance".to_owned(),
         None => format!("no rung has an estimated error below the tolerance; this one has {:.1e}", chosen.error()),
-    };
-    let known = |rung: Rung| {
-        let wanted = rung.apply(scene);
-        if *findings.fine.scene() == wanted {
-            return Ok(findings.fine.clone());
-        }
-        // Heat by the mean needs no other bodies than the probe's, which are at least as fine.
-        let Rung::Line { cells, heat: HeatAlongContact::ByItsMean } = rung else { return Operators::new(&wanted) };
-        let mut probed = findings.fine.scene().clone();
-        let fine_enough = scene.tolerance >= 1e-3 || probed.tolerance <= scene.tolerance;
-        (probed.tolerance, probed.heat_along_contact) = (scene.tolerance, HeatAlongContact::ByItsMean);
-        if fine_enough && probed.cells == cells && probed == wanted {
-            return Ok(findings.fine.of_the_mean(scene.tolerance));
-        }
-        Operators::new(&wanted)
     };
     // One effect or one step finer.
     let on_cells = findings.candidates.iter().any(|known| known.rung.on_the_cells());
@@ -301,10 +286,10 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
         Rung::Line { .. } => None,
     };
     let prepared = match (next, scene.escalation) {
-        (Some(next), Escalation::Prepared) => Some(known(next)?),
+        (Some(next), Escalation::Prepared) => Some(Operators::new(&next.apply(scene))?),
         _ => None,
     };
-    let operators = if chosen.rung == Rung::Lumped { lumped } else { known(chosen.rung)? };
+    let operators = Operators::new(&chosen.rung.apply(scene))?;
     let groups = Groups::new(scene, findings.rise);
     let effects = effects::judge(scene, &groups, &findings.fine, &findings.candidates, chosen.rung);
     let (states, order, reduction_error) = made_of(&operators);
@@ -332,7 +317,8 @@ fn decide(scene: &Scene, lumped: Operators, findings: Findings) -> Result<Planne
     Ok(Planned { plan, operators, prepared })
 }
 
-fn only_lumped(scene: &Scene, operators: Operators, reason: String) -> Planned {
+fn only_lumped(scene: &Scene, reason: String) -> Result<Planned, String> {
+    let operators = Operators::new(&Rung::Lumped.apply(scene))?;
     let (states, order, reduction_error) = made_of(&operators);
     let mut effort = Effort::default();
     effort.built(&operators);
@@ -356,7 +342,7 @@ fn only_lumped(scene: &Scene, operators: Operators, reason: String) -> Planned {
         rise: 0.0,
         next: None,
     };
-    Planned { plan, operators, prepared: None }
+    Ok(Planned { plan, operators, prepared: None })
 }
 
 /// Thermal states of punch, strip and moving source, order of the time steps, error of the reduced bodies.

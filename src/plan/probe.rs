@@ -5,7 +5,6 @@
 //! same steps, so that their time errors cancel and the differences are those of the levels.
 
 use crate::coupled::INPUTS;
-use crate::coupled::line::heat::bodies::shortest;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::model::{Model, Operators};
 use crate::scene::{Path, Scene};
@@ -19,15 +18,16 @@ const ONE_WAY: [f64; 15] = [0.0, 1e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.
 /// Steps of such a probe before three hundredths of it.
 const BEGINNING: usize = 2;
 
-/// Heat resolves steps of this part of such a probe. What is faster answers at once, which at a two-hundredth already changes the
-/// largest difference to the lumped level tenfold.
-const RESOLVED_ONE_WAY: f64 = 1000.0;
+/// Heat resolves steps of this part of such a probe. What is faster answers at once, which changes neither the difference to the
+/// lumped level nor that of merged cells by more than a tenth.
+const RESOLVED_ONE_WAY: f64 = 250.0;
 
-/// Steps in a half-stroke.
-const IN_HALF_STROKE: usize = 4;
+/// Steps of a half-stroke: their ends, in parts of it. The first is short: just behind the reversal the contact meets its own hot track,
+/// and the temperature of few cells is further off there than a quarter of a stroke later, up to tenfold.
+const HALF_STROKE: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
 
-/// Heat resolves steps of this part of one of them: a 64th of a cycle.
-const RESOLVED_IN_SEGMENT: f64 = 8.0;
+/// Heat resolves steps of this part of a half-stroke: a 16th of a cycle.
+const RESOLVED_IN_HALF_STROKE: f64 = 8.0;
 
 /// Half-strokes of a probe that slides to and fro.
 const HALF_STROKES: f64 = 4.0;
@@ -90,12 +90,14 @@ impl Course {
             let half = scene.nominal_stroke / speed;
             let halves = (duration / half).clamp(1.0, HALF_STROKES).round();
             let mut segments = Vec::new();
-            for n in 0..halves as usize * IN_HALF_STROKE {
+            for n in 0..halves as usize {
                 // Sinusoidal, with the nominal speed as its mean.
-                let at = |n: usize| 0.5 * PI * speed * (PI * n as f64 / IN_HALF_STROKE as f64).sin();
+                let at = |part: f64| 0.5 * PI * speed * (PI * (n as f64 + part)).sin();
                 let clean = |v: f64| if v.abs() < 1e-9 * speed { 0.0 } else { v };
-                let velocity = [clean(at(n)), clean(at(n + 1))];
-                segments.push(Segment { velocity, duration: half / IN_HALF_STROKE as f64 });
+                segments.extend(HALF_STROKE.windows(2).map(|ends| Segment {
+                    velocity: [clean(at(ends[0])), clean(at(ends[1]))],
+                    duration: half * (ends[1] - ends[0]),
+                }));
             }
             let probed = half * halves;
             let faster_wear = (duration / probed).max(1.0);
@@ -123,17 +125,16 @@ impl Course {
         if probe.covered > 0.0 { (whole / probe.covered).clamp(1.0, CARRIED_ON).powf(GROWTH) } else { 1.0 }
     }
 
-    /// The scene whose operators a probe runs: heat resolves the steps of the probe, and wear is as fast as the probe is short.
-    /// Not by `wear_acceleration`, which is refused where it hides what grows: a probe compares levels only.
+    /// The scene whose operators a probe runs: heat resolves the steps of the probe and reaches as far as its duration lets it, and wear is
+    /// as fast as the probe is short. Not by `wear_acceleration`, which is refused where it hides what grows: a probe compares levels only.
     pub fn scene(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
-        let segments = self.segments.len() as f64;
-        let step =
-            self.duration / if scene.nominal_stroke > 0.0 { segments * RESOLVED_IN_SEGMENT } else { RESOLVED_ONE_WAY };
-        // Where the scene itself asks for that, its operators are the run's as well.
-        if (step / shortest(&scene) - 1.0).abs() > 1e-9 {
-            scene.shortest_step = step;
-        }
+        let step = match scene.nominal_stroke > 0.0 {
+            true => scene.nominal_stroke / scene.nominal_velocity / RESOLVED_IN_HALF_STROKE,
+            false => self.duration / RESOLVED_ONE_WAY,
+        };
+        scene.shortest_step = step;
+        scene.nominal_duration = self.duration;
         let faster = self.faster_wear * scene.wear_acceleration;
         scene.punch.wear_coefficient *= faster;
         scene.strip.wear_coefficient *= faster;

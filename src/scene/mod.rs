@@ -223,7 +223,7 @@ pub struct Scene {
     pub cells: usize,
     /// Heat of a contact line.
     pub heat_along_contact: HeatAlongContact,
-    /// Shortest step that heat along the contact resolves, s; 0: chosen.
+    /// Shortest step that heat along the contact resolves, s, in a probe that compares levels; 0: the scene itself, where it is chosen.
     pub shortest_step: f64,
     pub scheme: Scheme,
     pub escalation: Escalation,
@@ -367,6 +367,11 @@ impl Scene {
     /// Nominal contact area of one punch and one face, m2.
     pub fn contact_area(&self) -> f64 {
         self.width * self.depth
+    }
+
+    /// Whether this is the scene of a probe, which compares levels and is no run.
+    pub fn is_probe(&self) -> bool {
+        self.shortest_step > 0.0
     }
 
     /// Part of the strip's length that all punches of a face cover; 0 for a straight path.

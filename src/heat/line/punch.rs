@@ -21,6 +21,7 @@
 //! mate is then a ring too ([`mate`]), cooled on its face instead of its sides.
 
 mod across;
+mod cylinder;
 mod depth;
 mod distortion;
 mod lag;

@@ -84,6 +84,15 @@ impl StripHeat {
         self.operators.table.expect(velocity);
     }
 
+    /// For steps that are few and seldom alike: each finds its answer at its own velocity, not between velocities that later steps
+    /// would ask for as well.
+    pub fn for_few_steps(mut self) -> Self {
+        if let Some(operators) = Arc::get_mut(&mut self.operators) {
+            operators.steady = 0.0;
+        }
+        self
+    }
+
     /// Number of waves, and of knots in the table over the velocity.
     pub fn size(&self) -> (usize, usize) {
         (self.operators.waves.len(), self.operators.table.knots())

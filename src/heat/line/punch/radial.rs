@@ -12,6 +12,8 @@
 //! `(m + 1) pi`, below which sides held in temperature stay. Source: H. S. Carslaw, J. C. Jaeger, Conduction of Heat in
 //! Solids (1959), 7.10 and 13.4.
 
+use super::cylinder::Cylinder;
+
 /// A ring with its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Radii {
@@ -59,11 +61,11 @@ impl Radii {
         let (first, second) = self.coefficients(wave_number);
         let mut mode = RadialMode { wave_number, first, second, mean: self.mean };
         let square = |r: f64| {
-            let (value, slope) = (mode.at_radius(r), mode.cylinder_one(r));
+            let (value, slope) = mode.at_radius(r);
             0.5 * r * r / self.mean * (value * value + slope * slope)
         };
         // Positive at the inner side, so that modes do not depend on the sign of the Bessel functions.
-        let scale = (square(self.outer) - square(self.inner)).sqrt().recip().copysign(mode.at_radius(self.inner));
+        let scale = (square(self.outer) - square(self.inner)).sqrt().recip().copysign(mode.at_radius(self.inner).0);
         mode.first *= scale;
         mode.second *= scale;
         mode
@@ -72,7 +74,8 @@ impl Radii {
     /// A and B of the function that meets the condition at the inner side, to a factor.
     fn coefficients(&self, wave_number: f64) -> (f64, f64) {
         let (x, biot) = (wave_number * self.inner, self.loss / wave_number);
-        let (first, second) = (libm::y1(x) + biot * libm::y0(x), -(libm::j1(x) + biot * libm::j0(x)));
+        let Cylinder { zero, one } = Cylinder::at(x);
+        let (first, second) = (one.1 + biot * zero.1, -(one.0 + biot * zero.0));
         // Y grows without bound towards the centre.
         let scale = first.hypot(second).recip();
         (scale * first, scale * second)
@@ -82,7 +85,8 @@ impl Radii {
     fn residual(&self, wave_number: f64) -> f64 {
         let (first, second) = self.coefficients(wave_number);
         let (x, biot) = (wave_number * self.outer, self.loss / wave_number);
-        first * (libm::j1(x) - biot * libm::j0(x)) + second * (libm::y1(x) - biot * libm::y0(x))
+        let Cylinder { zero, one } = Cylinder::at(x);
+        first * (one.0 - biot * zero.0) + second * (one.1 - biot * zero.1)
     }
 
     /// The wave number between `low` and `high` (1/m), exclusive, by false position (Illinois variant).
@@ -115,21 +119,16 @@ impl Radii {
 impl RadialMode {
     /// X at x = r - r_m.
     pub fn value(&self, x: f64) -> f64 {
-        self.at_radius(self.mean + x)
+        self.at_radius(self.mean + x).0
     }
 
-    fn at_radius(&self, r: f64) -> f64 {
+    /// X, and Z1 that is -X'/xi.
+    fn at_radius(&self, r: f64) -> (f64, f64) {
         if self.wave_number == 0.0 {
-            return self.first;
+            return (self.first, 0.0);
         }
-        let x = self.wave_number * r;
-        self.first * libm::j0(x) + self.second * libm::y0(x)
-    }
-
-    /// Z1, that is -X'/xi.
-    fn cylinder_one(&self, r: f64) -> f64 {
-        let x = self.wave_number * r;
-        self.first * libm::j1(x) + self.second * libm::y1(x)
+        let Cylinder { zero, one } = Cylinder::at(self.wave_number * r);
+        (self.first * zero.0 + self.second * zero.1, self.first * one.0 + self.second * one.1)
     }
 
     /// Integrals of X r/r_m between every boundary (x = r - r_m, ascending) and the next, m^(1/2).
@@ -141,7 +140,7 @@ impl RadialMode {
                 .map(|pair| self.first * (pair[1] - pair[0]) * ratio(0.5 * (pair[0] + pair[1])))
                 .collect();
         }
-        let primitive = |x: f64| ratio(x) * self.cylinder_one(self.mean + x) / self.wave_number;
+        let primitive = |x: f64| ratio(x) * self.at_radius(self.mean + x).1 / self.wave_number;
         let mut last: Option<f64> = None;
         let mut integrals = Vec::with_capacity(boundaries.len());
         for pair in boundaries.windows(2) {
@@ -163,7 +162,7 @@ impl RadialMode {
 
     /// Sum of X r/r_m at both sides, m^(-1/2).
     pub fn at_sides(&self, radii: &Radii) -> f64 {
-        (radii.inner * self.at_radius(radii.inner) + radii.outer * self.at_radius(radii.outer)) / radii.mean
+        (radii.inner * self.at_radius(radii.inner).0 + radii.outer * self.at_radius(radii.outer).0) / radii.mean
     }
 }
 
@@ -197,8 +196,7 @@ mod tests {
             for (m, mode) in modes.iter().enumerate() {
                 let scale = mode.wave_number.max(loss).max(1.0);
                 for (x, sign) in [(-0.02, 1.0), (0.02, -1.0)] {
-                    let slope =
-                        -mode.wave_number * if m == 0 && loss == 0.0 { 0.0 } else { mode.cylinder_one(mean + x) };
+                    let slope = -mode.wave_number * mode.at_radius(mean + x).1;
                     let lacking = slope - sign * loss * mode.value(x);
                     assert!(
                         lacking.abs() < 1e-8 * scale * mode.value(-0.02).abs().max(1.0),

@@ -182,7 +182,7 @@ impl Mode {
         if residues.is_empty() {
             // All of the mode acts without delay, where it has a steady state at all.
             let steady = if self.steady { self.exact[FREQUENCIES] } else { Complex::from(0.0) };
-            return self.exact.iter().map(|exact| (exact - steady).norm()).collect();
+            return self.exact.iter().map(|exact| (exact - steady).norm_sqr().sqrt()).collect();
         }
         let states = residues.len() - usize::from(fastest_is_steady);
         let direct: f64 = residues[states..].iter().map(|(rate, residue)| residue / rate).sum();
@@ -194,7 +194,7 @@ impl Mode {
                     real += part * rate;
                     imaginary -= part * frequency;
                 }
-                (exact - Complex::new(real, imaginary)).norm()
+                (exact - Complex::new(real, imaginary)).norm_sqr().sqrt()
             })
             .collect()
     }

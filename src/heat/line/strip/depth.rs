@@ -91,7 +91,7 @@ impl Depth {
         let fast = (-kappa * h).exp();
         let together = (1.0 - slow * fast) / (kappa + q);
         let difference = (kappa - q) * h;
-        let apart = if difference.norm() < CONFLUENT {
+        let apart = if difference.norm_sqr() < CONFLUENT * CONFLUENT {
             // (1 - exp(-x))/x
             slow * h * (1.0 - 0.5 * difference + difference * difference / 6.0 - difference.powi(3) / 24.0)
         } else {

@@ -112,7 +112,7 @@ pub struct Operators {
     pub fresh: bool,
     pub forgetting: Forgetting,
     /// Largest `q dv h/8` of the shortest wave at which the gains are those of the mean velocity. Such waves are less than one
-    /// in a hundred of the temperature.
+    /// in a hundred of the temperature. 0: every step finds its own.
     pub steady: f64,
     pub table: VelocityTable,
     pub give_back: Option<GiveBack>,
@@ -267,7 +267,7 @@ impl Operators {
             modes,
             fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
         };
-        let table = VelocityTable::new(remainder, slow, limit);
+        let table = VelocityTable::new(remainder, slow, limit, tolerance);
         let mut operators = Operators {
             half: shapes.half(),
             period,
@@ -481,7 +481,7 @@ impl Scan {
             for (index, modes) in modes.iter().enumerate() {
                 error += (modes.impedance(s) - self.exact[row * count + index]) * self.weights[index];
             }
-            largest = largest.max(error.norm() / self.scale);
+            largest = largest.max(error.norm_sqr().sqrt() / self.scale);
         }
         largest
     }

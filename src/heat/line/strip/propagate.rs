@@ -10,9 +10,17 @@
 //! x(h) = e^z x(0) + b h integral_0^1 exp(z u + i eta u (1 - u)) f du
 //! ```
 //!
-//! and both integrals, of 1 and of u, follow from `S_m = integral exp(z u) [u (1-u)]^m du` by the series in eta.
-//! `S_m = S_(m-1) m r_m` with `r_m = 1/(2 (2m+1) + z^2 r_(m+1))` (modified spherical Bessel functions of z/2: the
-//! recurrence runs downwards, or upwards where |z| is large, as is stable). Where eta/4 = q dv h/8 is large the step is cut.
+//! and both integrals, of 1 and of u, follow from `T_m = integral exp(z u) [u (1-u)]^m du/m!` by the series in eta:
+//!
+//! ```text
+//! integral exp(z u + i eta u (1-u)) du = sum (i eta)^m T_m
+//! integral exp(z u + i eta u (1-u)) (2u - 1) du = z sum (i eta)^m T_(m+1)
+//! T_(m-1) = z^2 T_(m+1) + 2 (2m+1) T_m
+//! ```
+//!
+//! (modified spherical Bessel functions of z/2). The recurrence runs downwards from values that are to a factor (J. C. P. Miller;
+//! W. Gautschi, SIAM Review 9 (1967) 24-82), which T_0 or T_1 gives in closed form, or upwards where |z| is large, as is stable.
+//! Where eta/4 = q dv h/8 is large the step is cut.
 
 use nalgebra::Complex;
 
@@ -23,6 +31,9 @@ const LARGEST_DRIFT: f64 = 1.5;
 const LEAST_DRIFT: f64 = 5e-4;
 /// Terms of the series at the largest drift: 1.5^13/13! = 3e-8.
 const MOST_TERMS: usize = 12;
+/// Order at which the recurrence starts downwards: this and a part of |z|.
+const FIRST_ORDER: usize = 7;
+const ORDERS_PER_MODULUS: f64 = 0.75;
 
 /// What acts on a wave over a step.
 #[derive(Clone, Copy, Debug)]
@@ -95,7 +106,7 @@ impl Motion {
 fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, Complex<f64>) {
     if 0.25 * eta.abs() < LEAST_DRIFT {
         if z.re.abs() + z.im.abs() < 0.5 {
-            return horner(z);
+            return (power_series(z, &ALL), power_series(z, &FALLING));
         }
         let inverse = z.inv();
         let all = (factor - 1.0) * inverse;
@@ -109,67 +120,83 @@ fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, 
         terms += 1;
         size *= drift / terms as f64;
     }
+    let turned = |value: Complex<f64>| Complex::new(-eta * value.im, eta * value.re);
     let square = z * z;
-    let mut ratio = [Complex::from(0.0); MOST_TERMS + 2];
-    let modulus = z.norm();
+    let modulus = z.norm_sqr().sqrt();
+    let (mut all, mut tilt);
     // Upwards the recurrence is stable for orders below |z|/2.
-    let upwards = modulus > 3.0 * (terms + 2) as f64;
-    if !upwards {
-        // Started beyond |z|/2, where the ratios have become small.
-        let beyond = terms + 10 + (0.6 * modulus) as usize;
-        let mut below = Complex::from(0.0);
-        for m in (1..=beyond).rev() {
-            below = (square * below + 2.0 * (2 * m + 1) as f64).inv();
-            if m <= terms + 1 {
-                ratio[m] = below;
-            }
+    if modulus > 3.0 * (terms + 2) as f64 {
+        let inverse = z.inv();
+        let inverse_square = inverse * inverse;
+        let mut lower = (factor - 1.0) * inverse;
+        let mut upper = (factor * (z - 2.0) + z + 2.0) * inverse * inverse_square;
+        let mut weight = Complex::from(1.0);
+        (all, tilt) = (lower, upper);
+        for m in 1..=terms {
+            (lower, upper) = (upper, (lower - upper * (2.0 * (2 * m + 1) as f64)) * inverse_square);
+            weight = turned(weight);
+            all += weight * lower;
+            tilt += weight * upper;
         }
-    }
-    let first = if modulus < 0.5 { horner(z).0 } else { (factor - 1.0) / z };
-    let (mut before, mut moment, mut weight) = (Complex::from(0.0), first, Complex::from(1.0));
-    let (mut all, mut tilt) = (Complex::from(0.0), Complex::from(0.0));
-    for m in 0..=terms {
-        let next = if !upwards {
-            moment * (m + 1) as f64 * ratio[m + 1]
-        } else if m == 0 {
-            (factor * (z - 2.0) + z + 2.0) / (square * z)
+    } else {
+        // From an order at which what the start lacks has faded to 1e-10 at m = 0.
+        let highest = terms.max(FIRST_ORDER + (ORDERS_PER_MODULUS * modulus) as usize);
+        let (mut above, mut value) = (Complex::from(0.0), Complex::from(1.0));
+        (all, tilt) = (value, above);
+        for m in (1..=highest).rev() {
+            (above, value) = (value, square * above + value * (2.0 * (2 * m + 1) as f64));
+            all = value + turned(all);
+            tilt = above + turned(tilt);
+        }
+        // After whole turns without decay T_0 is next to nothing; T_1 is not, but loses digits for small z.
+        let scale = if modulus > 3.0 && (factor - 1.0).norm_sqr() < 0.01 {
+            (factor * (z - 2.0) + z + 2.0) / (square * z * above)
         } else {
-            (before * m as f64 - moment * 2.0 * (2 * m + 1) as f64) * (m + 1) as f64 / square
+            let first = if modulus < 0.5 { power_series(z, &ALL) } else { (factor - 1.0) / z };
+            first / value
         };
-        all += weight * moment;
-        // integral exp(zu) [u(1-u)]^m (2u - 1) du = z/(m+1) S_(m+1)
-        tilt += weight * next * z / (m + 1) as f64;
-        weight *= Complex::new(0.0, eta / (m + 1) as f64);
-        (before, moment) = (moment, next);
+        all *= scale;
+        tilt *= scale;
     }
+    tilt *= z;
     (all, (all + tilt) * 0.5)
 }
 
-/// `integral exp(z u) {1, u} du` by the power series, |z| < 1.
+/// Sum of the powers of z, |z| < 1, with these coefficients.
 #[inline]
-fn horner(z: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
-    // all = sum z^n/(n+1)!, and falling = integral u e^(zu) = (e^z - all)/z = sum z^n/(n! (n+2)).
-    let (mut all, mut falling) = (Complex::from(0.0), Complex::from(0.0));
-    for n in (0..14).rev() {
-        all = all * z + INVERSE_FACTORIAL[n + 1];
-        falling = falling * z + INVERSE_FACTORIAL[n] / (n + 2) as f64;
-    }
-    (all, falling)
+fn power_series(z: Complex<f64>, coefficients: &[f64; POWERS]) -> Complex<f64> {
+    coefficients.iter().rev().fold(Complex::from(0.0), |sum, coefficient| sum * z + coefficient)
 }
 
-const INVERSE_FACTORIAL: [f64; 15] = {
-    let mut table = [1.0; 15];
+/// Powers of a series: 1/15! = 8e-13 times 2^-14 ends it.
+const POWERS: usize = 14;
+
+/// `integral exp(z u) du = sum z^n/(n+1)!`.
+const ALL: [f64; POWERS] = {
+    let mut coefficients = [1.0; POWERS];
     let mut n = 1;
-    while n < 15 {
-        table[n] = table[n - 1] / n as f64;
+    while n < POWERS {
+        coefficients[n] = coefficients[n - 1] / (n + 1) as f64;
         n += 1;
     }
-    table
+    coefficients
+};
+
+/// `integral exp(z u) u du = sum z^n/(n! (n+2))`.
+const FALLING: [f64; POWERS] = {
+    let mut coefficients = ALL;
+    let mut n = 0;
+    while n < POWERS {
+        coefficients[n] *= (n + 1) as f64 / (n + 2) as f64;
+        n += 1;
+    }
+    coefficients
 };
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     /// Composite Simpson rule with the variable velocity, from the definition.
     fn by_quadrature(rate: f64, motion: &Motion) -> (Complex<f64>, Complex<f64>) {
@@ -200,6 +227,9 @@ mod tests {
                 [-3.0, 9.0],
                 [300.0, 180.0],
                 [-50.0, 400.0],
+                // Whole turns.
+                [2.0 / 0.9 * PI - 1.0, 2.0 / 0.9 * PI + 1.0],
+                [8.0 / 0.9 * PI + 4.0, 8.0 / 0.9 * PI - 4.0],
             ] {
                 let motion = Motion { turning, step: 0.9 };
                 let (factor, falling, rising) = motion.weights(rate, motion.turn());
