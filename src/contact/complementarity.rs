@@ -1,7 +1,7 @@
 //! Unilateral contact on the cells: pressure, gap, approach and tilt together.
 
 use super::dense;
-use super::factors::{Factors, Key};
+use super::factors::{Factors, Key, Reduction};
 use super::lemke::Pivoting;
 use super::problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};
 use crate::elastic::{Cells, Compliance};
@@ -183,6 +183,12 @@ impl ContactSolver {
     /// nothing is allocated.
     pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         self.factors.set_extra(extra)
+    }
+
+    /// Takes a product off the extra compliance, or nothing; [`Self::set_extra`] takes nothing off. Factors are kept for every
+    /// set of acting cells; nothing is allocated.
+    pub fn set_reduction(&mut self, reduction: Option<Reduction<'_>>) {
+        self.factors.set_reduction(reduction);
     }
 
     /// Sets the operator T (N x N) of the wear `T diag(d) p`, or makes it the identity. Kept factors go; only the first

@@ -2,7 +2,7 @@
 
 use super::dense;
 use super::problem::ContactError;
-use crate::elastic::Cells;
+use crate::elastic::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 
 /// Memory for factors, in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
@@ -13,10 +13,37 @@ const MOST_ENTRIES: usize = 12;
 /// Values of the signed friction whose compliance is kept.
 const COMPOSITIONS: usize = 2;
 
+/// Most rows of a [`Reduction`] on `count` cells.
+pub fn largest_reduction(count: usize) -> usize {
+    count.div_ceil(4)
+}
+
+/// What is taken off the extra matrix while some cells do not act on the others: the product `left right`.
+#[derive(Clone, Copy, Debug)]
+pub struct Reduction<'a> {
+    /// Cells that act. The product is a function of them and of the extra matrix alone.
+    pub acting: &'a [bool],
+    /// N x m by columns, m at most [`largest_reduction`].
+    pub left: &'a [f64],
+    /// m x N by columns.
+    pub right: &'a [f64],
+}
+
+/// A [`Reduction`] and memory for the largest.
+#[derive(Clone, Debug)]
+struct KeptReduction {
+    acting: Vec<bool>,
+    /// It is that of the extra matrix at hand.
+    current: bool,
+    rank: usize,
+    left: Vec<f64>,
+    right: Vec<f64>,
+}
+
 /// What the pressures of the cells in contact stand in: `C + s mu S + E + T diag(d) + beta 1 w'/W`, N x N, m/Pa.
 ///
 /// C and S are the normal and the shear compliance of the pair (strip less punch for S), E an extra matrix that changes
-/// from step to step, d wear per pressure, T the wear operator (none: the identity), w the weights of the load integral
+/// from step to step, less its reduction, d wear per pressure, T the wear operator (none: the identity), w the weights of the load integral
 /// and W their sum. The last term shifts the approach by `beta P/W` and nothing else where the approach is free; it
 /// keeps the matrix regular for bodies whose uniform displacement is not defined.
 #[derive(Clone, Debug)]
@@ -26,6 +53,7 @@ pub(super) struct Factors {
     shear: Vec<f64>,
     extra: Vec<f64>,
     has_extra: bool,
+    reduction: KeptReduction,
     operator: Option<Vec<f64>>,
     positions: Vec<f64>,
     length: f64,
@@ -42,6 +70,7 @@ pub(super) struct Factors {
 struct Composition {
     used: u64,
     signed_friction: u64,
+    acting: Vec<bool>,
     matrix: Vec<f64>,
 }
 
@@ -50,6 +79,7 @@ struct Composition {
 pub(super) struct Entry {
     used: u64,
     signed_friction: u64,
+    acting: Vec<bool>,
     shifted: bool,
     diagonal: Vec<f64>,
     active: Vec<bool>,
@@ -110,12 +140,19 @@ impl Factors {
     ) -> Result<Self, ContactError> {
         let count = weights.len();
         check_operators(count, &normal, &shear)?;
+        let acting = vec![true; count];
+        let room = || vec![0.0; count * largest_reduction(count)];
         // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
-        let composition =
-            |_| Composition { used: 0, signed_friction: f64::NAN.to_bits(), matrix: vec![0.0; count * count] };
+        let composition = |_| Composition {
+            used: 0,
+            signed_friction: f64::NAN.to_bits(),
+            acting: acting.clone(),
+            matrix: vec![0.0; count * count],
+        };
         let entry = |_| Entry {
             used: 0,
             signed_friction: 0,
+            acting: acting.clone(),
             shifted: false,
             diagonal: vec![0.0; count],
             active: vec![false; count],
@@ -140,6 +177,7 @@ impl Factors {
             shear: shear.data.into(),
             extra: vec![0.0; count * count],
             has_extra: false,
+            reduction: KeptReduction { acting: acting.clone(), current: true, rank: 0, left: room(), right: room() },
             operator: None,
             positions: cells.centres().to_vec(),
             length: cells.half_width(),
@@ -170,7 +208,28 @@ impl Factors {
             self.forget();
         }
         self.has_extra = extra.is_some();
+        self.reduction.current = false;
+        self.set_reduction(None);
         Ok(())
+    }
+
+    /// Takes a product off the extra matrix, or nothing. Compliances and factors are kept for every set of acting cells.
+    pub fn set_reduction(&mut self, reduction: Option<Reduction<'_>>) {
+        let kept = &mut self.reduction;
+        let Some(Reduction { acting, left, right }) = reduction else {
+            if !kept.current || kept.rank > 0 {
+                kept.acting.fill(true);
+                (kept.rank, kept.current) = (0, true);
+            }
+            return;
+        };
+        if kept.current && kept.rank > 0 && kept.acting == acting {
+            return;
+        }
+        kept.acting.copy_from_slice(acting);
+        kept.left[..left.len()].copy_from_slice(left);
+        kept.right[..right.len()].copy_from_slice(right);
+        (kept.rank, kept.current) = (left.len() / self.count, true);
     }
 
     pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
@@ -209,7 +268,9 @@ impl Factors {
     fn compose(&mut self, signed_friction: f64) -> usize {
         self.clock += 1;
         let bits = signed_friction.to_bits();
-        if let Some(position) = self.compositions.iter().position(|c| c.used > 0 && c.signed_friction == bits) {
+        let KeptReduction { acting, rank, left, right, .. } = &self.reduction;
+        let fits = |c: &Composition| c.used > 0 && c.signed_friction == bits && c.acting == *acting;
+        if let Some(position) = self.compositions.iter().position(fits) {
             self.compositions[position].used = self.clock;
             return position;
         }
@@ -217,12 +278,21 @@ impl Factors {
         let composition = &mut self.compositions[position];
         composition.used = self.clock;
         composition.signed_friction = bits;
+        composition.acting.copy_from_slice(acting);
         for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
             *target = normal + signed_friction * shear;
         }
         if self.has_extra {
             for (target, extra) in composition.matrix.iter_mut().zip(&self.extra) {
                 *target += extra;
+            }
+        }
+        if *rank > 0 {
+            let mut weights = [0.0; MAXIMUM_CELLS];
+            let columns = composition.matrix.chunks_exact_mut(self.count).zip(right.chunks_exact(*rank));
+            for (target, column) in columns {
+                weights.iter_mut().zip(column).for_each(|(weight, value)| *weight = -value);
+                dense::multiply_add(&left[..self.count * rank], &weights[..*rank], target);
             }
         }
         position
@@ -238,6 +308,7 @@ impl Factors {
                 && entry.signed_friction == bits
                 && entry.shifted == key.shifted
                 && entry.active == key.active
+                && entry.acting == self.reduction.acting
                 && entry.index.iter().all(|&i| entry.diagonal[i].to_bits() == key.diagonal[i].to_bits())
         };
         if let Some(position) = self.entries.iter().position(fits) {
@@ -253,6 +324,7 @@ impl Factors {
         entry.shifted = key.shifted;
         entry.diagonal.copy_from_slice(key.diagonal);
         entry.active.copy_from_slice(key.active);
+        entry.acting.copy_from_slice(&self.reduction.acting);
         entry.has_uniform = false;
         entry.has_linear = false;
         entry.index.clear();

@@ -47,6 +47,8 @@ pub struct Line {
     state: State,
     /// State before the step under way.
     backup: (lumped::state::State, State),
+    /// The backup has the temperatures inside the bodies at the start of the step: where it has not, they have not changed.
+    bodies_kept: bool,
     contact: WearingContact,
     conditions: Conditions,
     /// Heat along the contact line, where its distribution feeds back.
@@ -78,6 +80,7 @@ impl Line {
         }
         Line {
             backup: (mean.state().clone(), state.clone()),
+            bodies_kept: true,
             contact: operators.contact(),
             conditions: operators.conditions(),
             heat: operators.heat.as_ref().map(|bodies| Box::new(LineHeat::new(&operators, bodies))),
@@ -202,12 +205,16 @@ impl Line {
     ) -> Result<(), StepFailure> {
         self.backup.0.clone_from(self.mean.state());
         self.state.status.copy_from(self.contact.status());
-        self.backup.1.copy_from(&self.state);
+        self.backup.1.copy_contact_from(&self.state);
+        self.bodies_kept = false;
         let outcome =
             self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
         if outcome.is_err() {
             self.mean.set_state(&self.backup.0);
-            self.state.copy_from(&self.backup.1);
+            self.state.copy_contact_from(&self.backup.1);
+            if let (true, Some(own), Some(before)) = (self.bodies_kept, &mut self.state.heat, &self.backup.1.heat) {
+                own.copy_bodies_from(before);
+            }
             self.contact.set_status(&self.state.status);
             self.tell_friction();
         }

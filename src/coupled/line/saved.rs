@@ -7,6 +7,14 @@ use crate::coupled::INPUTS;
 impl State {
     /// Takes over `other` without allocating.
     pub fn copy_from(&mut self, other: &State) {
+        if let (Some(mine), Some(heat)) = (&mut self.heat, &other.heat) {
+            mine.copy_bodies_from(heat);
+        }
+        self.copy_contact_from(other);
+    }
+
+    /// Takes over everything but the temperatures inside the bodies.
+    pub fn copy_contact_from(&mut self, other: &State) {
         self.punch.copy_from_slice(&other.punch);
         self.strip.copy_from_slice(&other.strip);
         match (&mut self.track, &other.track) {
@@ -14,7 +22,7 @@ impl State {
             (mine, track) => mine.clone_from(track),
         }
         match (&mut self.heat, &other.heat) {
-            (Some(mine), Some(heat)) => mine.copy_from(heat),
+            (Some(mine), Some(heat)) => mine.copy_contact_from(heat),
             (mine, heat) => mine.clone_from(heat),
         }
         self.volume = other.volume;

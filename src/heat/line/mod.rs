@@ -141,6 +141,12 @@ pub trait LineHeat: Debug + Send {
         self.advance(state, surroundings, first, end);
     }
 
+    /// [`LineHeat::advance_from_end`] from the state `before`, which stays, to the state `after`.
+    fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        after.copy_from_slice(before);
+        self.advance_from_end(after, surroundings, first, end);
+    }
+
     /// Temperature (K above the reference) of the N cells with the state held and the flux `flux` into the cells, which
     /// acts at the sliding velocity `velocity` (m/s) through what answers at once only.
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]);

@@ -147,9 +147,10 @@ pub struct ReducedHeat {
 
 impl ReducedHeat {
     pub(super) fn new(mut operators: Operators) -> Self {
+        let sorted = modes::sort(&mut operators);
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
-        let modes = Modes::new(&std::mem::take(&mut operators.modes));
-        let scratch = RefCell::new(modes.scratch(operators.states(), operators.widths.len()));
+        let modes = Modes::new(&mut operators, sorted);
+        let scratch = RefCell::new(modes.scratch());
         Self { operators: Arc::new(operators), modes: Arc::new(modes), scratch, kept: Vec::new(), current: 0, clock: 0 }
     }
 
@@ -157,6 +158,12 @@ impl ReducedHeat {
     /// and four entries for the account.
     pub fn own_states(&self) -> usize {
         self.operators.own
+    }
+
+    /// Whether modes are even or odd and stand on half of the cells.
+    #[cfg(test)]
+    pub fn is_halved(&self) -> bool {
+        self.modes.is_halved()
     }
 
     /// Makes the weights of a step the current ones.
@@ -181,10 +188,9 @@ impl ReducedHeat {
     /// Puts into the scratch what the states are at a stage without its own flux.
     fn carry(&self, scratch: &mut Scratch, state: &[f64], ports: &[f64; PORTS], stage: Stage, known: &[f64]) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
-        let Scratch { heat, values, .. } = scratch;
-        modes::decay(state, weights, &operators.input, ports, values);
-        self.modes.heat(known, heat);
-        self.modes.add_heat(heat, &weights.known, values);
+        modes::decay(state, weights, &operators.input, ports, &mut scratch.values);
+        self.modes.heat(known, scratch);
+        self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
     }
 
     /// Temperatures or distortions, or both, of the cells by the ports and the states in the scratch.
@@ -201,11 +207,11 @@ impl ReducedHeat {
             self.modes.show(&operators.contact, scratch, temperature);
         }
         if let Some(distortion) = distortion {
-            if operators.distortion.is_empty() {
+            if !self.modes.distorts() {
                 return distortion.fill(0.0);
             }
             combine(&operators.distortion_by_port, ports, distortion);
-            dense::multiply_add(&operators.distortion, &scratch.values, distortion);
+            self.modes.distort(scratch, distortion);
         }
     }
 }
@@ -292,7 +298,7 @@ impl Operators {
     fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
         stage.gains.temperature.copy_from(&self.temperature_by_flux);
         stage.gains.distortion.copy_from(&self.distortion_by_flux);
-        modes.add_gains(stage, &self.contact, &self.distortion, scratch);
+        modes.add_gains(stage, &self.contact, scratch);
     }
 }
 
@@ -354,10 +360,10 @@ impl LineHeat for ReducedHeat {
         let step = self.kept[self.current].step;
         let (states, tallies) = state.split_at_mut(operators.states());
         // The last base asked for has left what the states are without the last flux.
-        let Scratch { heat, values, .. } = &mut *self.scratch.borrow_mut();
-        self.modes.heat(end, heat);
-        states.copy_from_slice(values);
-        self.modes.add_heat(heat, &self.stage(Stage::End).own, states);
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.modes.heat(end, scratch);
+        states.copy_from_slice(&scratch.values);
+        self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, states);
         // What enters over the step, with the weights of both stages.
         let over_step = |weights: &[f64]| (1.0 - GAMMA) * dot(weights, first) + GAMMA * dot(weights, end);
         tallies[Tally::Received as usize] += step * over_step(&operators.widths);
@@ -387,7 +393,7 @@ impl LineHeat for ReducedHeat {
         let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.ports(), None, Some(distortion));
-        if !operators.distortion.is_empty() {
+        if self.modes.distorts() {
             dense::multiply_add(operators.distortion_by_flux.as_slice(), flux, distortion);
         }
     }

@@ -291,12 +291,21 @@ impl LineHeat for StripHeat {
             let [level, _] = self.mean_levels(state, surroundings, &self.step.end, fluxes);
             self.project(scratch, Stage::End, level);
         }
-        self.advance_by(scratch, state, surroundings, [first, end]);
+        self.advance_in_place(scratch, state, surroundings, [first, end]);
     }
 
     fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let scratch = &mut *self.scratch.borrow_mut();
-        self.advance_by(scratch, state, surroundings, [first, end]);
+        self.advance_in_place(scratch, state, surroundings, [first, end]);
+    }
+
+    fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let operators = &*self.operators;
+        let (mean, tail) = (operators.mean_states(), before.len() - TAIL);
+        after[..mean].copy_from_slice(&before[..mean]);
+        after[tail..].copy_from_slice(&before[tail..]);
+        let (re, im) = operators.wave_states(before);
+        self.advance_by(&mut self.scratch.borrow_mut(), [re, im], after, surroundings, [first, end]);
     }
 
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {

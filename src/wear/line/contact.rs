@@ -2,7 +2,7 @@
 
 use super::rate::{CellRate, LocalState};
 use super::status::Status;
-use crate::contact::{ContactError, ContactProblem, ContactSolver, ContactState, Normal, Tilt, WorkCounter};
+use crate::contact::{ContactError, ContactProblem, ContactSolver, ContactState, Normal, Reduction, Tilt, WorkCounter};
 use crate::elastic::Cells;
 use nalgebra::DMatrix;
 use std::fmt;
@@ -132,6 +132,11 @@ impl WearingContact {
             gap: vec![0.0; count],
             set: vec![true; count],
         })
+    }
+
+    /// Takes a product off the extra compliance, or nothing; [`Self::set_extra`] takes nothing off.
+    pub fn set_reduction(&mut self, reduction: Option<Reduction<'_>>) {
+        self.solver.set_reduction(reduction);
     }
 
     /// Puts an extra compliance (N x N, m/Pa) on top of that of the bodies, as distortion by the heat of the pressure

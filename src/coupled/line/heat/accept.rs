@@ -80,12 +80,25 @@ impl Line {
         let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
         let per_change = 1.0 / ((1.0 - GAMMA) * step);
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
+        // The first part of a step leaves the state that it starts from where it can be taken back.
+        let before = self.backup.1.heat.as_mut().filter(|_| !std::mem::replace(&mut self.bodies_kept, true));
+        let before = before.map(|kept| {
+            std::mem::swap(&mut kept.bodies, &mut state.bodies);
+            &kept.bodies
+        });
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
                 let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
-                match heat.staggered {
-                    true => own.advance(&mut state.bodies[side], &heat.surroundings[side], first, end),
-                    false => own.advance_from_end(&mut state.bodies[side], &heat.surroundings[side], first, end),
+                let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
+                match (before, heat.staggered) {
+                    (Some(before), false) => own.advance_to(&before[side], body, around, first, end),
+                    (None, false) => own.advance_from_end(body, around, first, end),
+                    (before, true) => {
+                        if let Some(before) = before {
+                            body.copy_from_slice(&before[side]);
+                        }
+                        own.advance(body, around, first, end);
+                    }
                 }
             }
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);

@@ -36,16 +36,21 @@ impl Heat {
         self.bodies.each_ref().map(Option::is_some)
     }
 
-    /// Puts the distortion by the stage's own heat, at the reference, on the contact's compliance.
-    pub(super) fn operator(&mut self, stage: Stage) -> Result<(), StageError> {
+    /// Puts the distortion by the stage's own heat, at the reference, on the contact's compliance, and finds whether that is
+    /// exact.
+    pub(super) fn operator(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
         let s = stage as usize;
         self.splits[s].close(&self.closed);
+        let known = !self.renewed[s] && self.is_solved_at_once(self.splits[s].open().len());
+        self.exact[s] = known && self.faded.iter().all(|faded| faded * slip == self.reference.per_pressure);
         let per_pressure = self.reference.per_pressure;
         if !self.renewed[s]
             && let Some(extra) = self.splits[s].extra(per_pressure)
         {
             self.contacts[s].set_extra(Some(extra))?;
         }
+        let reduced = self.exact[s] && self.conducts() == [true, true];
+        self.contacts[s].set_reduction(if reduced { self.splits[s].reduction() } else { None });
         Ok(())
     }
 
@@ -80,6 +85,13 @@ impl Heat {
         Ok(())
     }
 
+    /// Whether the operators of the reference are exact while `open` cells exchange no heat, as long as friction is that of the
+    /// reference.
+    pub(super) fn is_solved_at_once(&self, open: usize) -> bool {
+        let split = self.conducts() != [true, true] || self.splits[0].is_exact_with(open);
+        self.reference.exact && !self.staggered && split
+    }
+
     /// Friction heat of the stage with the pressure known so far, and the split of it in which both surfaces agree; returns
     /// how far they were from that, see [`Heat::lacks`].
     ///
@@ -92,11 +104,8 @@ impl Heat {
         for ((per_pressure, faded), ratio) in self.per_pressure.iter_mut().zip(&self.faded).zip(&self.ratio) {
             *per_pressure = faded * slip * ratio;
         }
-        let known = self.reference.exact && !self.renewed[s] && !self.staggered && self.splits[s].open().is_empty();
-        let exact = known && self.faded.iter().all(|faded| faded * slip == self.reference.per_pressure);
-        self.exact[s] = exact;
         let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);
-        if exact {
+        if self.exact[s] {
             self.pressure.fill(0.0);
             friction.fill(0.0);
             punch.fill(0.0);
@@ -241,7 +250,7 @@ impl Heat {
         change
     }
 
-    /// [`Heat::take`] where nothing was known before: all cells exchange heat, and nothing is left to repeat.
+    /// [`Heat::take`] where nothing was known before, and nothing is left to repeat.
     fn take_exact(&mut self, stage: Stage, pressure: &[f64]) -> f64 {
         let s = stage as usize;
         self.pressure.copy_from_slice(pressure);
@@ -251,7 +260,7 @@ impl Heat {
         let conducts = self.conducts();
         let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
         match conducts {
-            [true, true] => self.splits[s].share(friction, punch),
+            [true, true] => self.splits[s].share_all(friction, punch),
             [true, false] => punch.copy_from_slice(friction),
             [false, _] => {}
         }
@@ -273,6 +282,14 @@ impl Heat {
             let [taken, given] = &self.flux[s];
             for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
                 *strip = punch - self.half_resistance * (given - taken);
+            }
+            // It does not hold on open cells.
+            if let Some(own) = &self.bodies[1] {
+                let gains = &own.gains(stage).temperature;
+                for &i in self.splits[s].open() {
+                    let risen = given.iter().enumerate().map(|(j, given)| gains[(i, j)] * given);
+                    strip[i] = self.base[1][i] + risen.sum::<f64>();
+                }
             }
             return;
         }
@@ -312,8 +329,8 @@ impl Heat {
     /// Displacement of both surfaces by heat at the end of the step, from what the last repetition knew of it and what the
     /// pressure found does through the contact's extra compliance.
     pub(super) fn distort_by_contact(&mut self) {
-        let [_, end] = &self.splits;
-        dense::multiply_add(end.extra_values(), &self.pressure, &mut self.distortion);
+        let [_, end] = &mut self.splits;
+        end.add_displacement(self.exact[1], &self.pressure, &mut self.distortion);
     }
 
     /// Displacement of both surfaces by heat at the end of the step.

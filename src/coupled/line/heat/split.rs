@@ -7,12 +7,20 @@
 //! q_1 = y + Y Q,    u_T = d_1 + d_2 + (D_1 - D_2) y + E_0 Q,    E_0 = (D_1 - D_2) Y + D_2
 //! ```
 //!
+//! Cells that do not exchange heat keep their fluxes at 0 by differences of temperature of their own, so with the inverse P of
+//! the first matrix and o these cells
+//!
+//! ```text
+//! q_1 = (I - P_:o P_oo^-1 I_o:) (y + Y Q),    E_0 less (D_1 - D_2) P_:o P_oo^-1 Y_o:
+//! ```
+//!
 //! An insulator takes nothing. At h_c = 0 the surfaces do not exchange heat and share that of friction equally.
 //!
 //! These operators cost N^3, and the strip's gains change with the velocity. So they are made at a reference velocity and
 //! kept while the velocity stays near it; a stage repeats their solution on the residual of its own gains, at N^2 each.
 
-use crate::contact::dense;
+use crate::contact::{Reduction, dense, largest_reduction};
+use crate::elastic::MAXIMUM_CELLS;
 use crate::heat::line::Gains;
 use nalgebra::DMatrix;
 
@@ -45,6 +53,10 @@ pub struct Split {
     ratio: Vec<f64>,
     /// Largest row sums of the gains of both bodies: of temperature, K per W/m2, and of distortion, m per W/m2.
     norms: [[f64; 2]; 2],
+    /// What open cells take off the extra compliance, for the heat per pressure `reduced_by`; see [`Reduction`].
+    left: Vec<f64>,
+    right: Vec<f64>,
+    reduced_by: f64,
     column: Vec<f64>,
     needed: Vec<f64>,
 }
@@ -71,6 +83,9 @@ impl Split {
             per_pressure: f64::NAN,
             ratio: ratio.to_vec(),
             norms: [[0.0; 2]; 2],
+            left: vec![0.0; count * largest_reduction(count)],
+            right: vec![0.0; count * largest_reduction(count)],
+            reduced_by: f64::NAN,
             column: vec![0.0; count],
             needed: vec![0.0; count],
         }
@@ -140,6 +155,7 @@ impl Split {
             return;
         }
         self.known = true;
+        self.reduced_by = f64::NAN;
         self.closed.copy_from_slice(closed);
         self.open.clear();
         self.open.extend((0..closed.len()).filter(|&i| !closed[i]));
@@ -169,6 +185,13 @@ impl Split {
         }
         self.column.fill(0.0);
         dense::multiply_add(&self.inverse, lacking, &mut self.column);
+        self.keep_from_open();
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Takes from the fluxes in `column` what the differences of temperature take that keep those of open cells at 0.
+    fn keep_from_open(&mut self) {
+        let (count, m) = (self.closed.len(), self.open.len());
         let needed = &mut self.needed[..m];
         needed.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
         dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], needed);
@@ -176,7 +199,49 @@ impl Split {
             dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
         }
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
-        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Whether the extra compliance of bodies that both conduct is exact with `open` open cells: with its reduction, which does
+    /// not hold many.
+    pub fn is_exact_with(&self, open: usize) -> bool {
+        open <= largest_reduction(self.closed.len()) || open == self.closed.len() || self.resistance.is_none()
+    }
+
+    /// What open cells take off the extra compliance last made, of bodies that both conduct.
+    pub fn reduction(&mut self) -> Option<Reduction<'_>> {
+        let (count, m) = (self.closed.len(), self.open.len());
+        if m == 0 || m > largest_reduction(count) || m == count || self.resistance.is_none() {
+            return None;
+        }
+        let (left, right) = (&mut self.left[..count * m], &mut self.right[..m * count]);
+        if self.reduced_by != self.per_pressure {
+            self.reduced_by = self.per_pressure;
+            left.fill(0.0);
+            for (target, &j) in left.chunks_exact_mut(count).zip(&self.open) {
+                dense::multiply_add(&self.across, &self.inverse[j * count..(j + 1) * count], target);
+            }
+            let columns = right.chunks_exact_mut(m).zip(self.shares.chunks_exact(count)).zip(&self.ratio);
+            for ((target, share), ratio) in columns {
+                let heat = self.per_pressure * ratio;
+                target.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = heat * share[i]);
+                dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], target);
+            }
+        }
+        Some(Reduction { acting: &self.closed, left, right })
+    }
+
+    /// Adds the displacement by `pressure` through the extra compliance last made, less its reduction where it is `reduced`.
+    pub fn add_displacement(&mut self, reduced: bool, pressure: &[f64], moved: &mut [f64]) {
+        dense::multiply_add(self.extra.as_slice(), pressure, moved);
+        if !reduced {
+            return;
+        }
+        let Some(Reduction { left, right, .. }) = self.reduction() else { return };
+        let mut weights = [0.0; MAXIMUM_CELLS];
+        let weights = &mut weights[..left.len() / moved.len()];
+        dense::multiply_add(right, pressure, weights);
+        weights.iter_mut().for_each(|weight| *weight = -*weight);
+        dense::multiply_add(left, weights, moved);
     }
 
     /// Cells that do not exchange heat.
@@ -189,6 +254,21 @@ impl Split {
         self.column.fill(0.0);
         dense::multiply_add(&self.shares, heat, &mut self.column);
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Adds to the punch's flux its share of all friction heat (W/m2), which is 0 on open cells as it is, and what keeps it at 0
+    /// there.
+    pub fn share_all(&mut self, heat: &[f64], flux: &mut [f64]) {
+        if self.open.is_empty() {
+            return dense::multiply_add(&self.shares, heat, flux);
+        }
+        if self.resistance.is_none() || self.open.len() == self.closed.len() {
+            return self.share(heat, flux);
+        }
+        self.column.fill(0.0);
+        dense::multiply_add(&self.shares, heat, &mut self.column);
+        self.keep_from_open();
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
@@ -286,6 +366,57 @@ mod tests {
                 let residual = lacking(&q1);
                 for i in 0..7 {
                     assert!(if closed[i] { residual[i].abs() < 1e-12 } else { q1[i] == 0.0 }, "{conductance} {i}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat() {
+        let count = 9;
+        let gains = |scale: f64, skew: f64| Gains {
+            temperature: DMatrix::from_fn(count, count, |i, j| {
+                let distance = i as f64 - j as f64;
+                scale * ((-0.7 * distance.abs()).exp() + if i == j { 0.1 } else { skew * distance.signum() })
+            }),
+            distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
+        };
+        let (punch, strip) = (gains(2.0, 0.0), gains(1.0, 0.05));
+        let ratio: Vec<f64> = (0..count).map(|i| 1.0 + 0.1 * i as f64).collect();
+        let per_pressure = 0.7;
+        for open in [vec![], vec![8], vec![0, 3, 8]] {
+            let closed: Vec<bool> = (0..count).map(|i| !open.contains(&i)).collect();
+            let pressure: Vec<f64> = (0..count).map(|i| if closed[i] { 2.0 + i as f64 } else { 0.0 }).collect();
+            let heat: Vec<f64> = (0..count).map(|i| per_pressure * ratio[i] * pressure[i]).collect();
+            for conductance in [0.3, 1e9] {
+                let mut split = Split::new(&ratio, conductance);
+                split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+                split.close(&closed);
+                assert!(split.is_exact_with(open.len()));
+                assert!(split.extra(per_pressure).is_some());
+                let mut q1 = vec![0.0; count];
+                split.share_all(&heat, &mut q1);
+                // Both laws of the interface, and no flux elsewhere.
+                let sum =
+                    |gains: &DMatrix<f64>, q: &[f64], i: usize| (0..count).map(|j| gains[(i, j)] * q[j]).sum::<f64>();
+                let q2: Vec<f64> = heat.iter().zip(&q1).map(|(heat, q)| heat - q).collect();
+                for i in 0..count {
+                    if !closed[i] {
+                        assert_eq!([q1[i], q2[i]], [0.0; 2]);
+                        continue;
+                    }
+                    let jump = sum(&punch.temperature, &q1, i) - sum(&strip.temperature, &q2, i);
+                    assert!((jump - 0.5 * (q2[i] - q1[i]) / conductance).abs() < 1e-12, "{open:?} {conductance} {i}");
+                }
+                let mut moved = vec![0.0; count];
+                split.add_displacement(true, &pressure, &mut moved);
+                for i in 0..count {
+                    let direct = sum(&punch.distortion, &q1, i) + sum(&strip.distortion, &q2, i);
+                    assert!(
+                        (moved[i] / direct - 1.0).abs() < 1e-12,
+                        "{open:?} {conductance} {i}: {} {direct}",
+                        moved[i]
+                    );
                 }
             }
         }

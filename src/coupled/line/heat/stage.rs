@@ -144,7 +144,7 @@ impl Line {
                 heat.renew(stage, slip);
                 (pressures, temperatures) = Default::default();
             }
-            heat.operator(stage)?;
+            heat.operator(stage, slip)?;
             if heat.renewed[s] && fades {
                 heat.linearise(stage, slip, &self.friction)?;
             }

@@ -26,7 +26,7 @@ fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> 
 impl Heat {
     /// Whether the first repetition will be the last whatever it starts from.
     fn needs_no_start(&self) -> bool {
-        self.reference.exact && !self.staggered && self.closed.iter().all(|closed| *closed)
+        self.is_solved_at_once(self.closed.iter().filter(|closed| !**closed).count())
     }
 
     /// A start that depends on nothing, for what turns out to need one after all.

@@ -185,8 +185,18 @@ impl HeatState {
 
     /// Takes over `other`, of the same scene, without allocating.
     pub fn copy_from(&mut self, other: &HeatState) {
+        self.copy_bodies_from(other);
+        self.copy_contact_from(other);
+    }
+
+    /// Takes over the states of the bodies alone.
+    pub fn copy_bodies_from(&mut self, other: &HeatState) {
+        self.bodies.iter_mut().zip(&other.bodies).for_each(|(own, other)| own.copy_from_slice(other));
+    }
+
+    /// Takes over everything else.
+    pub fn copy_contact_from(&mut self, other: &HeatState) {
         for body in 0..2 {
-            self.bodies[body].copy_from_slice(&other.bodies[body]);
             self.flux[body].copy_from_slice(&other.flux[body]);
             self.slope[body].copy_from_slice(&other.slope[body]);
             self.temperature[body].copy_from_slice(&other.temperature[body]);

@@ -27,12 +27,43 @@ const SUMMED: usize = super::SUMMED_MODES;
 /// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
 const SMALLEST: f64 = 1e-10;
 
+/// Relative difference of mirrored entries up to which cells are symmetric about the middle.
+const SYMMETRIC: f64 = 1e-9;
+
 /// Time in which the distortion follows over that of the temperature: with `lambda^2 = m^2 + s/kd` the derivatives of
 /// `1/(lambda (lambda + m))` and `1/lambda` at s = 0.
 const DISTORTION_OVER_TEMPERATURE: f64 = 1.5;
 
 /// Part of the temperature that comes with the shapes.
 const DELAYED_TEMPERATURE: f64 = 1.0 / DISTORTION_OVER_TEMPERATURE;
+
+/// Bases of the vectors on the cells by parity (1 even, -1 odd), where the cells do not tell left from right; else of all vectors.
+fn parities(matrix: &DMatrix<f64>) -> Vec<(Option<f64>, DMatrix<f64>)> {
+    let count = matrix.nrows();
+    let (largest, last) = (matrix.amax(), count.saturating_sub(1));
+    let mirrored = DMatrix::from_fn(count, count, |i, j| matrix[(last - i, last - j)]);
+    if (matrix - mirrored).amax() > SYMMETRIC * largest {
+        return vec![(None, DMatrix::identity(count, count))];
+    }
+    let basis = |sign: f64, size: usize| {
+        let mut basis = DMatrix::zeros(count, size);
+        for k in 0..size {
+            let part = if last - k == k { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
+            (basis[(last - k, k)], basis[(k, k)]) = (sign * part, part);
+        }
+        (Some(sign), basis)
+    };
+    vec![basis(1.0, count.div_ceil(2)), basis(-1.0, count / 2)]
+}
+
+/// Takes from values on symmetric cells what is not of their parity.
+fn keep_parity(sign: f64, values: &mut [f64]) {
+    let last = values.len().saturating_sub(1);
+    for i in 0..values.len().div_ceil(2) {
+        let own = 0.5 * (values[i] + sign * values[last - i]);
+        (values[last - i], values[i]) = (sign * own, own);
+    }
+}
 
 impl Assembly<'_> {
     /// Gives what answers at once states of its own; call it when all other operators are complete.
@@ -54,22 +85,40 @@ impl Assembly<'_> {
         let scale: Vec<f64> = (0..count).map(|i| steady[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
         let scaled =
             |matrix: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * matrix[(i, j)]);
-        let own = SymmetricEigen::new(scaled(&steady));
-        let largest = own.eigenvalues.iter().copied().fold(0.0, f64::max);
-        let kept: Vec<usize> = (0..count).filter(|&k| own.eigenvalues[k] > SMALLEST * largest).collect();
-        let whitened = DMatrix::from_fn(count, kept.len(), |i, k| {
-            own.eigenvectors[(i, kept[k])] / own.eigenvalues[kept[k]].sqrt()
-        });
-        let times = SymmetricEigen::new(whitened.transpose() * scaled(&moment) * &whitened);
-        let mut shapes = whitened * times.eigenvectors;
+        let (all, all_moments) = (scaled(&steady), scaled(&moment));
+        // Shapes of nearly the same time come even and odd where the cells are symmetric, not mixed.
+        let found: Vec<_> = (parities(&all).into_iter())
+            .map(|(sign, basis)| (sign, SymmetricEigen::new(basis.transpose() * &all * &basis), basis))
+            .collect();
+        let largest = found.iter().flat_map(|(_, own, _)| own.eigenvalues.iter()).copied().fold(0.0, f64::max);
+        let (mut shapes, mut times) = (DMatrix::zeros(count, 0), Vec::new());
+        for (sign, own, basis) in found {
+            let kept: Vec<usize> = (0..basis.ncols()).filter(|&k| own.eigenvalues[k] > SMALLEST * largest).collect();
+            let whitened = basis
+                * DMatrix::from_fn(own.eigenvectors.nrows(), kept.len(), |i, k| {
+                    own.eigenvectors[(i, kept[k])] / own.eigenvalues[kept[k]].sqrt()
+                });
+            let own = SymmetricEigen::new(whitened.transpose() * &all_moments * &whitened);
+            let first = shapes.ncols();
+            shapes = shapes.insert_columns(first, kept.len(), 0.0);
+            shapes.columns_mut(first, kept.len()).copy_from(&(whitened * own.eigenvectors));
+            times.extend(own.eigenvalues.iter().map(|&time| (time, sign)));
+        }
         for (i, mut row) in shapes.row_iter_mut().enumerate() {
             row *= scale[i];
         }
         let distorts = !operators.distortion.is_empty();
         operators.own = operators.rate.len();
-        let integrals = &steady * &shapes;
-        let displacements = &operators.distortion_by_flux * &shapes;
-        for (k, &time) in times.eigenvalues.iter().enumerate() {
+        let mut integrals = &steady * &shapes;
+        let mut displacements = &operators.distortion_by_flux * &shapes;
+        for (k, (_, sign)) in times.iter().enumerate() {
+            if let Some(sign) = sign {
+                for matrix in [&mut integrals, &mut displacements] {
+                    keep_parity(*sign, matrix.column_mut(k).as_mut_slice());
+                }
+            }
+        }
+        for (k, &(time, _)) in times.iter().enumerate() {
             if time <= 0.0 {
                 continue;
             }

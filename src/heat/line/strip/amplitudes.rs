@@ -1,6 +1,6 @@
 //! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
 
-use super::levels::{Carrier, add_products, carry, observe};
+use super::levels::{Carrier, Parts, add_products, carry, observe};
 use super::step::{Scratch, StageWeights};
 use super::{StripHeat, give_back};
 use crate::contact::dense;
@@ -100,11 +100,29 @@ impl StripHeat {
         }
     }
 
+    /// [`StripHeat::advance_by`] on a state that holds its own start.
+    pub(super) fn advance_in_place(
+        &self,
+        scratch: &mut Scratch,
+        state: &mut [f64],
+        surroundings: &Surroundings,
+        contact: [&[f64]; 2],
+    ) {
+        let mut before = std::mem::take(&mut scratch.before);
+        let (re, im) = self.operators.wave_states(state);
+        before[0].copy_from_slice(re);
+        before[1].copy_from_slice(im);
+        self.advance_by(scratch, [&before[0], &before[1]], state, surroundings, contact);
+        scratch.before = before;
+    }
+
     /// Carries the state over the step with the contact's fluxes of both stages. The total fluxes of the first, their
-    /// amplitudes, and what the heat transfer given back at the end follows are in the scratch.
+    /// amplitudes, and what the heat transfer given back at the end follows are in the scratch; `before` are the states of the
+    /// waves at the start of the step, everything else stands in `state`.
     pub(super) fn advance_by(
         &self,
         scratch: &mut Scratch,
+        before: Parts<'_>,
         state: &mut [f64],
         surroundings: &Surroundings,
         contact: [&[f64]; 2],
@@ -119,7 +137,7 @@ impl StripHeat {
         let carrier = Carrier { factors: [re, im], known: [known_re, known_im], own: [own_re, own_im] };
         let heat = [&scratch.heat, &scratch.heat_end].map(|heat| [&heat[0][..], &heat[1][..]]);
         let (re, im) = operators.wave_states_mut(state);
-        carry(&operators.levels, [re, im], carrier, heat);
+        carry(&operators.levels, before, [re, im], carrier, heat);
     }
 
     /// Surface amplitude of every wave at a stage, from the state alone.

@@ -138,25 +138,26 @@ pub struct Carrier<'a> {
     pub own: Parts<'a>,
 }
 
-/// Carries the states over a step; `heat` are the amplitudes of the fluxes of both stages.
-pub fn carry(levels: &[Level], states: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
-    struct Carry<'a>(&'a [Level], [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
+/// Carries the states over a step, from `before` to `after`; `heat` are the amplitudes of the fluxes of both stages.
+pub fn carry(levels: &[Level], before: Parts<'_>, after: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
+    struct Carry<'a>(&'a [Level], Parts<'a>, [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
     impl WithSimd for Carry<'_> {
         type Output = ();
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, [all_re, all_im], carrier, [first, end]) = self;
+            let Self(levels, before, [all_re, all_im], carrier, [first, end]) = self;
             for level in levels {
                 let count = level.len();
                 let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
+                let [start_re, start_im] = on(level, before);
                 let [cosine, sine] = on(level, carrier.factors);
                 let [a, b] = on(level, carrier.known);
                 let [d, e] = on(level, carrier.own);
                 let [first_re, first_im] = [&first[0][..count], &first[1][..count]];
                 let [end_re, end_im] = [&end[0][..count], &end[1][..count]];
                 for w in 0..count {
-                    let x = [re[w], im[w]];
+                    let x = [start_re[w], start_im[w]];
                     re[w] = cosine[w] * x[0] - sine[w] * x[1] + a[w] * first_re[w] - b[w] * first_im[w]
                         + d[w] * end_re[w]
                         - e[w] * end_im[w];
@@ -170,7 +171,7 @@ pub fn carry(levels: &[Level], states: [&mut [f64]; 2], carrier: Carrier<'_>, he
             }
         }
     }
-    Arch::new().dispatch(Carry(levels, states, carrier, heat));
+    Arch::new().dispatch(Carry(levels, before, after, carrier, heat));
 }
 
 /// Factors of the states: the decay of each, times the turn and the common decay `faded` of its wave.

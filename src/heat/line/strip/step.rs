@@ -110,6 +110,8 @@ pub struct Scratch {
     /// Even and odd halves of fluxes and of answers, of temperature and distortion.
     pub fold: [Vec<f64>; 2],
     pub answer: [[Vec<f64>; 2]; 2],
+    /// States of the waves that are carried in place, real and imaginary parts.
+    pub before: [Vec<f64>; 2],
     /// For what answers at once with the state held.
     pub held: [Vec<f64>; 2],
     /// Amplitudes of the waves, real and imaginary parts: heat in both stages, temperature, distortion.
@@ -131,6 +133,7 @@ impl Scratch {
             end: vec![0.0; count],
             fold: halves(),
             answer: [halves(), halves()],
+            before: [vec![0.0; operators.rate.len()], vec![0.0; operators.rate.len()]],
             held: [vec![0.0; count], vec![0.0; count]],
             heat: parts(),
             heat_end: parts(),
