@@ -47,8 +47,11 @@ fn a_wrong_or_undefined_value_does_not_pass() {
 /// The harness of the charts: scenes over time, judged by their truth.
 #[cfg(feature = "scene-file")]
 mod drives {
+    use sliding_contact::component::Component;
     use sliding_contact::scene::{Fidelity, Scheme};
+    use sliding_contact::variables::reference;
     use sliding_contact::verification::drives::{DriveProblem, Ending, Errors, Quantity, Record, Setting, problems};
+    use std::sync::Arc;
 
     fn problem(name: &str) -> DriveProblem {
         problems().unwrap().into_iter().find(|problem| problem.name == name).unwrap()
@@ -56,7 +59,7 @@ mod drives {
 
     fn line(problem: &DriveProblem, cells: usize) -> Setting {
         let (step, scheme) = (problem.step, Scheme::Monolithic);
-        Setting { fidelity: Fidelity::Line, scheme, tolerance: 1e-4, cells, step, order: 1 }
+        Setting { fidelity: Fidelity::Line, scheme, tolerance: 1e-4, cells, step, order: 1, heat: true }
     }
 
     fn judged(problem: &DriveProblem, setting: &Setting) -> (Record, Errors) {
@@ -111,6 +114,43 @@ mod drives {
         let time = std::cell::Cell::new(0.0);
         let clock = || time.replace(time.get() + 1.0);
         assert!(matches!(pin.run(&line(&pin, 9), &clock, 4.5).ending, Ending::Stopped(_)));
+    }
+
+    #[test]
+    fn heat_is_switched_off_only_where_neither_wear_nor_pressure_know_of_it() {
+        let pin = problem("one_way_pin");
+        let cold = Setting { heat: false, ..line(&pin, 17) };
+        let ((warm_record, warm), (cold_record, errors)) = (judged(&pin, &line(&pin, 17)), judged(&pin, &cold));
+        assert_eq!(cold_record.work, warm_record.work);
+        for (cold, warm) in cold_record.samples.iter().zip(&warm_record.samples) {
+            assert!(
+                (cold[0] / warm[0] - 1.0).abs() < 1e-14 && (cold[3] / warm[3] - 1.0).abs() < 1e-12,
+                "{cold:?} {warm:?}"
+            );
+        }
+        for unknown in [Quantity::ContactTemperature, Quantity::FrictionForce] {
+            assert!(errors.of(unknown).is_nan() && !warm.of(unknown).is_nan(), "{errors:?} {warm:?}");
+        }
+        // There really is none.
+        let mut component = Component::new(Arc::new(pin.starts_with(&cold)));
+        let ambient = component.get(reference("ambient_temperature"));
+        component.enter_initialization();
+        component.initialise(None).unwrap();
+        component.set_input(reference("sliding_velocity"), 0.5);
+        component.set_input(reference("normal_load"), 100.0);
+        component.step(1.0).unwrap();
+        let heat = ["contact_temperature", "friction_force", "stored_heat"].map(|name| component.get(reference(name)));
+        assert_eq!(heat, [ambient, 0.0, 0.0]);
+        assert!(component.get(reference("wear_depth")) > 0.0);
+        // One communication step to each sample; the step is cut inside where the tolerance asks for it.
+        let (record, long) = judged(&pin, &Setting { step: f64::INFINITY, order: 0, ..cold });
+        assert_eq!((record.communications, record.samples.len()), (8, 8));
+        assert!(record.tried() > 80, "{:?}", record.work);
+        let [peak, known] = [long, errors].map(|errors| errors.of(Quantity::PeakPressure));
+        assert!((peak - known).abs() < 1e-3, "{peak} {known}");
+        let punch = problem("reciprocating_punch");
+        let refused = punch.run(&Setting { heat: false, ..line(&punch, 9) }, &|| 0.0, f64::INFINITY).ending;
+        assert!(matches!(&refused, Ending::Refused(text) if text.contains("follow the heat")), "{refused:?}");
     }
 
     #[test]

@@ -7,7 +7,7 @@ Archard's law is stepped around it, explicitly: the surface loses k p ds. Two sc
 that are parts of the stability bound `k ds < 2 lambda_min`, `lambda_min = 2 c/(pi E*)` being the compliance of the
 shortest wave on points at a distance c. The punch stands in a period of 16 half-widths, and the leading effect of its
 images, a parabola `pi P x^2/(3 E* L^2)` of displacement (P load per depth, L period), is taken off the surface. Solves start
-from the pressure before.
+from the pressure before. As the runs that it is compared with, a short run is repeated and the fastest counts.
 """
 
 import json
@@ -18,7 +18,10 @@ import numpy as np
 import tamaas as tm
 
 PERIOD = 16  # half-widths
-CONJUGATE_GRADIENTS = 1e-8  # error of a contact solution as Tamaas measures it, relative to the height of the surface
+# Error of a contact solution as Tamaas measures it, relative to the height of the surface: 1e-8 gives the same pressures at
+# twice the cost, 1e-3 others by up to a fifth.
+CONJUGATE_GRADIENTS = 1e-5
+REPEATS = 0.1  # processor time that repetitions of a short run may take together, s
 DEEP = 30.0  # depth of the surface beside the punch, which never touches
 
 
@@ -102,12 +105,24 @@ def run(scene, count, part, scheme):
     }
 
 
+def fastest(*arguments):
+    """The fastest of as many equal runs as there is time for."""
+    best = run(*arguments)
+    spent = best["seconds"]
+    while spent < REPEATS:
+        again = run(*arguments)
+        spent += again["seconds"]
+        if again["seconds"] < best["seconds"]:
+            best = again
+    return best
+
+
 def main():
     scene = json.load(sys.stdin)
     tm.set_log_level(tm.LogLevel.error)
     for scheme, part in (("Euler", 0.9), ("Heun", 0.9), ("Heun", 0.3)):
         for count in (32, 64, 128, 256):
-            print(json.dumps(run(scene, count, part, scheme)), flush=True)
+            print(json.dumps(fastest(scene, count, part, scheme)), flush=True)
 
 
 if __name__ == "__main__":

@@ -160,7 +160,7 @@ impl ContactSolver {
             worn: vec![0.0; count],
             set: vec![true; count],
             next: vec![true; count],
-            tried: vec![true; count * ITERATION_LIMIT],
+            tried: vec![false; count * ITERATION_LIMIT],
             pivoting: Some(Box::new(Pivoting::new(count))),
             pivoted_matrix: vec![0.0; (count + 2) * (count + 2)],
             pivoted_right: vec![0.0; count + 2],

@@ -85,6 +85,22 @@ pub(super) struct Key<'a> {
     pub active: &'a [bool],
 }
 
+/// Whether normal compliance and shear coupling (N x N, m/Pa) can be those of a contact.
+///
+/// # Errors
+/// A number that is not finite, or a body that does not yield.
+pub fn check_operators(count: usize, normal: &DMatrix<f64>, shear: &DMatrix<f64>) -> Result<(), ContactError> {
+    assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
+    assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");
+    if let Some(&value) = normal.iter().chain(shear.iter()).find(|v| !v.is_finite()) {
+        return Err(ContactError::Invalid { quantity: "compliance", value });
+    }
+    if normal.diagonal().min() <= 0.0 {
+        return Err(ContactError::Rigid);
+    }
+    Ok(())
+}
+
 impl Factors {
     pub fn new(
         cells: &Cells,
@@ -93,23 +109,17 @@ impl Factors {
         shear: DMatrix<f64>,
     ) -> Result<Self, ContactError> {
         let count = weights.len();
-        assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
-        assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");
-        if let Some(&value) = normal.iter().chain(shear.iter()).find(|v| !v.is_finite()) {
-            return Err(ContactError::Invalid { quantity: "compliance", value });
-        }
-        if normal.diagonal().min() <= 0.0 {
-            return Err(ContactError::Rigid);
-        }
+        check_operators(count, &normal, &shear)?;
+        // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
         let composition =
-            Composition { used: 0, signed_friction: f64::NAN.to_bits(), matrix: vec![0.0; count * count] };
-        let entry = Entry {
+            |_| Composition { used: 0, signed_friction: f64::NAN.to_bits(), matrix: vec![0.0; count * count] };
+        let entry = |_| Entry {
             used: 0,
             signed_friction: 0,
             shifted: false,
             diagonal: vec![0.0; count],
             active: vec![false; count],
-            index: Vec::new(),
+            index: Vec::with_capacity(count),
             matrix: vec![0.0; count * count],
             exchanged: vec![0; count],
             regular: false,
@@ -123,14 +133,11 @@ impl Factors {
             centre: 0.0,
         };
         let kept = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
-        let mut entries = vec![entry; kept];
-        // A clone has no more room than it fills.
-        entries.iter_mut().for_each(|entry| entry.index.reserve_exact(count));
         Ok(Self {
             count,
             shift: normal.diagonal().mean(),
-            normal: normal.as_slice().to_vec(),
-            shear: shear.as_slice().to_vec(),
+            normal: normal.data.into(),
+            shear: shear.data.into(),
             extra: vec![0.0; count * count],
             has_extra: false,
             operator: None,
@@ -138,8 +145,8 @@ impl Factors {
             length: cells.half_width(),
             weights: weights.to_vec(),
             total_weight: weights.iter().sum(),
-            compositions: vec![composition; COMPOSITIONS],
-            entries,
+            compositions: (0..COMPOSITIONS).map(composition).collect(),
+            entries: (0..kept).map(entry).collect(),
             clock: 0,
             factorisations: 0,
         })

@@ -56,7 +56,8 @@ impl Pivoting {
     /// Memory for `order` complementary unknowns.
     pub fn new(order: usize) -> Self {
         Self {
-            columns: DMatrix::zeros(order, 2 * order + 2),
+            // Zeros that cost nothing while no contact needs pivoting.
+            columns: DMatrix::from_vec(order, 2 * order + 2, vec![0.0; order * (2 * order + 2)]),
             basis: vec![0; order],
             factors: vec![0.0; order],
             rows: Vec::with_capacity(order),

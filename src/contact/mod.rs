@@ -8,4 +8,5 @@ pub mod lemke;
 pub mod problem;
 
 pub use complementarity::{ContactProblem, ContactSolver, pair_compliance, pair_operators};
+pub use factors::check_operators;
 pub use problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};

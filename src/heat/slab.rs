@@ -92,6 +92,7 @@ impl Slab {
         let kappa = principal_root(kappa_squared);
         let u = kappa * self.height;
         // Admittance q/T(0) = K kappa (sinh u + beta cosh u)/(cosh u + beta sinh u), with beta = Hb/(K kappa).
+        // Squared: this runs for every mode at every speed of a table, and a modulus safe from overflow costs as much as the rest.
         let admittance = if u.norm_sqr() < 1e-8 {
             // Small argument: the slab is a capacity behind (or beside) its base.
             let own = k * kappa_squared * self.height;

@@ -89,10 +89,13 @@ pub struct Setting {
     pub tolerance: f64,
     /// Cells of the contact line; 0: chosen.
     pub cells: usize,
-    /// Communication step, s.
+    /// Communication step, s; infinite: from sample to sample.
     pub step: f64,
     /// Order of the inputs within a step: held (0) or with their derivatives (1).
     pub order: u8,
+    /// Heat. Without it both bodies are insulators that slide without friction: temperature and friction force are not
+    /// judged. Only for a [`DriveProblem::isothermal`].
+    pub heat: bool,
 }
 
 impl fmt::Display for Setting {
@@ -112,8 +115,16 @@ impl fmt::Display for Setting {
         if self.cells > 0 {
             write!(formatter, ", {} cells", self.cells)?;
         }
-        let inputs = if self.order == 0 { "held" } else { "linear" };
-        write!(formatter, ", tolerance {:.0e}, step {:.4e} s, inputs {inputs}", self.tolerance, self.step)
+        if !self.heat {
+            write!(formatter, ", no heat")?;
+        }
+        write!(formatter, ", tolerance {:.0e}, ", self.tolerance)?;
+        if self.step.is_finite() {
+            write!(formatter, "step {:.4e} s", self.step)
+        } else {
+            write!(formatter, "steps from sample to sample")
+        }?;
+        write!(formatter, ", inputs {}", if self.order == 0 { "held" } else { "linear" })
     }
 }
 
@@ -155,6 +166,8 @@ pub struct DriveProblem {
     pub truth: Truth,
     /// Why the truth is known no better.
     pub reason: &'static str,
+    /// Wear and pressure know nothing of heat and friction force, so that heat may be switched off.
+    pub isothermal: bool,
 }
 
 /// Every problem, in the order in which charts show them.

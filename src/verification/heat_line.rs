@@ -60,6 +60,7 @@ pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
     jaeger(&mut all);
     one_way(&mut all);
+    between_knots(&mut all);
     closed_paths(&mut all);
     oscillating(&mut all);
     distortion(&mut all);
@@ -169,6 +170,36 @@ fn one_way(all: &mut Vec<Problem>) {
                 reason: "reduction and table over the velocity",
             });
         }
+    }
+}
+
+/// Fresh material at velocities wherever they lie among the table's knots.
+fn between_knots(all: &mut Vec<Problem>) {
+    const HEIGHT: f64 = 2.0;
+    const COUNT: usize = 24;
+    for tolerance in [1e-3, 1e-4] {
+        all.push(Problem {
+            name: format!("moving band by cells, one way, {COUNT} speeds from Pe = 1 to 1000, tolerance {tolerance}"),
+            quantity: "largest relative error of the mean T",
+            exact: Box::new(|| Ok(0.0)),
+            scale: Some(1.0),
+            compute: Box::new(move || {
+                let cells = Cells::graded(1.0, 33).map_err(refused)?;
+                let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance };
+                let mut body =
+                    StripHeat::new(&unit(HEIGHT, Base::Held, Path::OneWay), &cells, &resolution).map_err(refused)?;
+                let errors = (0..COUNT).map(|k| {
+                    let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
+                    body.prepare(FOR_EVER, [2.0 * peclet; 2]);
+                    let gains = &body.gains(Stage::End).temperature;
+                    let answer: Vec<f64> = (0..cells.count()).map(|i| gains.row(i).sum()).collect();
+                    (mean(&cells, &answer) / band_mean(peclet, Some((HEIGHT, LayerBase::Held))) - 1.0).abs()
+                });
+                Ok(errors.fold(0.0, f64::max))
+            }),
+            bound: 0.1 * tolerance,
+            reason: "table over the velocity, whose knots stand closer where more is asked for",
+        });
     }
 }
 

@@ -318,6 +318,22 @@ fn every_rung_goes_on_with_the_heat_the_wear_and_the_track_of_the_one_below() {
             }
             let warmer = of(&after, "contact_temperature") - of(&before, "contact_temperature");
             assert!(warmer.abs() < 0.02 * rise, "{name}: {low} to {high}: {warmer} K of {rise} K");
+            // What flows at the moment goes on flowing, and distorts what it distorted.
+            let flows = ["heat_flow_punch", "heat_flow_strip"].map(|flow| [of(&before, flow), of(&after, flow)]);
+            let friction: f64 = flows.iter().map(|[was, _]| was).sum();
+            let changed = flows.map(|[was, is]| ((is - was) / friction).abs());
+            assert!(changed.iter().all(|part| *part < 1e-12), "{name}: {low} to {high}: {flows:?}");
+            let hottest = of(&after, "contact_temperature_max") - of(&before, "contact_temperature_max");
+            match (low, high) {
+                (Rung::Line { heat: HeatAlongContact::OnTheCells, .. }, _) => {
+                    let approach = of(&after, "approach") / of(&before, "approach") - 1.0;
+                    assert!(approach.abs() < 0.05, "{name}: {low} to {high}: {approach}");
+                    // Finer cells show more of an edge, and the heat of the past lies where that of the present enters.
+                    assert!(hottest.abs() < rise, "{name}: {low} to {high}: {hottest} K of {rise} K");
+                }
+                // A body that was heated evenly is found again.
+                _ => assert!(hottest.abs() < 6e-3 * rise, "{name}: {low} to {high}: {hottest} K of {rise} K"),
+            }
             // It goes on, and its account stays balanced.
             for _ in 0..4 {
                 above.step(&inputs, None, 0.1).unwrap();

@@ -43,10 +43,14 @@ fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
     errors.fold(None, |worst: Option<f64>, error| Some(worst.map_or(error, |worst| worst.max(error))))
 }
 
-/// The cheapest own run (of a level that is no `field`) whose error over `quantities` is at most `most`.
+/// The cheapest own run (of a level that is no `field`) whose error over `quantities` is at most `most`; it models all of
+/// them that the truth knows.
 fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached> {
-    let own = chart.points.iter().filter(|point| !point.peer && point.family != "field");
-    let good = own.filter_map(|point| worst(point, quantities).filter(|error| *error <= most).map(|e| (point, e)));
+    let judged = |quantity: &Quantity| chart.points.iter().any(|point| point.error(*quantity).is_some());
+    let quantities: Vec<Quantity> = quantities.iter().copied().filter(judged).collect();
+    let models_all = |point: &&Point| quantities.iter().all(|&quantity| point.error(quantity).is_some());
+    let own = chart.points.iter().filter(|point| !point.peer && point.family != "field").filter(models_all);
+    let good = own.filter_map(|point| worst(point, &quantities).filter(|error| *error <= most).map(|e| (point, e)));
     good.min_by(|a, b| a.0.cost().total_cmp(&b.0.cost())).map(|(point, error)| reached(point, error))
 }
 
@@ -147,5 +151,36 @@ impl Findings {
         let pair = |(peer, own): &(Reached, Reached)| json!({ "peer": run(peer), "own": run(own), "ratio": peer.cost / own.cost });
         record["peers"] = self.peers.iter().map(pair).collect();
         record
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sliding_contact::verification::drives::{Errors, problems};
+
+    #[test]
+    fn only_runs_that_model_what_is_asked_are_compared() {
+        let problem = problems().unwrap().swap_remove(0);
+        let point = |family: &str, cost: f64, errors: [f64; 4]| Point {
+            family: family.into(),
+            setting: String::new(),
+            peer: family == "peer",
+            seconds: [0.0, cost],
+            steps: 1,
+            errors: Errors(errors),
+            failure: None,
+        };
+        let points = vec![
+            point("with heat", 10.0, [1e-3, 2e-3, f64::NAN, 5e-3]),
+            point("isothermal", 1.0, [1e-3, f64::NAN, f64::NAN, 5e-3]),
+            point("peer", 200.0, [1e-3, f64::NAN, f64::NAN, 5e-3]),
+        ];
+        let chart = Chart { problem, how: String::new(), points, omissions: Vec::new(), quick: false };
+        // The truth of this chart knows no force; a run without temperature is no answer to the first question.
+        let findings = of(&chart);
+        assert_eq!(findings.right.unwrap().family, "with heat");
+        let (peer, own) = &findings.peers[0];
+        assert_eq!((own.family.as_str(), peer.cost / own.cost), ("isothermal", 200.0));
     }
 }

@@ -4,7 +4,7 @@ mod merged;
 
 use super::heat::bodies::{Bodies, on_the_cells};
 use super::profile::{Profile, cell_means};
-use crate::contact::{ContactState, Normal, Tilt};
+use crate::contact::{ContactState, Normal, Tilt, check_operators};
 use crate::coupled::lumped;
 use crate::elastic::Cells;
 use crate::elastic::scene::{cells_for, compliances, load_weights, relative_radii};
@@ -130,8 +130,7 @@ impl Operators {
         let displacement: Vec<f64> = (&normal * profile_pressure).iter().map(|u| u * u).collect();
         let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
         // What can be wrong with the matrices is found here, once.
-        WearingContact::new(&cells, &weights, normal.clone(), shear.clone(), initial_gap.clone())
-            .map_err(|error| error.to_string())?;
+        check_operators(count, &normal, &shear).map_err(|error| error.to_string())?;
         let law = |body: &crate::scene::Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
         let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
             (false, ..) => StripWear::None,

@@ -40,37 +40,46 @@ impl Profile {
 
     /// Station values of the quantity with these cell means (N values, >= 0).
     pub fn fill(&self, means: &[f64], out: &mut [f64]) {
-        self.integrate(|cell, part| self.within(cell, part, means, means), means, out);
+        if means.iter().all(|&mean| mean == 0.0) {
+            return out.fill(0.0);
+        }
+        self.integrate(means, means, out);
     }
 
     /// Rates of the station values where the cell means change at `rates`.
     pub fn fill_rates(&self, means: &[f64], rates: &[f64], out: &mut [f64]) {
-        self.integrate(|cell, part| self.within(cell, part, means, rates), rates, out);
+        self.integrate(means, rates, out);
     }
 
-    fn integrate(&self, within: impl Fn(usize, f64) -> f64, means: &[f64], out: &mut [f64]) {
+    /// Station values of the quantity whose cell means are `values`, with limits decided by `means`.
+    fn integrate(&self, means: &[f64], values: &[f64], out: &mut [f64]) {
         let spacing = self.positions[1] - self.positions[0];
         let (mut cell, mut passed, mut before) = (0, 0.0, 0.0);
+        // Where the last interval ended, with the densities at both ends of that cell: many intervals end in one cell.
+        let (mut at, mut densities) = (usize::MAX, [0.0; 2]);
         for (station, &(end, part)) in self.ends.iter().enumerate() {
             while cell < end {
-                passed += self.widths[cell] * means[cell];
+                passed += self.widths[cell] * values[cell];
                 cell += 1;
             }
-            let integral = passed + within(cell, part);
+            if at != cell {
+                let shared = at.wrapping_add(1) == cell && cell > 0;
+                let left = if shared { densities[1] } else { self.density(cell, means, values) };
+                (at, densities) = (cell, [left, self.density(cell + 1, means, values)]);
+            }
+            let integral = passed + self.within(cell, part, densities, values[cell]);
             out[station] = (integral - before) / if station == 0 { 0.5 * spacing } else { spacing };
             before = integral;
         }
-        while cell < means.len() {
-            passed += self.widths[cell] * means[cell];
+        while cell < values.len() {
+            passed += self.widths[cell] * values[cell];
             cell += 1;
         }
         out[STATIONS - 1] = (passed - before) / (0.5 * spacing);
     }
 
-    /// Integral over the first `part` of a cell of the quantity whose means are `values`, with limits decided by `means`.
-    fn within(&self, cell: usize, part: f64, means: &[f64], values: &[f64]) -> f64 {
-        let (left, right) = (self.density(cell, means, values), self.density(cell + 1, means, values));
-        let mean = values[cell];
+    /// Integral over the first `part` of a cell of a quantity of this mean, with these densities at the cell's ends.
+    fn within(&self, cell: usize, part: f64, [left, right]: [f64; 2], mean: f64) -> f64 {
         // Cubic in the part with the densities at both ends as slopes.
         self.widths[cell]
             * part

@@ -149,3 +149,77 @@ impl LineHeat for MergedHeat {
         Box::new(MergedHeat::new(self.body.boxed(), self.merging.clone()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elastic::{self, Cells, Material};
+    use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
+    use crate::heat::slab::Base;
+
+    #[test]
+    fn groups_answer_like_the_body_under_their_fluxes() {
+        let cells = Cells::graded(0.02, 9).unwrap();
+        let material = Material::new(2e11, 0.3).unwrap();
+        let properties = StripProperties {
+            height: 0.02,
+            conductivity: 55.0,
+            capacity: 7800.0 * 460.0,
+            convection: 500.0,
+            base: Base::Convecting(300.0),
+            path: Path::Closed(0.3),
+            expansion: Some(Expansion { material, coefficient: 1.1e-5, base: elastic::Base::Bonded }),
+        };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let merging = Merging::pairs(&cells);
+        let mut merged = MergedHeat::new(body.boxed(), merging.clone()).boxed();
+        assert_eq!((merged.cells(), merged.states()), (5, body.states()));
+        assert_eq!(merged.fading(), body.fading());
+        assert_eq!([merged.error(), merged.error_of_the_mean()], [body.error(), body.error_of_the_mean()]);
+
+        let air = Surroundings { cooling: -400.0, ambient: 5.0, far: 3.0 };
+        let [groups_first, groups_end] = [[3e4, 1e4, 5e4, 2e4, 4e4], [1e4, 6e4, 2e4, 5e4, 3e4]];
+        let spread = |flux: &[f64]| {
+            let mut fine = vec![0.0; 9];
+            merging.spread(flux, &mut fine);
+            fine
+        };
+        let (first, end) = (spread(&groups_first), spread(&groups_end));
+        let (mut state, mut own) = (vec![0.0; body.states()], vec![0.0; merged.states()]);
+        body.uniform(20.0, &mut state);
+        merged.uniform(20.0, &mut own);
+        let (mut fine, mut coarse) = ([vec![0.0; 9], vec![0.0; 9]], [vec![0.0; 5], vec![0.0; 5]]);
+        for euler in [false, true] {
+            let velocity = [0.4, 0.5];
+            match euler {
+                false => (body.prepare(0.3, velocity), merged.prepare(0.3, velocity)),
+                true => (body.prepare_euler(0.3, velocity), merged.prepare_euler(0.3, velocity)),
+            };
+            for stage in [Stage::First, Stage::End] {
+                let (from, to) = (body.gains(stage), merged.gains(stage));
+                assert_eq!(to.temperature, merging.matrix(&from.temperature));
+                assert_eq!(to.distortion, merging.matrix(&from.distortion));
+                let ([warm, moved], [means, depths]) = (&mut fine, &mut coarse);
+                body.base(&state, &air, stage, &first, warm, moved);
+                merged.base(&own, &air, stage, &groups_first, means, depths);
+                assert_eq!([&*means, &*depths], [&merging.means(warm), &merging.means(moved)]);
+            }
+            body.advance(&mut state, &air, &first, &end);
+            merged.advance(&mut own, &air, &groups_first, &groups_end);
+            assert_eq!(own, state);
+            let ([warm, moved], [means, depths]) = (&mut fine, &mut coarse);
+            body.held(&state, &air, &end, 0.5, warm);
+            merged.held(&own, &air, &groups_end, 0.5, means);
+            body.held_distortion(&state, &air, &end, 0.5, moved);
+            merged.held_distortion(&own, &air, &groups_end, 0.5, depths);
+            assert_eq!([&*means, &*depths], [&merging.means(warm), &merging.means(moved)]);
+            assert!(means.iter().all(|t| *t > 15.0) && depths.iter().all(|u| *u < 0.0), "{means:?} {depths:?}");
+            let cooled = body.cooled_temperature(&state, &air, &end);
+            assert_eq!(merged.cooled_temperature(&own, &air, &groups_end), cooled);
+            assert_eq!(merged.flows(&own, &air, &groups_end), body.flows(&state, &air, &end));
+            assert_eq!(merged.mean_temperature(&own), body.mean_temperature(&state));
+            assert_eq!(merged.account(&own), body.account(&state));
+        }
+    }
+}

@@ -23,7 +23,7 @@ fn load(force: f64) -> f64 {
 }
 
 fn setting(fidelity: Fidelity, cells: usize, tolerance: f64, step: f64) -> Setting {
-    Setting { fidelity, scheme: Scheme::Monolithic, tolerance, cells, step, order: 1 }
+    Setting { fidelity, scheme: Scheme::Monolithic, tolerance, cells, step, order: 1, heat: true }
 }
 
 /// From 100 km/h to rest: the pedal goes down in `RAMP`, then the deceleration is constant.
@@ -55,6 +55,7 @@ pub(super) fn stop() -> Result<DriveProblem, String> {
             setting(Fidelity::Line, 17, 1e-4, 0.01),
         ]),
         reason: "what remains is the difference to a run of twice its cells",
+        isothermal: false,
     })
 }
 
@@ -108,5 +109,6 @@ pub(super) fn cycle() -> Result<DriveProblem, String> {
         // The unreduced punch would take a quarter of an hour in steps that the brake's transients are short of.
         truth: Truth::Finest(vec![setting(Fidelity::Line, 65, 1e-4, 0.1), setting(Fidelity::Line, 33, 1e-4, 0.1)]),
         reason: "what remains is the difference to a run of twice its cells",
+        isothermal: false,
     })
 }

@@ -93,6 +93,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
             course: Box::new(move |times| Ok(course(times, ambient))),
         },
         reason: "the integral equation to 1e-6; bodies high against the wave to 1e-7",
+        isothermal: false,
     })
 }
 

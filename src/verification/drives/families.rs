@@ -30,6 +30,7 @@ impl DriveProblem {
             cells: CELLS,
             step: self.step,
             order: 1,
+            heat: true,
         };
         let kept = |count: usize| if quick { count.div_ceil(2) } else { count };
         let tolerances = |fidelity: Fidelity, cells: usize, exponents: &[i32]| {
@@ -45,7 +46,23 @@ impl DriveProblem {
             cells[..kept(cells.len())].iter().map(with).collect()
         };
         let fine = [17, 25, 33, 49, 65];
-        vec![
+        // Cells and tolerance go together: the error of one is not worth less than that of the other.
+        let pairs: [(usize, i32); 9] =
+            [(5, -1), (9, -2), (13, -2), (17, -2), (21, -2), (33, -3), (49, -3), (65, -4), (97, -4)];
+        let isothermal = pairs[..kept(pairs.len())].iter().map(|&(cells, exponent)| Setting {
+            cells,
+            tolerance: 10f64.powi(exponent),
+            step: f64::INFINITY,
+            order: 0,
+            heat: false,
+            ..setting
+        });
+        let isothermal = Family {
+            name: "line, isothermal",
+            varied: "5 to 97 cells at tolerances from 1e-1 to 1e-4, heat switched off, steps from sample to sample",
+            settings: isothermal.collect(),
+        };
+        let mut families = vec![
             Family { name: "auto", varied: "tolerance", settings: tolerances(Fidelity::Auto, 0, &[-1, -2, -3, -4]) },
             Family {
                 name: "lumped",
@@ -93,6 +110,10 @@ impl DriveProblem {
                 settings: steps(Setting { scheme: Scheme::Staggered, ..setting }),
             },
             Family { name: "field", varied: "tolerance", settings: tolerances(Fidelity::Field, 0, &[-1, -2, -3]) },
-        ]
+        ];
+        if self.isothermal {
+            families.push(isothermal);
+        }
+        families
     }
 }

@@ -13,6 +13,9 @@ const VELOCITY: ValueReference = reference("sliding_velocity");
 const LOAD: ValueReference = reference("normal_load");
 const MAIN: [ValueReference; 3] =
     [reference("wear_depth"), reference("contact_temperature"), reference("friction_force")];
+/// What has to be 0 for no heat to arise and none to be conducted.
+const HEAT: [ValueReference; 3] =
+    [reference("punch.conductivity"), reference("strip.conductivity"), reference("contact.friction_coefficient")];
 const PRESSURE: ValueReference = reference("profile.pressure");
 
 /// How a run ended.
@@ -71,8 +74,13 @@ impl DriveProblem {
             communications: 0,
             work: (0, 0),
         };
-        let indices = match self.indices(setting.step) {
-            Ok(indices) => indices,
+        if !setting.heat && !self.isothermal {
+            record.ending =
+                Ending::Refused(format!("{}: wear and pressure follow the heat, which cannot go", self.name));
+            return record;
+        }
+        let points = match self.communication_points(setting.step) {
+            Ok(points) => points,
             Err(text) => {
                 record.ending = Ending::Refused(text);
                 return record;
@@ -88,35 +96,30 @@ impl DriveProblem {
             record.ending = Ending::Refused(text);
             return record;
         }
-        let last = *indices.last().unwrap_or(&0);
-        let mut next = 0;
-        for index in 0..=last {
-            let time = index as f64 * setting.step;
+        for (index, &(time, sampled)) in points.iter().enumerate() {
             let inputs = (self.inputs)(time);
             component.set_input(VELOCITY, inputs[0]);
             component.set_input(LOAD, inputs[1]);
-            if indices[next] == index {
-                record.samples.push(sample(&mut component));
-                next += 1;
-                if next == indices.len() {
-                    break;
-                }
+            if sampled {
+                record.samples.push(sample(&mut component, setting.heat));
             } else {
                 std::hint::black_box(MAIN.map(|output| component.get(output)));
             }
+            let Some((next, _)) = points.get(index + 1) else { break };
+            let step = if setting.step.is_finite() { setting.step } else { next - time };
             if setting.order > 0 {
-                let end = (self.inputs)(time + setting.step);
+                let end = (self.inputs)(time + step);
                 for ((input, from), to) in [VELOCITY, LOAD].into_iter().zip(inputs).zip(end) {
-                    component.set_input_derivative(input, (to - from) / setting.step);
+                    component.set_input_derivative(input, (to - from) / step);
                 }
             }
-            if let Err(text) = component.step(setting.step) {
+            if let Err(text) = component.step(step) {
                 record.ending = Ending::Failed(time, text);
                 break;
             }
             record.communications += 1;
             if clock() - begin > budget {
-                record.ending = Ending::Stopped(time + setting.step);
+                record.ending = Ending::Stopped(time + step);
                 break;
             }
         }
@@ -183,8 +186,12 @@ impl DriveProblem {
         }))
     }
 
-    /// Numbers of the communication steps after which the samples lie.
-    fn indices(&self, step: f64) -> Result<Vec<u64>, String> {
+    /// Times of all communication points (s), and whether a sample lies there.
+    fn communication_points(&self, step: f64) -> Result<Vec<(f64, bool)>, String> {
+        if step == f64::INFINITY {
+            let start = (self.samples.first() != Some(&0.0)).then_some((0.0, false));
+            return Ok(start.into_iter().chain(self.samples.iter().map(|&time| (time, true))).collect());
+        }
         let index = |time: &f64| {
             let index = (time / step).round();
             if (time - index * step).abs() > 1e-6 * step {
@@ -192,10 +199,15 @@ impl DriveProblem {
             }
             Ok(index as u64)
         };
-        self.samples.iter().map(index).collect()
+        let sampled: Vec<u64> = self.samples.iter().map(index).collect::<Result<_, String>>()?;
+        let last = sampled.last().copied().unwrap_or(0);
+        let mut ahead = sampled.iter().peekable();
+        let point = |index: u64| (index as f64 * step, ahead.next_if_eq(&&index).is_some());
+        Ok((0..=last).map(point).collect())
     }
 
-    fn starts_with(&self, setting: &Setting) -> Values {
+    /// Start values of every variable for this setting.
+    pub fn starts_with(&self, setting: &Setting) -> Values {
         let mut starts = self.starts;
         let changes = [
             (const { reference("solver.fidelity") }, f64::from(setting.fidelity as u8 + 1)),
@@ -206,12 +218,18 @@ impl DriveProblem {
         for (parameter, value) in changes {
             starts[parameter as usize] = value;
         }
+        if !setting.heat {
+            for parameter in HEAT {
+                starts[parameter as usize] = 0.0;
+            }
+        }
         starts
     }
 }
 
-fn sample(component: &mut Component) -> Sample {
+fn sample(component: &mut Component, heat: bool) -> Sample {
     let [wear, temperature, force] = MAIN.map(|output| component.get(output));
+    let [temperature, force] = if heat { [temperature, force] } else { [f64::NAN; 2] };
     let stations = (0..STATIONS as ValueReference).map(|station| component.get(PRESSURE + station));
     [wear, temperature, force, stations.fold(0.0, f64::max)]
 }

@@ -106,7 +106,13 @@ impl Line {
                     Known { account: from.account(side, body.as_ref()), surface: mean(&from.temperature[side]), flux };
                 super::cover(coarse, &from.flux[side], fine, &mut carrier.pattern);
                 match flux != 0.0 && carrier.pattern.iter().all(|q| q.is_finite()) {
-                    true => carrier.pattern.iter_mut().for_each(|q| *q /= flux),
+                    true => {
+                        // As far as it enters everywhere: a flux that changes sign and has hardly a mean would bring the missing
+                        // heat by a great deal of either sign.
+                        let lowest = carrier.pattern.iter().map(|q| q / flux).fold(f64::INFINITY, f64::min);
+                        let share = (1.0 - lowest.min(0.0)).recip();
+                        carrier.pattern.iter_mut().for_each(|q| *q = 1.0 + share * (*q / flux - 1.0));
+                    }
                     false => carrier.pattern.fill(1.0),
                 }
                 self.gather(side, &known, carrier, inputs);

@@ -116,6 +116,20 @@ mod tests {
     ];
 
     #[test]
+    fn the_ring_beside_the_contacts_is_cooled() {
+        // Two pads over .1 m each of the mean circumference of 2 pi .0945 = .593761 m: .393761 m of it are free.
+        let free = cooled_length(&scene(&[]));
+        assert!((free - 0.393_761 * 0.039 / 0.2).abs() < 1e-7, "{free}");
+        let one = cooled_length(&scene(&[("punch.count", 1.0)]));
+        assert!((one - 0.493_761 * 0.039 / 0.1).abs() < 1e-6, "{one}");
+        let given = cooled_length(&scene(&[("strip.cooled_area", 0.1)]));
+        assert!((given - 0.5).abs() < 1e-15, "{given}");
+        // Nothing is free of a full ring.
+        let full = cooled_length(&scene(&[("punch.count", 1.0), ("depth", 2.0 * PI * 0.0945)]));
+        assert!(full.abs() < 1e-15, "{full}");
+    }
+
+    #[test]
     fn heat_is_accounted_for() {
         let cells = Cells::graded(0.0195, 9).unwrap();
         for changes in COOLED {

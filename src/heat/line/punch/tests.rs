@@ -396,3 +396,37 @@ fn no_distortion_comes_at_once() {
         }
     }
 }
+
+#[test]
+fn what_no_mode_carries_follows_in_its_own_time() {
+    // A wave far beyond those with states, on cells that resolve it: on a deep body at rest it follows a jump of the flux with
+    // the time 3/(4 kd m^2), the distortion all of it and the temperature by two thirds.
+    let count = 96;
+    let cells = Cells::uniform(0.03, count).unwrap();
+    let scene = scene(&[]);
+    let (number, diffusivity) = (24, 55.0 / (7800.0 * 460.0));
+    let phase = |x: f64| (f64::from(number) * std::f64::consts::PI * (x + 0.03) / 0.06).cos();
+    let flux: Vec<f64> = cells.centres().iter().map(|x| phase(*x)).collect();
+    let wave_number = f64::from(number) * std::f64::consts::PI / 0.06;
+    let time = 0.75 / (diffusivity * wave_number * wave_number);
+    let amplitude = |values: &[f64]| values.iter().zip(&flux).map(|(value, q)| value * q).sum::<f64>();
+    let after = |step: f64| {
+        let mut run = Run::new(&scene, &cells, 0.1, 1e6);
+        run.step(step, &flux, &flux);
+        [amplitude(&run.temperature), amplitude(&run.distortion)]
+    };
+    let steady = after(1e9);
+    // Of a flux that is even over each cell, in the means over the cells.
+    let angle = 0.5 * wave_number * cells.widths()[0];
+    let even = (angle.sin() / angle).powi(2);
+    let temperature = even * flux.iter().map(|q| q * q).sum::<f64>() / (55.0 * wave_number);
+    assert!((steady[0] / temperature - 1.0).abs() < 1e-2, "{steady:?} {temperature}");
+    for steps in [1e-6, 0.3, 1.0, 3.0] {
+        let [warm, moved] = after(steps * time);
+        let followed = 1.0 - (-steps).exp();
+        let parts = [warm / steady[0], moved / steady[1]];
+        println!("{steps}: {parts:?} {followed}");
+        assert!((parts[0] - (1.0 + 2.0 * followed) / 3.0).abs() < 0.02, "{steps}: {parts:?} {followed}");
+        assert!((parts[1] - followed).abs() < 0.02, "{steps}: {parts:?} {followed}");
+    }
+}

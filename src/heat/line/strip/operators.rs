@@ -267,7 +267,7 @@ impl Operators {
             modes,
             fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
         };
-        let table = VelocityTable::new(remainder, slow, limit);
+        let table = VelocityTable::new(remainder, slow, limit, tolerance);
         let mut operators = Operators {
             half: shapes.half(),
             period,

@@ -149,12 +149,21 @@ impl Blocks {
     /// What a reduction leaves out at a frequency just beyond its range has a real part of either sign. As an answer at
     /// once, a negative one lets two bodies that exchange heat raise each other's flux without end in steps short
     /// against the range; what is taken away is below the reduction's own error.
-    pub fn make_passive(&mut self, room: &mut Passive) {
+    ///
+    /// The answer M c to a uniform flux, which has the even heat c = `uniform`, stays as it is where c'M c > 0: of
+    ///
+    /// ```text
+    /// M = u u'/(c'u) + S,    u = M c,    S c = 0
+    /// ```
+    ///
+    /// only S loses eigenvalues. So the steady mean temperature stays exact, and smooth in the velocity. Where u has turned away
+    /// from c, the share of u u' fades out: it would stand for a large answer to everything else.
+    pub fn make_passive(&mut self, uniform: &[f64], room: &mut Passive) {
         let (half, size) = (self.half, self.half * self.half);
         for block in [0, 2] {
             let values = &mut self.values[block * size..(block + 1) * size];
             if !room.is_passive(values, half) {
-                room.project(values, half);
+                room.project(values, half, if block == 0 { uniform } else { &[] });
             }
         }
     }
@@ -164,6 +173,9 @@ impl Blocks {
         self.values.fill(0.0);
     }
 }
+
+/// Square of the cosine between a uniform flux and the answer to it, from which on the answer stays as it is.
+const TURNED: f64 = 0.25;
 
 /// Columns turned at once.
 const TILE: usize = 8;
@@ -208,6 +220,8 @@ pub struct Passive {
     matrix: Mat<f64>,
     vectors: Mat<f64>,
     values: Col<f64>,
+    /// Answer to a uniform flux.
+    answer: Vec<f64>,
     stack: MemBuffer,
 }
 
@@ -226,6 +240,7 @@ impl Passive {
             matrix: Mat::zeros(size, size),
             vectors: Mat::zeros(size, size),
             values: Col::zeros(size),
+            answer: vec![0.0; size],
             stack: MemBuffer::new(stack),
         }
     }
@@ -264,9 +279,32 @@ impl Passive {
         true
     }
 
-    /// Sets the matrix to its symmetric part without the negative eigenvalues.
-    fn project(&mut self, values: &mut [f64], size: usize) {
+    /// Takes the part u u'/(c'u) from the matrix, where c = `uniform`; returns 1/(c'u), or what is left of it.
+    fn split_uniform(&mut self, uniform: &[f64]) -> f64 {
+        self.answer.fill(0.0);
+        for (j, heat) in uniform.iter().enumerate() {
+            for (answer, entry) in self.answer.iter_mut().zip(self.matrix.col_as_slice(j)) {
+                *answer += entry * heat;
+            }
+        }
+        let [given, square, own] = [[&self.answer[..], uniform], [&self.answer, &self.answer], [uniform, uniform]]
+            .map(|[l, r]| dense::dot(l, r));
+        if given.is_nan() || given <= 0.0 {
+            return 0.0;
+        }
+        let share = (given * given / (TURNED * square * own)).min(1.0) / given;
+        for j in 0..uniform.len() {
+            for i in 0..uniform.len() {
+                self.matrix[(i, j)] -= share * self.answer[i] * self.answer[j];
+            }
+        }
+        share
+    }
+
+    /// Sets the matrix to its symmetric part without the negative eigenvalues; the answer to `uniform` stays, if there is one.
+    fn project(&mut self, values: &mut [f64], size: usize, uniform: &[f64]) {
         self.set(values, size);
+        let share = if uniform.is_empty() { 0.0 } else { self.split_uniform(uniform) };
         let stack = MemStack::new(&mut self.stack);
         let (diagonal, vectors) = (self.values.as_diagonal_mut(), self.vectors.as_mut());
         let found =
@@ -276,6 +314,12 @@ impl Passive {
             return;
         }
         values.fill(0.0);
+        if share > 0.0 {
+            for (column, part) in values.chunks_exact_mut(size).zip(&self.answer) {
+                let part = share * part;
+                column.iter_mut().zip(&self.answer).for_each(|(entry, other)| *entry = part * other);
+            }
+        }
         for k in 0..size {
             let eigenvalue = self.values[k].max(0.0);
             let vector = self.vectors.col_as_slice(k);
@@ -529,9 +573,11 @@ impl Remainder {
         let expands = self.expansion.is_some();
         // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
         let forgotten = forgetting.rate(velocity);
-        let share = slowest / (slowest + forgotten);
+        let lasting = slowest * slowest / (slowest + forgotten);
+        // What the states lose for that: never less, or what is left for the answer at once would be negative.
+        let lost = forgotten.hypot(lasting);
         let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
-        let (lasting, still) = ((slowest * share).max(resolved), slowest * share.powi(3));
+        let lasting = lasting.max(resolved);
         source.find(&self.cells, 0.0, 0.5 * moving / diffusivity);
         temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
         for (wave, depth) in integrals.removed.iter() {
@@ -543,7 +589,7 @@ impl Remainder {
         }
         sums.add_to(&integrals.removed.shapes, temperature, distortion);
         for (wave, modes) in self.waves.iter().zip(&self.modes) {
-            let s = Complex::new(forgotten + still, -wave.number * velocity);
+            let s = Complex::new(lost, -wave.number * velocity);
             let weight = 2.0 * wave.count / self.period;
             let [warm, moved] = modes.respond(s);
             sums.push(-warm, expands.then_some(-moved), weight);
