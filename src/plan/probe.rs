@@ -24,7 +24,7 @@ const RESOLVED_ONE_WAY: f64 = 250.0;
 
 /// Steps of a half-stroke: their ends, in parts of it. The first is short: just behind the reversal the contact meets its own hot track,
 /// and the temperature of few cells is further off there than a quarter of a stroke later, up to tenfold.
-const HALF_STROKE: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 1.0];
+const HALF_STROKE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.75, 1.0];
 
 /// Heat resolves steps of this part of a half-stroke: a 16th of a cycle.
 const RESOLVED_IN_HALF_STROKE: f64 = 8.0;

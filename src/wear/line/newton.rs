@@ -21,6 +21,9 @@ use super::{Conditions, StageError, WearingContact};
 use crate::contact::{ContactState, Normal, Tilt};
 
 const NEWTON_LIMIT: usize = 60;
+/// Change, relative to the largest local displacement, below which an iteration that no longer halves it has reached the rounding of
+/// its solutions: with many cells and their heat that is above the tolerance of Newton's method.
+const ROUNDING: f64 = 1e-9;
 /// Least dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
 const LEAST_SLOPE: f64 = 1e-12;
 /// Chord iterations before new factors are made for good.
@@ -167,6 +170,7 @@ impl WearingContact {
         let (rate, alpha) = (&conditions.rate, self.alpha);
         let mut linearised_gap = std::mem::take(&mut self.gap);
         let mut converged = Ok(false);
+        let mut last = f64::INFINITY;
         for _ in 0..NEWTON_LIMIT {
             self.newton_iterations += 1;
             for i in 0..count {
@@ -198,7 +202,9 @@ impl WearingContact {
                 state.pressure[i] = rate.invert(i, alpha, tau, t);
             }
             self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
-            if change <= self.newton_tolerance * largest {
+            let rounded = change <= ROUNDING * largest && change > 0.5 * last;
+            last = change;
+            if rounded || change <= self.newton_tolerance * largest {
                 converged = Ok(true);
                 self.status.strokes[side].diagonal.copy_from_slice(&self.diagonal);
                 break;
