@@ -9,7 +9,7 @@ mod elimination;
 mod products;
 
 pub use elimination::{factorise, substitute};
-pub use products::{combine, dot, multiply_add, multiply_add_pair};
+pub use products::{combine, dot, multiply_add, multiply_add_pair, multiply_transposed_add};
 
 /// Columns that pass together in a substitution and in a product.
 const GROUP: usize = 4;
@@ -56,6 +56,19 @@ mod tests {
         }
         // Random matrices need exchanges of rows.
         assert!(exchanges > 100, "{exchanges}");
+    }
+
+    #[test]
+    fn few_long_columns_are_multiplied_from_the_left() {
+        for (rows, columns) in [(0, 3), (1, 1), (5, 4), (37, 5), (64, 9), (131, 2)] {
+            let (matrix, x) = (noise(rows * columns, 7), noise(rows, 8));
+            let mut target = vec![1.0; columns];
+            multiply_transposed_add(&matrix, &x, &mut target);
+            for (j, value) in target.iter().enumerate() {
+                let expected = 1.0 + (0..rows).map(|i| matrix[i + j * rows] * x[i]).sum::<f64>();
+                assert!((value - expected).abs() < 1e-12, "{rows} x {columns}: {value} {expected}");
+            }
+        }
     }
 
     #[test]

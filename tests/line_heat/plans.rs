@@ -387,8 +387,8 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
         } else {
             assert_eq!((open.1, open.3), (0, 0), "{work}");
             assert!(open.0 <= open.2, "{work}");
-            // Standing, the distortion fades and shifts the pressure, but nothing has to be repeated for friction heat.
-            assert!(standing.0 * sliding.2 < sliding.0 * standing.2, "{work}");
+            // Standing, the distortion fades and shifts the pressure: a solution for each of two stages, none repeated.
+            assert!(standing.0 <= 2 * standing.2, "{work}");
         }
     }
 }

@@ -228,6 +228,55 @@ pub fn multiply_add_pair(matrix: &[f64], x: [&[f64]; 2], targets: [&mut [f64]; 2
     Arch::new().dispatch(Multiply(matrix, x, targets));
 }
 
+/// `target += matrix' x`, with as many columns as `target` and rows as `x` is long: for a matrix of few and long columns.
+pub fn multiply_transposed_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
+    struct Multiply<'a>(&'a [f64], &'a [f64], &'a mut [f64]);
+    impl WithSimd for Multiply<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            let Self(matrix, x, target) = self;
+            let full = target.len() - target.len() % GROUP;
+            for first in (0..full).step_by(GROUP) {
+                let sums = dots::<S, GROUP>(simd, matrix, x, first);
+                for (k, sum) in sums.into_iter().enumerate() {
+                    target[first + k] += sum;
+                }
+            }
+            for (column, value) in target.iter_mut().enumerate().skip(full) {
+                *value += dots::<S, 1>(simd, matrix, x, column)[0];
+            }
+        }
+    }
+    assert_eq!(matrix.len(), x.len() * target.len(), "one row per x, one column per target");
+    Arch::new().dispatch(Multiply(matrix, x, target));
+}
+
+/// Products of the columns `first, first + 1, ...` with `x`.
+#[inline(always)]
+fn dots<S: Simd, const K: usize>(simd: S, matrix: &[f64], x: &[f64], first: usize) -> [f64; K] {
+    let rows = x.len();
+    let (head, tail) = S::as_simd_f64s(x);
+    let mut parts: [(&[S::f64s], &[f64]); K] = [(&[], &[]); K];
+    for k in 0..K {
+        parts[k] = S::as_simd_f64s(&matrix[(first + k) * rows..(first + k + 1) * rows]);
+    }
+    let mut sums = [simd.splat_f64s(0.0); K];
+    for (i, value) in head.iter().enumerate() {
+        for k in 0..K {
+            sums[k] = simd.mul_add_f64s(parts[k].0[i], *value, sums[k]);
+        }
+    }
+    let rest = simd.partial_load_f64s(tail);
+    let mut products = [0.0; K];
+    for k in 0..K {
+        let sum = simd.mul_add_f64s(simd.partial_load_f64s(parts[k].1), rest, sums[k]);
+        products[k] = simd.reduce_sum_f64s(sum);
+    }
+    products
+}
+
 /// `target = sum_k factors[k] sources[k]`, all of one length.
 pub fn combine<const K: usize>(target: &mut [f64], sources: [&[f64]; K], factors: [f64; K]) {
     struct Combine<'a, const K: usize>(&'a mut [f64], [&'a [f64]; K], [f64; K]);

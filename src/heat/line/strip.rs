@@ -85,10 +85,11 @@ impl StripHeat {
     }
 
     /// For steps that are few and seldom alike: each finds its answer at its own velocity, not between velocities that later steps
-    /// would ask for as well.
-    pub fn for_few_steps(mut self) -> Self {
+    /// would ask for as well; most of them at `velocity` (m/s).
+    pub fn for_few_steps(mut self, velocity: f64) -> Self {
         if let Some(operators) = Arc::get_mut(&mut self.operators) {
             operators.steady = 0.0;
+            operators.table.align(velocity);
         }
         self
     }

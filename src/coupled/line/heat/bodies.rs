@@ -212,7 +212,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         if strip.states() <= MOST_STATES {
             // A probe at a speed of its own finds what it asks for as it goes.
             if scene.is_probe() {
-                return Ok(Some(strip.for_few_steps()));
+                return Ok(Some(strip.for_few_steps(scene.nominal_velocity)));
             }
             strip.expect(EXPECTED * scene.nominal_velocity);
             return Ok(Some(strip));

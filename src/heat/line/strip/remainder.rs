@@ -67,19 +67,38 @@ impl Blocks {
         let (even_odd, odd_odd) = rest.split_at_mut(size);
         for a in 0..half {
             let (row, cell) = (a * half..(a + 1) * half, a * count..(a + 1) * count);
-            let (even_here, odd_here) = (&even_by_cell[cell.clone()], &odd_by_cell[cell]);
+            // Few cells leave lanes of the vector unit empty, many waves do not; and what is symmetric is found once.
+            let few = half < FEW_CELLS;
+            let (even_here, odd_here) = (&even_by_cell[cell.clone()], &odd_by_cell[cell.clone()]);
             for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
                 *term = gain.re * shape;
             }
-            dense::multiply_add(even, terms, &mut even_even[row.clone()]);
+            match few {
+                true => {
+                    dense::multiply_transposed_add(&even_by_cell[cell.start..], terms, &mut even_even[row.clone()][a..])
+                }
+                false => dense::multiply_add(even, terms, &mut even_even[row.clone()]),
+            }
             for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
                 *term = gain.im * shape;
             }
-            dense::multiply_add(odd, terms, &mut even_odd[row.clone()]);
+            match few {
+                true => dense::multiply_transposed_add(odd_by_cell, terms, &mut even_odd[row.clone()]),
+                false => dense::multiply_add(odd, terms, &mut even_odd[row.clone()]),
+            }
             for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(odd_here)) {
                 *term = gain.re * shape;
             }
-            dense::multiply_add(odd, terms, &mut odd_odd[row]);
+            match few {
+                true => dense::multiply_transposed_add(&odd_by_cell[cell.start..], terms, &mut odd_odd[row][a..]),
+                false => dense::multiply_add(odd, terms, &mut odd_odd[row]),
+            }
+            if few {
+                for b in a + 1..half {
+                    even_even[b * half + a] = even_even[a * half + b];
+                    odd_odd[b * half + a] = odd_odd[a * half + b];
+                }
+            }
         }
     }
 
@@ -176,6 +195,9 @@ impl Blocks {
 
 /// Square of the cosine between a uniform flux and the answer to it, from which on the answer stays as it is.
 const TURNED: f64 = 0.25;
+
+/// Half of the cells from which on a row of them fills the vector unit.
+const FEW_CELLS: usize = 8;
 
 /// Columns turned at once.
 const TILE: usize = 8;
