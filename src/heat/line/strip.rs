@@ -60,11 +60,22 @@ const BASE: usize = Port::Base as usize;
 const TAIL: usize = 4;
 
 /// A conducting strip as the cells of the contact see it.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct StripHeat {
     operators: Arc<Operators>,
     step: Step,
     scratch: RefCell<Scratch>,
+}
+
+impl Clone for StripHeat {
+    fn clone(&self) -> Self {
+        // Before the first step there is nothing to copy: zeros that the system hands out are not touched until they are used.
+        let (step, scratch) = match self.step.length.is_nan() {
+            true => (Step::new(&self.operators), RefCell::new(Scratch::new(&self.operators))),
+            false => (self.step.clone(), self.scratch.clone()),
+        };
+        StripHeat { operators: self.operators.clone(), step, scratch }
+    }
 }
 
 impl StripHeat {
