@@ -330,17 +330,21 @@ fn largest_row_sum(matrix: &DMatrix<f64>, sums: &mut [f64]) -> f64 {
 mod tests {
     use super::*;
 
-    #[test]
-    fn both_laws_hold_on_the_cells_in_contact() {
-        let count = 7;
-        let gains = |scale: f64, skew: f64| Gains {
+    /// Punch and strip, the second with a direction of sliding.
+    fn bodies(count: usize) -> [Gains; 2] {
+        [(2.0, 0.0), (1.0, 0.05)].map(|(scale, skew)| Gains {
             temperature: DMatrix::from_fn(count, count, |i, j| {
                 let distance = i as f64 - j as f64;
                 scale * ((-0.7 * distance.abs()).exp() + if i == j { 0.1 } else { skew * distance.signum() })
             }),
             distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
-        };
-        let (punch, strip) = (gains(2.0, 0.0), gains(1.0, 0.05));
+        })
+    }
+
+    #[test]
+    fn both_laws_hold_on_the_cells_in_contact() {
+        let count = 7;
+        let [punch, strip] = bodies(count);
         let rise =
             |gains: &Gains, q: &[f64], i: usize| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
         let base = [[3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], [0.5; 7]];
@@ -374,14 +378,7 @@ mod tests {
     #[test]
     fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat() {
         let count = 9;
-        let gains = |scale: f64, skew: f64| Gains {
-            temperature: DMatrix::from_fn(count, count, |i, j| {
-                let distance = i as f64 - j as f64;
-                scale * ((-0.7 * distance.abs()).exp() + if i == j { 0.1 } else { skew * distance.signum() })
-            }),
-            distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
-        };
-        let (punch, strip) = (gains(2.0, 0.0), gains(1.0, 0.05));
+        let [punch, strip] = bodies(count);
         let ratio: Vec<f64> = (0..count).map(|i| 1.0 + 0.1 * i as f64).collect();
         let per_pressure = 0.7;
         for open in [vec![], vec![8], vec![0, 3, 8]] {

@@ -65,34 +65,27 @@ impl Blocks {
         let ([even, odd], [even_by_cell, odd_by_cell]) = (shapes.matrices(), shapes.transposed());
         let (even_even, rest) = self.values.split_at_mut(size);
         let (even_odd, odd_odd) = rest.split_at_mut(size);
+        // Few cells leave lanes of the vector unit empty, many waves do not; and what is symmetric is found once, from `first` on.
+        let few = half < FEW_CELLS;
+        let multiply = |by_wave: &[f64], by_cell: &[f64], terms: &[f64], row: &mut [f64], first: usize| match few {
+            true => dense::multiply_transposed_add(&by_cell[first * count..], terms, &mut row[first..]),
+            false => dense::multiply_add(by_wave, terms, row),
+        };
         for a in 0..half {
             let (row, cell) = (a * half..(a + 1) * half, a * count..(a + 1) * count);
-            // Few cells leave lanes of the vector unit empty, many waves do not; and what is symmetric is found once.
-            let few = half < FEW_CELLS;
-            let (even_here, odd_here) = (&even_by_cell[cell.clone()], &odd_by_cell[cell.clone()]);
+            let (even_here, odd_here) = (&even_by_cell[cell.clone()], &odd_by_cell[cell]);
             for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
                 *term = gain.re * shape;
             }
-            match few {
-                true => {
-                    dense::multiply_transposed_add(&even_by_cell[cell.start..], terms, &mut even_even[row.clone()][a..])
-                }
-                false => dense::multiply_add(even, terms, &mut even_even[row.clone()]),
-            }
+            multiply(even, even_by_cell, terms, &mut even_even[row.clone()], a);
             for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
                 *term = gain.im * shape;
             }
-            match few {
-                true => dense::multiply_transposed_add(odd_by_cell, terms, &mut even_odd[row.clone()]),
-                false => dense::multiply_add(odd, terms, &mut even_odd[row.clone()]),
-            }
+            multiply(odd, odd_by_cell, terms, &mut even_odd[row.clone()], 0);
             for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(odd_here)) {
                 *term = gain.re * shape;
             }
-            match few {
-                true => dense::multiply_transposed_add(&odd_by_cell[cell.start..], terms, &mut odd_odd[row][a..]),
-                false => dense::multiply_add(odd, terms, &mut odd_odd[row]),
-            }
+            multiply(odd, odd_by_cell, terms, &mut odd_odd[row], a);
             if few {
                 for b in a + 1..half {
                     even_even[b * half + a] = even_even[a * half + b];

@@ -18,7 +18,7 @@ const WIDEST: f64 = 0.45;
 const CLOSEST: f64 = 0.15;
 /// Knots of one interpolation.
 const STENCIL: usize = 6;
-/// Distance, in those of the knots, that is none.
+/// Distance from a knot, relative to that of the knots, that is rounding.
 const ON_A_KNOT: f64 = 1e-9;
 /// Knots behind that of rest.
 const BEHIND: usize = STENCIL / 2 - 1;
@@ -163,7 +163,7 @@ impl VelocityTable {
             limit = (self.scale * (last as f64 * self.spacing).sinh() / velocity.abs()).sqrt();
             position = last as f64;
         }
-        // On a knot but for rounding: on it.
+        // What rounding keeps from a knot is taken as the knot.
         if (position - position.round()).abs() < ON_A_KNOT {
             position = position.round();
         }
