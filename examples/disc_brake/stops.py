@@ -93,7 +93,7 @@ class BrakedCar:
         nominal = {
             "nominal.load": self.load,
             "nominal.velocity": SPEED * self.ratio,
-            "nominal.duration": 4.0 if stops == 1 else INTERVAL * stops,
+            "nominal.duration": 4.0 * stops,
             "solver.tolerance": 1e-3,
         }
         self.slave.setReal([self.references[name] for name in nominal], list(nominal.values()))

@@ -457,7 +457,14 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
     real("nominal.velocity", &METRE_PER_SECOND, 10.0, "Sliding velocity that the plan is made for")
         .within(0.0, 1e4)
         .start(10.0),
-    real("nominal.duration", &SECOND, 1e3, "Duration that the plan is made for").within(1e-6, 1e10).start(4.0),
+    real(
+        "nominal.duration",
+        &SECOND,
+        1e3,
+        "Time for which nominal load and velocity act, all in all, that the plan is made for",
+    )
+    .within(1e-6, 1e10)
+    .start(4.0),
     real("nominal.stroke", &METRE, 1e-2, "Length of one stroke that the plan is made for; 0: one-way")
         .shown("mm")
         .within(0.0, 1e4),
