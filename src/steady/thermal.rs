@@ -92,7 +92,7 @@ pub struct Accuracy {
 /// Faces with a temperature from outside are at the ambient temperature.
 ///
 /// # Errors
-/// What [`steady_state`] refuses; [`SteadyError::NoHeatLeaves`]; an annulus that slides to and fro.
+/// What [`steady_state`] refuses; [`SteadyError::NoHeatLeaves`].
 pub fn hot_state(
     scene: &Scene,
     cells: &Cells,
@@ -100,12 +100,6 @@ pub fn hot_state(
     sliding: &Sliding,
 ) -> Result<HotState, SteadyError> {
     let cold = steady_state(scene, cells, compliances, sliding)?;
-    if scene.geometry == Geometry::Annular && matches!(sliding, Sliding::ToAndFro { .. }) {
-        return Err(SteadyError::Heat(format!(
-            "no hot steady state of to-and-fro sliding (nominal.stroke = {} m) for contact.geometry = annular: only one-way",
-            scene.nominal_stroke
-        )));
-    }
     let speed = cold.strokes.iter().map(|stroke| stroke.velocity.abs()).fold(0.0, f64::max);
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
@@ -118,8 +112,7 @@ pub fn hot_state(
 /// Whether steady sliding heats the contact of a scene at all, and its steady state with heat can be found.
 pub fn has_hot_state(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
-    let one_way = scene.nominal_stroke == 0.0;
-    conducts && scene.friction_coefficient > 0.0 && (scene.geometry != Geometry::Annular || one_way)
+    conducts && scene.friction_coefficient > 0.0
 }
 
 /// Shape of the run-in punch of a scene whose heat feeds back: gap of the unloaded bodies at the ambient temperature, N cell

@@ -185,6 +185,70 @@ fn stepping_ends_in_the_steady_state_found_directly() {
     }
 }
 
+/// So does long sliding to and fro, on the whole circle and with two pads.
+#[test]
+fn stepping_to_and_fro_ends_in_the_cycle_found_directly() {
+    // Faster there than back: the heat comes and goes with the strokes.
+    let (speeds, stroke) = ([3.0, 1.0], 0.5);
+    let steady = [
+        ("contact.stick_stiffness", 0.0),
+        ("contact.static_friction_ratio", 1.0),
+        ("nominal.load", 500.0),
+        ("nominal.velocity", 2.0),
+        ("nominal.stroke", stroke),
+        ("nominal.duration", 200.0),
+        ("punch.height", 2e-3),
+        ("strip.height", 2e-3),
+        ("punch.top_thermal", HELD),
+        ("strip.base_thermal", HELD),
+        ("punch.wear_coefficient", 5e-11),
+        ("strip.wear_coefficient", 1.5e-11),
+        ("solver.tolerance", 1e-4),
+        ("punch.thermal_expansion", 1e-6),
+        ("strip.thermal_expansion", 1e-6),
+    ];
+    for changes in [&[][..], &PADS] {
+        let changes = [&steady[..], changes].concat();
+        let mut starts = scene("clutch");
+        for (name, value) in &changes {
+            starts[reference(name) as usize] = *value;
+        }
+        let made = Scene::new(&starts, None).unwrap();
+        let cells = cells_for(&made, 17).unwrap();
+        let bodies = compliances(&made, &cells).unwrap();
+        let sliding = Sliding::ToAndFro { strokes: [stroke; 2], speeds };
+        let hot = hot_state(&made, &cells, &bodies, &sliding).unwrap();
+        let mut drive = clutch(&changes);
+        drive.set("normal_load", 500.0);
+        let (mut least, mut highest) = (f64::INFINITY, 0.0_f64);
+        for cycle in 0..200 {
+            (least, highest) = (f64::INFINITY, 0.0);
+            for velocity in [speeds[0], -speeds[1]] {
+                drive.set("sliding_velocity", velocity);
+                for _ in 0..10 {
+                    drive.step(0.1 * stroke / velocity.abs());
+                    let t = drive.get("contact_temperature");
+                    (least, highest) = (least.min(t), highest.max(t));
+                }
+            }
+            if cycle % 50 == 0 {
+                println!("{cycle}: {least} to {highest} K, {} Pa", drive.get("pressure_max"));
+            }
+        }
+        let ambient = 333.15;
+        let [lowest, mean, largest] = hot.heat.contact_temperature;
+        let end = &hot.heat.strokes[1].pressure_at[1];
+        let peak = end.iter().copied().fold(0.0, f64::max);
+        println!("{lowest} {mean} {largest} K, {peak} Pa, {:?}", hot.heat.accuracy);
+        assert!((highest - largest).abs() < 2e-3 * (largest - ambient), "{highest} {largest}");
+        assert!((least - lowest).abs() < 2e-3 * (largest - ambient), "{least} {lowest}");
+        assert!((peak / drive.get("pressure_max") - 1.0).abs() < 2e-3, "{peak}");
+        assert!(largest - lowest > 0.1 * (largest - ambient), "{lowest} {largest}");
+        // Wear has made the pressure its own: more inside, where it slides less.
+        assert!(peak > 1.05 * 500.0 / made.contact_area() / made.count, "{peak}");
+    }
+}
+
 /// Above the critical speed a band of the carbon clutch takes up the load, below it the load stays spread.
 #[test]
 fn bands_grow_above_the_critical_speed_only() {

@@ -106,8 +106,14 @@ impl DiscHeat {
         }
     }
 
+    /// State of the ring with its account, and of the source, which comes first.
     fn split<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
-        state.split_at(self.ring.states())
+        let (source, ring) = state.split_at(self.source_states());
+        (ring, source)
+    }
+
+    fn source_states(&self) -> usize {
+        self.source.ratio.len() * MAX_FLASH_STATES
     }
 
     /// Adds what the source heats the cells by.
@@ -186,13 +192,27 @@ impl LineHeat for DiscHeat {
     }
 
     fn states(&self) -> usize {
-        self.ring.states() + self.source.ratio.len() * MAX_FLASH_STATES
+        self.source_states() + self.ring.states()
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
-        let (ring, source) = state.split_at_mut(self.ring.states());
+        let (source, ring) = state.split_at_mut(self.source_states());
         self.ring.uniform(rise, ring);
         source.fill(0.0);
+    }
+
+    fn fading(&self) -> Vec<f64> {
+        self.fading_while_sliding(0.0)
+    }
+
+    fn fading_while_sliding(&self, velocity: f64) -> Vec<f64> {
+        let Source { flash, ratio } = &*self.source;
+        let of_the_cell = |ratio: &f64| {
+            let square = ratio * ratio;
+            let sliding = flash.sliding_rate(square * velocity.abs());
+            std::array::from_fn::<f64, MAX_FLASH_STATES, _>(|k| (flash.rates[k] + sliding) / square)
+        };
+        ratio.iter().flat_map(of_the_cell).chain(self.ring.fading()).collect()
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
@@ -227,7 +247,7 @@ impl LineHeat for DiscHeat {
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let (ring, source) = state.split_at_mut(self.ring.states());
+        let (source, ring) = state.split_at_mut(self.source_states());
         self.ring.advance(ring, surroundings, first, end);
         for (k, (state, weights)) in source.iter_mut().zip(&self.stages[Stage::End as usize].weights).enumerate() {
             let i = k / MAX_FLASH_STATES;

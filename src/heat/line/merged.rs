@@ -59,6 +59,10 @@ impl LineHeat for MergedHeat {
         self.body.fading()
     }
 
+    fn fading_while_sliding(&self, velocity: f64) -> Vec<f64> {
+        self.body.fading_while_sliding(velocity)
+    }
+
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
         self.body.prepare(step, velocity);
         self.merge_gains();

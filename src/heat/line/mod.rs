@@ -94,6 +94,12 @@ pub trait LineHeat: Debug + Send {
         Vec::new()
     }
 
+    /// The same while the contact slides at `velocity` (m/s), where that changes the rates.
+    fn fading_while_sliding(&self, velocity: f64) -> Vec<f64> {
+        let _ = velocity;
+        self.fading()
+    }
+
     /// Weights and gains for a step of `step` s in which the sliding velocity changes linearly between the two values
     /// (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments cost a comparison.
     /// Gains are functions of the arguments alone, never of what was prepared before.

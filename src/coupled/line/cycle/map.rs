@@ -237,12 +237,16 @@ impl CycleMap {
         let strokes = sliding.map(|(velocity, duration)| (velocity, resolution.steps(duration)));
         let start = inputs(scene, strokes[0].0, load);
         let mut line = Line::new(Arc::new(operators), tunables, &start);
+        let period: f64 = sliding.iter().map(|(_, duration)| duration).sum();
         let mut fading = Vec::new();
         let mut sizes = [0; 2];
         if let Some(heat) = &line.heat {
             for (size, body) in sizes.iter_mut().zip(&heat.bodies) {
                 let Some(body) = body else { continue };
-                let rates = body.fading();
+                let mut rates = vec![0.0; body.fading().len()];
+                for (velocity, duration) in sliding {
+                    add(&mut rates, duration / period, &body.fading_while_sliding(velocity));
+                }
                 if rates.is_empty() {
                     return Err(CycleError::Unsuitable("cycles: a body does not say how its temperatures fade".into()));
                 }
