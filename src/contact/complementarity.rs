@@ -291,7 +291,7 @@ impl ContactSolver {
         let balance = self.balance(problem)?;
         let mut memory = std::mem::take(&mut self.memory);
         memory.start(problem, &balance, &self.positions, active);
-        let solved = self.solve_on(problem, &balance, &mut memory);
+        let solved = self.solve_on(problem, &balance, &mut memory).is_some();
         pressure.copy_from_slice(&memory.pressure);
         let place = (memory.approach, memory.tilt);
         self.memory = memory;
@@ -312,8 +312,8 @@ impl ContactSolver {
             memory.set.fill(true);
         }
         let mut tried = 0;
-        while self.solve_on(problem, balance, memory) {
-            let changed = self.next_active(problem, memory);
+        while let Some(entry) = self.solve_on(problem, balance, memory) {
+            let changed = self.next_active(entry, memory);
             if !changed {
                 return Ok(());
             }
@@ -327,7 +327,7 @@ impl ContactSolver {
         }
         self.counter.fallbacks += 1;
         self.pivoted(problem, balance, memory)?;
-        if self.solve_on(problem, balance, memory) { Ok(()) } else { Err(ContactError::NoEquilibrium) }
+        self.solve_on(problem, balance, memory).map(|_| ()).ok_or(ContactError::NoEquilibrium)
     }
 
     fn balance(&self, problem: &ContactProblem<'_>) -> Result<Balance, ContactError> {
@@ -416,22 +416,22 @@ impl ContactSolver {
         true
     }
 
-    /// Pressure, gap of the open cells, approach and tilt for the active set of the memory; `false` where its equations
-    /// have no solution.
+    /// Pressure, gap of the open cells, approach and tilt for the active set of the memory, and where its factors are kept;
+    /// `None` where its equations have no solution.
     ///
     /// With `xi = (x - x_c)/L`, x_c the mean position of the cells in contact, their pressures are `q + y0 X0 + y1 X1`:
     /// q under the gap alone, X0 and X1 per approach and per `L theta`. The balances are two equations for y.
-    fn solve_on(&mut self, problem: &ContactProblem<'_>, balance: &Balance, memory: &mut Memory) -> bool {
+    fn solve_on(&mut self, problem: &ContactProblem<'_>, balance: &Balance, memory: &mut Memory) -> Option<usize> {
         self.counter.iterations += 1;
         let shifted = balance.approach_free;
         let key =
             Key { signed_friction: problem.signed_friction, shifted, diagonal: problem.diagonal, active: &memory.set };
-        let Some(position) = self.factors.find(key) else { return false };
+        let position = self.factors.find(key)?;
         let shift = if shifted { self.factors.shift() } else { 0.0 };
         let entry = self.factors.with_columns(position, balance.count() > 0, balance.tilt_free);
         let m = entry.index.len();
         if m < balance.count() {
-            return false;
+            return None;
         }
         let compact = &mut memory.compact[..m];
         if m == self.positions.len() {
@@ -482,7 +482,7 @@ impl ContactSolver {
             compact.iter_mut().zip(uniform).for_each(|(q, u)| *q += y0 * u);
         }
         if compact.iter().any(|q| !q.is_finite()) || !y0.is_finite() || !y1.is_finite() {
-            return false;
+            return None;
         }
         // The shifted matrix took beta P/W of the approach.
         let at_centre = y0 - shift * entry.resultant(compact)[0];
@@ -492,7 +492,7 @@ impl ContactSolver {
         if m == self.positions.len() {
             memory.pressure.copy_from_slice(compact);
             memory.open_gap.fill(0.0);
-            return true;
+            return Some(position);
         }
         memory.pressure.fill(0.0);
         for (q, &i) in compact.iter().zip(&entry.index) {
@@ -500,27 +500,27 @@ impl ContactSolver {
         }
         let approach_in_gap = if balance.approach_free { memory.approach } else { 0.0 };
         let tilt_in_gap = if balance.tilt_free { memory.tilt } else { 0.0 };
-        for i in 0..self.positions.len() {
-            memory.open_gap[i] = memory.gap[i] - approach_in_gap - tilt_in_gap * self.positions[i];
+        let entry = self.factors.with_open_rows(position);
+        let gaps = &mut memory.worn[..entry.open.len()];
+        for (gap, &i) in gaps.iter_mut().zip(&entry.open) {
+            *gap = memory.gap[i] - approach_in_gap - tilt_in_gap * self.positions[i];
         }
-        self.add_displacement(problem.signed_friction, &memory.pressure, &mut memory.open_gap);
-        if self.factors.operator().is_some() {
-            for i in 0..self.positions.len() {
-                memory.worn[i] = problem.diagonal[i] * memory.pressure[i];
-            }
-            self.add_worn(&memory.worn, &mut memory.open_gap);
+        entry.add_to_open(&memory.compact[..m], gaps);
+        memory.open_gap.fill(0.0);
+        for (gap, &i) in gaps.iter().zip(&entry.open) {
+            memory.open_gap[i] = *gap;
         }
-        true
+        Some(position)
     }
 
     /// Cells in tension leave, cells that penetrate enter; whether any does. Compared as displacements, `A_ii p_i` with
     /// the gap.
-    fn next_active(&mut self, problem: &ContactProblem<'_>, memory: &mut Memory) -> bool {
+    fn next_active(&mut self, position: usize, memory: &mut Memory) -> bool {
         let count = self.positions.len();
-        let compliance = self.factors.compliance(problem.signed_friction);
+        let own = &self.factors.entry(position).own;
         let mut largest: f64 = 0.0;
         for i in 0..count {
-            memory.worn[i] = (compliance[i * (count + 1)] + problem.diagonal[i]) * memory.pressure[i];
+            memory.worn[i] = own[i] * memory.pressure[i];
             largest = largest.max(memory.worn[i].abs()).max(memory.open_gap[i].abs());
         }
         let tolerance = SIGN_TOLERANCE * largest;

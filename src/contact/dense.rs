@@ -7,9 +7,11 @@
 
 mod elimination;
 mod products;
+mod single;
 
 pub use elimination::{factorise, substitute};
-pub use products::{combine, dot, multiply_add, multiply_add_pair, multiply_transposed_add};
+pub use products::{combine, dot, multiply_add, multiply_add_each, multiply_add_pair, multiply_transposed_add};
+pub use single::SingleMatrix;
 
 /// Columns that pass together in a substitution and in a product.
 const GROUP: usize = 4;
@@ -38,6 +40,9 @@ mod tests {
             let second = noise(n, 98);
             let (mut one, mut other) = (vec![1.0; n], vec![0.0; n]);
             multiply_add_pair(&matrix, [&exact, &second], [&mut one, &mut other]);
+            let (mut third, mut last) = (vec![1.0; n], vec![0.0; n]);
+            multiply_add_each([(&matrix, &exact, &mut third), (&matrix, &second, &mut last)]);
+            assert!(third == one && last == other, "n {n}");
             for i in 0..n {
                 let sum = |x: &[f64]| (0..n).map(|j| matrix[i + j * n] * x[j]).sum::<f64>();
                 assert!((right[i] - sum(&exact)).abs() < 1e-13 * n as f64);

@@ -83,8 +83,15 @@ pub(super) struct Entry {
     shifted: bool,
     diagonal: Vec<f64>,
     active: Vec<bool>,
-    /// Cells in contact.
+    /// Cells in contact, and the others.
     pub index: Vec<usize>,
+    pub open: Vec<usize>,
+    /// Gap of each open cell by the pressures of those in contact, wear included, without the shift: an open cell's row after
+    /// the other, m/Pa. Asked for, it is made once.
+    open_rows: Vec<f64>,
+    has_open_rows: bool,
+    /// Local compliance of every cell with its wear, m/Pa.
+    pub own: Vec<f64>,
     matrix: Vec<f64>,
     exchanged: Vec<usize>,
     regular: bool,
@@ -157,6 +164,11 @@ impl Factors {
             diagonal: vec![0.0; count],
             active: vec![false; count],
             index: Vec::with_capacity(count),
+            open: Vec::with_capacity(count),
+            // The most that cells in contact times open ones can be.
+            open_rows: vec![0.0; count * count / 4],
+            has_open_rows: false,
+            own: vec![0.0; count],
             matrix: vec![0.0; count * count],
             exchanged: vec![0; count],
             regular: false,
@@ -327,9 +339,15 @@ impl Factors {
         entry.acting.copy_from_slice(&self.reduction.acting);
         entry.has_uniform = false;
         entry.has_linear = false;
+        entry.has_open_rows = false;
         entry.index.clear();
         entry.index.extend((0..self.count).filter(|&i| key.active[i]));
+        entry.open.clear();
+        entry.open.extend((0..self.count).filter(|&i| !key.active[i]));
         let m = entry.index.len();
+        for (i, own) in entry.own.iter_mut().enumerate() {
+            *own = composition[i * (self.count + 1)] + key.diagonal[i];
+        }
         entry.centre = entry.index.iter().map(|&i| self.positions[i]).sum::<f64>() / m.max(1) as f64;
         for (k, &i) in entry.index.iter().enumerate() {
             entry.weights[k] = self.weights[i];
@@ -360,6 +378,30 @@ impl Factors {
         }
         entry.regular = dense::factorise(&mut entry.matrix[..m * m], m, &mut entry.exchanged[..m]);
         entry.regular.then_some(position)
+    }
+
+    /// The entry with what the open cells feel of the others.
+    pub fn with_open_rows(&mut self, position: usize) -> &Entry {
+        if self.entries[position].has_open_rows {
+            return &self.entries[position];
+        }
+        let composed = self.compose(f64::from_bits(self.entries[position].signed_friction));
+        let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
+        entry.has_open_rows = true;
+        let m = entry.index.len();
+        for (row, &i) in entry.open_rows.chunks_exact_mut(m.max(1)).zip(&entry.open) {
+            for (value, &j) in row.iter_mut().zip(&entry.index) {
+                let worn =
+                    self.operator.as_ref().map_or(0.0, |operator| entry.diagonal[j] * operator[j * self.count + i]);
+                *value = composition[j * self.count + i] + worn;
+            }
+        }
+        entry
+    }
+
+    /// The entry at a position.
+    pub fn entry(&self, position: usize) -> &Entry {
+        &self.entries[position]
     }
 
     /// The entry with its pressures per approach and per linear displacement, as far as they are asked for.
@@ -393,6 +435,12 @@ impl Entry {
     pub fn substitute(&self, right: &mut [f64]) {
         let m = self.index.len();
         dense::substitute(&self.matrix[..m * m], m, &self.exchanged[..m], right);
+    }
+
+    /// Adds to the gaps of the open cells what the pressures of the cells in contact make of them.
+    pub fn add_to_open(&self, pressure: &[f64], gaps: &mut [f64]) {
+        let rows = &self.open_rows[..pressure.len() * gaps.len()];
+        dense::multiply_transposed_add(rows, pressure, gaps);
     }
 
     /// Resultant `sum w p` and moment `sum w (x - centre)/length p` of the pressures of the cells in contact, per depth.

@@ -206,6 +206,29 @@ pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
     Arch::new().dispatch(Multiply(matrix, x, target));
 }
 
+/// [`multiply_add`] for some matrices, each with its x and target, of small ones together.
+pub fn multiply_add_each<const K: usize>(products: [(&[f64], &[f64], &mut [f64]); K]) {
+    struct Multiply<'a, const K: usize>([(&'a [f64], &'a [f64], &'a mut [f64]); K]);
+    impl<const K: usize> WithSimd for Multiply<'_, K> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) {
+            for (matrix, x, target) in self.0 {
+                if is_narrow::<S>(target.len(), x.len()) {
+                    multiply_narrow(simd, matrix, x.iter().map(|x| [*x]), [target]);
+                } else {
+                    multiply_wide(simd, matrix, x, target);
+                }
+            }
+        }
+    }
+    for (matrix, x, target) in &products {
+        assert_eq!(matrix.len(), x.len() * target.len(), "one column per x, one row per target");
+    }
+    Arch::new().dispatch(Multiply(products));
+}
+
 /// [`multiply_add`] for two x and targets of the same lengths at once: a matrix of few rows is read once.
 pub fn multiply_add_pair(matrix: &[f64], x: [&[f64]; 2], targets: [&mut [f64]; 2]) {
     struct Multiply<'a>(&'a [f64], [&'a [f64]; 2], [&'a mut [f64]; 2]);

@@ -32,6 +32,13 @@ use bodies::Bodies;
 use fading::Fading;
 use split::Split;
 
+/// Part of the tolerance that the pressure may lose by operators in single precision. What their rounding makes of the shape is as
+/// rough as the cells, and the pressure of that grows with their number.
+const ROUNDING: f64 = 0.02;
+
+/// Cells from which operators pass faster in single precision: those of fewer stay near at hand.
+const MANY: usize = 72;
+
 /// Where operators kept from step to step are made.
 #[derive(Clone, Copy, Debug, Default)]
 struct Reference {
@@ -130,13 +137,16 @@ impl Heat {
             .into_iter()
             .fold(0.0, f64::max);
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
+        let rounded = f64::from(f32::EPSILON) * count as f64;
+        let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
+        let split = || Split::new(operators.cells.widths(), &operators.radius_ratio, conductance);
         let mut bodies = bodies.copies();
         // The first preparation takes memory, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         Heat {
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            splits: [(); 2].map(|()| Split::new(&operators.radius_ratio, conductance)),
+            splits: [(); 2].map(|()| if rough { split().in_single_precision() } else { split() }),
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             friction: pair(),
@@ -164,7 +174,7 @@ impl Heat {
             felt: zeros(),
             difference: zeros(),
             growth: FastestGrowth::new(&operators.scene, smallest),
-            watched: Split::new(&operators.radius_ratio, conductance),
+            watched: split(),
             matrix: vec![0.0; count * count],
             base: pair(),
             base_distortion: pair(),

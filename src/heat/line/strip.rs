@@ -175,7 +175,7 @@ impl StripHeat {
         let observed = &operators.mean.contact_temperature;
         let level = self.held_mean(state) + self.held_background(observed, state, surroundings, given);
         // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
-        let covered = 1.0 - operators.free_length() / operators.period;
+        let covered = 1.0 - operators.free_length / operators.period;
         let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
         let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
         [given + covered * returned, returned]
@@ -204,7 +204,7 @@ impl StripHeat {
 
     /// Cooling flux on the free surface as a mean over the period.
     fn free_cooling(&self, surroundings: &Surroundings) -> f64 {
-        surroundings.cooling * self.operators.free_length() / self.operators.period
+        surroundings.cooling * self.operators.free_length / self.operators.period
     }
 }
 
@@ -357,7 +357,7 @@ impl LineHeat for StripHeat {
         let operators = &*self.operators;
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
-        let free = operators.free_length();
+        let free = operators.free_length;
         if operators.fresh {
             return everywhere;
         }
@@ -374,7 +374,7 @@ impl LineHeat for StripHeat {
         let mean = &operators.mean;
         let [entering, returned] = self.held_fluxes(state, surroundings, flux);
         let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
-        let width = operators.period - operators.free_length();
+        let width = operators.period - operators.free_length;
         [flow(&mean.ambient_flow) - width * returned, flow(&mean.base_flow)]
     }
 

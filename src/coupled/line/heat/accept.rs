@@ -12,24 +12,30 @@ const ZONE: f64 = 0.1;
 /// Error, in units of the tolerance, below which it need not be known but only bounded.
 const SMALL: f64 = 0.15;
 
-/// How much more a body may answer than at the velocity of the reference.
+/// How much more a body may answer than at the velocity of the reference, where it has another.
 const ALLOWANCE: f64 = 2.0;
 
 impl Line {
-    /// A bound of [`Line::heat_error`] that costs nothing.
+    /// A bound of [`Line::heat_error`] that costs hardly anything.
     fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
         let Some(heat) = &mut self.heat else { return 0.0 };
+        let cells = &self.operators.cells;
         let (mut moved, mut warmed, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
         for (side, [of_temperature, of_distortion]) in heat.splits[1].norms().iter().enumerate() {
-            let [first, end] = &heat.flux;
-            let fluxes = heat.difference.iter_mut().zip(first[side].iter().zip(&end[side]));
-            fluxes.for_each(|(difference, (first, end))| *difference = end - first);
-            let change = largest(&heat.difference);
+            let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(cells.widths());
+            let room = heat.difference.iter_mut().zip(&mut heat.sums[0]);
+            for ((difference, weighted), ((first, end), c)) in room.zip(fluxes) {
+                *difference = end - first;
+                *weighted = c * *difference;
+            }
+            let square = dense::dot(&heat.difference, &heat.sums[0]);
+            let change = (square / (2.0 * cells.half_width())).sqrt();
             moved += of_distortion * change;
             warmed = warmed.max(of_temperature * change);
             rise = rise.max(largest(&heat.temperature[1][side]));
         }
-        let share = ALLOWANCE * (0.5 - GAMMA);
+        let known = heat.reference.exact || heat.renewed[1];
+        let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
         (share * moved / bound).max(share * warmed / (self.operators.scene.tolerance * rise))
     }
 

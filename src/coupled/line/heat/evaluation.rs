@@ -193,7 +193,7 @@ impl Heat {
         if self.exact[s] {
             // What the strip gives the punch gets.
             if self.bodies.iter().all(Option::is_some) && self.expands.contains(&true) {
-                dense::multiply_add(self.splits[s].across(), &self.flux[s][0], moved);
+                self.splits[s].distort_across(&self.flux[s][0], moved);
             }
         } else {
             self.difference.iter_mut().zip(&self.pressure).for_each(|(less, pressure)| *less = -pressure);
@@ -277,19 +277,18 @@ impl Heat {
             let [punch, strip] = &mut self.temperature[s];
             punch.copy_from_slice(&self.base[0]);
             if let Some(own) = &self.bodies[0] {
-                dense::multiply_add(own.gains(stage).temperature.as_slice(), &self.flux[s][0], punch);
+                self.splits[s].warm_punch(own.gains(stage), &self.flux[s][0], punch);
             }
             let [taken, given] = &self.flux[s];
             for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
                 *strip = punch - self.half_resistance * (given - taken);
             }
-            // It does not hold on open cells.
-            if let Some(own) = &self.bodies[1] {
-                let gains = &own.gains(stage).temperature;
-                for &i in self.splits[s].open() {
-                    let risen = given.iter().enumerate().map(|(j, given)| gains[(i, j)] * given);
-                    strip[i] = self.base[1][i] + risen.sum::<f64>();
-                }
+            // It does not hold on open cells, whose surfaces are apart.
+            let open = self.splits[s].open();
+            if open.len() == strip.len() {
+                strip.copy_from_slice(&self.base[1]);
+            } else {
+                open.iter().zip(self.splits[s].apart()).for_each(|(&i, apart)| strip[i] = punch[i] - apart);
             }
             return;
         }

@@ -113,7 +113,7 @@ mod tests {
         let (slip, coefficient, fall) = (3.0, 0.4, 1e-3);
         let pressure: Vec<f64> = (0..count).map(|i| 10.0 + 3.0 * i as f64).collect();
         for pair in [[Some(&punch), Some(&strip)], [Some(&punch), None], [None, Some(&strip)]] {
-            let mut split = Split::new(&vec![1.0; count], 4.0);
+            let mut split = Split::new(&vec![1.0; count], &vec![1.0; count], 4.0);
             split.build((1.0, 0.0), pair);
             split.close(&[true; 6]);
             let mut fading = Fading::new(count);

@@ -190,9 +190,10 @@ impl Modes {
         let Scratch { heat, folded, .. } = scratch;
         self.fold(flux, folded);
         heat.fill(0.0);
-        for (part, folded) in self.parts.iter().zip(folded) {
-            dense::multiply_add(&part.integrals, folded, &mut heat[part.modes.clone()]);
-        }
+        let [even, odd] = &self.parts;
+        let (even_heat, odd_heat) = heat.split_at_mut(even.modes.len());
+        let [even_flux, odd_flux] = folded;
+        dense::multiply_add_each([(&even.integrals, even_flux, even_heat), (&odd.integrals, odd_flux, odd_heat)]);
     }
 
     /// Adds to every state's value the heat of its mode times its weight.
@@ -209,10 +210,13 @@ impl Modes {
         for ((contact, value), mode) in contact.iter().zip(&*values).zip(&self.mode) {
             surface[*mode] += contact * value;
         }
-        for (part, shown) in self.parts.iter().zip(&mut *shown) {
-            shown.fill(0.0);
-            dense::multiply_add(&part.means, &surface[part.modes.clone()], shown);
-        }
+        shown.iter_mut().for_each(|shown| shown.fill(0.0));
+        let [even, odd] = &self.parts;
+        let [even_shown, odd_shown] = &mut *shown;
+        dense::multiply_add_each([
+            (&even.means, &surface[even.modes.clone()], even_shown),
+            (&odd.means, &surface[odd.modes.clone()], odd_shown),
+        ]);
         self.unfold_onto(shown, temperature);
     }
 
@@ -224,10 +228,13 @@ impl Modes {
     /// Adds to the cells' distortion that by the states in the scratch.
     pub fn distort(&self, scratch: &mut Scratch, distortion: &mut [f64]) {
         let Scratch { values, shown, .. } = scratch;
-        for (part, shown) in self.parts.iter().zip(&mut *shown) {
-            shown.fill(0.0);
-            dense::multiply_add(&part.distortion, &values[part.states.clone()], shown);
-        }
+        shown.iter_mut().for_each(|shown| shown.fill(0.0));
+        let [even, odd] = &self.parts;
+        let [even_shown, odd_shown] = &mut *shown;
+        dense::multiply_add_each([
+            (&even.distortion, &values[even.states.clone()], even_shown),
+            (&odd.distortion, &values[odd.states.clone()], odd_shown),
+        ]);
         self.unfold_onto(shown, distortion);
     }
 

@@ -89,6 +89,8 @@ pub struct Operators {
     pub widths: Vec<f64>,
     pub half: usize,
     pub period: f64,
+    /// Length of the surface beside the contact, m.
+    pub free_length: f64,
     pub convection: f64,
     pub waves: Vec<Wave>,
     /// Their wave numbers, 1/m.
@@ -271,6 +273,7 @@ impl Operators {
         let mut operators = Operators {
             half: shapes.half(),
             period,
+            free_length: (period - widths.iter().sum::<f64>()).max(0.0),
             convection,
             weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),
             levels,
@@ -326,11 +329,6 @@ impl Operators {
         (sum, tilt)
     }
 
-    /// Length of the surface beside the contact, m.
-    pub fn free_length(&self) -> f64 {
-        (self.period - self.widths.iter().sum::<f64>()).max(0.0)
-    }
-
     /// Number of states before those of the waves: of the mean wave, and on fresh material once more without the contact.
     pub fn mean_states(&self) -> usize {
         if self.fresh { 2 * self.mean.count } else { self.mean.count }
@@ -360,33 +358,36 @@ impl Operators {
 
     /// Even and odd parts of the heat (W/m) that fluxes into the cells carry.
     pub fn fold(&self, flux: &[f64], parts: &mut [Vec<f64>; 2]) {
-        let count = self.widths.len();
-        for a in 0..self.half {
-            let mirror = count - 1 - a;
-            let (left, right) = (self.widths[a] * flux[a], self.widths[mirror] * flux[mirror]);
-            (parts[0][a], parts[1][a]) = if mirror == a { (left, 0.0) } else { (left + right, left - right) };
+        let [even, odd] = parts;
+        let cells = flux.iter().zip(&self.widths);
+        for ((even, odd), ((flux, width), (far, far_width))) in
+            even.iter_mut().zip(odd.iter_mut()).zip(cells.clone().zip(cells.rev()))
+        {
+            let (left, right) = (width * flux, far_width * far);
+            (*even, *odd) = (left + right, left - right);
+        }
+        if flux.len() % 2 == 1 {
+            let middle = self.half - 1;
+            (even[middle], odd[middle]) = (self.widths[middle] * flux[middle], 0.0);
         }
     }
 
     /// Adds even and odd parts to values on all cells.
     pub fn unfold_onto(&self, parts: [&[f64]; 2], values: &mut [f64]) {
-        let count = self.widths.len();
-        for a in 0..self.half {
-            values[a] += parts[0][a] + parts[1][a];
-            if count - 1 - a != a {
-                values[count - 1 - a] += parts[0][a] - parts[1][a];
-            }
-        }
+        let (left, right) = values.split_at_mut(self.half);
+        let [even, odd] = parts;
+        left.iter_mut().zip(even.iter().zip(odd)).for_each(|(value, (even, odd))| *value += even + odd);
+        right.iter_mut().rev().zip(even.iter().zip(odd)).for_each(|(value, (even, odd))| *value += even - odd);
     }
 
     /// Amplitude of every wave in the fluxes: `sum c_j q_j exp(-iq x_j)`.
     pub fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [Vec<f64>; 2]) {
         self.fold(flux, parts);
         parts[1].iter_mut().for_each(|value| *value = -*value);
-        for ((matrix, part), heat) in self.shapes.transposed().into_iter().zip(parts).zip(heat) {
-            heat.fill(0.0);
-            dense::multiply_add(matrix, part, heat);
-        }
+        let ([even, odd], [even_part, odd_part], [re, im]) = (self.shapes.transposed(), parts, heat);
+        re.fill(0.0);
+        im.fill(0.0);
+        dense::multiply_add_each([(even, even_part, re), (odd, odd_part, im)]);
     }
 
     /// Values on the cells, of temperature and distortion: a level each plus what the waves of these amplitudes give.
@@ -412,9 +413,8 @@ impl Operators {
     /// One of them.
     pub fn observe_one(&self, amplitude: &[Vec<f64>; 2], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
         parts.iter_mut().for_each(|part| part.fill(0.0));
-        for ((matrix, amplitude), part) in self.seen.iter().zip(amplitude).zip(&mut *parts) {
-            dense::multiply_add(matrix, amplitude, part);
-        }
+        let ([even, odd], [re, im], [even_part, odd_part]) = (&self.seen, amplitude, &mut *parts);
+        dense::multiply_add_each([(even, re, even_part), (odd, im, odd_part)]);
         values.fill(level);
         self.unfold_onto([&parts[0], &parts[1]], values);
     }
