@@ -1,4 +1,5 @@
 use super::*;
+use crate::heat::line::GAMMA;
 use crate::heat::slab::Base;
 use crate::verification::reference::{ClosedPath, LayerBase, band_mean};
 
@@ -190,7 +191,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             let flux = nalgebra::DVector::from_column_slice(&end);
             let (warm, lifted) = (&gains.temperature * &flux, &gains.distortion * &flux);
             body.advance(&mut state, &air, &first, &end);
-            let gamma = crate::heat::line::GAMMA;
+            let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
             body.held(&state, &air, &end, velocity[1], &mut held);
             body.held_distortion(&state, &air, &end, velocity[1], &mut moved);
