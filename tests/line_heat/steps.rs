@@ -129,7 +129,7 @@ fn cooling_leaves_the_temperature_of_second_order() {
     let warm = run_up_to(0.01, 320, &[wear[0], still[0], still[1]])[1].clone();
     let [strong, boiling] = [1e5, 1e6].map(|most| both(["punch.convection_forced", "strip.convection_forced"], most));
     let mixed = [&[&moving[..], &radiation].concat(), &[air, moving, radiation].concat()];
-    for case in [&air[..], &mixed[0], &mixed[1], &strong, &boiling] {
+    for case in [&air[..], mixed[0], mixed[1], &strong, &boiling] {
         let changes = [case, &wear].concat();
         let runs = [40, 80, 160, 320].map(|parts| run_up_to(0.01, parts, &changes)[1].clone());
         let differences = [0, 1, 2].map(|k| distance(&runs[k], &runs[k + 1]));
