@@ -76,8 +76,8 @@ pub struct Heat {
     pub laws: [Vec<f64>; 2],
     /// What acts on the bodies besides the contact, in the step under way.
     pub surroundings: [Surroundings; 2],
-    /// Temperature of the cooled surfaces at its start, K above the reference.
-    cooled: [f64; 2],
+    /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at its start, K.
+    lagging: [f64; 2],
     /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
     pub distortion: Vec<f64>,
     /// Length of the step under way, s, and the velocities at its ends, m/s.
@@ -154,7 +154,7 @@ impl Heat {
             laws: pair(),
             surroundings: [Surroundings::default(); 2],
             distortion: zeros(),
-            cooled: [0.0; 2],
+            lagging: [0.0; 2],
             step: 0.0,
             velocity: [0.0; 2],
             reference: Reference::default(),
@@ -197,7 +197,7 @@ impl Clone for Heat {
             laws: self.laws.clone(),
             surroundings: self.surroundings,
             distortion: self.distortion.clone(),
-            cooled: self.cooled,
+            lagging: self.lagging,
             step: self.step,
             velocity: self.velocity,
             reference: self.reference,

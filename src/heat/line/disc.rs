@@ -19,7 +19,7 @@
 //! while it is not, and the mean of that over the contact is the mean over the circle.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
-use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -274,6 +274,10 @@ impl LineHeat for DiscHeat {
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
         self.ring.cooled_temperature(self.split(state).0, surroundings, flux)
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        self.ring.cooled_ahead(self.split(state).0, surroundings, first, end)
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

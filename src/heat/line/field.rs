@@ -20,7 +20,7 @@
 //! reference, not a level to run for long. The memory for all of it is taken when the body is made (the matrix product keeps
 //! some of its own for every thread, taken the first time that it runs there).
 
-use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::Cells;
 use crate::elastic::block::{
     Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalFactor, ThermalProperties,
@@ -85,6 +85,8 @@ struct Prepared {
     last_used: u64,
     factor: ThermalFactor,
     gains: Gains,
+    /// See [`CooledAhead::rise`].
+    cooled_rise: f64,
 }
 
 impl Prepared {
@@ -96,6 +98,7 @@ impl Prepared {
             last_used: 0,
             factor: operators.block.empty_factor(),
             gains: Gains { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
+            cooled_rise: 0.0,
         }
     }
 }
@@ -313,7 +316,37 @@ impl Operators {
             matmul(target, Accum::Replace, by_field.transpose(), responses.as_ref(), 1.0, Par::Seq);
         }
         (prepared.step, prepared.euler) = (step, euler);
+        let Room { workspace, start, early, late, .. } = room;
+        start.fill(0.0);
+        let fall = if euler { 0.0 } else { -1.0 };
+        let rising = Surroundings { cooling: 1.0, cooling_fall: fall, ..Surroundings::default() };
+        self.solve_both(prepared, start, None, &rising, workspace, [early, late]);
+        prepared.cooled_rise = self.cooled_mean(late);
         Ok(())
+    }
+
+    /// Solutions of both stages from `start`, which is lost, with the fluxes of both.
+    fn solve_both(
+        &self,
+        prepared: &Prepared,
+        start: &mut [f64],
+        fluxes: Option<[&[f64]; 2]>,
+        surroundings: &Surroundings,
+        workspace: &mut ThermalWorkspace,
+        [early, late]: [&mut [f64]; 2],
+    ) {
+        let until = surroundings.until(Stage::First);
+        self.solve(prepared, start, fluxes.map(|[first, _]| first), &until, workspace, early);
+        if prepared.euler {
+            return late.copy_from_slice(early);
+        }
+        extrapolate(start, early);
+        self.solve(prepared, start, fluxes.map(|[_, end]| end), surroundings, workspace, late);
+    }
+
+    /// Mean temperature of the sides, from the origin.
+    fn cooled_mean(&self, field: &[f64]) -> f64 {
+        dot(&self.sides, field) / (2.0 * self.properties.height)
     }
 
     /// The solution of a stage from `start`.
@@ -417,10 +450,11 @@ impl LineHeat for FieldHeat {
         let origin = operators.origin(surroundings);
         let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         operators.field(state, origin, start);
+        let until = surroundings.until(Stage::First);
         if stage == Stage::First || prepared.euler {
-            operators.solve(prepared, start, None, surroundings, workspace, late);
+            operators.solve(prepared, start, None, &until, workspace, late);
         } else {
-            operators.solve(prepared, start, Some(known), surroundings, workspace, early);
+            operators.solve(prepared, start, Some(known), &until, workspace, early);
             extrapolate(start, early);
             operators.solve(prepared, start, None, surroundings, workspace, late);
         }
@@ -433,20 +467,13 @@ impl LineHeat for FieldHeat {
         let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         let before = operators.stored(state);
         operators.field(state, origin, start);
-        operators.solve(prepared, start, Some(first), surroundings, workspace, early);
-        let flow = operators.ambient_flow(early, surroundings);
-        let ambient = if prepared.euler {
-            late.copy_from_slice(early);
-            flow
-        } else {
-            extrapolate(start, early);
-            operators.solve(prepared, start, Some(end), surroundings, workspace, late);
-            (1.0 - GAMMA) * flow + GAMMA * operators.ambient_flow(late, surroundings)
-        };
+        operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [&mut *early, &mut *late]);
+        let flows = [early, &mut *late].map(|field| operators.ambient_flow(field, surroundings));
+        let ambient = if prepared.euler { flows[1] } else { (1.0 - GAMMA) * flows[0] + GAMMA * flows[1] };
         let heat = |flux: &[f64]| flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>();
         let received = step * ((1.0 - GAMMA) * heat(first) + GAMMA * heat(end));
         let length = 2.0 * operators.properties.height * operators.cooled;
-        let lost = step * (ambient - length * surroundings.cooling);
+        let lost = step * (ambient - length * surroundings.mean_cooling());
         let degrees = operators.degrees();
         for ((state, field), uniform) in state.iter_mut().zip(&*late).zip(&operators.uniform) {
             *state = field + origin * uniform;
@@ -482,9 +509,17 @@ impl LineHeat for FieldHeat {
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> f64 {
-        self.of_state(state, surroundings, |operators, field, origin| {
-            dot(&operators.sides, field) / (2.0 * operators.properties.height) + origin
-        })
+        self.of_state(state, surroundings, |operators, field, origin| operators.cooled_mean(field) + origin)
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let (operators, prepared) = (&*self.operators, self.prepared());
+        let origin = operators.origin(surroundings);
+        let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        operators.field(state, origin, start);
+        operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [early, late]);
+        let temperature = operators.cooled_mean(late) + origin;
+        CooledAhead { temperature, rise: prepared.cooled_rise, lagging: 0.0 }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; 2] {

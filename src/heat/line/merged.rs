@@ -3,7 +3,7 @@
 //! With the flux of a group on all its cells (P) and the mean over its cells weighted with their widths (R) the answer of the
 //! body is `R G P`: exactly what cells of that size would get. States and account are those of the body itself.
 
-use super::{Account, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::Merging;
 use nalgebra::DMatrix;
 use std::cell::RefCell;
@@ -127,6 +127,13 @@ impl LineHeat for MergedHeat {
         self.body.cooled_temperature(state, surroundings, fluxes)
     }
 
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let [early, late, ..] = &mut *self.scratch.borrow_mut();
+        self.merging.spread(first, early);
+        self.merging.spread(end, late);
+        self.body.cooled_ahead(state, surroundings, early, late)
+    }
+
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let [fluxes, ..] = &mut *self.scratch.borrow_mut();
         self.merging.spread(flux, fluxes);
@@ -182,7 +189,7 @@ mod tests {
         assert_eq!(merged.fading(), body.fading());
         assert_eq!([merged.error(), merged.error_of_the_mean()], [body.error(), body.error_of_the_mean()]);
 
-        let air = Surroundings { cooling: -400.0, ambient: 5.0, far: 3.0 };
+        let air = Surroundings { cooling: -400.0, ambient: 5.0, far: 3.0, ..Surroundings::default() };
         let [groups_first, groups_end] = [[3e4, 1e4, 5e4, 2e4, 4e4], [1e4, 6e4, 2e4, 5e4, 3e4]];
         let spread = |flux: &[f64]| {
             let mut fine = vec![0.0; 9];
@@ -221,6 +228,11 @@ mod tests {
             assert!(means.iter().all(|t| *t > 15.0) && depths.iter().all(|u| *u < 0.0), "{means:?} {depths:?}");
             let cooled = body.cooled_temperature(&state, &air, &end);
             assert_eq!(merged.cooled_temperature(&own, &air, &groups_end), cooled);
+            let [ahead, expected] = [
+                merged.cooled_ahead(&own, &air, &groups_first, &groups_end),
+                body.cooled_ahead(&state, &air, &first, &end),
+            ];
+            assert_eq!(ahead, expected);
             assert_eq!(merged.flows(&own, &air, &groups_end), body.flows(&state, &air, &end));
             assert_eq!(merged.mean_temperature(&own), body.mean_temperature(&state));
             assert_eq!(merged.account(&own), body.account(&state));

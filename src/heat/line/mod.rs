@@ -43,15 +43,48 @@ pub enum Stage {
     End,
 }
 
-/// What acts on a body besides the contact; constant over a step.
+/// What acts on a body besides the contact: constant over a step but for the cooling, which is linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surroundings {
-    /// Flux into the cooled surface beyond its constant convection (forced part, radiation), W/m2 of cooled area.
+    /// Flux into the cooled surface beyond its constant convection (forced part, radiation) at the end of the step, W/m2 of
+    /// cooled area.
     pub cooling: f64,
+    /// By how much it falls over the step.
+    pub cooling_fall: f64,
     /// Temperature of the air.
     pub ambient: f64,
     /// Prescribed temperature of the far face (punch top, strip base), where it is held or external.
     pub far: f64,
+}
+
+impl Surroundings {
+    /// The same from the start of the step to the stage.
+    fn until(&self, stage: Stage) -> Surroundings {
+        match stage {
+            Stage::First => Surroundings {
+                cooling: self.cooling + (1.0 - GAMMA) * self.cooling_fall,
+                cooling_fall: GAMMA * self.cooling_fall,
+                ..*self
+            },
+            Stage::End => *self,
+        }
+    }
+
+    /// Mean of the cooling over the step.
+    fn mean_cooling(&self) -> f64 {
+        self.cooling + 0.5 * self.cooling_fall
+    }
+}
+
+/// What is to be expected of the cooled surface at the end of the prepared step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CooledAhead {
+    /// Its mean temperature there.
+    pub temperature: f64,
+    /// By how much that rises with the cooling there, the cooling at the start held, K m2/W.
+    pub rise: f64,
+    /// What is in `temperature` as it is at the start of the step: the part that is not looked ahead for.
+    pub lagging: f64,
 }
 
 /// Response of the cells to the fluxes of one stage, N x N each, row: answering cell, column: heated cell.
@@ -106,7 +139,7 @@ pub trait LineHeat: Debug + Send {
     fn prepare(&mut self, step: f64, velocity: [f64; 2]);
 
     /// The same for one implicit Euler step, as an operator split takes it: both stages lie at the end of the step and
-    /// answer to a flux that is constant over it, which [`Self::advance`] takes twice.
+    /// answer to a flux that is constant over it, which [`Self::advance`] takes twice. So is the cooling.
     fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
 
     /// Response at `stage` to the fluxes of that stage.
@@ -169,6 +202,9 @@ pub trait LineHeat: Debug + Send {
 
     /// Mean temperature of the cooled surface, with the state held.
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64;
+
+    /// The cooled surface at the end of the prepared step, for the fluxes that are expected into the cells at both stages.
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead;
 
     /// Heat flows with the state held, W/m: to the air (without the flux `cooling`) and out of the far face.
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2];

@@ -13,7 +13,7 @@
 
 mod modes;
 
-use super::{Account, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -28,7 +28,7 @@ pub(super) const PORTS: usize = 3;
 const KEPT_STEPS: usize = 3;
 
 impl Surroundings {
-    /// Cooling, ambient, far: the order of all ports.
+    /// Cooling (at the end), ambient, far: the order of all ports.
     fn ports(&self) -> [f64; PORTS] {
         [self.cooling, self.ambient, self.far]
     }
@@ -118,6 +118,8 @@ struct Weights {
     euler: bool,
     last_used: u64,
     stages: [StageWeights; 2],
+    /// See [`CooledAhead::rise`].
+    cooled_rise: f64,
 }
 
 /// How a stage's states follow from those at the start of the step.
@@ -127,6 +129,8 @@ struct StageWeights {
     decay: Vec<f64>,
     /// Of inputs that are constant from the start to the stage, s.
     constant: Vec<f64>,
+    /// Of inputs that fall from 1 at the start to 0 at the stage, s.
+    falling: Vec<f64>,
     /// Of the heat that the fluxes known before the stage (see [`LineHeat::base`]) give to the mode, s times Z at the contact.
     known: Vec<f64>,
     /// The same of the fluxes of the stage itself.
@@ -185,10 +189,15 @@ impl ReducedHeat {
         &self.kept.get(self.current).expect("prepare comes before any step").stages[stage as usize]
     }
 
-    /// Puts into the scratch what the states are at a stage without its own flux.
-    fn carry(&self, scratch: &mut Scratch, state: &[f64], ports: &[f64; PORTS], stage: Stage, known: &[f64]) {
+    /// Puts into the scratch what the states are at a stage without its own flux; `until` are the surroundings until then.
+    fn carry(&self, scratch: &mut Scratch, state: &[f64], until: &Surroundings, stage: Stage, known: &[f64]) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
-        modes::decay(state, weights, &operators.input, ports, &mut scratch.values);
+        modes::decay(state, weights, &operators.input, &until.ports(), &mut scratch.values);
+        if until.cooling_fall != 0.0 {
+            let inputs = weights.falling.iter().zip(&operators.input[0]);
+            let values = scratch.values.iter_mut().zip(inputs);
+            values.for_each(|(value, (falling, input))| *value += falling * input * until.cooling_fall);
+        }
         self.modes.heat(known, scratch);
         self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
     }
@@ -255,25 +264,28 @@ impl Operators {
         let stage = || StageWeights {
             decay: states(),
             constant: states(),
+            falling: states(),
             known: states(),
             own: states(),
             gains: Gains { temperature: DMatrix::zeros(cells, cells), distortion: DMatrix::zeros(cells, cells) },
         };
-        Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()] }
+        Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()], cooled_rise: 0.0 }
     }
 
     fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
         (weights.step, weights.euler) = (step, euler);
         let [first, end] = &mut weights.stages;
         if euler {
-            for stage in [first, end] {
+            for stage in [&mut *first, &mut *end] {
                 for (k, &rate) in self.rate.iter().enumerate() {
                     stage.decay[k] = (1.0 + rate * step).recip();
                     stage.constant[k] = step * stage.decay[k];
+                    stage.falling[k] = 0.0;
                     (stage.known[k], stage.own[k]) = (0.0, self.contact[k] * stage.constant[k]);
                 }
                 self.fill_gains(modes, stage, scratch);
             }
+            weights.cooled_rise = self.cooled_rise(end);
             return;
         }
         for (k, &rate) in self.rate.iter().enumerate() {
@@ -282,17 +294,29 @@ impl Operators {
             first.decay[k] = (-early).exp();
             first.constant[k] = GAMMA * step * mean_decay(early);
             first.own[k] = contact * first.constant[k];
-            first.known[k] = contact * (GAMMA * step * first_moment(early));
+            first.falling[k] = GAMMA * step * first_moment(early);
+            first.known[k] = contact * first.falling[k];
             end.decay[k] = (-whole).exp();
             end.constant[k] = step * mean_decay(whole);
             // Flux q2 + (q2 - q1) (t - h)/((1 - gamma) h).
-            let known = step * first_moment(whole) / (1.0 - GAMMA);
+            end.falling[k] = step * first_moment(whole);
+            let known = end.falling[k] / (1.0 - GAMMA);
             end.known[k] = contact * known;
             end.own[k] = contact * (end.constant[k] - known);
         }
-        for stage in [first, end] {
+        for stage in [&mut *first, &mut *end] {
             self.fill_gains(modes, stage, scratch);
         }
+        weights.cooled_rise = self.cooled_rise(end);
+    }
+
+    /// See [`CooledAhead::rise`].
+    fn cooled_rise(&self, end: &StageWeights) -> f64 {
+        let weights = end.constant.iter().zip(&end.falling).zip(&self.input[0]);
+        let states = weights.zip(&self.cooled.states);
+        let by_states: f64 =
+            states.map(|(((constant, falling), input), seen)| seen * (constant - falling) * input).sum();
+        by_states + self.cooled.ports[0]
     }
 
     fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
@@ -345,19 +369,20 @@ impl LineHeat for ReducedHeat {
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
-        let (scratch, ports) = (&mut *self.scratch.borrow_mut(), surroundings.ports());
-        self.carry(scratch, state, &ports, stage, known);
-        self.observe(scratch, &ports, Some(temperature), Some(distortion));
+        let (scratch, until) = (&mut *self.scratch.borrow_mut(), surroundings.until(stage));
+        self.carry(scratch, state, &until, stage, known);
+        self.observe(scratch, &until.ports(), Some(temperature), Some(distortion));
     }
 
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        self.carry(&mut self.scratch.borrow_mut(), state, &surroundings.ports(), Stage::End, first);
+        self.carry(&mut self.scratch.borrow_mut(), state, surroundings, Stage::End, first);
         self.advance_from_end(state, surroundings, first, end);
     }
 
     fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let (operators, ports) = (&*self.operators, surroundings.ports());
-        let step = self.kept[self.current].step;
+        let (operators, step) = (&*self.operators, self.kept[self.current].step);
+        let [_, ambient, far] = surroundings.ports();
+        let ports = [surroundings.mean_cooling(), ambient, far];
         let (states, tallies) = state.split_at_mut(operators.states());
         // The last base asked for has left what the states are without the last flux.
         let scratch = &mut *self.scratch.borrow_mut();
@@ -371,7 +396,7 @@ impl LineHeat for ReducedHeat {
             tallies[tally as usize] += step * (over_step(&passed.fluxes) + dot(&passed.ports, &ports));
         }
         // The flux into the cooled surface is heat from the air.
-        tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.cooling;
+        tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.mean_cooling();
         tallies[Tally::FarTemperature as usize] = surroundings.far;
     }
 
@@ -400,6 +425,18 @@ impl LineHeat for ReducedHeat {
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
         self.operators.cooled.of(&state[..self.operators.states()], flux, &surroundings.ports())
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.carry(scratch, state, surroundings, Stage::End, first);
+        self.modes.heat(end, scratch);
+        self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
+        CooledAhead {
+            temperature: self.operators.cooled.of(&scratch.values, end, &surroundings.ports()),
+            rise: self.kept[self.current].cooled_rise,
+            lagging: 0.0,
+        }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

@@ -42,7 +42,7 @@ pub use depth::Expansion;
 pub(super) use depth::dilatation;
 pub use operators::{Path, Resolution, StripProperties};
 
-use super::{Account, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
@@ -133,6 +133,7 @@ impl StripHeat {
         let mean = &self.operators.mean;
         let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
         let states = self.mean_states(self.operators.background(state), surroundings, weights, fluxes);
+        let surroundings = surroundings.until(weights.stage());
         [&mean.contact_temperature, &mean.mean_temperature].map(|observed| {
             observed.of_states(&states, mean.count)
                 + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
@@ -150,16 +151,19 @@ impl StripHeat {
         fluxes: [f64; 2],
     ) -> [f64; MAX_STATES] {
         let mean = &self.operators.mean;
+        let surroundings = surroundings.until(weights.stage());
         let mut states = [0.0; MAX_STATES];
         for (k, value) in states.iter_mut().enumerate().take(mean.count) {
             let [known, own] = weights.mean_weight[k];
             let whole = if weights.at_end { known + own } else { own };
+            let falling = weights.falling(known);
             let constant = mean.input[CONTACT][k] * surroundings.cooling
                 + mean.input[AMBIENT][k] * surroundings.ambient
                 + mean.input[BASE][k] * surroundings.far;
             *value = weights.mean_factor[k] * state[k]
                 + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
-                + whole * constant;
+                + whole * constant
+                + falling * mean.input[CONTACT][k] * surroundings.cooling_fall;
         }
         states
     }
@@ -268,7 +272,10 @@ impl LineHeat for StripHeat {
     ) {
         let scratch = &mut *self.scratch.borrow_mut();
         match stage {
-            Stage::First => scratch.first.copy_from_slice(known),
+            Stage::First => {
+                let fall = surroundings.until(stage).cooling_fall;
+                scratch.first.iter_mut().zip(known).for_each(|(value, deviation)| *value = deviation - fall);
+            }
             Stage::End => {
                 self.project_first(scratch, state, surroundings);
                 self.effective_first(scratch, surroundings, known);
@@ -367,6 +374,32 @@ impl LineHeat for StripHeat {
         } else {
             everywhere
         }
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let (operators, weights) = (&*self.operators, &self.step.end);
+        let mean = &operators.mean;
+        let free = operators.free_length() / operators.period;
+        let [_, returned] = self.held_fluxes(state, surroundings, first);
+        let covered = |stage| (1.0 - free) * (returned - surroundings.until(stage).cooling);
+        let fluxes =
+            [(first, Stage::First), (end, Stage::End)].map(|(flux, stage)| self.mean_flux(flux, covered(stage)));
+        // Of the whole strip, also where the contact does not see what it leaves behind.
+        let states = self.mean_states(state, surroundings, weights, fluxes);
+        let observed = &mean.contact_temperature;
+        let level = observed.of_states(&states, mean.count)
+            + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
+            + observed.direct[AMBIENT] * surroundings.ambient
+            + observed.direct[BASE] * surroundings.far;
+        let mut rise = observed.direct[CONTACT];
+        for k in 0..mean.count {
+            let [known, own] = weights.mean_weight[k];
+            rise += observed.states[k] * mean.input[CONTACT][k] * (known + own - weights.falling(known));
+        }
+        // What the waves have under the contact they lack beside it: see `cooled_temperature`.
+        let lacking = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
+        let lagging = -lacking * self.held_mean(state);
+        CooledAhead { temperature: level + lagging, rise: free * rise, lagging }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

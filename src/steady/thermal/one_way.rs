@@ -265,7 +265,7 @@ impl Problem<'_> {
             let body = if side == 0 { &scene.punch } else { &scene.strip };
             let held = body.far_thermal == crate::scene::ThermalBoundary::Held && body.far_temperature > 0.0;
             let far = if held { body.far_temperature - scene.ambient_temperature } else { 0.0 };
-            Surroundings { cooling: self.cooling(side, cooled[side]).0, ambient: 0.0, far }
+            Surroundings { cooling: self.cooling(side, cooled[side]).0, far, ..Surroundings::default() }
         })
     }
 

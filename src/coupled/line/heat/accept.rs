@@ -117,7 +117,7 @@ impl Line {
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
             state.cooling[side] = heat.surroundings[side].cooling;
         }
-        (state.cooled, state.last_step) = (heat.cooled, step);
+        (state.lagging, state.last_step) = (heat.lagging, step);
         let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);
         for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
             let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);

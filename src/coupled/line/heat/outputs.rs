@@ -21,7 +21,12 @@ impl Line {
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);
         let cooling = self.state.heat.as_ref().map_or([0.0; 2], |heat| heat.cooling);
         let far = [conditions.punch_far, conditions.strip_far];
-        std::array::from_fn(|side| Surroundings { cooling: cooling[side], ambient: conditions.ambient, far: far[side] })
+        std::array::from_fn(|side| Surroundings {
+            cooling: cooling[side],
+            ambient: conditions.ambient,
+            far: far[side],
+            ..Surroundings::default()
+        })
     }
 
     /// Temperatures and heat flows.
@@ -120,9 +125,9 @@ impl Line {
             let Some(own) = &heat.bodies[side] else { continue };
             // Linear in what acts: a difference is the derivative.
             let moved = Surroundings {
-                cooling: around.cooling,
                 ambient: around.ambient + conditions.ambient.derivative,
                 far: around.far + far[side],
+                ..*around
             };
             let of = |around| own.flows(&state.bodies[side], around, &state.flux[side]);
             let (now, then) = (of(around), of(&moved));

@@ -8,8 +8,12 @@ use crate::coupled::line::path::Path;
 use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::lumped::operators::BodyOperators;
 use crate::heat::STEFAN_BOLTZMANN;
-use crate::heat::line::{Stage, Surroundings};
+use crate::heat::line::{GAMMA, Stage, Surroundings};
 use crate::scene::{Body, Scheme};
+
+/// Iterations of Newton's method for the flux into a cooled surface, whose law is convex, and the change at which they end.
+const MOST_ITERATIONS: usize = 20;
+const AGREEMENT: f64 = 1e-12;
 
 /// Travel within which heat under the contact answers as at the reference, in lengths of diffusion over the step.
 const REACH: f64 = 0.25;
@@ -43,28 +47,52 @@ impl Line {
             faded,
         };
         let reference = self.mean.state().reference;
-        let inputs = Inputs::from_array(path.inputs(start + 0.5 * step));
-        let conditions = Conditions::new(&operators.mean, &self.tunables, reference, &inputs);
+        let conditions = |time: f64| {
+            let inputs = Inputs::from_array(path.inputs(time));
+            Conditions::new(&operators.mean, &self.tunables, reference, &inputs)
+        };
+        let middle = conditions(start + 0.5 * step);
         let scene = &operators.scene;
         (heat.step, heat.velocity) = (step, velocity);
-        let far = [conditions.punch_far, conditions.strip_far];
+        let far = [middle.punch_far, middle.strip_far];
         let each: [(&BodyOperators, &Body, f64); 2] =
             [(&operators.mean.punch, &scene.punch, 1.0), (&operators.mean.strip, &scene.strip, cooled_part(scene))];
         for (side, (mean, body, part)) in each.into_iter().enumerate() {
-            let ambient = conditions.ambient;
-            let mut around = Surroundings { cooling: state.cooling[side], ambient, far: far[side] };
+            let ambient = middle.ambient;
+            let mut around = Surroundings { cooling: state.cooling[side], cooling_fall: 0.0, ambient, far: far[side] };
             if let Some(own) = &mut heat.bodies[side] {
                 match monolithic {
                     true => own.prepare(step, velocity),
                     false => own.prepare_euler(step, velocity),
                 }
                 if mean.variable_cooling {
-                    let now = own.cooled_temperature(&state.bodies[side], &around, &state.flux[side]);
-                    heat.cooled[side] = now;
-                    // The flux of the whole step is that of its middle: as the temperature goes on.
-                    let rate = if state.last_step > 0.0 { (now - state.cooled[side]) / state.last_step } else { 0.0 };
-                    let t = now + 0.5 * step * rate;
-                    around.cooling = part * cooling(body, reference, t, ambient, conditions.forced);
+                    let [from, to] = [start, start + step].map(conditions);
+                    let law = |t: f64, at: &Conditions| {
+                        cooling(body, reference, t, at.ambient, at.forced).map(|value| part * value)
+                    };
+                    let held = |cooling: f64| {
+                        let around = Surroundings { cooling, ..around };
+                        own.cooled_temperature(&state.bodies[side], &around, &state.flux[side])
+                    };
+                    let (last, now) = (around.cooling, held(around.cooling));
+                    // What jumps with the inputs is felt at once, in part.
+                    let begin = balance(last, now, held(last + 1.0) - now, |t| law(t, &from));
+                    // The contact's fluxes as they have changed so far.
+                    let [first, end] = &mut heat.flux;
+                    let slopes = state.flux[side].iter().zip(&state.slope[side]);
+                    let expected = first[side].iter_mut().zip(&mut end[side]).zip(slopes);
+                    for ((first, end), (flux, slope)) in expected {
+                        (*first, *end) = (flux + GAMMA * step * slope, flux + step * slope);
+                    }
+                    around.cooling = begin;
+                    let ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
+                    let drift = match state.last_step > 0.0 {
+                        true => step / state.last_step * (ahead.lagging - state.lagging[side]),
+                        false => 0.0,
+                    };
+                    heat.lagging[side] = ahead.lagging;
+                    around.cooling = balance(begin, ahead.temperature + drift, ahead.rise, |t| law(t, &to));
+                    around.cooling_fall = if monolithic { begin - around.cooling } else { 0.0 };
                 }
             }
             heat.surroundings[side] = around;
@@ -79,8 +107,25 @@ impl Heat {
     }
 }
 
-/// Flux (W/m2 of cooled area) into a surface of the temperature `t` by moving air and radiation; K above the reference.
-fn cooling(body: &Body, reference: f64, t: f64, ambient: f64, forced: f64) -> f64 {
-    let fourth = |t: f64| (t + reference).powi(4);
-    (ambient - t) * forced * body.convection_forced + STEFAN_BOLTZMANN * body.emissivity * (fourth(ambient) - fourth(t))
+/// The flux into a cooled surface that follows from the temperature that it has with this flux: `t` with the flux `guess`, and by
+/// `rise` more with a unit more. `law` is the flux by the temperature, and how it falls with that.
+fn balance(guess: f64, t: f64, rise: f64, law: impl Fn(f64) -> [f64; 2]) -> f64 {
+    let mut flux = guess;
+    for _ in 0..MOST_ITERATIONS {
+        let [lost, fall] = law(t + rise * (flux - guess));
+        let change = (lost - flux) / (1.0 + rise * fall);
+        flux += change;
+        if change.abs() <= AGREEMENT * flux.abs() {
+            break;
+        }
+    }
+    flux
+}
+
+/// Flux (W/m2 of cooled area) into a surface of the temperature `t` by moving air and radiation, and how it falls with t; K above the
+/// reference.
+fn cooling(body: &Body, reference: f64, t: f64, ambient: f64, forced: f64) -> [f64; 2] {
+    let (hot, air) = ((t + reference).max(0.0), ambient + reference);
+    let (moving, radiation) = (forced * body.convection_forced, STEFAN_BOLTZMANN * body.emissivity);
+    [(ambient - t) * moving + radiation * (air.powi(4) - hot.powi(4)), moving + 4.0 * radiation * hot.powi(3)]
 }

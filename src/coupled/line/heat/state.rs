@@ -24,11 +24,11 @@ pub struct HeatState {
     pub faded: f64,
     /// Friction heat of all steps, J per m of depth.
     pub dissipated: f64,
-    /// Heat flux into the cooled surfaces beyond the constant heat transfer in the last step, W/m2.
+    /// Heat flux into the cooled surfaces beyond the constant heat transfer at the end of the last step, W/m2.
     pub cooling: [f64; 2],
-    /// Temperature of the cooled surfaces at the start of the last step, and its length, s (0: none yet).
-    pub cooled: [f64; 2],
-    /// See `cooled`.
+    /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at the start of the last step, K.
+    pub lagging: [f64; 2],
+    /// Length of the last step, s (0: none yet).
     pub last_step: f64,
     /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
     pub start: [[f64; 4]; 2],
@@ -89,7 +89,7 @@ impl HeatState {
             faded,
             dissipated: 0.0,
             cooling: [0.0; 2],
-            cooled: [0.0; 2],
+            lagging: [0.0; 2],
             last_step: 0.0,
             start: [[0.0; 4]; 2],
         };
@@ -169,7 +169,7 @@ impl HeatState {
             faded,
             dissipated,
             cooling,
-            cooled,
+            lagging,
             last_step,
             start,
         } = self;
@@ -179,7 +179,7 @@ impl HeatState {
             .chain(distortion)
             .chain([velocity, last, fade, faded, dissipated, last_step])
             .chain(cooling)
-            .chain(cooled)
+            .chain(lagging)
             .chain(start.iter_mut().flatten())
     }
 
@@ -205,7 +205,7 @@ impl HeatState {
         self.distortion.copy_from_slice(&other.distortion);
         (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);
-        (self.cooled, self.last_step) = (other.cooled, other.last_step);
+        (self.lagging, self.last_step) = (other.lagging, other.last_step);
     }
 
     /// Appends all numbers.

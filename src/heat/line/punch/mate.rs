@@ -145,8 +145,12 @@ mod tests {
                 let flux =
                     |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
                 let (first, end) = (flux(i), flux(i + 1));
-                run.surroundings =
-                    Surroundings { cooling: -20.0, ambient: 3.0, far: if i % 50 < 25 { -10.0 } else { 4.0 } };
+                run.surroundings = Surroundings {
+                    cooling: -20.0,
+                    cooling_fall: 7.0,
+                    ambient: 3.0,
+                    far: if i % 50 < 25 { -10.0 } else { 4.0 },
+                };
                 let step = [1e-3, 0.7, 40.0][i as usize % 3];
                 run.step(step, &first, &end);
                 let both = first.iter().zip(&end).map(|(first, end)| (1.0 - GAMMA) * first + GAMMA * end);
@@ -169,7 +173,7 @@ mod tests {
         let cells = Cells::graded(0.0195, 9).unwrap();
         for changes in COOLED {
             let mut run = run(&scene(changes), &cells);
-            run.surroundings = Surroundings { cooling: 0.0, ambient: 7.0, far: 7.0 };
+            run.surroundings = Surroundings { ambient: 7.0, far: 7.0, ..Surroundings::default() };
             run.heat.uniform(7.0, &mut run.state);
             for _ in 0..10 {
                 run.step(3.0, &[0.0; 9], &[0.0; 9]);

@@ -220,8 +220,12 @@ fn heat_is_accounted_for() {
             let flux =
                 |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
             let (first, end) = (flux(i), flux(i + 1));
-            run.surroundings =
-                Surroundings { cooling: -20.0, ambient: 3.0, far: if i % 50 < 25 { -10.0 } else { 4.0 } };
+            run.surroundings = Surroundings {
+                cooling: -20.0,
+                cooling_fall: 7.0,
+                ambient: 3.0,
+                far: if i % 50 < 25 { -10.0 } else { 4.0 },
+            };
             let step = [1e-3, 0.7, 40.0][i as usize % 3];
             run.step(step, &first, &end);
             entered += step
@@ -235,6 +239,7 @@ fn heat_is_accounted_for() {
         let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
         // The account follows the flows.
+        run.surroundings.cooling_fall = 0.0;
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);
         let before = run.heat.account(&run.state);
@@ -256,7 +261,7 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
     for changes in [&[][..], &[("punch.convection", 300.0)], &[("punch.top_thermal", 2.0), ("punch.convection", 300.0)]]
     {
         let mut run = Run::new(&scene(changes), &cells, 1e-3, 100.0);
-        run.surroundings = Surroundings { cooling: 0.0, ambient: 7.0, far: 7.0 };
+        run.surroundings = Surroundings { ambient: 7.0, far: 7.0, ..Surroundings::default() };
         run.heat.uniform(7.0, &mut run.state);
         for _ in 0..10 {
             run.step(3.0, &[0.0; 9], &[0.0; 9]);
@@ -284,6 +289,38 @@ fn forced_cooling_takes_the_heat_of_the_sides() {
     assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
     let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
     assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
+}
+
+#[test]
+fn cooling_that_falls_over_a_step_falls_over_its_parts() {
+    let cells = cells(9);
+    let scene = scene(&[("punch.top_thermal", 2.0), ("punch.convection", 30.0)]);
+    let (mut run, mut parts) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
+    let (zero, step, fall) = ([0.0; 9], 5.0, 300.0);
+    run.heat.uniform(20.0, &mut run.state);
+    parts.state.copy_from_slice(&run.state);
+    run.surroundings = Surroundings { cooling: -400.0, cooling_fall: fall, ambient: 3.0, far: 2.0 };
+    run.heat.prepare(step, [0.0; 2]);
+    let ahead = run.heat.cooled_ahead(&run.state, &run.surroundings, &zero, &zero);
+    let more = Surroundings { cooling: -399.0, cooling_fall: fall - 1.0, ..run.surroundings };
+    let rise = run.heat.cooled_ahead(&run.state, &more, &zero, &zero).temperature - ahead.temperature;
+    assert!(ahead.lagging == 0.0 && rise > 0.0 && (ahead.rise - rise).abs() < 1e-9 * rise, "{ahead:?} {rise}");
+    let (mut early, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
+    run.heat.base(&run.state, &run.surroundings, Stage::First, &zero, &mut early, &mut moved);
+    run.step(step, &zero, &zero);
+    for part in [GAMMA, 1.0 - GAMMA] {
+        let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
+        parts.surroundings =
+            Surroundings { cooling: -400.0 + later * fall, cooling_fall: part * fall, ..run.surroundings };
+        parts.step(part * step, &zero, &zero);
+        if part == GAMMA {
+            assert!(largest_difference(&parts.temperature, &early) < 1e-9, "{:?} {early:?}", parts.temperature);
+        }
+    }
+    assert!(largest_difference(&run.temperature, &parts.temperature) < 1e-9);
+    assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
+    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &zero);
+    assert!((cooled - ahead.temperature).abs() < 1e-9, "{cooled} {ahead:?}");
 }
 
 #[test]
@@ -322,7 +359,7 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
     let (mut run, mut short) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
     let flux: Vec<f64> = (0..9).map(|j| 1.0 + f64::from(j)).collect();
     for run in [&mut run, &mut short] {
-        run.surroundings = Surroundings { cooling: 1.0, ambient: 2.0, far: 3.0 };
+        run.surroundings = Surroundings { cooling: 1.0, ambient: 2.0, far: 3.0, ..Surroundings::default() };
         run.step(2.0, &flux, &[0.0; 9]);
     }
     let step = 5.0;

@@ -28,14 +28,14 @@ impl StripHeat {
         let total = over_step([heat(&scratch.first), heat(&scratch.end)]);
         // What the cells got besides the contact: the heat transfer given back, and the cooling that is not there.
         let returned = total - received;
-        let before = self.account(state).stored;
+        let (before, cooling) = (self.account(state).stored, surroundings.mean_cooling());
         let mut ambient = 0.0;
         let carried = self.mean_states(state, surroundings, weights, effective);
         let alone =
             operators.fresh.then(|| self.mean_states(operators.background(state), surroundings, weights, [0.0; 2]));
         for k in 0..mean.count {
             let (old, new) = (state[k], carried[k]);
-            let source = mean.input[CONTACT][k] * (over_step(effective) + step * surroundings.cooling)
+            let source = mean.input[CONTACT][k] * (over_step(effective) + step * cooling)
                 + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * surroundings.far);
             if mean.rate[k] > 0.0 {
                 ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
@@ -45,11 +45,11 @@ impl StripHeat {
                 state[mean.count + k] = alone[k];
             }
         }
-        ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * surroundings.cooling)
+        ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * cooling)
             + step
                 * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient
                     + mean.ambient_flow.direct[BASE] * surroundings.far);
-        let lost = operators.period * (ambient - step * surroundings.cooling) - returned;
+        let lost = operators.period * (ambient - step * cooling) - returned;
         let tail = state.len() - TAIL;
         state[tail + 3] = surroundings.far;
         let stored = self.account(state).stored - before;

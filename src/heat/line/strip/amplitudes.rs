@@ -30,7 +30,8 @@ impl StripHeat {
     /// Fills the scratch with the total fluxes into the cells in the first stage: of the contact, less the cooling that does
     /// not act there, and the heat transfer given back as it has been noted.
     pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
-        scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
+        let cooling = surroundings.until(Stage::First).cooling;
+        scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
         if let Some(give_back) = &self.operators.give_back {
             let level = scratch.projected[Stage::First as usize];
             give_back.add(&self.step.first.answer, &level, surroundings.ambient, &mut scratch.first);
@@ -79,10 +80,11 @@ impl StripHeat {
             distortion.fill(0.0);
         }
         // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
-        if surroundings.cooling == 0.0 && operators.give_back.is_none() {
+        let cooling = surroundings.until(stage).cooling;
+        if cooling == 0.0 && operators.give_back.is_none() {
             return;
         }
-        scratch.end.fill(-surroundings.cooling);
+        scratch.end.fill(-cooling);
         let mut amounts = [0.0; give_back::RANK];
         if let Some(give_back) = &operators.give_back {
             let projected = &scratch.projected[stage as usize];
@@ -93,7 +95,7 @@ impl StripHeat {
                 continue;
             }
             let uniform = weights.answer.uniform(moving);
-            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= surroundings.cooling * rise);
+            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= cooling * rise);
             if operators.give_back.is_some() {
                 dense::multiply_add(weights.answer.lifted(moving), &amounts, values);
             }

@@ -1,19 +1,65 @@
 //! Answers at velocities on a grid, from which those between are interpolated.
 //!
-//! From one knot to the next the shortest wave turns by a quarter of a radian in the interval. The answer is the cubic
-//! through four knots: a function of the arguments alone, whatever knots are kept.
+//! From one knot to the next the shortest wave turns by a quarter of a radian in the interval. On fresh material the rate of
+//! forgetting bends near rest however short the interval, and there the knots lie closer. The answer is the cubic through four
+//! knots: a function of the arguments alone, whatever knots are kept.
 
 use super::answer::{Answer, AtOnce, Layout};
-use super::operators::Operators;
+use super::operators::{Forgetting, Operators};
 use super::step::{Interval, Room};
 
 /// Turn of the shortest wave from knot to knot, rad: the cubic is off by .023 of its fourth power for that wave, and by less
 /// with the fourth power of the wave number for longer ones.
 const KNOT_TURN: f64 = 0.25;
+/// Distance of the knots in asinh(v/slow) where forgetting bends: the cubic through four is off by 3e-4 of its rate at `slow`.
+/// What it is off by adds up over the steps, so it must not depend on their length.
+const KNOT_BEND: f64 = 0.25;
 /// Knots kept for the usual length of the interval, and for any other.
 const SLOTS: [usize; 2] = [8, 4];
 /// Requests after which another length becomes the usual one.
 const REQUESTS: u32 = 3;
+
+/// Velocities of the knots: `v/turn + asinh(v/bend)/KNOT_BEND` is the number of a knot.
+#[derive(Clone, Copy, Debug)]
+struct Grid {
+    turn: f64,
+    /// Nothing bends: infinite.
+    bend: f64,
+}
+
+impl Grid {
+    fn new(turn: f64, forgetting: &Forgetting) -> Grid {
+        Grid { turn, bend: if forgetting.per_length > 0.0 { forgetting.slow } else { f64::INFINITY } }
+    }
+
+    /// Place of a velocity among the numbers of the knots.
+    fn position(&self, velocity: f64) -> f64 {
+        velocity / self.turn + (velocity / self.bend).asinh() / KNOT_BEND
+    }
+
+    /// Velocity of a knot.
+    fn knot(&self, number: i64) -> f64 {
+        let target = number as f64;
+        if self.bend.is_infinite() {
+            return target * self.turn;
+        }
+        // Newton's method in u = asinh(v/bend), where the place is convex: down from what either part alone would give.
+        let distance = target.abs();
+        let mut u = (distance * KNOT_BEND).min((distance * self.turn / self.bend).asinh());
+        for _ in 0..MOST_ITERATIONS {
+            let (part, slope) = (self.bend / self.turn * u.sinh(), self.bend / self.turn * u.cosh());
+            let change = (part + u / KNOT_BEND - distance) / (slope + KNOT_BEND.recip());
+            u -= change;
+            if change.abs() <= f64::EPSILON * u {
+                break;
+            }
+        }
+        (self.bend * u.sinh()).copysign(target)
+    }
+}
+
+/// Iterations after which a knot is where it is: the method doubles its digits from a start that is at most twice too far.
+const MOST_ITERATIONS: usize = 20;
 
 /// See the module.
 #[derive(Clone, Debug)]
@@ -26,15 +72,22 @@ pub struct Knots {
 struct Set {
     length: f64,
     requests: u32,
-    /// Index and answer, in the slot `index mod number of slots`.
-    slots: Vec<(i64, Answer)>,
+    /// Number, velocity and answer, in the slot `number mod number of slots`.
+    slots: Vec<Slot>,
+}
+
+#[derive(Clone, Debug)]
+struct Slot {
+    number: i64,
+    velocity: f64,
+    answer: Answer,
 }
 
 impl Set {
     fn begin(&mut self, length: f64) {
         self.length = length;
         self.requests = 0;
-        self.slots.iter_mut().for_each(|slot| slot.0 = i64::MIN);
+        self.slots.iter_mut().for_each(|slot| slot.number = i64::MIN);
     }
 }
 
@@ -44,7 +97,7 @@ impl Knots {
         let set = |slots: usize| Set {
             length: f64::NAN,
             requests: 0,
-            slots: (0..slots).map(|_| (i64::MIN, Answer::new(layout))).collect(),
+            slots: (0..slots).map(|_| Slot { number: i64::MIN, velocity: 0.0, answer: Answer::new(layout) }).collect(),
         };
         Knots { sets: SLOTS.map(set) }
     }
@@ -86,28 +139,26 @@ impl Knots {
         answer: &mut Answer,
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let spacing = KNOT_TURN / (shortest * length);
+        let grid = Grid::new(KNOT_TURN / (shortest * length), &operators.forgetting);
         let set = self.set(length);
-        let position = velocity / spacing;
-        let base = position.floor();
-        let t = position - base;
-        let weights = [
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        ];
+        let base = grid.position(velocity).floor() as i64;
         let slots = set.slots.len() as i64;
-        let slot = |k: i64| (base as i64 + k - 1).rem_euclid(slots) as usize;
+        let slot = |k: i64| (base + k - 1).rem_euclid(slots) as usize;
+        let mut nodes = [0.0; 4];
         for k in 0..4 {
-            let index = base as i64 + k - 1;
-            let (known, knot) = &mut set.slots[slot(k)];
-            if *known != index {
-                interval.respond(operators, [index as f64 * spacing; 2], room, knot);
-                *known = index;
+            let number = base + k - 1;
+            let own = &mut set.slots[slot(k)];
+            if own.number != number {
+                (own.number, own.velocity) = (number, grid.knot(number));
+                interval.respond(operators, [own.velocity; 2], room, &mut own.answer);
             }
+            nodes[k as usize] = own.velocity;
         }
+        let weights = std::array::from_fn(|k| {
+            let others = (0..4).filter(|&other| other != k).map(|other| nodes[other]);
+            others.map(|other| (velocity - other) / (nodes[k] - other)).product()
+        });
         let slots = &set.slots;
-        answer.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].1), weights, immediate);
+        answer.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].answer), weights, immediate);
     }
 }

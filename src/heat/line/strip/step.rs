@@ -244,6 +244,16 @@ where
 }
 
 impl StageWeights {
+    /// Which stage this is.
+    pub fn stage(&self) -> Stage {
+        if self.at_end { Stage::End } else { Stage::First }
+    }
+
+    /// Weight in a state of the mean wave of a flux falling to 0 at the stage, from that of the known flux.
+    pub fn falling(&self, known: f64) -> f64 {
+        if self.at_end { (1.0 - GAMMA) * known } else { known }
+    }
+
     fn new(operators: &Operators, at_end: bool) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
         let layout = Layout::new(operators, at_end);

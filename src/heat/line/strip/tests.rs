@@ -1,4 +1,5 @@
 use super::*;
+use crate::heat::line::GAMMA;
 use crate::heat::slab::Base;
 use crate::verification::reference::{ClosedPath, LayerBase, band_mean};
 
@@ -175,7 +176,8 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
-        let air = Surroundings { cooling, ambient: 5.0, far: if base == Base::Held { 2.0 } else { 0.0 } };
+        let far = if base == Base::Held { 2.0 } else { 0.0 };
+        let air = Surroundings { cooling, cooling_fall: -0.3 * cooling, ambient: 5.0, far };
         let (mut temperature, mut distortion) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut held, mut moved) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut received, mut largest) = (0.0, 0.0f64);
@@ -189,7 +191,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             let flux = nalgebra::DVector::from_column_slice(&end);
             let (warm, lifted) = (&gains.temperature * &flux, &gains.distortion * &flux);
             body.advance(&mut state, &air, &first, &end);
-            let gamma = crate::heat::line::GAMMA;
+            let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
             body.held(&state, &air, &end, velocity[1], &mut held);
             body.held_distortion(&state, &air, &end, velocity[1], &mut moved);
@@ -205,6 +207,52 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         assert!((account.received - received).abs() < 1e-12 * received && balance.abs() < 1e-9 * received);
         if base == Base::Insulated {
             assert!(account.far.abs() < 1e-9 * received, "{}", account.far / received);
+        }
+    }
+}
+
+#[test]
+fn cooling_that_falls_over_a_step_falls_over_its_parts() {
+    for path in [Path::Closed(0.3), Path::Stroke { stroke: 0.01, length: 0.0 }, Path::OneWay] {
+        let properties = steel(0.02, Base::Convecting(500.0), path, 0.0);
+        let cells = Cells::graded(0.02, 12).unwrap();
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let (mut state, zero) = (vec![0.0; body.states()], vec![0.0; 12]);
+        body.uniform(20.0, &mut state);
+        let mut parts = state.clone();
+        let (step, velocity, fall) = (2.0, [0.01; 2], 3e4);
+        let air = Surroundings { cooling: -4e4, cooling_fall: fall, ambient: 5.0, far: 0.0 };
+        body.prepare(step, velocity);
+        let ahead = body.cooled_ahead(&state, &air, &zero, &zero);
+        let more = Surroundings { cooling: air.cooling + 1.0, cooling_fall: fall - 1.0, ..air };
+        let rise = body.cooled_ahead(&state, &more, &zero, &zero).temperature - ahead.temperature;
+        assert!(rise > 0.0 && (ahead.rise - rise).abs() < 1e-7 * rise, "{path:?}: {ahead:?} {rise}");
+        let [mut early, mut shown, mut moved] = [zero.clone(), zero.clone(), zero.clone()];
+        body.base(&state, &air, Stage::First, &zero, &mut early, &mut moved);
+        body.advance(&mut state, &air, &zero, &zero);
+        for part in [GAMMA, 1.0 - GAMMA] {
+            let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
+            let around = Surroundings { cooling: air.cooling + later * fall, cooling_fall: part * fall, ..air };
+            body.prepare(part * step, velocity);
+            body.base(&parts, &around, Stage::End, &zero, &mut shown, &mut moved);
+            body.advance(&mut parts, &around, &zero, &zero);
+            if part == GAMMA {
+                let apart = shown.iter().zip(&early).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(apart < 1e-3 * fall * rise, "{path:?}: {shown:?} {early:?}");
+            }
+        }
+        // Up to answers that are interpolated between velocities.
+        let lost = body.account(&state).ambient;
+        assert!((body.account(&parts).ambient / lost - 1.0).abs() < 1e-9, "{path:?}");
+        let cooled = [&state, &parts].map(|state| body.cooled_temperature(state, &air, &zero));
+        let followed = ahead.temperature - ahead.lagging;
+        let lagged = cooled[0] - followed;
+        assert!((cooled[0] - cooled[1]).abs() < 1e-3 * fall * rise, "{path:?}: {cooled:?}");
+        // What lags behind is what the contact lacks of the cooling.
+        assert!(lagged.abs() < 0.3 * (20.0 - cooled[0]), "{path:?}: {ahead:?} {cooled:?}");
+        if path == Path::OneWay {
+            assert!(lagged.abs() < 1e-9 && ahead.lagging == 0.0, "{ahead:?} {cooled:?}");
         }
     }
 }
@@ -240,7 +288,8 @@ fn everything_at_one_temperature_stays_there() {
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         body.uniform(10.0, &mut state);
-        let air = Surroundings { cooling: 0.0, ambient: 10.0, far: if base == Base::Held { 10.0 } else { 0.0 } };
+        let far = if base == Base::Held { 10.0 } else { 0.0 };
+        let air = Surroundings { ambient: 10.0, far, ..Surroundings::default() };
         body.prepare(5.0, [1.0, 1.0]);
         let (zero, mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
         for _ in 0..5 {
