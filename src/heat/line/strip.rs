@@ -26,6 +26,7 @@ mod amplitudes;
 mod answer;
 mod depth;
 mod give_back;
+mod kept;
 mod knots;
 mod levels;
 mod moving_kernel;
@@ -46,6 +47,7 @@ use super::{Account, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
+use kept::Kept;
 use operators::Operators;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -100,6 +102,7 @@ impl StripHeat {
     pub fn for_few_steps(mut self, velocity: f64) -> Self {
         if let Some(operators) = Arc::get_mut(&mut self.operators) {
             operators.steady = 0.0;
+            operators.kept = Some(Kept::default());
             operators.table.align(velocity);
         }
         self

@@ -2,6 +2,7 @@
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::give_back::GiveBack;
+use super::kept::Kept;
 use super::levels::{Level, levels, of_wave};
 use super::remainder::Remainder;
 use super::velocity_table::VelocityTable;
@@ -58,6 +59,8 @@ pub struct Resolution {
     pub shortest: f64,
     /// Relative error of the contact temperature that the reduction may cost.
     pub tolerance: f64,
+    /// Length of the way on fresh material, m; infinite where it is not known.
+    pub way: f64,
 }
 
 /// Rate by which sliding on fresh material adds to every decay: heat left behind must not come back with the next copy of
@@ -115,6 +118,8 @@ pub struct Operators {
     /// in a hundred of the temperature. 0: every step finds its own.
     pub steady: f64,
     pub table: VelocityTable,
+    /// Answers of the steps that were prepared, where several probes take them; `None`: every step finds its own.
+    pub kept: Option<Kept>,
     pub give_back: Option<GiveBack>,
     /// Even and odd parts on the cells that a wave's real and imaginary amplitude show: (N + 1)/2 rows, one column per wave.
     pub seen: [Vec<f64>; 2],
@@ -125,8 +130,15 @@ pub struct Operators {
 
 /// Ratios of the frequencies at which the layer is reduced, tried in this order until the error is small.
 const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
+/// Part of the tolerance that the reduction of the waves may take.
+const REDUCTION_PART: f64 = 0.2;
 /// Shortest period of a one-way path, in widths of the contact.
 const SHORTEST_WAY: f64 = 12.0;
+/// Period of a one-way path that is known and short, over what its contact heats.
+const FREE_OF_COPIES: f64 = 1.5;
+/// Waves from which on a few are asked first whether a ratio of frequencies will do, and how many of them there are to one of those.
+const MANY_WAVES: usize = 200;
+const SAMPLED: usize = 8;
 /// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
 const FASTEST: f64 = 1e7;
 /// Decays over which a one-way path forgets while the contact passes one period.
@@ -163,8 +175,8 @@ impl StripProperties {
     }
 
     /// Length of the period, and largest distance between source and observer counted along the material.
-    fn period(&self, width: f64, duration: f64) -> (f64, f64) {
-        let mut reach = (self.conductivity / self.capacity * duration).sqrt();
+    fn period(&self, width: f64, Resolution { duration, way, .. }: &Resolution) -> (f64, f64) {
+        let mut reach = (self.conductivity / self.capacity * *duration).sqrt();
         if self.convection > 0.0 {
             reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
         }
@@ -175,7 +187,11 @@ impl StripProperties {
             Path::Closed(length) => (length.max(width), f64::INFINITY),
             // A stroke longer than planned still finds its own track.
             Path::Stroke { stroke, length } => ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke),
-            Path::OneWay => ((width + 8.0 * reach).max(SHORTEST_WAY * width), f64::INFINITY),
+            Path::OneWay => {
+                // On a short way no copy of the contact comes near heat that is not its own.
+                let apart = FREE_OF_COPIES * (width + way + 8.0 * reach);
+                ((width + 8.0 * reach).max(apart.min(SHORTEST_WAY * width)), f64::INFINITY)
+            }
         }
     }
 }
@@ -189,7 +205,7 @@ impl Operators {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, "positive, in s")?;
         }
         let tolerance = resolution.tolerance.clamp(1e-6, 0.1);
-        let (period, reach) = properties.period(width, resolution.duration);
+        let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
         let bare = Slab {
             height: properties.height,
@@ -208,8 +224,11 @@ impl Operators {
         let shortest_wave = (fastest / diffusivity).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let fresh = properties.path == Path::OneWay;
-        let forgetting =
-            Forgetting { per_length: if fresh { FORGOTTEN / period } else { 0.0 }, slow: period / resolution.duration };
+        let forgets = fresh && width + resolution.way > period;
+        let forgetting = Forgetting {
+            per_length: if forgets { FORGOTTEN / period } else { 0.0 },
+            slow: period / resolution.duration,
+        };
         let mut waves = harmonics(period, last, reach);
         if fresh {
             // Neighbouring copies of the contact with opposite signs: no mean, and the midpoint rule of the endless path.
@@ -223,15 +242,19 @@ impl Operators {
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
-            modes = waves
-                .iter()
-                .map(|wave| {
-                    let depth = Depth::new(&slab, expansion, wave.number);
-                    depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)
-                })
-                .collect();
-            error = scan.largest_error(&modes);
-            if error <= 0.2 * tolerance {
+            let reduce = |step: usize| -> Vec<DepthModes> {
+                let waves = waves.iter().step_by(step).map(|wave| Depth::new(&slab, expansion, wave.number));
+                waves.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
+            };
+            let good = |error: f64| error <= REDUCTION_PART * tolerance;
+            // Neighbouring waves have neighbouring errors; the last ratio is taken as it is.
+            let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
+            if few && !good(scan.largest_error(&reduce(SAMPLED), SAMPLED)) {
+                continue;
+            }
+            modes = reduce(1);
+            error = scan.largest_error(&modes, 1);
+            if good(error) {
                 break;
             }
         }
@@ -285,6 +308,7 @@ impl Operators {
             forgetting,
             steady: 10.0 * tolerance.min(1e-3),
             table,
+            kept: None,
             give_back: None,
             seen: Default::default(),
             contact_mean: Vec::new(),
@@ -471,15 +495,16 @@ impl Scan {
     }
 
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// step's, relative to its value at the duration's.
-    fn largest_error(&self, modes: &[DepthModes]) -> f64 {
+    /// step's, relative to its value at the duration's, from the modes of every `step`th wave.
+    fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
         let count = self.weights.len();
         let mut largest: f64 = 0.0;
         for (row, &frequency) in self.frequencies.iter().enumerate() {
             let s = Complex::new(0.0, frequency);
             let mut error = self.mean[row];
             for (index, modes) in modes.iter().enumerate() {
-                error += (modes.impedance(s) - self.exact[row * count + index]) * self.weights[index];
+                error += (modes.impedance(s) - self.exact[row * count + index * step])
+                    * (self.weights[index * step] * step as f64);
             }
             largest = largest.max(error.norm_sqr().sqrt() / self.scale);
         }
