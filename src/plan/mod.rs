@@ -21,10 +21,10 @@
 //!
 //! # What it costs
 //!
-//! 1 % of the run that is planned or 20 ms is what [`effort`] aims at, and two thirds of the generated scenes keep to; thin layers
-//! and short strokes, whose heat has thousands of states, take up to some tens of milliseconds more. One contact line is built, of
-//! bodies that are as coarse and reach as far as the probe asks for, the five cells are merged from its matrices, and a probe that
-//! needs more internal steps than this pays for ends early and compares what it covers.
+//! At most 20 ms or 1 % of the run that is planned, in counted work ([`effort`]). One contact line is built, with the lumped level's bodies
+//! for its mean and with blocks, strips and punches as coarse and far-reaching as the comparison asks for; the five cells are merged from
+//! its matrices and take the steps that nine have prepared where they take the same. A probe that needs more internal steps than
+//! this pays for ends early and compares what it covers.
 //!
 //! # Limits
 //!

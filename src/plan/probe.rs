@@ -20,7 +20,7 @@ const BEGINNING: usize = 2;
 
 /// Heat resolves steps of this part of such a probe. What is faster answers at once: from 10 to 250 neither the difference to the lumped
 /// level nor that of merged cells changes by more than some hundredths.
-const RESOLVED_ONE_WAY: f64 = 30.0;
+const RESOLVED_ONE_WAY: f64 = 15.0;
 
 /// Steps of a half-stroke: their ends, in parts of it. The first is short: just behind the reversal the contact meets its own hot track,
 /// and the temperature of few cells is further off there than a quarter of a stroke later, up to tenfold.

@@ -33,6 +33,7 @@ mod moving_kernel;
 mod operators;
 mod propagate;
 mod remainder;
+mod scan;
 mod step;
 #[cfg(test)]
 mod tests;

@@ -436,3 +436,57 @@ fn answers_do_not_depend_on_when_they_were_found() {
         }
     }
 }
+
+#[test]
+fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
+    let cells = Cells::graded(0.02, 9).unwrap();
+    let properties = StripProperties {
+        expansion: expanding(0.3, crate::elastic::Base::Bonded),
+        ..steel(0.02, Base::Held, Path::Stroke { stroke: 0.05, length: 0.0 }, 30.0)
+    };
+    let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2, way: f64::INFINITY };
+    let body = || StripHeat::new(&properties, &cells, &resolution).unwrap().for_few_steps(0.1);
+    let steps = [(0.05, [0.1, 0.2]), (0.01, [0.2, -0.1]), (0.05, [0.1, 0.2]), (0.05, [0.1, 0.1]), (0.01, [0.2, -0.1])];
+    let flux = uneven(&cells, 1);
+    let air = Surroundings::default();
+    let run = |body: &mut StripHeat| -> (Vec<f64>, Vec<Gains>) {
+        let mut state = vec![0.0; body.states()];
+        let mut gains = Vec::new();
+        for (length, velocity) in steps {
+            body.prepare(length, velocity);
+            gains.extend([Stage::First, Stage::End].map(|stage| body.gains(stage).clone()));
+            body.advance(&mut state, &air, &flux, &flux);
+        }
+        (state, gains)
+    };
+    // A copy finds all of its steps prepared; the other body none, because it keeps none.
+    let mut first = body();
+    let mut copy = first.clone();
+    let mut other = body();
+    Arc::get_mut(&mut other.operators).unwrap().kept = None;
+    let found = run(&mut first);
+    assert!(found.0.iter().any(|value| *value != 0.0));
+    assert_eq!(found, run(&mut copy));
+    assert_eq!(found, run(&mut other));
+}
+
+#[test]
+fn a_short_way_on_fresh_material_needs_no_long_period() {
+    let (width, velocity, duration) = (0.04, 0.4, 0.2);
+    let cells = Cells::graded(0.5 * width, 9).unwrap();
+    let properties = steel(0.02, Base::Held, Path::OneWay, 0.0);
+    let [long, short] = [f64::INFINITY, velocity * duration].map(|way| {
+        let resolution = Resolution { duration, shortest: 1e-3 * duration, tolerance: 1e-3, way };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let mut state = vec![0.0; body.states()];
+        let middle = march(&mut body, &mut state, 0.02 * duration, 25, |_| velocity);
+        (body.period(), middle, march(&mut body, &mut state, 0.02 * duration, 25, |_| velocity))
+    });
+    assert!(short.0 < 0.5 * long.0, "{} {}", short.0, long.0);
+    for (short, long) in [(&short.1, &long.1), (&short.2, &long.2)] {
+        let peak = long.iter().copied().fold(0.0, f64::max);
+        let apart = short.iter().zip(long).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("{:.1e}", apart / peak);
+        assert!(apart < 5e-3 * peak, "{short:?} {long:?}");
+    }
+}
