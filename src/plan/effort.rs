@@ -50,7 +50,7 @@ const BUILD: [f64; 4] = [300.0, 1500.0, 500.0, 1200.0];
 const BUILD_STATE: [f64; 2] = [5.0, 1.7];
 
 /// Costs of the steps in [`Work`], and of carrying a thermal state of punch and strip through one.
-const STEP: [f64; 3] = [1.4, 12.0, 20.0];
+const STEP: [f64; 3] = [1.4, 12.0, 14.0];
 const CARRY: [f64; 2] = [0.22, 0.012];
 
 /// See the module.

@@ -168,7 +168,7 @@ impl Course {
             let sloped = (first != last).then_some(&slopes);
             if let Err(failure) = model.step(&inputs, sloped, segment.duration) {
                 if model.out_of_attempts() {
-                    probe.steps += u64::from(most);
+                    probe.steps = u64::from(most);
                     break;
                 }
                 return Err(failure.to_string());
