@@ -10,8 +10,8 @@ use crate::scene::{Geometry, HeatAlongContact, Scene};
 /// What planning may cost in any case, microseconds, and as a part of the run.
 const ALLOWED: (f64, f64) = (20e3, 0.01);
 
-/// Part of what is left after building that one probe may take: three of them step along the contact.
-const PROBE_SHARE: f64 = 0.33;
+/// Part of what is left after building that one probe may take: two of them step with heat on the cells, the others cost little.
+const PROBE_SHARE: f64 = 0.45;
 
 /// Bounds of the internal steps of a probe. Most of them go into its first steps, as edges settle: one that ends early saves little
 /// and sees next to nothing.
