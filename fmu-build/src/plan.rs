@@ -138,7 +138,7 @@ fn record(plan: &Plan) -> Value {
         "expected_run_seconds": 1e-6 * plan.effort.run,
         "probe_steps": plan.probe_steps,
         "probe_covered": plan.covered,
-        "planning_seconds": 1e-6 * plan.effort.planning,
+        "planning_seconds": 1e-6 * plan.effort.planning(),
         "effects": effects.collect::<Vec<_>>(),
         "groups": groups,
         "candidates": candidates.collect::<Vec<_>>(),

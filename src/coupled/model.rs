@@ -50,6 +50,14 @@ impl Operators {
         })
     }
 
+    /// Builds the contact line of `scene`, whose lumped level these are, with their reduced bodies for its mean.
+    ///
+    /// # Errors
+    /// As [`Operators::new`].
+    pub fn line_beside(&self, scene: &Scene) -> Result<Operators, String> {
+        Ok(Operators::Line(Arc::new(line::operators::Operators::beside(scene, self.mean())?)))
+    }
+
     /// Those of the mean, which every level has.
     pub fn mean(&self) -> &lumped::operators::Operators {
         match self {
@@ -76,6 +84,23 @@ impl Operators {
                 Operators::Lumped(Arc::new(copy))
             }
             Operators::Line(operators) => Operators::Line(Arc::new(operators.with_heat_by_its_mean(tolerance))),
+        }
+    }
+
+    /// The same operators with steps of another tolerance.
+    pub fn stepping_to(self, tolerance: f64) -> Operators {
+        match self {
+            Operators::Lumped(mut operators) => {
+                Arc::make_mut(&mut operators).scene.tolerance = tolerance;
+                Operators::Lumped(operators)
+            }
+            Operators::Line(mut operators) => {
+                if let Some(own) = Arc::get_mut(&mut operators) {
+                    own.scene.tolerance = tolerance;
+                    Arc::make_mut(&mut own.mean).scene.tolerance = tolerance;
+                }
+                Operators::Line(operators)
+            }
         }
     }
 

@@ -21,10 +21,10 @@
 //!
 //! # What it costs
 //!
-//! 1 % of the run that is planned or 20 ms is what [`effort`] aims at, and two thirds of the generated scenes keep to; thin layers
-//! and short strokes, whose heat has thousands of states, take up to some tens of milliseconds more. One contact line is built, of
-//! bodies that are as coarse and reach as far as the probe asks for, the five cells are merged from its matrices, and a probe that
-//! needs more internal steps than this pays for ends early and compares what it covers.
+//! At most 20 ms or 1 % of the run that is planned, in counted work ([`effort`]). One contact line is built, with the lumped level's bodies
+//! for its mean and with blocks, strips and punches as coarse and far-reaching as the comparison asks for; the five cells are merged from
+//! its matrices and take the steps that nine have prepared where they take the same. A probe that needs more internal steps than
+//! this pays for ends early and compares what it covers.
 //!
 //! # Limits
 //!
@@ -70,6 +70,10 @@ const PROBE_TOLERANCE: (f64, f64) = (1e-2, 5e-2);
 
 /// A probe's tolerance within them over that of the scene.
 const LOOSER: f64 = 2.0;
+
+/// The least for bodies of a probe that slides to and fro, and its steps' tolerance: the differences are those just behind the
+/// reversals, of which both levels miss the same. From 1e-2 on they change by less than a fifth; coarser bodies lose the punch's heated layer.
+const TO_AND_FRO: (f64, f64) = (2e-2, 5e-2);
 
 /// A rung with its estimated errors.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -202,18 +206,24 @@ fn explore(scene: &Scene, course: &Course, by_cells: bool) -> Result<Findings, S
     let cells = if scene.cells > 0 { scene.cells } else { rung::CELLS[0] };
     let mut probed = course.scene(scene);
     let (low, high) = PROBE_TOLERANCE;
-    probed.tolerance = (LOOSER * probed.tolerance).clamp(low, high);
+    let stepping = match scene.nominal_stroke > 0.0 {
+        true => TO_AND_FRO.1,
+        false => (LOOSER * scene.tolerance).clamp(low, high),
+    };
+    let low = if scene.nominal_stroke > 0.0 { TO_AND_FRO.0 } else { low };
+    probed.tolerance = (LOOSER * scene.tolerance).clamp(low, high);
     let mut effort = Effort::default();
     let uniform = Operators::new(&Rung::Lumped.apply(&probed))?;
-    let fine = Operators::new(&Rung::Line { cells, heat }.apply(&probed))?;
+    let fine = uniform.line_beside(&Rung::Line { cells, heat }.apply(&probed))?;
+    let [uniform, fine] = [uniform, fine].map(|operators| operators.stepping_to(stepping));
     effort.built(&uniform);
     effort.built(&fine);
-    let most = effort.attempts(scene, rung::cost_per_step(&fine));
+    let most = effort.attempts(&fine);
     let (mut steps, mut paces) = (0, Vec::new());
     let mut probe = |rung: Option<Rung>, operators: &Operators| -> Result<Probe, String> {
         let probe = course.run(operators, most)?;
         steps += probe.steps;
-        effort.stepped(probe.steps, rung::cost_per_step(operators));
+        effort.stepped(probe.steps, operators);
         paces.extend(rung.map(|rung| (rung, effort::steps_of(scene, &probe))));
         Ok(probe)
     };
@@ -232,7 +242,7 @@ fn explore(scene: &Scene, course: &Course, by_cells: bool) -> Result<Findings, S
     };
     let mean = HeatAlongContact::ByItsMean;
     let averaged = match by_cells {
-        true => Some(distance(&probe(Some(Rung::Line { cells, heat: mean }), &fine.of_the_mean(probed.tolerance))?)),
+        true => Some(distance(&probe(Some(Rung::Line { cells, heat: mean }), &fine.of_the_mean(stepping))?)),
         false => None,
     };
     let [apart, closest] = [apart, closest].map(|errors| grown(errors, growth));

@@ -31,7 +31,7 @@ impl Plan {
             short(1e-6 * self.effort.run),
             self.probe_steps,
             100.0 * self.covered,
-            short(1e-6 * self.effort.planning)
+            short(1e-6 * self.effort.planning())
         ));
         for effect in &self.effects {
             lines.push(format!(

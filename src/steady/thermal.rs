@@ -16,7 +16,7 @@ pub use cycle::{cycle_map, nominal_half_strokes};
 use super::SteadyError;
 use super::scene::{Sliding, SteadyState, steady_state};
 use crate::elastic::{Cells, Compliance};
-use crate::scene::{Geometry, Scene};
+use crate::scene::Scene;
 use bodies::{heat_leaves, with_steady_bodies};
 
 /// Steady state of a scene with its heat.

@@ -70,8 +70,8 @@ pub(super) fn problems() -> Vec<Problem> {
 /// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over his images.
 fn jaeger(all: &mut Vec<Problem>) {
     // A slow band heats so deep and far that steps of a tenth of its thermal time would need too many waves.
-    let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
-    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+    let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
+    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
     for (peclet, height, cells, path, resolution) in [
         (0.1, 60.0, 65, Path::Closed(4000.0), slow),
         (1.0, 12.0, 65, Path::OneWay, fast),
@@ -162,7 +162,7 @@ fn one_way(all: &mut Vec<Problem>) {
                 scale: None,
                 compute: Box::new(move || {
                     let properties = unit(height, base_of(base), Path::OneWay);
-                    let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+                    let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
                     let (cells, values) = steady(&properties, 33, 1.0, resolution, 2.0 * peclet)?;
                     Ok(mean(&cells, &values))
                 }),
@@ -185,7 +185,7 @@ fn between_knots(all: &mut Vec<Problem>) {
             scale: Some(1.0),
             compute: Box::new(move || {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
-                let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance };
+                let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance, way: f64::INFINITY };
                 let mut body =
                     StripHeat::new(&unit(HEIGHT, Base::Held, Path::OneWay), &cells, &resolution).map_err(refused)?;
                 let errors = (0..COUNT).map(|k| {
@@ -232,7 +232,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
                     path: Path::Closed(path.length),
                     expansion: None,
                 };
-                let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3 };
+                let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3, way: f64::INFINITY };
                 let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
                 Ok(mean(&cells, &values))
             }),
@@ -254,7 +254,8 @@ fn oscillating(all: &mut Vec<Problem>) {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
                 let properties = unit(150.0, Base::Held, Path::Stroke { stroke: 1.0, length: 0.0 });
                 let step = 2.0 * PI / 64.0;
-                let resolution = Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4 };
+                let resolution =
+                    Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4, way: f64::INFINITY };
                 let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
                 let mut state = vec![0.0; body.states()];
                 let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
@@ -293,7 +294,7 @@ fn distortion(all: &mut Vec<Problem>) {
                 expansion: Some(expansion),
             };
             let cells = Cells::graded(0.1, 33).map_err(refused)?;
-            let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3 };
+            let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
             let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
             body.prepare(1e14, [0.0; 2]);
             let gains = &body.gains(Stage::End).distortion;

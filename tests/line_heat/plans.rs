@@ -6,7 +6,7 @@ use sliding_contact::coupled::INPUTS;
 use sliding_contact::coupled::lumped::conditions::Tunables;
 use sliding_contact::coupled::model::{Model, Operators};
 use sliding_contact::plan::{self, rung::Rung};
-use sliding_contact::scene::{HeatAlongContact, Scene};
+use sliding_contact::scene::{Escalation, HeatAlongContact, Scene};
 use sliding_contact::variables::{COUNT, STARTS};
 use sliding_contact::verification::planning::judge::{judge, truth};
 use sliding_contact::verification::planning::runs;
@@ -55,6 +55,28 @@ fn the_same_scene_has_the_same_plan() {
     };
     let of = lines(&one.plan);
     assert!(of.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+}
+
+/// Counted work, with costs of 20 ms in all for the machine that the accuracy page names: no clock is asked.
+#[test]
+fn planning_costs_what_it_may_on_every_generated_scene() {
+    let mut costs = Vec::new();
+    for seed in (1..=40).chain(101..=130) {
+        let generated = generate(seed);
+        for tolerance in [1e-1, 1e-2, 1e-3] {
+            let mut scene = generated.scene(tolerance).unwrap();
+            scene.escalation = Escalation::Off;
+            let plan = plan::make(&scene).unwrap().plan;
+            let (cost, name) = (plan.effort.planning(), generated.name());
+            assert!(plan.effort.is_small() && cost <= 20e3, "{name} at {tolerance:e}: {cost} us, {:?}", plan.effort);
+            // Nothing is cheap because nothing is looked at.
+            assert!(plan.covered >= 0.1 && plan.probe_steps > 20, "{name} at {tolerance:e}: {:?}", plan.effort);
+            costs.push(cost);
+        }
+    }
+    costs.sort_by(f64::total_cmp);
+    let middle = costs[costs.len() / 2];
+    assert!(middle <= 10e3, "half of the plans cost more than {middle} us");
 }
 
 #[test]

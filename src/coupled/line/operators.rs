@@ -96,11 +96,23 @@ impl Operators {
         Self::with_heat(scene, on_the_cells(scene))
     }
 
+    /// The same with the mean's reduced bodies of `known`, the lumped level of the same scene.
+    ///
+    /// # Errors
+    /// As [`Operators::new`].
+    pub fn beside(scene: &Scene, known: &lumped::operators::Operators) -> Result<Operators, String> {
+        Self::build(scene, on_the_cells(scene), Some(known))
+    }
+
     /// The same with heat along the contact line, or without, whether it feeds back or not.
     ///
     /// # Errors
     /// As [`Operators::new`].
     pub fn with_heat(scene: &Scene, heat: bool) -> Result<Operators, String> {
+        Self::build(scene, heat, None)
+    }
+
+    fn build(scene: &Scene, heat: bool, known: Option<&lumped::operators::Operators>) -> Result<Operators, String> {
         let count = match (scene.cells, scene.fidelity) {
             (0, Fidelity::Field) => FINEST_CELLS,
             (0, _) => CHOSEN_CELLS,
@@ -142,7 +154,7 @@ impl Operators {
             .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
-        let mean = Arc::new(lumped::operators::Operators::new(&mean_scene(scene, heat)));
+        let mean = Arc::new(lumped::operators::Operators::with_heat_of(&mean_scene(scene, heat), known));
         let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
         let operators = Operators {
             heat,
@@ -213,9 +225,10 @@ impl Operators {
     /// The same contact with its heat by the mean and steps of another tolerance; nothing but the mean is built anew.
     pub fn with_heat_by_its_mean(&self, tolerance: f64) -> Operators {
         let mut scene = self.scene.clone();
+        let known = (scene.tolerance == tolerance).then_some(&*self.mean);
         (scene.heat_along_contact, scene.tolerance) = (HeatAlongContact::ByItsMean, tolerance);
         Operators {
-            mean: Arc::new(lumped::operators::Operators::new(&mean_scene(&scene, false))),
+            mean: Arc::new(lumped::operators::Operators::with_heat_of(&mean_scene(&scene, false), known)),
             heat: None,
             cells: self.cells.clone(),
             weights: self.weights.clone(),

@@ -129,6 +129,12 @@ pub struct Operators {
 impl Operators {
     /// Builds the lumped level of `scene`.
     pub fn new(scene: &Scene) -> Operators {
+        Self::with_heat_of(scene, None)
+    }
+
+    /// The same with the reduced bodies, the moving source and the critical speed of `known`, whose scene has the same bodies, contact,
+    /// nominal conditions and tolerance: wear, friction, holder and level may differ.
+    pub fn with_heat_of(scene: &Scene, known: Option<&Operators>) -> Operators {
         let area = scene.contact_area() * scene.count;
         let (power_factor, effective_radius) = match scene.geometry {
             Geometry::Annular => {
@@ -142,8 +148,18 @@ impl Operators {
         let endless = path == moving_source::Path::Endless;
         let mut punch = punch_of(scene, area);
         let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
-        let flash = slab.and_then(|slab| flash_of(scene, slab, path));
-        if let (Some(heat), Some(flash)) = (&mut strip.heat, &flash) {
+        let flash = match known {
+            Some(known) => {
+                (punch.heat, strip.heat) = (known.punch.heat.clone(), known.strip.heat.clone());
+                known.flash.clone()
+            }
+            None => {
+                punch.heat = punch_heat(scene, area);
+                strip.heat = strip_heat(scene, area, strip_length, endless);
+                slab.and_then(|slab| flash_of(scene, slab, path))
+            }
+        };
+        if let (Some(heat), Some(flash), None) = (&mut strip.heat, &flash, known) {
             append_track(heat, flash);
         }
         for body in [&mut punch, &mut strip] {
@@ -174,7 +190,7 @@ impl Operators {
             effective_radius,
             tracked: scene.path == Path::Straight,
             least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
-            critical_speed: CriticalSpeed::new(scene),
+            critical_speed: known.map_or_else(|| CriticalSpeed::new(scene), |known| known.critical_speed.clone()),
             compliance,
             series_stiffness,
             scene: scene.clone(),
@@ -304,11 +320,13 @@ fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
     let body = &scene.punch;
     let mut operators = body_of(scene, body, area, punch_cooled(scene) / area, 1.0, false);
     operators.worn_area = area;
-    if body.conductivity > 0.0 {
-        let slab = punch_slab(scene, area);
-        operators.heat = Some(slab.reduce(scene.nominal_duration, reduction_tolerance(scene)));
-    }
     operators
+}
+
+/// The punch's conduction; `None` of an insulator.
+fn punch_heat(scene: &Scene, area: f64) -> Option<ReducedBody> {
+    let conducts = scene.punch.conductivity > 0.0;
+    conducts.then(|| punch_slab(scene, area).reduce(scene.nominal_duration, reduction_tolerance(scene)))
 }
 
 /// Area of the strip's conduction problem (m2), the part of it that the contact covers, and its cooled area (m2).
@@ -346,10 +364,16 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
     let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
     // A closed path wears all along; a straight one under the contact, which its track remembers.
     operators.worn_area = area;
-    if body.conductivity == 0.0 {
-        return (operators, None);
+    let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);
+    (operators, slab)
+}
+
+/// The strip's conduction, without its track; `None` of an insulator.
+fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<ReducedBody> {
+    if scene.strip.conductivity == 0.0 {
+        return None;
     }
-    let (slab, _) = strip_slab(scene, area, length, endless);
+    let (slab, coverage) = strip_slab(scene, area, length, endless);
     let mut heat = slab.reduce(scene.nominal_duration, reduction_tolerance(scene));
     let count = heat.count;
     for weight in &mut heat.input[0][..count] {
@@ -368,8 +392,7 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
         // Fresh material arrives at its initial temperature: the mean heating is left behind.
         heat.contact_temperature = Observation::NONE;
     }
-    operators.heat = Some(heat);
-    (operators, Some(slab))
+    Some(heat)
 }
 
 /// The part of a stroke's heating that stays in the track decays without losing heat on the mean:

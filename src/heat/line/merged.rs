@@ -181,7 +181,7 @@ mod tests {
             path: Path::Closed(0.3),
             expansion: Some(Expansion { material, coefficient: 1.1e-5, base: elastic::Base::Bonded }),
         };
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let merging = Merging::pairs(&cells);
         let mut merged = MergedHeat::new(body.boxed(), merging.clone()).boxed();

@@ -56,6 +56,9 @@ const DISTORTING_MODES: usize = 96;
 /// Modes across in the steady effects that have no closed sum: what follows falls like 1/m^3.
 const SUMMED_MODES: usize = 1000;
 
+/// The same for a probe, whose levels share the punch.
+const SUMMED_BY_PROBE: usize = 256;
+
 /// Order of the ports.
 const COOLING: usize = 0;
 const AMBIENT: usize = 1;
@@ -115,19 +118,36 @@ pub fn reduce_with_mean(
     };
     let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
     let distortion = Distortion::new(scene, cells)?;
-    project(across, depth, cooled, distortion, cells, (tolerances, duration)).map(Some)
+    project(across, depth, cooled, distortion, cells, &Wanted::new(scene, tolerances, duration)).map(Some)
 }
 
-/// Projects a body, to tolerances of every mode across and of the uniform one over a duration (s).
+/// How finely a body is projected.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    /// Tolerances of every mode across and of the uniform one.
+    tolerances: [f64; 2],
+    /// s.
+    duration: f64,
+    /// See [`SUMMED_MODES`].
+    summed: usize,
+}
+
+impl Wanted {
+    fn new(scene: &Scene, tolerances: [f64; 2], duration: f64) -> Wanted {
+        Wanted { tolerances, duration, summed: if scene.is_probe() { SUMMED_BY_PROBE } else { SUMMED_MODES } }
+    }
+}
+
+/// Projects a body.
 fn project(
     across: Across,
     depth: Depth,
     cooled: Cooled,
     mut distortion: Option<Distortion>,
     cells: &Cells,
-    (tolerances, duration): ([f64; 2], f64),
+    wanted: &Wanted,
 ) -> Result<ReducedHeat, BlockError> {
-    let scale = Scale::new(&across, &depth, duration, tolerances);
+    let scale = Scale::new(&across, &depth, wanted.duration, wanted.tolerances);
     let steepest = scale.steepest(&depth);
     if let Some(distortion) = &mut distortion {
         distortion.resolve(steepest);
@@ -135,7 +155,7 @@ fn project(
     let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
     let points = Points::new(depth.height, steepest, &extra);
     let selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
-    let assembly = Assembly::new(across, depth, cooled, cells, &points, &selection);
+    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &selection), *wanted);
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;
@@ -179,6 +199,7 @@ struct Assembly<'a> {
     modes: Vec<Mode>,
     /// All modes that some sum needs, those with states first.
     waves: Waves,
+    wanted: Wanted,
     errors: [f64; 2],
 }
 
@@ -199,8 +220,8 @@ impl<'a> Assembly<'a> {
         depth: Depth,
         cooled: Cooled,
         cells: &'a Cells,
-        points: &Points,
-        selection: &Selection,
+        (points, selection): (&Points, &Selection),
+        wanted: Wanted,
     ) -> Self {
         let modes: Vec<Mode> = (selection.modes.iter().filter(|mode| mode.basis.count() > 0))
             .map(|mode| {
@@ -209,9 +230,10 @@ impl<'a> Assembly<'a> {
                 Mode { wave: mode.wave, states, immediate }
             })
             .collect();
-        let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
+        let count = summed_modes(&across, &depth, modes.len()).max(wanted.summed);
         let waves = Waves::new(&across, cells, count);
-        Assembly { across, depth, cooled, cells, modes, waves, errors: [selection.error, selection.mean_error] }
+        let errors = [selection.error, selection.mean_error];
+        Assembly { across, depth, cooled, cells, modes, waves, wanted, errors }
     }
 
     /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
@@ -386,7 +408,7 @@ impl<'a> Assembly<'a> {
         // A surface that has no area is not looked at.
         let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
         let mut first = 0;
-        for m in 0..SUMMED_MODES.max(self.modes.len()) {
+        for m in 0..self.wanted.summed.max(self.modes.len()) {
             let mode = self.modes.get(m);
             let wave = self.waves.wave(m);
             let exposure = self.exposure(wave);
@@ -411,7 +433,7 @@ impl<'a> Assembly<'a> {
         if self.across.sides != Sides::Closed && self.cooled.by == By::Sides {
             // The sides' heat close to them, in the modes left out: a sum of 1/m^2.
             let width = 2.0 * self.across.half_width;
-            let count = 0.5 * SUMMED_MODES.max(self.modes.len()) as f64;
+            let count = 0.5 * self.wanted.summed.max(self.modes.len()) as f64;
             let square = self.across.cooled.powi(2) * 2.0 / width;
             let sum = (0.5 * width / std::f64::consts::PI).powi(2) / count;
             let beyond = square * self.depth.height / (length * self.depth.conductivity) * sum;
@@ -543,7 +565,7 @@ impl<'a> Assembly<'a> {
         }
         // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a short wave.
         let longest = DISTORTING_MODES.max(self.modes.len());
-        let mut short = self.waves.sum(longest..SUMMED_MODES.max(longest), |_, wave| {
+        let mut short = self.waves.sum(longest..self.wanted.summed.max(longest), |_, wave| {
             distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
         });
         for (mut row, width) in short.row_iter_mut().zip(&operators.widths) {

@@ -26,12 +26,14 @@ mod amplitudes;
 mod answer;
 mod depth;
 mod give_back;
+mod kept;
 mod knots;
 mod levels;
 mod moving_kernel;
 mod operators;
 mod propagate;
 mod remainder;
+mod scan;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -46,6 +48,7 @@ use super::{Account, CooledAhead, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
+use kept::Kept;
 use operators::Operators;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -100,6 +103,7 @@ impl StripHeat {
     pub fn for_few_steps(mut self, velocity: f64) -> Self {
         if let Some(operators) = Arc::get_mut(&mut self.operators) {
             operators.steady = 0.0;
+            operators.kept = Some(Kept::default());
             operators.table.align(velocity);
         }
         self

@@ -23,6 +23,9 @@ const FINEST: f64 = 2e-5;
 /// once and has its own part.
 const PUNCH_PART: f64 = 0.25;
 
+/// Tolerance of a probe's strip on a straight path over that of its other bodies: levels share the strip.
+const STRIP_OF_PROBE: f64 = 2.5;
+
 /// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
 const EXPECTED: f64 = 1.5;
 
@@ -206,7 +209,11 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         path: path_of(scene),
         expansion,
     };
-    let mut resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
+    let way = if scene.is_probe() { scene.nominal_velocity * scene.nominal_duration } else { f64::INFINITY };
+    // On a closed path the mean temperature of the strip counts, which levels do not feel alike.
+    let part = if scene.is_probe() && scene.path == scene::Path::Straight { STRIP_OF_PROBE } else { 1.0 };
+    let tolerance = part * tolerance;
+    let mut resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance, way };
     loop {
         let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
         if strip.states() <= MOST_STATES {

@@ -48,6 +48,10 @@ fn discretization(tolerance: f64) -> Discretization {
 /// Tolerance at which fewer layers do.
 const COARSE: f64 = 5e-3;
 
+/// For a probe, which compares levels of the same distortion: their differences change by less than 1 %.
+const BY_PROBE: Discretization =
+    Discretization { order: 4, contact_layers: 2, top_layers: 2, grading: Discretization::CORNER_GRADING };
+
 impl Distortion {
     /// None where nothing expands.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
@@ -63,7 +67,8 @@ impl Distortion {
         } else {
             let width = 2.0 * cells.half_width();
             let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio };
-            Kind::Block(Box::new(Block::new(properties, discretization(scene.tolerance))?))
+            let discretization = if scene.is_probe() { BY_PROBE } else { discretization(scene.tolerance) };
+            Kind::Block(Box::new(Block::new(properties, discretization)?))
         };
         let points = match &kind {
             Kind::Block(block) => block.depth_points().into_iter().map(|point| (point.z, point.weight)).collect(),

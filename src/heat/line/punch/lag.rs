@@ -21,9 +21,6 @@ use super::across::Wave;
 use crate::heat::line::reduced::{ModeStates, Operators};
 use nalgebra::{Complex, DMatrix, DVectorView, SymmetricEigen};
 
-/// Modes across that are summed.
-const SUMMED: usize = super::SUMMED_MODES;
-
 /// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
 const SMALLEST: f64 = 1e-10;
 
@@ -69,7 +66,7 @@ impl Assembly<'_> {
     /// Gives what answers at once states of its own; call it when all other operators are complete.
     pub(super) fn delay(&self, operators: &mut Operators) {
         let count = self.cells.count();
-        let beyond = self.modes.len().max(1)..SUMMED.max(self.modes.len());
+        let beyond = self.modes.len().max(1)..self.wanted.summed.max(self.modes.len());
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
         let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
         let mut moment = self.waves.sum(beyond, |_, wave| self.time_to_follow(wave.decay) * impedance(wave));

@@ -147,6 +147,18 @@ impl Answer {
         &self.rest[first + 3 * n..]
     }
 
+    /// Numbers in it.
+    pub fn length(&self) -> usize {
+        self.rest.len() + self.gains.temperature.len() + self.gains.distortion.len()
+    }
+
+    /// Becomes another answer of the same strip and stage.
+    pub fn copy_from(&mut self, other: &Answer) {
+        self.rest.copy_from_slice(&other.rest);
+        self.gains.temperature.copy_from(&other.gains.temperature);
+        self.gains.distortion.copy_from(&other.gains.distortion);
+    }
+
     /// Becomes the sum of four answers, with what answers at once added to the gains.
     pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: AtOnce<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);

@@ -2,15 +2,16 @@
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::give_back::GiveBack;
+use super::kept::Kept;
 use super::levels::{Level, levels, of_wave};
 use super::remainder::Remainder;
+use super::scan::Scan;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave, harmonics};
 use crate::contact::dense;
 use crate::elastic::{self, Cells, OutOfRange};
 use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::{Base, CoolingPort, Slab};
-use nalgebra::Complex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -58,6 +59,8 @@ pub struct Resolution {
     pub shortest: f64,
     /// Relative error of the contact temperature that the reduction may cost.
     pub tolerance: f64,
+    /// Length of the way on fresh material, m; infinite where it is not known.
+    pub way: f64,
 }
 
 /// Rate by which sliding on fresh material adds to every decay: heat left behind must not come back with the next copy of
@@ -130,6 +133,8 @@ pub struct Operators {
     /// in a hundred of the temperature. 0: every step finds its own.
     pub steady: f64,
     pub table: VelocityTable,
+    /// Answers of the steps that were prepared, where several probes take them; `None`: every step finds its own.
+    pub kept: Option<Kept>,
     pub give_back: Option<GiveBack>,
     /// Even and odd parts on the cells that a wave's real and imaginary amplitude show: (N + 1)/2 rows, one column per wave.
     pub seen: [Vec<f64>; 2],
@@ -140,8 +145,15 @@ pub struct Operators {
 
 /// Ratios of the frequencies at which the layer is reduced, tried in this order until the error is small.
 const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
+/// Part of the tolerance that the reduction of the waves may take.
+const REDUCTION_PART: f64 = 0.2;
 /// Shortest period of a one-way path, in widths of the contact.
 const SHORTEST_WAY: f64 = 12.0;
+/// Period of a one-way path that is known and short, over what its contact heats.
+const FREE_OF_COPIES: f64 = 1.5;
+/// Waves from which on a few are asked first whether a ratio of frequencies will do, and how many of them there are to one of those.
+const MANY_WAVES: usize = 200;
+const SAMPLED: usize = 8;
 /// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
 const FASTEST: f64 = 1e7;
 /// Decays over which a one-way path forgets while the contact passes one period.
@@ -178,8 +190,8 @@ impl StripProperties {
     }
 
     /// Length of the period, and largest distance between source and observer counted along the material.
-    fn period(&self, width: f64, duration: f64) -> (f64, f64) {
-        let mut reach = (self.conductivity / self.capacity * duration).sqrt();
+    fn period(&self, width: f64, Resolution { duration, way, .. }: &Resolution) -> (f64, f64) {
+        let mut reach = (self.conductivity / self.capacity * *duration).sqrt();
         if self.convection > 0.0 {
             reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
         }
@@ -190,7 +202,11 @@ impl StripProperties {
             Path::Closed(length) => (length.max(width), f64::INFINITY),
             // A stroke longer than planned still finds its own track.
             Path::Stroke { stroke, length } => ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke),
-            Path::OneWay => ((width + 8.0 * reach).max(SHORTEST_WAY * width), f64::INFINITY),
+            Path::OneWay => {
+                // On a short way no copy of the contact comes near heat that is not its own.
+                let apart = FREE_OF_COPIES * (width + way + 8.0 * reach);
+                ((width + 8.0 * reach).max(apart.min(SHORTEST_WAY * width)), f64::INFINITY)
+            }
         }
     }
 }
@@ -204,7 +220,7 @@ impl Operators {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, "positive, in s")?;
         }
         let tolerance = resolution.tolerance.clamp(1e-6, 0.1);
-        let (period, reach) = properties.period(width, resolution.duration);
+        let (period, reach) = properties.period(width, resolution);
         let full = width >= period * (1.0 - 1e-9);
         let bare = Slab {
             height: properties.height,
@@ -223,8 +239,11 @@ impl Operators {
         let shortest_wave = (fastest / diffusivity).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let fresh = properties.path == Path::OneWay;
-        let forgetting =
-            Forgetting { per_length: if fresh { FORGOTTEN / period } else { 0.0 }, slow: period / resolution.duration };
+        let forgets = fresh && width + resolution.way > period;
+        let forgetting = Forgetting {
+            per_length: if forgets { FORGOTTEN / period } else { 0.0 },
+            slow: period / resolution.duration,
+        };
         let mut waves = harmonics(period, last, reach);
         if fresh {
             // Neighbouring copies of the contact with opposite signs: no mean, and the midpoint rule of the endless path.
@@ -238,15 +257,19 @@ impl Operators {
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
-            modes = waves
-                .iter()
-                .map(|wave| {
-                    let depth = Depth::new(&slab, expansion, wave.number);
-                    depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)
-                })
-                .collect();
-            error = scan.largest_error(&modes);
-            if error <= 0.2 * tolerance {
+            let reduce = |step: usize| -> Vec<DepthModes> {
+                let waves = waves.iter().step_by(step).map(|wave| Depth::new(&slab, expansion, wave.number));
+                waves.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
+            };
+            let good = |error: f64| error <= REDUCTION_PART * tolerance;
+            // Neighbouring waves have neighbouring errors; the last ratio is taken as it is.
+            let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
+            if few && !good(scan.largest_error(&reduce(SAMPLED), SAMPLED)) {
+                continue;
+            }
+            modes = reduce(1);
+            error = scan.largest_error(&modes, 1);
+            if good(error) {
                 break;
             }
         }
@@ -301,6 +324,7 @@ impl Operators {
             forgetting,
             steady: 10.0 * tolerance.min(1e-3),
             table,
+            kept: None,
             give_back: None,
             seen: Default::default(),
             contact_mean: Vec::new(),
@@ -430,73 +454,6 @@ impl Operators {
         dense::multiply_add_each([(even, re, even_part), (odd, im, odd_part)]);
         values.fill(level);
         self.unfold_onto([&parts[0], &parts[1]], values);
-    }
-}
-
-/// Exact answers of every wave at some frequencies, against which reductions are judged.
-struct Scan {
-    frequencies: Vec<f64>,
-    /// What a wave counts in the mean contact temperature per flux.
-    weights: Vec<f64>,
-    /// Row by row for each frequency.
-    exact: Vec<Complex<f64>>,
-    /// Error of the mean wave's reduction at each frequency.
-    mean: Vec<Complex<f64>>,
-    scale: f64,
-}
-
-impl Scan {
-    fn new(
-        cells: &Cells,
-        slab: &Slab,
-        mean: Option<&ReducedBody>,
-        period: f64,
-        waves: &[Wave],
-        shapes: &Shapes,
-        resolution: &Resolution,
-    ) -> Scan {
-        let width = 2.0 * cells.half_width();
-        let weights: Vec<f64> = (0..waves.len())
-            .map(|index| {
-                let (even, _) = shapes.rows(index);
-                let half: f64 = even.iter().zip(cells.widths()).map(|(shape, c)| shape * c).sum();
-                let centre =
-                    if cells.count() % 2 == 1 { even[even.len() - 1] * cells.widths()[even.len() - 1] } else { 0.0 };
-                2.0 * waves[index].count / period * (2.0 * half - centre).powi(2) / width
-            })
-            .collect();
-        let (slow, fast) = (0.3 / resolution.duration, 1.0 / resolution.shortest);
-        let points = 16;
-        let frequencies: Vec<f64> =
-            (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points))).collect();
-        let mut scan = Scan { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
-        for &frequency in &scan.frequencies {
-            let s = Complex::new(0.0, frequency);
-            scan.exact.extend(waves.iter().map(|wave| slab.impedance(s, wave.number)));
-            let error = mean.map(|mean| (mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
-            scan.mean.push(error.unwrap_or_default());
-        }
-        let s = Complex::new(0.0, 1.0 / resolution.duration);
-        let parts = waves.iter().zip(&scan.weights).map(|(wave, weight)| slab.impedance(s, wave.number) * *weight);
-        let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
-        scan.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
-        scan
-    }
-
-    /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// step's, relative to its value at the duration's.
-    fn largest_error(&self, modes: &[DepthModes]) -> f64 {
-        let count = self.weights.len();
-        let mut largest: f64 = 0.0;
-        for (row, &frequency) in self.frequencies.iter().enumerate() {
-            let s = Complex::new(0.0, frequency);
-            let mut error = self.mean[row];
-            for (index, modes) in modes.iter().enumerate() {
-                error += (modes.impedance(s) - self.exact[row * count + index]) * self.weights[index];
-            }
-            largest = largest.max(error.norm_sqr().sqrt() / self.scale);
-        }
-        largest
     }
 }
 

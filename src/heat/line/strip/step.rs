@@ -278,6 +278,35 @@ impl StageWeights {
         immediate: AtOnce<'_>,
         room: &mut Room,
     ) {
+        self.take_length(operators, length);
+        let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
+        let motion = Motion { turning: velocity.map(|v| shortest * v), step: length };
+        let drift = motion.drift();
+        let turn = length * motion.turning[0].abs().max(motion.turning[1].abs());
+        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        let interpolated = drift < operators.steady && turn < SHORT_TURN;
+        if interpolated {
+            let middle = 0.5 * (velocity[0] + velocity[1]);
+            self.knots.interpolate(operators, &interval, length, middle, immediate, room, &mut self.answer);
+        } else {
+            interval.respond(operators, velocity, room, &mut self.answer);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut self.answer.gains));
+        }
+        if interpolated && drift > LEAST_DRIFT {
+            interval.weigh(operators, velocity, &mut self.answer);
+        }
+        self.carry(operators, velocity);
+    }
+
+    /// The same with an answer that is known.
+    fn prepare_known(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], answer: &Answer) {
+        self.take_length(operators, length);
+        self.answer.copy_from(answer);
+        self.carry(operators, velocity);
+    }
+
+    /// What depends on the length of the interval alone.
+    fn take_length(&mut self, operators: &Operators, length: f64) {
         let mean = &operators.mean;
         if self.length != length {
             self.length = length;
@@ -291,22 +320,14 @@ impl StageWeights {
                 *decay = (-rate * length).exp();
             }
         }
-        let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let motion = Motion { turning: velocity.map(|v| shortest * v), step: length };
-        let drift = motion.drift();
-        let turn = length * motion.turning[0].abs().max(motion.turning[1].abs());
-        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        let (_, faded) = interval.fading(operators, velocity);
-        let interpolated = drift < operators.steady && turn < SHORT_TURN;
-        if interpolated {
-            let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.knots.interpolate(operators, &interval, length, middle, immediate, room, &mut self.answer);
-        } else {
-            interval.respond(operators, velocity, room, &mut self.answer);
-            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut self.answer.gains));
-        }
+    }
+
+    /// Factors of the waves' states over the interval.
+    fn carry(&mut self, operators: &Operators, velocity: [f64; 2]) {
+        let fade = operators.forgetting.mean(velocity);
+        let faded = (-fade * self.length).exp();
         let [cosine, sine] = &mut self.turns;
-        turns(0.5 * length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        turns(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
         levels::turn(
             &operators.levels,
             &self.decay,
@@ -314,9 +335,6 @@ impl StageWeights {
             [cosine, sine],
             self.factor.each_mut().map(|part| &mut part[..]),
         );
-        if interpolated && drift > LEAST_DRIFT {
-            interval.weigh(operators, velocity, &mut self.answer);
-        }
     }
 }
 
@@ -474,6 +492,11 @@ impl Step {
         (self.length, self.velocity, self.euler) = (length, velocity, false);
         let middle = velocity[0] + GAMMA * (velocity[1] - velocity[0]);
         let Step { first, end, room, immediate, .. } = self;
+        if let Some(known) = operators.kept.as_ref().and_then(|kept| kept.get(length, velocity)) {
+            first.prepare_known(operators, GAMMA * length, [velocity[0], middle], &known[0]);
+            end.prepare_known(operators, length, velocity, &known[1]);
+            return;
+        }
         let last = immediate.find(operators, velocity[1]);
         let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
@@ -486,6 +509,9 @@ impl Step {
             first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, room);
         }
         end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], room);
+        if let Some(kept) = &operators.kept {
+            kept.keep(length, velocity, [&first.answer, &end.answer]);
+        }
     }
 
     /// One implicit Euler step: both stages are its end.

@@ -53,7 +53,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
             expansion: None,
         };
         let cells = Cells::graded(0.0475, 33).unwrap();
-        let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         println!("{:?} {} states, error {:.1e}", body.size(), body.states(), body.error());
         for velocity in [0.0, 1e-4, 0.01, 1.0, -1.0, 30.0] {
@@ -89,7 +89,7 @@ fn half_space_at_short_times() {
         expansion: None,
     };
     let cells = Cells::graded(0.1, 33).unwrap();
-    let resolution = Resolution { duration: 1.0, shortest: 0.02, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 1.0, shortest: 0.02, tolerance: 1e-4, way: f64::INFINITY };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let mut state = vec![0.0; body.states()];
     let temperature = march(&mut body, &mut state, 0.02, 50, |_| 0.0);
@@ -104,7 +104,7 @@ fn oscillating_band_on_a_half_plane() {
     let period = 2.0 * std::f64::consts::PI;
     let per_period = 64;
     let step = period / per_period as f64;
-    let resolution = Resolution { duration: 80.0 * period, shortest: step, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 80.0 * period, shortest: step, tolerance: 1e-4, way: f64::INFINITY };
     let start = std::time::Instant::now();
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     println!("{:?} {} states error {:.1e} {:?}", body.size(), body.states(), body.error(), start.elapsed());
@@ -128,7 +128,7 @@ fn jaeger_on_a_long_closed_path() {
         [(0.1, 38.0, 2.20033, -0.2435, 1e-3), (1.0, 12.0, 0.99185, -0.6664, 2e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
     {
         let properties = unit(height, Base::Held, Path::Closed(2000.0));
-        let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
+        let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         body.prepare(1e12, [2.0 * peclet; 2]);
         let gains = &body.gains(Stage::End).temperature;
@@ -173,7 +173,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let mut properties = steel(0.02, base, path, convection);
         properties.expansion = expanding(0.3, crate::elastic::Base::Bonded);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         let far = if base == Base::Held { 2.0 } else { 0.0 };
@@ -263,7 +263,7 @@ fn convection_acts_beside_the_contact_only() {
     let mut properties = steel(0.02, Base::Insulated, Path::Closed(0.3), 400.0);
     properties.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
-    let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4, way: f64::INFINITY };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let mut state = vec![0.0; body.states()];
     march(&mut body, &mut state, 1e4, 20, |_| 0.3);
@@ -284,7 +284,7 @@ fn everything_at_one_temperature_stays_there() {
     for base in [Base::Held, Base::Insulated, Base::Convecting(300.0)] {
         let properties = steel(0.02, base, Path::Closed(0.3), 100.0);
         let cells = Cells::graded(0.05, 9).unwrap();
-        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         body.uniform(10.0, &mut state);
@@ -307,7 +307,7 @@ fn heated_half_plane_curves_by_its_flux() {
     let mut properties = steel(100.0, Base::Held, Path::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
     properties.expansion = expanding(0.3, crate::elastic::Base::Smooth);
     let cells = Cells::graded(0.1, 33).unwrap();
-    let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3 };
+    let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     body.prepare(1e14, [0.0, 0.0]);
     let gains = &body.gains(Stage::End).distortion;
@@ -328,7 +328,7 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
     properties.expansion = expanding(0.3, crate::elastic::Base::Bonded);
     let count = 32;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
-    let resolution = Resolution { duration: 1e3, shortest: 0.01, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 1e3, shortest: 0.01, tolerance: 1e-4, way: f64::INFINITY };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let slab = crate::heat::slab::Slab {
         height: 0.02,
@@ -370,7 +370,7 @@ fn one_way_on_fresh_material_is_the_moving_source_at_every_speed() {
         (2.0, Base::Insulated, LayerBase::Insulated),
     ] {
         let properties = unit(height, base, Path::OneWay);
-        let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         println!("{:?} period {} {} states error {:.1e}", body.size(), body.period(), body.states(), body.error());
         for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
@@ -391,7 +391,7 @@ fn one_way_on_fresh_material_is_the_moving_source_at_every_speed() {
 #[test]
 fn one_way_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
     let cells = Cells::graded(1.0, 33).unwrap();
-    let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3 };
+    let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
     for peclet in [0.1, 1.0, 10.0] {
         let mut one_way = StripHeat::new(&unit(40.0, Base::Held, Path::OneWay), &cells, &resolution).unwrap();
         // The exact transient: a closed path that the contact does not go round within the time.
@@ -414,7 +414,7 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let count = 8;
     let length = 0.0754;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
-    let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4 };
+    let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4, way: f64::INFINITY };
     let body = |conductivity: f64, capacity: f64, path: Path| {
         let properties = StripProperties {
             height: 0.05,
@@ -464,7 +464,7 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
 #[test]
 fn answers_do_not_depend_on_when_they_were_found() {
     let cells = Cells::graded(0.03, 9).unwrap();
-    let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-2 };
+    let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-2, way: f64::INFINITY };
     for path in [Path::OneWay, Path::Stroke { stroke: 0.02, length: 0.0 }] {
         let properties = StripProperties { convection: 0.2, ..unit(0.5, Base::Held, path) };
         let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -484,4 +484,61 @@ fn answers_do_not_depend_on_when_they_were_found() {
             assert_eq!(&gains(&mut fast, velocity), expected, "{path:?} {velocity}");
         }
     }
+}
+
+#[test]
+fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
+    let cells = Cells::graded(0.02, 9).unwrap();
+    let properties = StripProperties {
+        expansion: expanding(0.3, crate::elastic::Base::Bonded),
+        ..steel(0.02, Base::Held, Path::Stroke { stroke: 0.05, length: 0.0 }, 30.0)
+    };
+    let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2, way: f64::INFINITY };
+    let body = || StripHeat::new(&properties, &cells, &resolution).unwrap().for_few_steps(0.1);
+    let steps = [(0.05, [0.1, 0.2]), (0.01, [0.2, -0.1]), (0.05, [0.1, 0.2]), (0.05, [0.1, 0.1]), (0.01, [0.2, -0.1])];
+    let flux = uneven(&cells, 1);
+    let air = Surroundings::default();
+    let run = |body: &mut StripHeat| -> (Vec<f64>, Vec<Gains>) {
+        let mut state = vec![0.0; body.states()];
+        let mut gains = Vec::new();
+        for (length, velocity) in steps {
+            body.prepare(length, velocity);
+            gains.extend([Stage::First, Stage::End].map(|stage| body.gains(stage).clone()));
+            body.advance(&mut state, &air, &flux, &flux);
+        }
+        (state, gains)
+    };
+    // A copy finds all of its steps prepared; the other body none, because it keeps none.
+    let mut first = body();
+    let mut copy = first.clone();
+    let mut other = body();
+    Arc::get_mut(&mut other.operators).unwrap().kept = None;
+    let found = run(&mut first);
+    assert!(found.0.iter().any(|value| *value != 0.0));
+    assert_eq!(found, run(&mut copy));
+    assert_eq!(found, run(&mut other));
+}
+
+#[test]
+fn a_short_way_on_fresh_material_needs_no_long_period() {
+    let (width, velocity, duration) = (0.04, 0.4, 0.2);
+    let cells = Cells::graded(0.5 * width, 9).unwrap();
+    // The exact transient: a closed path that the contact does not go round within the time.
+    let paths =
+        [(Path::Closed(1.0), f64::INFINITY), (Path::OneWay, f64::INFINITY), (Path::OneWay, velocity * duration)];
+    let [exact, long, short] = paths.map(|(path, way)| {
+        let resolution = Resolution { duration, shortest: 1e-3 * duration, tolerance: 1e-3, way };
+        let mut body = StripHeat::new(&steel(0.02, Base::Held, path, 0.0), &cells, &resolution).unwrap();
+        let mut state = vec![0.0; body.states()];
+        let middle = march(&mut body, &mut state, 0.02 * duration, 25, |_| velocity);
+        (body.period(), [middle, march(&mut body, &mut state, 0.02 * duration, 25, |_| velocity)])
+    });
+    assert!(short.0 < 0.5 * long.0, "{} {}", short.0, long.0);
+    let error = |found: &[Vec<f64>; 2]| -> f64 {
+        let peak = exact.1[1].iter().copied().fold(0.0, f64::max);
+        let apart = found.iter().flatten().zip(exact.1.iter().flatten()).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max) / peak
+    };
+    println!("short {:.1e}, long {:.1e}", error(&short.1), error(&long.1));
+    assert!(error(&short.1) < error(&long.1) && error(&short.1) < 1e-2, "{:e} {:e}", error(&short.1), error(&long.1));
 }

@@ -295,7 +295,7 @@ mod tests {
                 for shortest in [1e-1, 1e-3] {
                     // What slides one way passes from remembering to forgetting within the thousand steps.
                     let duration = if path == Path::OneWay { 1e3 * shortest } else { 100.0 };
-                    let resolution = Resolution { duration, shortest, tolerance };
+                    let resolution = Resolution { duration, shortest, tolerance, way: f64::INFINITY };
                     let [between, passive] = errors(&cells, path, &resolution);
                     println!("{path:?} {tolerance:.0e} {shortest:.0e}: between {between:.1e}, passive {passive:.1e}");
                     assert!(between < 0.1 * tolerance, "{path:?} {tolerance:e} {shortest:e} s: {between:e}");
@@ -308,7 +308,7 @@ mod tests {
     fn a_table_shifted_to_a_velocity_finds_one_knot_for_it() {
         let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
         let (velocity, count) = (0.123, cells.count());
-        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-4 };
+        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-4, way: f64::INFINITY };
         let answer = |strip: StripHeat| {
             let table = &strip.operators.table;
             let mut response = DMatrix::zeros(count, count);
