@@ -383,7 +383,7 @@ impl LineHeat for StripHeat {
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
         let (operators, weights) = (&*self.operators, &self.step.end);
         let mean = &operators.mean;
-        let free = operators.free_length() / operators.period;
+        let free = operators.free_length / operators.period;
         let [_, returned] = self.held_fluxes(state, surroundings, first);
         let covered = |stage| (1.0 - free) * (returned - surroundings.until(stage).cooling);
         let fluxes =

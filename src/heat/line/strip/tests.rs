@@ -216,7 +216,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     for path in [Path::Closed(0.3), Path::Stroke { stroke: 0.01, length: 0.0 }, Path::OneWay] {
         let properties = steel(0.02, Base::Convecting(500.0), path, 0.0);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let (mut state, zero) = (vec![0.0; body.states()], vec![0.0; 12]);
         body.uniform(20.0, &mut state);
