@@ -160,37 +160,45 @@ struct Findings {
 /// # Errors
 /// A text with the numbers where the chosen level cannot be built.
 pub fn make(scene: &Scene) -> Result<Planned, String> {
+    make_watched(scene, &mut || {})
+}
+
+/// The same, telling when the rung is chosen: what comes then is to build it, as any choice has to.
+///
+/// # Errors
+/// Those of [`make`].
+pub fn make_watched(scene: &Scene, chosen: &mut dyn FnMut()) -> Result<Planned, String> {
     if [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2] {
-        return only_lumped(scene, "both bodies are rigid".into());
+        return only_lumped(scene, "both bodies are rigid".into(), chosen);
     }
     let Some(course) = Course::new(scene) else {
         let reason = format!(
             "nominal.load = {} N and nominal.velocity = {} m/s leave nothing to compare levels with",
             scene.nominal_load, scene.nominal_velocity
         );
-        return only_lumped(scene, reason).map(unknown);
+        return only_lumped(scene, reason, chosen).map(unknown);
     };
     if possible_on_the_cells(scene) {
         match explore(scene, &course, true) {
-            Ok(findings) => return decide(scene, findings),
+            Ok(findings) => return decide(scene, findings, chosen),
             // Where heat on the cells has no solution (friction that runs away, instability), its mean still has one.
             Err(reason) => {
                 let reason = format!("nothing to compare the mean heat with: {reason}");
                 let Ok(findings) = explore(scene, &course, false) else {
-                    return only_lumped(scene, reason).map(unknown);
+                    return only_lumped(scene, reason, chosen).map(unknown);
                 };
-                let mut planned = decide(scene, findings)?;
+                let mut planned = decide(scene, findings, chosen)?;
                 planned.plan.reason = reason;
                 return Ok(unknown(planned));
             }
         }
     }
     match explore(scene, &course, false) {
-        Ok(findings) => decide(scene, findings),
+        Ok(findings) => decide(scene, findings, chosen),
         // The lumped level knows nothing of what the contact line refuses.
         Err(reason) => {
             let reason = format!("no contact line to compare with: {reason}");
-            only_lumped(scene, reason).map(unknown)
+            only_lumped(scene, reason, chosen).map(unknown)
         }
     }
 }
@@ -277,7 +285,7 @@ fn grown([wear, temperature, force]: [f64; 3], growth: f64) -> [f64; 3] {
     [wear, growth * temperature, growth * force]
 }
 
-fn decide(scene: &Scene, findings: Findings) -> Result<Planned, String> {
+fn decide(scene: &Scene, findings: Findings, told: &mut dyn FnMut()) -> Result<Planned, String> {
     let enough = LEVEL_SHARE * scene.tolerance;
     let good = findings.candidates.iter().find(|candidate| candidate.error() <= enough);
     let best = findings.candidates.iter().min_by(|one, other| one.error().total_cmp(&other.error()));
@@ -296,6 +304,7 @@ fn decide(scene: &Scene, findings: Findings) -> Result<Planned, String> {
         Rung::Line { cells, .. } if scene.cells == 0 => finer(cells).map(|cells| Rung::Line { cells, heat }),
         Rung::Line { .. } => None,
     };
+    told();
     let prepared = match (next, scene.escalation) {
         (Some(next), Escalation::Prepared) => Some(Operators::new(&next.apply(scene))?),
         _ => None,
@@ -328,7 +337,8 @@ fn decide(scene: &Scene, findings: Findings) -> Result<Planned, String> {
     Ok(Planned { plan, operators, prepared })
 }
 
-fn only_lumped(scene: &Scene, reason: String) -> Result<Planned, String> {
+fn only_lumped(scene: &Scene, reason: String, chosen: &mut dyn FnMut()) -> Result<Planned, String> {
+    chosen();
     let operators = Operators::new(&Rung::Lumped.apply(scene))?;
     let (states, order, reduction_error) = made_of(&operators);
     let mut effort = Effort::default();

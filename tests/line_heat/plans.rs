@@ -225,6 +225,18 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     assert!(errors.iter().all(|error| *error < 0.02), "{errors:?}");
 }
 
+/// With many cells and their heat a stage's wear is found to rounding only, above what Newton's method asks for: not taken as found, it was
+/// stepped in picoseconds.
+#[test]
+fn wear_is_found_to_rounding_at_129_cells() {
+    let generated = generate(120);
+    let rung = Rung::Line { cells: 129, heat: HeatAlongContact::OnTheCells };
+    let operators = Operators::new(&rung.apply(&generated.scene(1e-4).unwrap())).unwrap();
+    let record = runs::run_with(&generated, &operators).unwrap();
+    println!("{:?} internal steps", record.steps);
+    assert!(record.steps.0 < 10_000, "{:?}", record.steps);
+}
+
 #[test]
 fn escalation_is_off_where_it_is_switched_off() {
     let mut component = component(&[LUMPED_ENOUGH, &[("solver.escalation", 1.0)]].concat());

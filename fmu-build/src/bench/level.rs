@@ -165,7 +165,7 @@ fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
         }
         let [hot, cold] = fastest;
         // Where it is kept with a margin.
-        let gated = (count, name) == (129, "to and fro");
+        let gated = name == "to and fro";
         costs.push(cost(format!("doStep with heat over without, N = {count}, {name}"), hot / cold, "1", 3.0, gated));
         costs.push(cost(format!("doStep with heat, N = {count}, {name}"), 1e6 * hot, "us", target, false));
     }

@@ -3,7 +3,6 @@
 use super::runs::{Record, distance, processor_seconds, run, run_with};
 use super::scenes::Generated;
 use crate::coupled::line::heat::bodies::possible_on_the_cells;
-use crate::coupled::model::Operators;
 use crate::plan::{self, rung::Rung};
 use crate::scene::{Escalation, HeatAlongContact, Scene};
 
@@ -110,11 +109,9 @@ pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Jud
     // The run stays within what is planned for: no rung above is to be prepared.
     scene.escalation = Escalation::Off;
     let begin = processor_seconds();
-    let planned = plan::make(&scene)?;
-    let made = processor_seconds();
-    Operators::new(&planned.plan.rung.apply(&scene))?;
-    let building = processor_seconds() - made;
-    let planning_seconds = [(made - begin - building).max(0.0), building];
+    let mut chosen = begin;
+    let planned = plan::make_watched(&scene, &mut || chosen = processor_seconds())?;
+    let planning_seconds = [chosen - begin, processor_seconds() - chosen];
     let outcome = |rung: Rung, record: &Record| Outcome {
         rung,
         errors: distance(record, &truth.record),
