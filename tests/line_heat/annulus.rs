@@ -5,7 +5,7 @@ use sliding_contact::component::Snapshot;
 use sliding_contact::elastic::scene::{cells_for, compliances};
 use sliding_contact::scene::Scene;
 use sliding_contact::steady::scene::Sliding;
-use sliding_contact::steady::thermal::hot_state;
+use sliding_contact::steady::thermal::{HotState, hot_state};
 
 /// The clutch of the examples on the contact line.
 fn clutch(changes: &[(&str, f64)]) -> Drive {
@@ -140,6 +140,19 @@ fn pressure_and_temperature_are_of_second_order() {
     }
 }
 
+/// The clutch with these changes, and its hot steady state on 17 cells.
+fn found_directly(changes: &[(&str, f64)], sliding: &Sliding) -> (Scene, HotState) {
+    let mut starts = scene("clutch");
+    for (name, value) in changes {
+        starts[reference(name) as usize] = *value;
+    }
+    let made = Scene::new(&starts, None).unwrap();
+    let cells = cells_for(&made, 17).unwrap();
+    let bodies = compliances(&made, &cells).unwrap();
+    let hot = hot_state(&made, &cells, &bodies, sliding).unwrap();
+    (made, hot)
+}
+
 /// Long sliding at a constant speed ends in the steady state that is found at once.
 #[test]
 fn stepping_ends_in_the_steady_state_found_directly() {
@@ -160,14 +173,7 @@ fn stepping_ends_in_the_steady_state_found_directly() {
     ];
     for changes in [&[][..], &PADS] {
         let changes = [&steady[..], changes].concat();
-        let mut starts = scene("clutch");
-        for (name, value) in &changes {
-            starts[reference(name) as usize] = *value;
-        }
-        let made = Scene::new(&starts, None).unwrap();
-        let cells = cells_for(&made, 17).unwrap();
-        let bodies = compliances(&made, &cells).unwrap();
-        let hot = hot_state(&made, &cells, &bodies, &Sliding::nominal(&made)).unwrap();
+        let (_, hot) = found_directly(&changes, &Sliding::OneWay { velocity: 2.0 });
         let mut drive = clutch(&changes);
         drive.set("normal_load", 500.0).set("sliding_velocity", 2.0);
         for step in 0..30 {
@@ -209,15 +215,7 @@ fn stepping_to_and_fro_ends_in_the_cycle_found_directly() {
     ];
     for changes in [&[][..], &PADS] {
         let changes = [&steady[..], changes].concat();
-        let mut starts = scene("clutch");
-        for (name, value) in &changes {
-            starts[reference(name) as usize] = *value;
-        }
-        let made = Scene::new(&starts, None).unwrap();
-        let cells = cells_for(&made, 17).unwrap();
-        let bodies = compliances(&made, &cells).unwrap();
-        let sliding = Sliding::ToAndFro { strokes: [stroke; 2], speeds };
-        let hot = hot_state(&made, &cells, &bodies, &sliding).unwrap();
+        let (made, hot) = found_directly(&changes, &Sliding::ToAndFro { strokes: [stroke; 2], speeds });
         let mut drive = clutch(&changes);
         drive.set("normal_load", 500.0);
         let (mut least, mut highest) = (f64::INFINITY, 0.0_f64);
