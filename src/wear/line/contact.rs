@@ -250,8 +250,12 @@ impl WearingContact {
             return self.elastic(gap, conditions, state);
         }
         if rate.is_linear() {
-            for (i, value) in self.diagonal.iter_mut().enumerate() {
-                *value = tau * rate.slope(i, 1.0);
+            if rate.is_uniform() {
+                self.diagonal.fill(tau * rate.slope(0, 1.0));
+            } else {
+                for (i, value) in self.diagonal.iter_mut().enumerate() {
+                    *value = tau * rate.slope(i, 1.0);
+                }
             }
             return Ok(self.solve(gap, conditions, conditions.normal, conditions.tilt, state)?);
         }

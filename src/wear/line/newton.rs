@@ -46,6 +46,7 @@ impl WearingContact {
         state: &mut ContactState,
     ) -> Result<(), StageError> {
         let side = stroke(conditions);
+        self.status.strokes[side].started = true;
         let fresh = self.status.strokes[side].pressure.iter().all(|p| *p == 0.0);
         if !fresh && self.chord(gap, tau, conditions, state)? {
             return Ok(());

@@ -94,6 +94,11 @@ impl CellRate {
         Self { reference_pressure, terms: vec![WearTerm { coefficient, exponent }] }
     }
 
+    /// Whether all cells wear alike.
+    pub fn is_uniform(&self) -> bool {
+        self.terms.iter().all(|term| matches!(term.coefficient, Coefficient::Uniform(_)))
+    }
+
     /// Whether f is linear in p.
     pub fn is_linear(&self) -> bool {
         self.terms.iter().all(|term| term.exponent == 1.0)
@@ -228,6 +233,8 @@ impl CellRate {
 fn power(base: f64, exponent: f64) -> f64 {
     if exponent == 1.0 {
         base
+    } else if exponent == 0.0 {
+        1.0
     } else if exponent == 0.5 {
         base.sqrt()
     } else if exponent == 2.0 {

@@ -19,12 +19,16 @@ pub struct StrokeStatus {
     pub pressure: Vec<f64>,
     /// Wear per pressure with which the factors in use were made, N values, m/Pa; all 0: none yet.
     pub diagonal: Vec<f64>,
+    /// Whether pressure or diagonal can be other than 0.
+    pub started: bool,
 }
 
 impl Status {
     /// All of `count` cells in contact, no pressure yet.
     pub fn new(count: usize) -> Self {
-        let stroke = StrokeStatus { active: vec![true; count], pressure: vec![0.0; count], diagonal: vec![0.0; count] };
+        let zeros = || vec![0.0; count];
+        let stroke =
+            StrokeStatus { active: vec![true; count], pressure: zeros(), diagonal: zeros(), started: false };
         Self { strokes: [stroke.clone(), stroke] }
     }
 
@@ -32,8 +36,11 @@ impl Status {
     pub fn copy_from(&mut self, other: &Status) {
         for (own, other) in self.strokes.iter_mut().zip(&other.strokes) {
             own.active.copy_from_slice(&other.active);
-            own.pressure.copy_from_slice(&other.pressure);
-            own.diagonal.copy_from_slice(&other.diagonal);
+            if own.started || other.started {
+                own.pressure.copy_from_slice(&other.pressure);
+                own.diagonal.copy_from_slice(&other.diagonal);
+                own.started = other.started;
+            }
         }
     }
 
@@ -67,6 +74,7 @@ impl Status {
                     return None;
                 }
             }
+            stroke.started = stroke.pressure.iter().chain(&stroke.diagonal).any(|value| *value != 0.0);
         }
         Some(())
     }

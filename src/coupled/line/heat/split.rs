@@ -42,6 +42,8 @@ pub struct Split {
     open: Vec<usize>,
     known: bool,
     factors: Vec<f64>,
+    /// P_:o P_oo^-1 by columns, of no more open cells than a [`Reduction`] holds.
+    held: Vec<f64>,
     exchanged: Vec<usize>,
     /// Y on all cells, by columns.
     shares: Vec<f64>,
@@ -98,6 +100,7 @@ impl Split {
             open: Vec::with_capacity(count),
             known: false,
             factors: square(),
+            held: vec![0.0; count * largest_reduction(count)],
             exchanged: vec![0; count],
             shares: square(),
             across: square(),
@@ -214,6 +217,20 @@ impl Split {
             target.iter_mut().zip(&self.open).for_each(|(entry, &i)| *entry = column[i]);
         }
         dense::factorise(&mut self.factors[..m * m], m, &mut self.exchanged[..m]);
+        if m > largest_reduction(count) {
+            return;
+        }
+        for k in 0..m {
+            let solution = &mut self.needed[..m];
+            solution.fill(0.0);
+            solution[k] = 1.0;
+            dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], solution);
+            let column = &mut self.held[k * count..(k + 1) * count];
+            column.fill(0.0);
+            for (value, &j) in solution.iter().zip(&self.open) {
+                dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], column);
+            }
+        }
     }
 
     /// Adds to the punch's flux what takes the temperature difference `lacking` (strip above punch, resistance of the
@@ -244,9 +261,15 @@ impl Split {
         }
         let needed = &mut self.needed[..m];
         needed.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
+        let few = m <= largest_reduction(count);
+        if few {
+            dense::multiply_add(&self.held[..count * m], needed, &mut self.column);
+        }
         dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], needed);
         for ((value, &j), apart) in needed.iter().zip(&self.open).zip(&mut self.apart) {
-            dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
+            if !few {
+                dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
+            }
             *apart += value;
         }
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
