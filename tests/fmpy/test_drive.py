@@ -1,6 +1,7 @@
 """The drive cycle from end to end, as `cargo fmu run` drives it."""
 
 import json
+import statistics
 import subprocess
 import sys
 import time
@@ -159,8 +160,9 @@ def test_the_component_takes_a_small_share_of_a_step(fmus):
                 get(handle, own, 0, values)
             return time.perf_counter() - begin
 
-    fastest = {work.__name__: min(work() for _ in range(5)) for work in (whole, bare, empty)}
-    share = max(0.0, fastest["bare"] - fastest["empty"]) / fastest["whole"]
-    per_step = {name: f"{1e6 * seconds / len(inputs):.2f} us" for name, seconds in fastest.items()}
+    # A machine that changes its pace does so for all three of a round, or for a round in the minority.
+    rounds = [{work.__name__: work() for work in (whole, bare, empty)} for _ in range(11)]
+    share = statistics.median(max(0.0, one["bare"] - one["empty"]) / one["whole"] for one in rounds)
+    per_step = [{name: f"{1e6 * seconds / len(inputs):.2f} us" for name, seconds in one.items()} for one in rounds]
     print(f"share of the component {share:.3f}; per step {per_step}")
     assert share < 0.1, per_step
