@@ -127,9 +127,8 @@ pub trait LineHeat: Debug + Send {
         Vec::new()
     }
 
-    /// The same while the contact slides at `velocity` (m/s), where that changes the rates.
-    fn fading_while_sliding(&self, velocity: f64) -> Vec<f64> {
-        let _ = velocity;
+    /// The same while the contact slides at a velocity (m/s), where that changes the rates.
+    fn fading_while_sliding(&self, _velocity: f64) -> Vec<f64> {
         self.fading()
     }
 
