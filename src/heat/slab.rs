@@ -24,7 +24,7 @@ mod projection;
 
 use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
 use nalgebra::Complex;
-use projection::{Basis, Grid};
+use projection::{Basis, Eigen, Grid};
 
 /// Condition at the face opposite to the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -77,6 +77,10 @@ pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
     let im = (0.5 * (modulus - z.re)).sqrt().copysign(z.im);
     Complex::new(0.5 * z.im / im, im)
 }
+
+/// Ratios of neighbouring shifts that are tried, and the largest factor by which the error falls from one to the next.
+const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
+const LARGEST_FALL: f64 = 4.0;
 
 impl Slab {
     /// Thermal diffusivity, m2/s.
@@ -132,37 +136,38 @@ impl Slab {
         let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
         let effusivity = (self.conductivity * self.capacity).sqrt();
         let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration);
-        let mut best: Option<ReducedBody> = None;
-        for ratio in [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9] {
-            let Some(body) = self.project(0.05 / duration, fastest, ratio) else { continue };
-            let error = self.largest_error(&body, 1.0 / duration, fastest);
-            let better = best.as_ref().is_none_or(|known| error < known.error);
-            if better {
-                best = Some(ReducedBody { error, ..body });
+        let scan = Scan::new(self, 1.0 / duration, fastest);
+        let grid = Grid::new(self, fastest.max(self.diffusivity() / self.height.powi(2)));
+        let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
+        // Numbers of the next ratio, of the first one that was not reached yet, and of the first that has too many functions.
+        let (mut next, mut open, mut end) = (0, 0, RATIOS.len());
+        while next < end {
+            let Some(basis) = self.space(&grid, 0.05 / duration, fastest, RATIOS[next]) else {
+                (end, next) = (next, open);
+                continue;
+            };
+            open = next + 1;
+            let eigen = basis.eigen();
+            let error = scan.largest_error(basis.impedance(&eigen));
+            if best.as_ref().is_none_or(|(known, ..)| error < *known) {
+                best = Some((error, basis, eigen));
             }
             if error <= 0.1 * tolerance {
                 break;
             }
+            // Spaces that cannot be good enough are left out; the last is always tried.
+            let falls = (error / (0.1 * tolerance)).log(LARGEST_FALL) as usize;
+            next = (next + falls.max(1)).min(end - 1).max(open);
         }
-        best.expect("the coarsest space has few functions, so it always fits")
+        let (_, basis, eigen) = best.expect("the coarsest space has few functions, so it always fits");
+        // Only the space that is taken gets its modes.
+        let body = basis.modes(&eigen);
+        ReducedBody { error: scan.largest_error(|s| body.impedance(s)), ..body }
     }
 
-    /// Largest error of the reduced frequency response relative to the exact one at `slowest`: on the
-    /// imaginary axis, where it bounds the error of the response to any bounded flux.
-    fn largest_error(&self, body: &ReducedBody, slowest: f64, fastest: f64) -> f64 {
-        let scale = self.impedance(Complex::new(0.0, slowest), 0.0).norm();
-        let points = 40;
-        (0..=points)
-            // A constant flux has content below its own frequency, so the scan begins there.
-            .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
-            .map(|frequency| Complex::new(0.0, frequency))
-            .map(|s| (body.impedance(s) - self.impedance(s, 0.0)).norm() / scale)
-            .fold(0.0, f64::max)
-    }
-
-    /// Galerkin projection with shifts from `slowest` (or the slab's own rate) to `fastest` in steps that
-    /// begin with `ratio`; `None` if too many.
-    fn project(&self, slowest: f64, fastest: f64, ratio: f64) -> Option<ReducedBody> {
+    /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` in steps that begin with `ratio`; `None` if
+    /// too many.
+    fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
         let own = self.diffusivity() / self.height.powi(2);
         let mut shifts = Vec::new();
         let (mut shift, mut step) = (slowest.max(0.5 * own), ratio);
@@ -173,8 +178,7 @@ impl Slab {
             step *= 1.08;
         }
         shifts.push(fastest);
-        let grid = Grid::new(self, fastest.max(own));
-        let mut basis = Basis::new(self, &grid);
+        let mut basis = Basis::new(self, grid);
         basis.stationary();
         for &shift in &shifts {
             basis.add_contact_response(shift);
@@ -184,7 +188,32 @@ impl Slab {
         if basis.count() > MAX_SLAB_STATES + 1 {
             return None;
         }
-        Some(basis.modes())
+        Some(basis)
+    }
+}
+
+/// The frequencies at which a reduced response is held against the exact one: on the imaginary axis, where the largest error bounds
+/// that of the response to any bounded flux.
+struct Scan {
+    /// Frequencies and the exact response.
+    exact: Vec<(Complex<f64>, Complex<f64>)>,
+    /// That at the slowest frequency, which errors are relative to.
+    scale: f64,
+}
+
+impl Scan {
+    fn new(slab: &Slab, slowest: f64, fastest: f64) -> Scan {
+        let points = 40;
+        let exact = (0..=points)
+            // A constant flux has content below its own frequency, so the scan begins there.
+            .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
+            .map(|frequency| Complex::new(0.0, frequency))
+            .map(|s| (s, slab.impedance(s, 0.0)));
+        Scan { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
+    }
+
+    fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
+        self.exact.iter().map(|&(s, exact)| (response(s) - exact).norm() / self.scale).fold(0.0, f64::max)
     }
 }
 

@@ -23,8 +23,9 @@
 //!
 //! At most 20 ms or 1 % of the run that is planned, in counted work ([`effort`]). One contact line is built, with the lumped level's bodies
 //! for its mean and with blocks, strips and punches as coarse and far-reaching as the comparison asks for; the five cells are merged from
-//! its matrices and take the steps that nine have prepared where they take the same. A probe that needs more internal steps than
-//! this pays for ends early and compares what it covers.
+//! its matrices and take the steps that nine have prepared where they take the same. Every stroke of a probe repeats the velocities of the
+//! last one to the bit, so its steps are prepared once, and those of the way back are their mirror images. Stages are solved to 1e-6.
+//! A probe that needs more internal steps than this pays for ends early and compares what it covers.
 //!
 //! # Limits
 //!

@@ -91,11 +91,15 @@ impl Course {
             let halves = (duration / half).clamp(1.0, HALF_STROKES).round();
             let mut segments = Vec::new();
             for n in 0..halves as usize {
-                // Sinusoidal, with the nominal speed as its mean.
-                let at = |part: f64| 0.5 * PI * speed * (PI * (n as f64 + part)).sin();
-                let clean = |v: f64| if v.abs() < 1e-9 * speed { 0.0 } else { v };
+                // Sinusoidal, with the nominal speed as its mean; to the bit the same in every stroke, and opposite on its way back, so
+                // that what was prepared for one stroke serves the next.
+                let way = if n % 2 == 0 { 1.0 } else { -1.0 };
+                let at = |part: f64| {
+                    let sine = (PI * part).sin();
+                    if sine < 1e-9 { 0.0 } else { way * 0.5 * PI * speed * sine }
+                };
                 segments.extend(HALF_STROKE.windows(2).map(|ends| Segment {
-                    velocity: [clean(at(ends[0])), clean(at(ends[1]))],
+                    velocity: [at(ends[0]), at(ends[1])],
                     duration: half * (ends[1] - ends[0]),
                 }));
             }

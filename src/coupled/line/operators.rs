@@ -23,6 +23,10 @@ const CHOSEN_CELLS: usize = 33;
 /// The same for the reference level.
 const FINEST_CELLS: usize = 257;
 
+/// What Newton's method for the wear of a stage may leave in a probe, relative to the largest displacement: far below what levels are
+/// compared by.
+const NEWTON_OF_PROBE: f64 = 1e-7;
+
 /// How the strip's worn depth moves under the punch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StripWear {
@@ -196,6 +200,9 @@ impl Operators {
         let (normal, shear) = (self.normal.clone(), self.shear.clone());
         let mut contact = WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
             .expect("the same matrices were accepted when the operators were made");
+        if self.scene.is_probe() {
+            contact.set_newton_tolerance(NEWTON_OF_PROBE);
+        }
         if self.strip_wear == StripWear::Track {
             // The first operator makes room for all that follow.
             contact.set_operator(Some(&DMatrix::identity(self.count(), self.count())));

@@ -53,6 +53,9 @@ pub const MAXIMUM_STATES: usize = 256;
 /// on a half-plane.
 const DISTORTING_MODES: usize = 96;
 
+/// The same for a probe of few cells: the corners of the block are felt by the longest waves.
+const DISTORTING_BY_PROBE: usize = 32;
+
 /// Modes across in the steady effects that have no closed sum: what follows falls like 1/m^3.
 const SUMMED_MODES: usize = 1000;
 
@@ -128,13 +131,21 @@ struct Wanted {
     tolerances: [f64; 2],
     /// s.
     duration: f64,
-    /// See [`SUMMED_MODES`].
+    /// See [`SUMMED_MODES`] and [`DISTORTING_MODES`].
     summed: usize,
+    distorting: usize,
+    /// By a probe.
+    by_probe: bool,
 }
 
 impl Wanted {
     fn new(scene: &Scene, tolerances: [f64; 2], duration: f64) -> Wanted {
-        Wanted { tolerances, duration, summed: if scene.is_probe() { SUMMED_BY_PROBE } else { SUMMED_MODES } }
+        let by_probe = scene.is_probe();
+        let (summed, distorting) = match by_probe {
+            true => (SUMMED_BY_PROBE, DISTORTING_BY_PROBE),
+            false => (SUMMED_MODES, DISTORTING_MODES),
+        };
+        Wanted { tolerances, duration, summed, distorting, by_probe }
     }
 }
 
@@ -161,7 +172,8 @@ fn project(
         assembly.distort(distortion, &mut operators)?;
     }
     assembly.delay(&mut operators);
-    Ok(ReducedHeat::new(operators))
+    let body = ReducedHeat::new(operators);
+    Ok(if wanted.by_probe { body.for_few_steps() } else { body })
 }
 
 /// The surface beside the contact that the air cools.
@@ -510,7 +522,7 @@ impl<'a> Assembly<'a> {
         let mut by_port: Vec<(usize, usize, f64)> = Vec::new();
         let first = self.modes.iter().scan(0, |next, mode| Some(std::mem::replace(next, *next + mode.states.len())));
         let first: Vec<usize> = first.collect();
-        for m in 0..DISTORTING_MODES.max(self.modes.len()) {
+        for m in 0..self.wanted.distorting.max(self.modes.len()) {
             let mode = self.modes.get(m);
             let wave = self.waves.wave(m);
             match mode {
@@ -564,7 +576,7 @@ impl<'a> Assembly<'a> {
             }
         }
         // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a short wave.
-        let longest = DISTORTING_MODES.max(self.modes.len());
+        let longest = self.wanted.distorting.max(self.modes.len());
         let mut short = self.waves.sum(longest..self.wanted.summed.max(longest), |_, wave| {
             distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
         });

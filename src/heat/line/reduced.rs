@@ -27,6 +27,9 @@ pub(super) const PORTS: usize = 3;
 /// Steps whose weights are kept: the one at hand and those of a step control that hesitates.
 const KEPT_STEPS: usize = 3;
 
+/// The same for a probe, which takes the steps of a stroke again and again.
+const KEPT_BY_PROBE: usize = 32;
+
 impl Surroundings {
     /// Cooling (at the end), ambient, far: the order of all ports.
     fn ports(&self) -> [f64; PORTS] {
@@ -145,6 +148,8 @@ pub struct ReducedHeat {
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
     kept: Vec<Weights>,
+    /// Most of them.
+    most: usize,
     current: usize,
     clock: u64,
 }
@@ -155,7 +160,15 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
-        Self { operators: Arc::new(operators), modes: Arc::new(modes), scratch, kept: Vec::new(), current: 0, clock: 0 }
+        let (operators, modes) = (Arc::new(operators), Arc::new(modes));
+        Self { operators, modes, scratch, kept: Vec::new(), most: KEPT_STEPS, current: 0, clock: 0 }
+    }
+
+    /// For runs that are short and take steps of few lengths by turns: their weights are all kept, in memory that is taken when they
+    /// are first found.
+    pub(super) fn for_few_steps(mut self) -> Self {
+        self.most = KEPT_BY_PROBE;
+        self
     }
 
     /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
@@ -172,13 +185,17 @@ impl ReducedHeat {
 
     /// Makes the weights of a step the current ones.
     fn select(&mut self, step: f64, euler: bool) {
-        if self.kept.is_empty() {
+        if self.kept.is_empty() && self.most == KEPT_STEPS {
             self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
         }
         self.clock += 1;
         let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
         self.current = known.unwrap_or_else(|| {
-            let oldest = (0..KEPT_STEPS).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            if self.kept.len() < self.most {
+                self.kept.push(self.operators.allocate());
+            }
+            // One that was never used, where there is one.
+            let oldest = (0..self.kept.len()).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
             self.operators.fill(&self.modes, &mut self.kept[oldest], step, euler, self.scratch.get_mut());
             oldest
         });

@@ -105,6 +105,7 @@ impl StripHeat {
             operators.steady = 0.0;
             operators.kept = Some(Kept::default());
             operators.table.align(velocity);
+            self.step = Step::new(operators);
         }
         self
     }

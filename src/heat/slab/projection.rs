@@ -2,7 +2,7 @@
 
 use super::{Base, CoolingPort, Slab};
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.
 pub(super) struct Grid {
@@ -69,6 +69,14 @@ impl Function {
         self.contact *= factor;
         self.base *= factor;
     }
+}
+
+/// The projected problem, diagonalised.
+pub(super) struct Eigen {
+    rates: DVector<f64>,
+    vectors: DMatrix<f64>,
+    /// Of the columns, the slowest first.
+    order: Vec<usize>,
 }
 
 /// Trial functions, orthonormal in the capacity-weighted product.
@@ -166,7 +174,9 @@ impl<'a> Basis<'a> {
             }
         };
         self.add(self.function(|z| {
-            let (down, up) = ((-kappa * z).exp(), reflection * (-kappa * (2.0 * h - z)).exp());
+            let down = (-kappa * z).exp();
+            // What comes back from so far is nothing to rounding: exp(-40) = 4e-18.
+            let up = if kappa * (h - z) > 20.0 { 0.0 } else { reflection * (-kappa * (2.0 * h - z)).exp() };
             (down + up, kappa * (up - down))
         }));
     }
@@ -219,10 +229,9 @@ impl<'a> Basis<'a> {
             + through_base
     }
 
-    /// Diagonalises the projected problem and closes its fastest state statically.
-    pub(super) fn modes(&self) -> ReducedBody {
+    /// Diagonalises the projected problem.
+    pub(super) fn eigen(&self) -> Eigen {
         let count = self.count();
-        let slab = self.slab;
         let mut stiffness = DMatrix::zeros(count, count);
         for i in 0..count {
             for j in 0..=i {
@@ -233,17 +242,42 @@ impl<'a> Basis<'a> {
         let eigen = SymmetricEigen::new(stiffness);
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-        let modes: Vec<Function> = order
+        Eigen { rates: eigen.eigenvalues, vectors: eigen.eigenvectors, order }
+    }
+
+    /// Contact impedance by complex frequency (1/s), K m2/W, of the body that [`Basis::modes`] makes, to the digits that the eigenvalues
+    /// have.
+    pub(super) fn impedance(&self, eigen: &Eigen) -> impl Fn(Complex<f64>) -> Complex<f64> {
+        let residues = eigen.order.iter().enumerate().map(|(k, &index)| {
+            let contact: f64 =
+                self.functions.iter().zip(&eigen.vectors.column(index)).map(|(f, part)| f.contact * part).sum();
+            let rate = if k == 0 && self.is_lossless() { 0.0 } else { eigen.rates[index] };
+            (rate, contact * contact)
+        });
+        let mut states: Vec<(f64, f64)> = residues.collect();
+        let fastest = if states.len() > 1 { states.pop() } else { None };
+        let direct = fastest.map_or(0.0, |(rate, residue)| residue / rate);
+        move |s| states.iter().map(|&(rate, residue)| (s + rate).inv() * residue).sum::<Complex<f64>>() + direct
+    }
+
+    fn is_lossless(&self) -> bool {
+        let slab = self.slab;
+        slab.base == Base::Insulated && slab.surface_transfer == 0.0 && slab.volume_transfer == 0.0
+    }
+
+    /// The body of these modes, the fastest closed statically.
+    pub(super) fn modes(&self, eigen: &Eigen) -> ReducedBody {
+        let modes: Vec<Function> = (eigen.order)
             .iter()
             .map(|&index| {
                 let mut mode = self.function(|_| (0.0, 0.0));
-                for (function, &weight) in self.functions.iter().zip(eigen.eigenvectors.column(index).iter()) {
+                for (function, &weight) in self.functions.iter().zip(eigen.vectors.column(index).iter()) {
                     mode.combine(weight, function);
                 }
                 mode
             })
             .collect();
-        let lossless = slab.base == Base::Insulated && slab.surface_transfer == 0.0 && slab.volume_transfer == 0.0;
+        let lossless = self.is_lossless();
         let rates: Vec<f64> = modes
             .iter()
             .enumerate()

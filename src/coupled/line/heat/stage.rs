@@ -19,6 +19,10 @@ const PART: f64 = 1e-5;
 const LEAST: f64 = 1e-9;
 const MOST: f64 = 1e-8;
 
+/// The same for a probe, whose levels are compared to some parts in ten thousand at the finest; and its agreement of friction and
+/// temperature.
+const BY_PROBE: f64 = 1e-6;
+
 /// Error of the temperatures of both surfaces, relative to the largest, over that of the pressure.
 const TEMPERATURE: f64 = 10.0;
 
@@ -129,7 +133,10 @@ impl Line {
         }
         heat.linearised = false;
         let mut slip = moment.slip(stribeck);
-        let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
+        let (enough, agreement) = match operators.scene.is_probe() {
+            true => (BY_PROBE, BY_PROBE),
+            false => ((PART * operators.scene.tolerance).clamp(LEAST, MOST), AGREEMENT),
+        };
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
         heat.warmed = false;
         for repetition in 0..MOST_REPETITIONS {
@@ -187,7 +194,7 @@ impl Line {
             }
             let settled = heat.settle(&found.pressure);
             let left = pressures.left(change).max(temperatures.left(lacking) / TEMPERATURE);
-            if settled && unlike <= AGREEMENT && (heat.exact[s] || left <= enough) {
+            if settled && unlike <= agreement && (heat.exact[s] || left <= enough) {
                 self.finish_stage(heat, stage);
                 return Ok(());
             }

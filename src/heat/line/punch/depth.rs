@@ -59,6 +59,10 @@ impl Depth {
 
     /// Exact Z(0) per unit q for the complex decay `kappa`, Re > 0, K m2/W.
     pub fn impedance(&self, kappa: Complex<f64>) -> Complex<f64> {
+        if kappa.re * self.height > 20.0 && self.face == 0.0 {
+            // The top is not felt to rounding.
+            return (kappa * self.conductivity).inv();
+        }
         let fall = (kappa * (-2.0 * self.height)).exp();
         let reflection = match self.top_ratio() {
             None => Complex::from(-1.0),
@@ -75,37 +79,51 @@ impl Depth {
 
     /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where the top or the face lets heat out).
     pub fn response(&self, kappa: f64, z: f64) -> (f64, f64) {
-        if self.face == 0.0 {
-            return self.closed_response(kappa, z);
+        self.profile(kappa)(z)
+    }
+
+    /// The same as a function of z.
+    fn profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
+        let closed = self.closed_profile(kappa);
+        let lost_by_face = self.face > 0.0 && kappa * self.height < 1e-9 && self.top == Top::Transfer(0.0);
+        let level = lost_by_face.then(|| 1.0 / self.face);
+        let kept = if self.face == 0.0 || lost_by_face { 1.0 } else { self.kept(closed(0.0).0) };
+        move |z| match level {
+            Some(level) => (level, 0.0),
+            None => {
+                let (value, slope) = closed(z);
+                (kept * value, kept * slope)
+            }
         }
-        if kappa * self.height < 1e-9 && self.top == Top::Transfer(0.0) {
-            return (1.0 / self.face, 0.0);
-        }
-        let kept = self.kept(self.closed_response(kappa, 0.0).0);
-        let (value, slope) = self.closed_response(kappa, z);
-        (kept * value, kept * slope)
     }
 
     /// The same without loss at the face.
-    fn closed_response(&self, kappa: f64, z: f64) -> (f64, f64) {
+    fn closed_profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
         let (k, h) = (self.conductivity, self.height);
-        let distance = h - z;
-        if kappa * h < 1e-9 && self.top != Top::Transfer(0.0) {
-            return match self.top_ratio() {
-                None => (distance / k, -1.0 / k),
-                Some(ratio) => ((1.0 + ratio * distance) / (ratio * k), -1.0 / k),
-            };
-        }
+        let top = self.top_ratio();
+        let straight = kappa * h < 1e-9 && self.top != Top::Transfer(0.0);
         // 1 + r and 1 - r of the reflection r, each without cancellation.
-        let (reflection, sum, difference) = match self.top_ratio() {
+        let (reflection, sum, difference) = match top {
             None => (-1.0, 0.0, 2.0),
             Some(ratio) => {
                 ((kappa - ratio) / (kappa + ratio), 2.0 * kappa / (kappa + ratio), 2.0 * ratio / (kappa + ratio))
             }
         };
-        let scale = (-kappa * z).exp() / (difference - reflection * (-2.0 * kappa * h).exp_m1());
-        let back = reflection * (-2.0 * kappa * distance).exp_m1();
-        (scale * (sum + back) / (kappa * k), -scale * (difference - back) / k)
+        let entering = difference - reflection * (-2.0 * kappa * h).exp_m1();
+        move |z| {
+            let distance = h - z;
+            if straight {
+                return match top {
+                    None => (distance / k, -1.0 / k),
+                    Some(ratio) => ((1.0 + ratio * distance) / (ratio * k), -1.0 / k),
+                };
+            }
+            let scale = (-kappa * z).exp() / entering;
+            // What comes back over more than this is nothing to rounding: exp(-40) = 4e-18.
+            let way = 2.0 * kappa * distance;
+            let back = if way > 40.0 { -reflection } else { reflection * (-way).exp_m1() };
+            (scale * (sum + back) / (kappa * k), -scale * (difference - back) / k)
+        }
     }
 
     /// Integral over the height of the steady response to unit q, K m3/W: by reciprocity what a uniform source does at the
@@ -117,7 +135,7 @@ impl Depth {
         if decay * self.height < 1e-9 && self.top == Top::Transfer(0.0) {
             return self.height / self.face;
         }
-        self.kept(self.closed_response(decay, 0.0).0) * self.sourced(decay, 0.0)
+        self.kept(self.closed_profile(decay)(0.0).0) * self.sourced(decay, 0.0)
     }
 
     /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), without loss at the face, K m3/W.
@@ -319,7 +337,8 @@ impl Basis {
     /// Adds the response to the contact at the real rate `rate`, 1/s; false if the space has it already.
     pub fn add_response(&mut self, points: &Points, rate: f64) -> bool {
         let kappa = (self.decay * self.decay + rate / self.depth.diffusivity()).sqrt();
-        self.add(points, Function::new(self.depth.height, points, |z| self.depth.response(kappa, z)))
+        let profile = self.depth.profile(kappa);
+        self.add(points, Function::new(self.depth.height, points, profile))
     }
 
     /// Adds a function after orthogonalising it (twice is enough); false if the space has it already.

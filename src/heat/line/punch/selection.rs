@@ -14,6 +14,7 @@
 
 use super::across::{Across, Sides, Wave};
 use super::depth::{Basis, Depth, Points};
+use crate::heat::slab::principal_root;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
@@ -92,7 +93,7 @@ impl Scale {
 }
 
 fn kappa(depth: &Depth, decay: f64, frequency: f64) -> Complex<f64> {
-    Complex::new(decay * decay, frequency / depth.diffusivity()).sqrt()
+    principal_root(Complex::new(decay * decay, frequency / depth.diffusivity()))
 }
 
 impl Mode {

@@ -159,6 +159,38 @@ impl Answer {
         self.gains.distortion.copy_from(&other.gains.distortion);
     }
 
+    /// Becomes the answer for opposite velocities: cells and waves are symmetric about the middle of the contact.
+    pub fn mirror(&mut self) {
+        let count = self.layout.count;
+        let (gains, parts) = self.gains_and_parts();
+        for matrix in [&mut gains.temperature, &mut gains.distortion] {
+            matrix.as_mut_slice().reverse();
+        }
+        for [_, imaginary] in [parts.weights, parts.carried].iter_mut().flat_map(|parts| parts.as_chunks_mut::<2>().0) {
+            imaginary.iter_mut().for_each(|value| *value = -*value);
+        }
+        parts.uniform.into_iter().for_each(<[f64]>::reverse);
+        // Polynomials are even and odd by turns.
+        let sign = |degree: usize| if degree.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let columns = parts.response.len() / RANK;
+        for column in 0..columns.div_ceil(2) {
+            for degree in 0..RANK {
+                let [one, other] = [column, columns - 1 - column].map(|column| column * RANK + degree);
+                let pair = [parts.response[one], parts.response[other]].map(|value| sign(degree) * value);
+                [parts.response[other], parts.response[one]] = pair;
+            }
+        }
+        for lifted in parts.lifted {
+            for (degree, values) in lifted.chunks_exact_mut(count).enumerate() {
+                values.reverse();
+                values.iter_mut().for_each(|value| *value *= sign(degree));
+            }
+        }
+        for (degree, column) in parts.solution.chunks_exact_mut(RANK).enumerate() {
+            column.iter_mut().enumerate().for_each(|(row, value)| *value *= sign(degree) * sign(row));
+        }
+    }
+
     /// Becomes the sum of four answers, with what answers at once added to the gains.
     pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: AtOnce<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);

@@ -1,6 +1,7 @@
 //! Answers of steps that were prepared before: probes of two levels that take the same steps with the same strip.
 //!
-//! An answer is a function of the step and of the velocities alone, so a kept one is that which would be found, to the bit.
+//! An answer is a function of the step and of the velocities alone, so a kept one is that which would be found, to the bit. Kept
+//! are those of sliding forwards; the way back has them mirrored.
 
 use super::answer::Answer;
 use std::collections::HashMap;
@@ -28,6 +29,12 @@ impl Kept {
         // Every entry is complete, whatever a panic has interrupted.
         let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         known.answers.get(&key(length, velocity)).cloned()
+    }
+
+    /// Number of steps whose answers are kept.
+    #[cfg(test)]
+    pub fn count(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).answers.len()
     }
 
     /// Keeps what was found, while there is room.

@@ -92,14 +92,14 @@ impl Set {
 }
 
 impl Knots {
-    /// No knots yet.
-    pub fn new(layout: Layout) -> Knots {
+    /// No knots yet; and no memory for them where nothing is interpolated.
+    pub fn new(layout: Layout, used: bool) -> Knots {
         let set = |slots: usize| Set {
             length: f64::NAN,
             requests: 0,
             slots: (0..slots).map(|_| Slot { number: i64::MIN, velocity: 0.0, answer: Answer::new(layout) }).collect(),
         };
-        Knots { sets: SLOTS.map(set) }
+        Knots { sets: SLOTS.map(|slots| set(if used { slots } else { 0 })) }
     }
 
     /// The set for a length.

@@ -265,7 +265,7 @@ impl StageWeights {
             answer: Answer::new(layout),
             decay: vec![0.0; states],
             length: f64::NAN,
-            knots: Knots::new(layout),
+            knots: Knots::new(layout, operators.steady > 0.0),
             turns: [vec![0.0; waves], vec![0.0; waves]],
         }
     }
@@ -295,13 +295,6 @@ impl StageWeights {
         if interpolated && drift > LEAST_DRIFT {
             interval.weigh(operators, velocity, &mut self.answer);
         }
-        self.carry(operators, velocity);
-    }
-
-    /// The same with an answer that is known.
-    fn prepare_known(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], answer: &Answer) {
-        self.take_length(operators, length);
-        self.answer.copy_from(answer);
         self.carry(operators, velocity);
     }
 
@@ -465,6 +458,11 @@ fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, gains: &mut Gains) {
     }
 }
 
+/// Velocities from the start of a step to its first stage.
+fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
+    [from, from + GAMMA * (to - from)]
+}
+
 impl Step {
     pub fn new(operators: &Operators) -> Step {
         Step {
@@ -490,13 +488,36 @@ impl Step {
             return;
         }
         (self.length, self.velocity, self.euler) = (length, velocity, false);
-        let middle = velocity[0] + GAMMA * (velocity[1] - velocity[0]);
-        let Step { first, end, room, immediate, .. } = self;
-        if let Some(known) = operators.kept.as_ref().and_then(|kept| kept.get(length, velocity)) {
-            first.prepare_known(operators, GAMMA * length, [velocity[0], middle], &known[0]);
-            end.prepare_known(operators, length, velocity, &known[1]);
-            return;
+        let Some(kept) = &operators.kept else { return self.find(operators, length, velocity) };
+        // The way back is that there mirrored: one answer serves both.
+        let back = velocity[0] + velocity[1] < 0.0;
+        let forwards = if back { velocity.map(|v| 0.0 - v) } else { velocity };
+        match kept.get(length, forwards) {
+            Some(known) => {
+                let stages = [&mut self.first, &mut self.end].into_iter().zip(known.iter());
+                for ((stage, answer), length) in stages.zip([GAMMA * length, length]) {
+                    stage.take_length(operators, length);
+                    stage.answer.copy_from(answer);
+                }
+            }
+            None => {
+                self.find(operators, length, forwards);
+                kept.keep(length, forwards, [&self.first.answer, &self.end.answer]);
+            }
         }
+        for (stage, velocity) in [&mut self.first, &mut self.end].into_iter().zip([to_first_stage(velocity), velocity])
+        {
+            if back {
+                stage.answer.mirror();
+            }
+            stage.carry(operators, velocity);
+        }
+    }
+
+    /// Finds the answers of both stages.
+    fn find(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+        let [_, middle] = to_first_stage(velocity);
+        let Step { first, end, room, immediate, .. } = self;
         let last = immediate.find(operators, velocity[1]);
         let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
@@ -509,9 +530,6 @@ impl Step {
             first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, room);
         }
         end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], room);
-        if let Some(kept) = &operators.kept {
-            kept.keep(length, velocity, [&first.answer, &end.answer]);
-        }
     }
 
     /// One implicit Euler step: both stages are its end.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::elastic::{self, Material};
 use crate::heat::line::GAMMA;
 use crate::heat::slab::Base;
 use crate::verification::reference::{ClosedPath, LayerBase, band_mean};
@@ -517,6 +518,54 @@ fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
     assert!(found.0.iter().any(|value| *value != 0.0));
     assert_eq!(found, run(&mut copy));
     assert_eq!(found, run(&mut other));
+}
+
+#[test]
+fn the_way_back_has_the_answers_of_the_way_there_mirrored() {
+    let cells = Cells::graded(0.02, 9).unwrap();
+    let material = Material::new(2e11, 0.3).unwrap();
+    let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2, way: f64::INFINITY };
+    for path in [Path::Closed(0.3), Path::Stroke { stroke: 0.05, length: 0.0 }] {
+        let properties = StripProperties {
+            height: 0.02,
+            conductivity: 55.0,
+            capacity: 7800.0 * 460.0,
+            convection: 500.0,
+            base: Base::Convecting(300.0),
+            path,
+            expansion: Some(Expansion { material, coefficient: 1.1e-5, base: elastic::Base::Bonded }),
+        };
+        let body = || StripHeat::new(&properties, &cells, &resolution).unwrap().for_few_steps(0.1);
+        let (mut mirrored, mut found) = (body(), body());
+        Arc::get_mut(&mut found.operators).unwrap().kept = None;
+        let (flux, air) = (uneven(&cells, 1), Surroundings { ambient: 3.0, ..Surroundings::default() });
+        let run = |body: &mut StripHeat| -> (Vec<f64>, Vec<f64>) {
+            let (mut state, mut seen) = (vec![0.0; body.states()], Vec::new());
+            for velocity in [[0.1, 0.2], [0.2, 0.0], [0.0, -0.2], [-0.2, 0.1], [-0.1, -0.2], [-0.2, 0.0]] {
+                body.prepare(0.05, velocity);
+                for stage in [Stage::First, Stage::End] {
+                    let (mut warm, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
+                    body.base(&state, &air, stage, &flux, &mut warm, &mut moved);
+                    let gains = body.gains(stage);
+                    let scale = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+                    for values in [gains.temperature.as_slice(), gains.distortion.as_slice(), &warm, &moved] {
+                        let largest = scale(values).max(f64::MIN_POSITIVE);
+                        seen.extend(values.iter().map(|value| value / largest));
+                    }
+                }
+                body.advance(&mut state, &air, &flux, &flux);
+            }
+            (state, seen)
+        };
+        let (there, other) = (run(&mut mirrored), run(&mut found));
+        let largest = other.0.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        assert!(there.0.iter().zip(&other.0).all(|(one, other)| (one - other).abs() < 1e-11 * largest), "{path:?}");
+        for (place, (one, other)) in there.1.iter().zip(&other.1).enumerate() {
+            assert!((one - other).abs() < 1e-9, "{path:?} {place}: {one} {other}");
+        }
+        // Two of the six steps are mirrored ones of others.
+        assert_eq!(mirrored.operators.kept.as_ref().unwrap().count(), 4, "{path:?}");
+    }
 }
 
 #[test]
