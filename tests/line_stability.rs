@@ -254,21 +254,28 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
 #[test]
 fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
     use sliding_contact::verification::stability::growth_step::{
-        Method, contact, hidden_from, measured_hidden_from, run,
+        Method, contact as waves, hidden_from, measured_hidden_from, run,
     };
-    let split = contact(8, Method::Staggered).unwrap();
+    let split = waves(8, Method::Staggered).unwrap();
     for (ratio, step, expected) in
         [(0.6, 0.05, Verdict::Right), (2.0, 0.01, Verdict::Right), (5.0, 0.5, Verdict::Inexact)]
     {
         let (verdict, error) = run(&split, Method::Staggered, ratio, step);
         assert_eq!(verdict, expected, "operator split {ratio} {step}: {error}");
     }
-    let contact = contact(8, Method::Default).unwrap();
+    let contact = waves(8, Method::Default).unwrap();
     for (ratio, step) in [(0.5, 0.1), (2.0, 0.05), (0.6, 3.0)] {
         for method in [Method::Unguarded, Method::Default] {
             let (verdict, error) = run(&contact, method, ratio, step);
             assert_eq!(verdict, Verdict::Right, "{method:?} {ratio} {step}: {error}");
         }
+    }
+    // Waves that fade within a step, and waves that shorter ones would overtake if they had far to go.
+    let finer = waves(16, Method::Default).unwrap();
+    for (ratio, step) in [(0.32, 6.0), (0.41, 10.0), (0.53, 6.0), (0.69, 10.0), (18.6, 0.1), (24.0, 0.25), (31.0, 0.06)]
+    {
+        let (verdict, error) = run(&finer, Method::Default, ratio, step);
+        assert_eq!(verdict, Verdict::Right, "{ratio} {step}: {error}");
     }
     for step in [0.5, 2.0] {
         let bound = hidden_from(step);

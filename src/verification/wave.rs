@@ -64,6 +64,24 @@ impl WaveScene {
         instability::growth_rate(ratio, self.wear, self.coupling())
     }
 
+    /// Amplitude over the mean pressure that the gap leaves before anything is heated, `E m g/(2 (1 - nu^2) p)`.
+    pub fn beginning(&self) -> f64 {
+        let stiffness = YOUNGS_MODULUS / (2.0 * (1.0 - POISSONS_RATIO * POISSONS_RATIO));
+        stiffness * (2.0 * PI / WAVELENGTH) * self.gap / PRESSURE
+    }
+
+    /// The part of the amplitude that grows, at `time` (over `1/(kd m^2)`) from the start and without wear and shear coupling: the
+    /// residue at b of what answers a gap that is there from the start,
+    ///
+    /// ```text
+    /// p(s) = (g/s)/(1 - 2R/(l (1 + l))),   l^2 = 1 + s   =>   p = g 4 z R/(b (1 + 2 z)) exp(b t)
+    /// ```
+    pub fn grown(&self, ratio: f64, time: f64) -> f64 {
+        let b = self.exact(ratio).re;
+        let z = (1.0 + b).sqrt();
+        self.beginning() * (4.0 * z * ratio / (b * (1.0 + 2.0 * z))) * (b * time).exp()
+    }
+
     fn starts(&self) -> Result<Values, String> {
         let changes = [
             ("solver.fidelity", 3.0),

@@ -141,6 +141,30 @@ fn cooling_leaves_the_temperature_of_second_order() {
     }
 }
 
+/// Constant convection is in the waves of the strip, and given back under the contact as a flux that is linear over the stages. That
+/// flux is the coefficient times the temperature, so the order is 2 as long as it may be wrong by the square of the step.
+///
+/// Beyond `H^2 >> K c/h` the waves are at the temperature of the air whatever enters, and the temperature under the contact is the one
+/// whose half derivative in time is the friction heat. For half derivatives of what is linear over the steps the order is 2 - 1/2.
+#[test]
+fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_the_step() {
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    // K c of steel, W2 s/(m4 K2).
+    let effusivity_square = 46.0 * 7800.0 * 500.0;
+    let one_way = [("nominal.stroke", 0.0)];
+    for (convection, more) in [(1e4, &[][..]), (1e5, &[]), (1e4, &one_way), (1e5, &one_way), (1e6, &[]), (1e7, &[])] {
+        let changes = [&[("punch.convection", convection), ("strip.convection", convection)], more].concat();
+        let runs = [40, 80, 160, 320].map(|parts| run_up_to(0.01, parts, &changes)[1].clone());
+        let differences = [0, 1, 2].map(|k| distance(&runs[k], &runs[k + 1]));
+        let order = (differences[0] / differences[2]).log2() / 2.0;
+        let steps = 2.0 / 160.0 * convection * convection / effusivity_square;
+        println!("{changes:?}: order {order}, {differences:?}, steps of {steps} times the layer's");
+        let expected = if steps < 10.0 { 1.9..2.1 } else { 1.45..1.9 };
+        assert!(expected.contains(&order), "{changes:?}: {order} {differences:?}");
+        assert!(differences[2] < 1e-3, "{changes:?}: {differences:?}");
+    }
+}
+
 /// The same one way, from rest with an acceleration that is there at once: forgetting what lies a period behind bends at the speed
 /// at which one period takes the whole time, and steps however short must see it bend.
 #[test]

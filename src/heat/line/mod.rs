@@ -7,7 +7,7 @@
 //! # Fluxes over a step
 //!
 //! In the first stage the flux into a cell is linear on `[0, gamma h]`, from `q_1 + e` to `q_1`; the deviation `e` at the
-//! start is known before the stage is solved (that of the slope of the step before, 0 after a jump). In the second it is
+//! start is known before the stage is solved (that of the slope of the step before as far as it is smooth, 0 after a jump). In the second it is
 //! linear through `q_1` at `gamma h` and `q_2` at `h`, back to the start of the step. What enters over the step is therefore
 //! `h [(1 - gamma) q_1 + gamma q_2]`, the weights of the wear in the same step. States follow these fluxes without
 //! error (exponentially), so no decay, however fast, rings or blows up.

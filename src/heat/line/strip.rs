@@ -48,6 +48,7 @@ use super::{Account, CooledAhead, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
+use give_back::RANK;
 use kept::Kept;
 use operators::Operators;
 use std::cell::RefCell;
@@ -108,6 +109,11 @@ impl StripHeat {
             self.step = Step::new(operators);
         }
         self
+    }
+
+    /// Rates of the heat transfer given back over the last step, W/(m2 s) by polynomial; they stand before the tail of the state.
+    fn rates_given_back(&self) -> usize {
+        self.operators.give_back.as_ref().map_or(0, |_| RANK)
     }
 
     /// Number of waves, and of knots in the table over the velocity.
@@ -230,7 +236,7 @@ impl LineHeat for StripHeat {
     }
 
     fn states(&self) -> usize {
-        self.operators.mean_states() + 2 * self.operators.rate.len() + TAIL
+        self.operators.mean_states() + 2 * self.operators.rate.len() + self.rates_given_back() + TAIL
     }
 
     fn uniform(&self, rise: f64, state: &mut [f64]) {
@@ -280,6 +286,7 @@ impl LineHeat for StripHeat {
             Stage::First => {
                 let fall = surroundings.until(stage).cooling_fall;
                 scratch.first.iter_mut().zip(known).for_each(|(value, deviation)| *value = deviation - fall);
+                self.deviate_given_back(scratch, state);
             }
             Stage::End => {
                 self.project_first(scratch, state, surroundings);
@@ -325,7 +332,7 @@ impl LineHeat for StripHeat {
 
     fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let operators = &*self.operators;
-        let (mean, tail) = (operators.mean_states(), before.len() - TAIL);
+        let (mean, tail) = (operators.mean_states(), before.len() - TAIL - self.rates_given_back());
         after[..mean].copy_from_slice(&before[..mean]);
         after[tail..].copy_from_slice(&before[tail..]);
         let (re, im) = operators.wave_states(before);

@@ -1,21 +1,51 @@
 //! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
 
+use super::give_back::RANK;
 use super::levels::{Carrier, Parts, add_products, carry, observe};
 use super::step::{Scratch, StageWeights};
-use super::{StripHeat, give_back};
+use super::{StripHeat, TAIL};
 use crate::contact::dense;
-use crate::heat::line::{Stage, Surroundings};
+use crate::heat::line::{GAMMA, Stage, Surroundings};
 
 impl StripHeat {
-    /// Notes what the heat transfer given back in the first stage follows: the temperature that the state leaves.
+    /// Notes what the heat transfer given back in the first stage follows: the temperature that the state leaves, and what is known
+    /// of the heat transfer given back; not of the contact's fluxes.
     pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
         if self.operators.give_back.is_none() {
             return;
         }
-        let weights = &self.step.first;
+        scratch.first.fill(0.0);
+        self.deviate_given_back(scratch, state);
+        self.known_levels(scratch, state, surroundings, Stage::First);
+    }
+
+    /// Adds to the fluxes in `scratch.first` by how much the heat transfer given back deviates at the start of the step from that of
+    /// the first stage: it is linear like the fluxes of the contact, with its slope over the step before.
+    pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
+        if let Some(give_back) = &self.operators.give_back {
+            let rates = &state[state.len() - TAIL - RANK..state.len() - TAIL];
+            let back = -GAMMA * self.step.length;
+            give_back.lift(&std::array::from_fn(|degree| back * rates[degree]), &mut scratch.first);
+        }
+    }
+
+    /// Amplitudes of the waves at a stage without its own flux, by the state and the known flux in `scratch.first`; levels of
+    /// temperature and mean temperature of the mean wave. Notes what the heat transfer given back follows.
+    fn known_levels(
+        &self,
+        scratch: &mut Scratch,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+    ) -> [f64; 2] {
+        let weights = self.step.stage(stage);
         self.wave_amplitudes(scratch, state, weights);
-        let [level, _] = self.mean_levels(state, surroundings, weights, [0.0; 2]);
-        self.project(scratch, Stage::First, level);
+        self.operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        self.add_known_flux(scratch, weights);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
+        let levels = self.mean_levels(state, surroundings, weights, fluxes);
+        self.project(scratch, stage, levels[0]);
+        levels
     }
 
     /// Notes what the heat transfer given back at a stage follows: the amplitudes in the scratch and the mean wave's level.
@@ -34,7 +64,8 @@ impl StripHeat {
         scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
         if let Some(give_back) = &self.operators.give_back {
             let level = scratch.projected[Stage::First as usize];
-            give_back.add(&self.step.first.answer, &level, surroundings.ambient, &mut scratch.first);
+            scratch.returned[Stage::First as usize] =
+                give_back.add(&self.step.first.answer, &level, surroundings.ambient, &mut scratch.first);
         }
     }
 
@@ -43,7 +74,8 @@ impl StripHeat {
         scratch.end.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
         if let Some(give_back) = &self.operators.give_back {
             let level = scratch.projected[Stage::End as usize];
-            give_back.add(&self.step.end.answer, &level, surroundings.ambient, &mut scratch.end);
+            scratch.returned[Stage::End as usize] =
+                give_back.add(&self.step.end.answer, &level, surroundings.ambient, &mut scratch.end);
         }
     }
 
@@ -58,19 +90,7 @@ impl StripHeat {
     ) {
         let operators = &*self.operators;
         let weights = self.step.stage(stage);
-        self.wave_amplitudes(scratch, state, weights);
-        // The heat transfer given back in the first stage does not know of the deviation, which `advance` is not told.
-        if stage == Stage::First && operators.give_back.is_some() {
-            let [level, _] = self.mean_levels(state, surroundings, weights, [0.0; 2]);
-            self.project(scratch, stage, level);
-        }
-        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
-        self.add_known_flux(scratch, weights);
-        let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-        let [level, through_depth] = self.mean_levels(state, surroundings, weights, fluxes);
-        if stage == Stage::End {
-            self.project(scratch, stage, level);
-        }
+        let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
         let Scratch { amplitude, moved, answer, .. } = &mut *scratch;
         if operators.expands {
             let levels = [level, operators.mean_distortion * through_depth];
@@ -85,7 +105,7 @@ impl StripHeat {
             return;
         }
         scratch.end.fill(-cooling);
-        let mut amounts = [0.0; give_back::RANK];
+        let mut amounts = [0.0; RANK];
         if let Some(give_back) = &operators.give_back {
             let projected = &scratch.projected[stage as usize];
             amounts = give_back.amounts(&weights.answer, projected, surroundings.ambient, &scratch.end);
@@ -133,6 +153,12 @@ impl StripHeat {
         self.effective_end(scratch, surroundings, contact[1]);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
         self.keep_account(scratch, state, surroundings, contact, fluxes);
+        if operators.give_back.is_some() {
+            let ([first, end], tail) = (&scratch.returned, state.len() - TAIL);
+            let per_change = 1.0 / ((1.0 - GAMMA) * self.step.length);
+            let rates = state[tail - RANK..tail].iter_mut().zip(first.iter().zip(end));
+            rates.for_each(|(rate, (first, end))| *rate = per_change * (end - first));
+        }
         operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
         let weights = &self.step.end;
         let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.answer.weights());

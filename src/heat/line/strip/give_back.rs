@@ -94,9 +94,15 @@ impl GiveBack {
         amounts
     }
 
-    /// Adds the fluxes given back to `flux`; see [`GiveBack::amounts`].
-    pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) {
+    /// Adds the fluxes given back to `flux`; see [`GiveBack::amounts`], which are returned.
+    pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
         let amounts = self.amounts(answer, level, ambient, flux);
+        self.lift(&amounts, flux);
+        amounts
+    }
+
+    /// Adds so much of every polynomial to `flux` (W/m2).
+    pub fn lift(&self, amounts: &[f64; RANK], flux: &mut [f64]) {
         dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 

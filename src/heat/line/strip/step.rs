@@ -121,6 +121,8 @@ pub struct Scratch {
     pub moved: [Vec<f64>; 2],
     /// What the heat transfer given back at either stage follows.
     pub projected: [[f64; RANK]; 2],
+    /// How much of it there is, by polynomial.
+    pub returned: [[f64; RANK]; 2],
 }
 
 impl Scratch {
@@ -140,6 +142,7 @@ impl Scratch {
             amplitude: parts(),
             moved: parts(),
             projected: [[0.0; RANK]; 2],
+            returned: [[0.0; RANK]; 2],
         }
     }
 }
