@@ -185,8 +185,8 @@ fn a_one_way_run_up_from_rest_is_of_second_order() {
     }
 }
 
-/// Faster, a step carries its heat at the mean of its velocity as far as the tolerance lets it, and switches to the velocity itself on
-/// the way: the order of the temperature is seen down to where that counts, 1e-4 of the rise at a tolerance of .1.
+/// Faster, the answers over the velocity are as fine as the tolerance asks, and so is the order: at a tolerance of .1 that of the
+/// temperature is seen down to 1e-4 of the rise.
 #[test]
 fn a_fast_one_way_run_up_is_of_second_order_as_far_as_the_tolerance_asks() {
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
