@@ -15,9 +15,9 @@ const AGREEMENT: f64 = 1e-10;
 
 /// Error that the repetition may leave in the pressure, relative to the largest: as a part of the step's tolerance, and its
 /// bounds. Fluxes and heat balance are exact whatever is left.
-const PART: f64 = 1e-5;
+const PART: f64 = 1e-3;
 const LEAST: f64 = 1e-9;
-const MOST: f64 = 1e-8;
+const MOST: f64 = 1e-6;
 
 /// The same for a probe, whose levels are compared to some parts in ten thousand at the finest; and its agreement of friction and
 /// temperature.
