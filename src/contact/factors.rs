@@ -90,7 +90,7 @@ pub(super) struct Entry {
     /// the other, m/Pa. Asked for, it is made once.
     open_rows: Vec<f64>,
     has_open_rows: bool,
-    /// Local compliance of every cell with its wear, m/Pa.
+    /// Elastic compliance of every cell by itself with its wear, m/Pa: positive whatever heat does.
     pub own: Vec<f64>,
     matrix: Vec<f64>,
     exchanged: Vec<usize>,
@@ -271,6 +271,11 @@ impl Factors {
         self.operator.as_deref()
     }
 
+    /// Elastic displacement of a cell by its own pressure, C_ii > 0, m/Pa.
+    pub fn own(&self, cell: usize) -> f64 {
+        self.normal[cell * (self.count + 1)]
+    }
+
     /// `C + s mu S + E`, by columns.
     pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
         let position = self.compose(signed_friction);
@@ -346,7 +351,7 @@ impl Factors {
         entry.open.extend((0..self.count).filter(|&i| !key.active[i]));
         let m = entry.index.len();
         for (i, own) in entry.own.iter_mut().enumerate() {
-            *own = composition[i * (self.count + 1)] + key.diagonal[i];
+            *own = self.normal[i * (self.count + 1)] + key.diagonal[i];
         }
         entry.centre = entry.index.iter().map(|&i| self.positions[i]).sum::<f64>() / m.max(1) as f64;
         for (k, &i) in entry.index.iter().enumerate() {

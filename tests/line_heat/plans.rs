@@ -42,6 +42,28 @@ fn generated_scenes_are_reproducible_and_of_every_group() {
     }
 }
 
+/// A steel pin in a holder at 0.1 m/s, far below its critical speed: the heat of a tenth of a second lifts it by more than the load
+/// presses it down, which a load does not mind, so that hours are a few steps.
+#[test]
+fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pin_on_disk/scene.toml");
+    let mut starts = sliding_contact::scene::file::read(&path).unwrap().packaged.starts;
+    let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
+    assert!(matches!(plan.rung, Rung::Line { .. }) && plan.estimated_error <= 1e-3, "{plan:?}");
+    for (name, value) in [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-2)] {
+        starts[reference(name) as usize] = value;
+    }
+    let mut component = Component::new(Arc::new(starts));
+    component.enter_initialization();
+    component.initialise(None).unwrap();
+    component.set_input(0, 0.1);
+    component.set_input(1, 10.0);
+    component.step(200.0).unwrap();
+    let before = component.work().0;
+    component.step(3600.0).unwrap();
+    assert!(component.work().0 - before <= 20, "{} steps", component.work().0 - before);
+}
+
 #[test]
 fn the_same_scene_has_the_same_plan() {
     let scene = generate(5).scene(1e-2).unwrap();

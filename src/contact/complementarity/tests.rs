@@ -306,3 +306,40 @@ fn bodies_without_a_uniform_displacement_are_solved_where_the_approach_is_free()
     check(&cells, &compliance, &gap, &state);
     assert!((cells.integral(&state.pressure) - (1e2 - 0.3 * state.approach)).abs() < 1e-10);
 }
+
+#[test]
+fn a_load_holds_a_contact_that_its_heat_lifts_by_more_than_it_is_pressed() {
+    // What lifts all cells alike moves the approach under a load, and nothing else.
+    let cells = Cells::graded(0.03, 33).unwrap();
+    let compliance = half_plane(&cells, 0.3);
+    let own = compliance.diagonal().max();
+    for tilt in [Tilt::Fixed(0.0), Tilt::ResultantAt(0.004)] {
+        for seed in 0..5 {
+            let gap = wavy(&cells, seed, 3e-6);
+            let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+            let cold = solver.solve(&gap, Normal::Load(1e6), tilt).unwrap();
+            assert!(cold.pressure.contains(&0.0));
+            let extra = DMatrix::from_fn(33, 33, |_, j| -200.0 * own * cells.widths()[j] / 0.06);
+            solver.set_extra(Some(&extra)).unwrap();
+            solver.set_active(&[true; 33]);
+            let hot = solver.solve(&gap, Normal::Load(1e6), tilt).unwrap();
+            let highest = cold.pressure.iter().copied().fold(0.0, f64::max);
+            for (hot, cold) in hot.pressure.iter().zip(&cold.pressure) {
+                assert!((hot - cold).abs() < 1e-8 * highest, "{seed}: {hot:e} {cold:e}");
+            }
+            let diagonal = vec![0.0; 33];
+            let problem = ContactProblem {
+                gap: &gap,
+                signed_friction: 0.0,
+                diagonal: &diagonal,
+                normal: Normal::Load(1e6),
+                tilt,
+            };
+            let balance = solver.balance(&problem).unwrap();
+            let mut memory = solver.memory.clone();
+            memory.set.fill(true);
+            solver.pivoted(&problem, &balance, &mut memory).unwrap();
+            assert!(memory.set.iter().zip(&cold.pressure).all(|(set, p)| *set == (*p > 0.0)), "{seed}");
+        }
+    }
+}

@@ -27,8 +27,7 @@ impl Status {
     /// All of `count` cells in contact, no pressure yet.
     pub fn new(count: usize) -> Self {
         let zeros = || vec![0.0; count];
-        let stroke =
-            StrokeStatus { active: vec![true; count], pressure: zeros(), diagonal: zeros(), started: false };
+        let stroke = StrokeStatus { active: vec![true; count], pressure: zeros(), diagonal: zeros(), started: false };
         Self { strokes: [stroke.clone(), stroke] }
     }
 
