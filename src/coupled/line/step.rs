@@ -30,10 +30,6 @@ const FINEST: u8 = 40;
 /// log2 of the number of parts of a piece from which heat is no reason to cut it further.
 const FOLLOWING: u8 = 8;
 
-/// Load, relative to the nominal one, below which a step is as exact as under this load: what hardly loads the contact hardly
-/// wears or heats it.
-const LIGHT: f64 = 0.03;
-
 /// Most attempts for one piece: a step always ends.
 const MOST_ATTEMPTS: u32 = 200_000;
 
@@ -338,7 +334,7 @@ impl Line {
         let width = 2.0 * operators.cells.half_width();
         let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
         let scene = &operators.scene;
-        let mean = (load / width).max(LIGHT * scene.nominal_load / scene.contact_area());
+        let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
         let bound = scene.tolerance * operators.displacement_scale * mean;
         let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
         if self.heat.is_some() && resolved {
