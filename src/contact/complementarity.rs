@@ -533,8 +533,8 @@ impl ContactSolver {
     }
 
     /// Leaves in the memory the active set by complementary pivoting. Rows are weighted with w, so that the bordered
-    /// matrix is positive semidefinite; the outermost cells take the first pivot. Lengths along x in half-widths,
-    /// pressure in metres of displacement.
+    /// matrix is positive semidefinite; the outermost cells take the first pivot, which leaves nothing of a displacement
+    /// of all cells by a load, however heat lifts them. Lengths along x in half-widths, pressure in metres of displacement.
     fn pivoted(
         &mut self,
         problem: &ContactProblem<'_>,
@@ -546,7 +546,6 @@ impl ContactSolver {
         // The stiffest cell: a few may be softened by orders of magnitude (fast wear).
         let own = |i: usize| self.factors.own(i) + problem.diagonal[i];
         let scale = (0..count).map(own).fold(f64::INFINITY, f64::min);
-        let mean_own = (0..count).map(own).sum::<f64>() / count as f64;
         let (matrix, right) = (&mut memory.pivoted_matrix[..size * size], &mut memory.pivoted_right[..size]);
         matrix.fill(0.0);
         let x = |i: usize| self.positions[i] / self.length;
@@ -563,19 +562,10 @@ impl ContactSolver {
             }
         }
         let compliance = self.factors.compliance(problem.signed_friction);
-        // Heat may lift the punch by more than the load presses it down. A load fixes what all cells carry together, so more of a
-        // displacement in proportion to that moves the approach alone.
-        let mut lift: f64 = 0.0;
-        if balance.approach_free && balance.stiffness == 0.0 {
-            let row = |i: usize| (0..count).map(|j| matrix[i + j * size] + compliance[i + j * count]).sum::<f64>();
-            let together: f64 = (0..count).map(|i| weight(i) * row(i)).sum();
-            lift = 2.0 * (mean_own - together).max(0.0);
-        }
         for j in 0..count {
-            let lifted = lift * weight(j);
             for i in 0..count {
                 let entry = &mut matrix[i + j * size];
-                *entry = (*entry + compliance[i + j * count] + lifted) / scale * weight(i);
+                *entry = (*entry + compliance[i + j * count]) / scale * weight(i);
             }
         }
         let to_mean = scale / self.total_weight;

@@ -19,10 +19,6 @@ const PART: f64 = 1e-3;
 const LEAST: f64 = 1e-9;
 const MOST: f64 = 1e-6;
 
-/// The same for a probe, whose levels are compared to some parts in ten thousand at the finest; and its agreement of friction and
-/// temperature.
-const BY_PROBE: f64 = 1e-6;
-
 /// Error of the temperatures of both surfaces, relative to the largest, over that of the pressure.
 const TEMPERATURE: f64 = 10.0;
 
@@ -133,10 +129,9 @@ impl Line {
         }
         heat.linearised = false;
         let mut slip = moment.slip(stribeck);
-        let (enough, agreement) = match operators.scene.is_probe() {
-            true => (BY_PROBE, BY_PROBE),
-            false => ((PART * operators.scene.tolerance).clamp(LEAST, MOST), AGREEMENT),
-        };
+        let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
+        // The levels of a probe are compared to some parts in ten thousand at the finest.
+        let agreement = if operators.scene.is_probe() { enough } else { AGREEMENT };
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
         heat.warmed = false;
         for repetition in 0..MOST_REPETITIONS {
