@@ -18,3 +18,4 @@ mod plans;
 mod split;
 mod steps;
 mod stop;
+mod work;

@@ -10,6 +10,7 @@
 //! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
 //! the stage stays one contact problem ([`split`]); which cells exchange heat is found by repetition ([`stage`]).
 
+mod acceleration;
 mod accept;
 pub mod bodies;
 mod evaluation;
@@ -28,8 +29,10 @@ use crate::coupled::fastest_growth::FastestGrowth;
 use crate::heat::line::{LineHeat, Surroundings};
 use crate::scene::Scheme;
 use crate::wear::line::WearingContact;
+use acceleration::Acceleration;
 use bodies::Bodies;
 use fading::Fading;
+use growth::Definiteness;
 use split::Split;
 
 /// Part of the tolerance that the pressure may lose by operators in single precision. What their rounding makes of the shape is as
@@ -87,6 +90,10 @@ pub struct Heat {
     reference: Reference,
     /// The operators of the stage are those of its own gains instead.
     renewed: [bool; 2],
+    /// Most repetitions of a stage of the step under way.
+    repetitions: usize,
+    /// Of the repetitions of a stage.
+    acceleration: Acceleration,
     /// Friction that follows the temperature; `None`: it does not.
     fading: Option<Box<Fading>>,
     /// The operators of the stage hold its derivative.
@@ -97,7 +104,7 @@ pub struct Heat {
     expands: [bool; 2],
     /// Contact and heat take their steps one after the other: the bodies have no first stage.
     staggered: bool,
-    /// Larger diffusivity of both bodies, m2/s.
+    /// Diffusivity of the strip, the body that slides, m2/s.
     diffusivity: f64,
     /// Pressure that the stage's heat is made of, Pa, and mu s v of the cells, m/s.
     pressure: Vec<f64>,
@@ -117,6 +124,7 @@ pub struct Heat {
     growth: FastestGrowth,
     watched: Split,
     matrix: Vec<f64>,
+    definiteness: Definiteness,
     base: [Vec<f64>; 2],
     base_distortion: [Vec<f64>; 2],
     gap: Vec<f64>,
@@ -132,10 +140,6 @@ impl Heat {
         let conductance = operators.scene.conductance;
         let strip = &operators.scene.strip;
         let expands = [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0);
-        let diffusivity = [&operators.scene.punch, strip]
-            .map(|body| body.conductivity / body.capacity())
-            .into_iter()
-            .fold(0.0, f64::max);
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let rounded = f64::from(f32::EPSILON) * count as f64;
         let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
@@ -159,12 +163,14 @@ impl Heat {
             velocity: [0.0; 2],
             reference: Reference::default(),
             renewed: [false; 2],
+            repetitions: 0,
+            acceleration: Acceleration::new(count),
             fading: (!operators.scene.friction_fade.flat).then(|| Box::new(Fading::new(count))),
             linearised: false,
             exact: [false; 2],
             expands,
             staggered: operators.scene.scheme == Scheme::Staggered,
-            diffusivity,
+            diffusivity: strip.conductivity / strip.capacity(),
             pressure: zeros(),
             per_pressure: zeros(),
             ratio: operators.radius_ratio.clone(),
@@ -176,6 +182,7 @@ impl Heat {
             growth: FastestGrowth::new(&operators.scene, smallest),
             watched: split(),
             matrix: vec![0.0; count * count],
+            definiteness: Definiteness::new(count),
             base: pair(),
             base_distortion: pair(),
             gap: zeros(),
@@ -202,6 +209,8 @@ impl Clone for Heat {
             velocity: self.velocity,
             reference: self.reference,
             renewed: self.renewed,
+            repetitions: self.repetitions,
+            acceleration: self.acceleration.clone(),
             fading: self.fading.clone(),
             linearised: self.linearised,
             exact: self.exact,
@@ -219,6 +228,7 @@ impl Clone for Heat {
             growth: self.growth.clone(),
             watched: self.watched.clone(),
             matrix: self.matrix.clone(),
+            definiteness: self.definiteness.clone(),
             base: self.base.clone(),
             base_distortion: self.base_distortion.clone(),
             gap: self.gap.clone(),

@@ -33,6 +33,9 @@ const FOLLOWING: u8 = 8;
 /// Most attempts for one piece: a step always ends.
 const MOST_ATTEMPTS: u32 = 200_000;
 
+/// Steps for which none is tried that is as long as one which was too long for what grows.
+const WARY_STEPS: u8 = 32;
+
 /// A stage without a solution at a shorter step is cut this often before the reason is reported.
 const CUTS_WITHOUT_SOLUTION: u8 = 20;
 
@@ -92,6 +95,8 @@ impl Work {
 enum Outcome {
     /// Error in units of the tolerance.
     Tried(f64),
+    /// Too long for what grows.
+    Outgrown,
     /// No solution.
     Failed(StageError),
 }
@@ -142,7 +147,8 @@ impl Line {
                     part += 1;
                     failures = 0;
                     // Error ~ h^2: room for doubling the step.
-                    if level > 0 && part.is_multiple_of(2) && error < 0.175 {
+                    let outgrown = self.state.heat.as_mut().is_some_and(|heat| heat.outgrows(2.0 * step));
+                    if level > 0 && part.is_multiple_of(2) && error < 0.175 && !outgrown {
                         level -= 1;
                         part /= 2;
                     }
@@ -150,6 +156,12 @@ impl Line {
                 }
                 Outcome::Tried(error) if error.is_finite() => (0.5 * error.log2()).ceil().clamp(1.0, 10.0) as u8,
                 Outcome::Tried(_) => 2,
+                Outcome::Outgrown => {
+                    if let Some(heat) = &mut self.state.heat {
+                        heat.outgrown = [step, f64::from(WARY_STEPS)];
+                    }
+                    1
+                }
                 Outcome::Failed(error) => {
                     failures += 1;
                     // Heat of a long step may let the pressure run away where that of a short one does not.
@@ -340,7 +352,7 @@ impl Line {
         if self.heat.is_some() && resolved {
             let coefficient = late.faded * self.friction.stribeck(path.velocity(start + step));
             if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
-                return Outcome::Tried(f64::INFINITY);
+                return Outcome::Outgrown;
             }
         }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };

@@ -63,6 +63,10 @@ impl LineHeat for MergedHeat {
         self.body.fading_while_sliding(velocity)
     }
 
+    fn indifference(&self) -> f64 {
+        self.body.indifference()
+    }
+
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
         self.body.prepare(step, velocity);
         self.merge_gains();

@@ -132,6 +132,11 @@ pub trait LineHeat: Debug + Send {
         self.fading()
     }
 
+    /// Difference of the sliding velocity, m/s, that hardly changes what answers at once, however short the step.
+    fn indifference(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// Weights and gains for a step of `step` s in which the sliding velocity changes linearly between the two values
     /// (m/s, signed: the material of the strip moves with -v in the punch's frame). Equal arguments cost a comparison.
     /// Gains are functions of the arguments alone, never of what was prepared before.

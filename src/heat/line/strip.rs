@@ -59,6 +59,9 @@ const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
 const BASE: usize = Port::Base as usize;
 
+/// Peclet number by the wave number of the shortest wave with states up to which what answers at once is much the same.
+const INDIFFERENT: f64 = 10.0;
+
 /// State entries behind those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
 /// the base.
 const TAIL: usize = 4;
@@ -258,6 +261,17 @@ impl LineHeat for StripHeat {
         let operators = &*self.operators;
         let mean = (0..operators.mean_states()).map(|k| operators.mean.rate[k % operators.mean.count]);
         mean.chain(operators.rate.iter().chain(&operators.rate).copied()).collect()
+    }
+
+    fn indifference(&self) -> f64 {
+        let operators = &*self.operators;
+        if operators.fresh {
+            // The answer at once holds what the waves forget: heat as long as the period.
+            return operators.table.scale();
+        }
+        // It is that of the shorter waves, q v against diffusivity q^2.
+        let shortest = operators.numbers.last().copied().unwrap_or(f64::INFINITY);
+        INDIFFERENT * operators.diffusivity * shortest
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {

@@ -129,7 +129,7 @@ impl Line {
             true => heat.faded[0],
             false => weighted(&heat.faded, &self.work.end.pressure, &operators.torque_weights),
         };
-        (state.reference.velocity, state.reference.last) = (heat.reference.velocity, velocity);
+        state.reference.follow(heat.reference.velocity, velocity, heat.repetitions);
         let fade = if self.friction.coefficient > 0.0 { state.faded / self.friction.coefficient } else { 1.0 };
         if (fade / state.reference.fade - 1.0).abs() > ZONE {
             state.reference.fade = fade;

@@ -163,12 +163,53 @@ impl Line {
     }
 }
 
+/// What was last asked of a matrix of a stage, and the answer: contact, friction and wear change less often than a step is taken.
+#[derive(Clone, Debug)]
+pub(super) struct Definiteness {
+    /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s).
+    asked: [f64; 4],
+    closed: Vec<bool>,
+    /// Wear per pressure, m/Pa, rounded down: wear only holds growth back.
+    slopes: Vec<f64>,
+    answer: bool,
+}
+
+/// Bits of a slope's mantissa that are dropped: what is left is a sixteenth apart.
+const DROPPED: u64 = (1 << 48) - 1;
+
+impl Definiteness {
+    pub fn new(count: usize) -> Definiteness {
+        Definiteness { asked: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
+    }
+
+    /// Takes a question; whether it is the one that has been answered.
+    fn ask(&mut self, asked: [f64; 4], closed: &[bool], slope: impl Fn(usize) -> f64) -> bool {
+        let mut same = self.asked == asked && self.closed == closed;
+        self.asked = asked;
+        self.closed.copy_from_slice(closed);
+        for (i, own) in self.slopes.iter_mut().enumerate() {
+            let rounded = f64::from_bits(slope(i).to_bits() & !DROPPED);
+            same &= *own == rounded;
+            *own = rounded;
+        }
+        same
+    }
+}
+
 impl Heat {
     /// Whether the matrix of a stage of the length `step`/0.3 is positive definite on the cells in contact; `slope`: its wear per
     /// pressure, m/Pa.
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
-        let count = weights.len();
         let key = (step, self.reference.velocity);
+        let asked = [step, self.reference.velocity, friction, self.reference.per_pressure];
+        if !self.definiteness.ask(asked, &self.closed, slope) {
+            self.definiteness.answer = self.is_definite(key, friction, weights);
+        }
+        self.definiteness.answer
+    }
+
+    fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
+        let (count, step) = (weights.len(), key.0);
         if !self.watched.is_for(key) {
             // The first stage of a longer step is of that length. What slides under the waves hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
@@ -197,7 +238,7 @@ impl Heat {
             for i in (j..count).filter(|&i| self.closed[i]) {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
-                    value += weights[i] * slope(i);
+                    value += weights[i] * self.definiteness.slopes[i];
                     largest = largest.max(value.abs() / (weights[i] * weights[i]));
                 }
                 self.matrix[j * count + i] = value;

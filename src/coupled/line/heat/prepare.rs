@@ -34,7 +34,7 @@ impl Line {
                 heat.splits[stage as usize].build(key, gains);
             }
         }
-        heat.renewed = [false; 2];
+        (heat.renewed, heat.repetitions) = ([false; 2], 0);
         let flat = operators.scene.friction_fade.flat;
         let faded = if flat { self.friction.faded(0.0) } else { self.friction.coefficient * state.reference.fade };
         let (stribeck, sign) = (self.friction.stribeck(reference_velocity), self.friction.sign(reference_velocity));
@@ -103,7 +103,8 @@ impl Line {
 impl Heat {
     /// Difference of velocity (m/s) that hardly changes how a step of `step` s answers heat.
     fn zone(&self, step: f64) -> f64 {
-        REACH * (self.diffusivity / step).sqrt()
+        let at_once = self.bodies.iter().flatten().map(|own| own.indifference()).fold(f64::INFINITY, f64::min);
+        at_once.min(REACH * (self.diffusivity / step).sqrt())
     }
 }
 

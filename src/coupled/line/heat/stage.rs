@@ -30,6 +30,9 @@ const EXACT_FROM: usize = 12;
 const SLOW: f64 = 0.4;
 const SLOW_FROM: usize = 3;
 
+/// Repetition from which on the others are compared, and the next one goes on along what they have in common.
+const COMPARED_FROM: usize = 1;
+
 /// What a repetition still changes, from one to the next.
 #[derive(Clone, Copy, Debug, Default)]
 struct Convergence {
@@ -134,6 +137,9 @@ impl Line {
         let agreement = if operators.scene.is_probe() { enough } else { AGREEMENT };
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
         heat.warmed = false;
+        heat.acceleration.forget();
+        // What an accelerated repetition lacks over what it changes.
+        let mut lacks: Option<f64> = None;
         for repetition in 0..MOST_REPETITIONS {
             if fades {
                 moment.faded = weighted(&heat.faded, &heat.pressure, &operators.torque_weights);
@@ -145,6 +151,8 @@ impl Line {
             if !heat.renewed[s] && (repetition == EXACT_FROM || slow) {
                 heat.renew(stage, slip);
                 (pressures, temperatures) = Default::default();
+                heat.acceleration.forget();
+                lacks = None;
             }
             heat.operator(stage, slip)?;
             if heat.renewed[s] && fades {
@@ -152,6 +160,10 @@ impl Line {
             }
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
+            let compared = !follows && !heat.exact[s] && repetition >= COMPARED_FROM;
+            if compared {
+                heat.acceleration.begin(&heat.pressure, &heat.flux[s][0]);
+            }
             let lacking = heat.supply(stage, slip);
             heat.undeformed(stage, &self.work.gap);
             let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
@@ -188,10 +200,21 @@ impl Line {
                 }
             }
             let settled = heat.settle(&found.pressure);
-            let left = pressures.left(change).max(temperatures.left(lacking) / TEMPERATURE);
+            // Changes of an accelerated repetition follow no series.
+            let left = lacks.map_or_else(|| pressures.left(change), |lacks| lacks.max(1.0) * change);
+            let left = left.max(temperatures.left(lacking) / TEMPERATURE);
             if settled && unlike <= agreement && (heat.exact[s] || left <= enough) {
+                heat.repetitions = heat.repetitions.max(repetition);
                 self.finish_stage(heat, stage);
                 return Ok(());
+            }
+            if !settled {
+                heat.acceleration.forget();
+                lacks = None;
+            } else if compared {
+                let most = largest(&heat.pressure);
+                let moved = heat.acceleration.improve(&mut heat.pressure, &mut heat.flux[s][0]);
+                lacks = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
             }
         }
         Err(StageError::NotConverged { stage: tau, iterations: MOST_REPETITIONS })

@@ -30,12 +30,17 @@ pub struct HeatState {
     pub lagging: [f64; 2],
     /// Length of the last step, s (0: none yet).
     pub last_step: f64,
+    /// Length of the last step that was too long for what grows, s, and the number of steps for which none as long is tried.
+    pub outgrown: [f64; 2],
     /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
     pub start: [[f64; 4]; 2],
 }
 
 /// Temperatures that are looked at together.
 const ABREAST: usize = 8;
+
+/// Relative difference of equal lengths of steps.
+const ROUNDING: f64 = 1e-9;
 
 /// Where the operators kept from step to step were made.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -46,12 +51,38 @@ pub struct Place {
     pub last: f64,
     /// Friction coefficient over that without fade.
     pub fade: f64,
+    /// Part of the zone within which stages agree in few repetitions.
+    pub narrow: f64,
 }
 
 /// Part by which the velocity may differ from that of the reference in any case.
 const RELATIVE_ZONE: f64 = 0.1;
 
+/// Repetitions of a stage above which the zone is halved, down to this part, and up to which a new reference widens it again.
+const MANY: usize = 6;
+const FEW: usize = 3;
+const NARROWEST: f64 = 0.01;
+const WIDER: f64 = 1.25;
+
 impl Place {
+    /// No reference yet.
+    pub fn none() -> Place {
+        Place { velocity: f64::NAN, last: f64::NAN, fade: 1.0, narrow: 1.0 }
+    }
+
+    /// Takes over the reference and the last velocity of a step whose stages were repeated up to `repetitions` times.
+    ///
+    /// How far a reference serves depends on how strongly the contact answers its own heat, near the critical speed without bound.
+    /// It is what repetition tells.
+    pub fn follow(&mut self, velocity: f64, last: f64, repetitions: usize) {
+        if repetitions > MANY && last != velocity {
+            self.narrow = (0.5 * self.narrow).max(NARROWEST);
+        } else if repetitions <= FEW && velocity != self.velocity {
+            self.narrow = (WIDER * self.narrow).min(1.0);
+        }
+        (self.velocity, self.last) = (velocity, last);
+    }
+
     /// Reference velocity for a step between two velocities: the last one within the zone (m/s) around it, the velocity itself
     /// where it stays, and otherwise one ahead.
     pub fn choose(&self, velocity: [f64; 2], zone: f64) -> f64 {
@@ -60,7 +91,7 @@ impl Place {
             return from;
         }
         let middle = 0.5 * (from + to);
-        let zone = zone.max(RELATIVE_ZONE * middle.abs());
+        let zone = self.narrow * zone.max(RELATIVE_ZONE * middle.abs());
         if (middle - self.velocity).abs() <= zone {
             return self.velocity;
         }
@@ -85,12 +116,13 @@ impl HeatState {
             pressure_slope: zeros(),
             temperature: rise.map(|rise| vec![rise; count]),
             distortion: zeros(),
-            reference: Place { velocity: f64::NAN, last: f64::NAN, fade: 1.0 },
+            reference: Place::none(),
             faded,
             dissipated: 0.0,
             cooling: [0.0; 2],
             lagging: [0.0; 2],
             last_step: 0.0,
+            outgrown: [0.0; 2],
             start: [[0.0; 4]; 2],
         };
         for body in 0..2 {
@@ -171,16 +203,25 @@ impl HeatState {
             cooling,
             lagging,
             last_step,
+            outgrown,
             start,
         } = self;
-        let Place { velocity, last, fade } = reference;
+        let Place { velocity, last, fade, narrow } = reference;
         (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
             .chain(pressure_slope)
             .chain(distortion)
-            .chain([velocity, last, fade, faded, dissipated, last_step])
+            .chain([velocity, last, fade, narrow, faded, dissipated, last_step])
             .chain(cooling)
             .chain(lagging)
+            .chain(outgrown)
             .chain(start.iter_mut().flatten())
+    }
+
+    /// Whether a step of this length (s) was just too long for what grows; counts a step that was not.
+    pub fn outgrows(&mut self, step: f64) -> bool {
+        let [refused, wary] = &mut self.outgrown;
+        *wary = (*wary - 1.0).max(0.0);
+        *wary > 0.0 && step >= *refused * (1.0 - ROUNDING)
     }
 
     /// Takes over `other`, of the same scene, without allocating.
@@ -205,7 +246,7 @@ impl HeatState {
         self.distortion.copy_from_slice(&other.distortion);
         (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);
-        (self.lagging, self.last_step) = (other.lagging, other.last_step);
+        (self.lagging, self.last_step, self.outgrown) = (other.lagging, other.last_step, other.outgrown);
     }
 
     /// Appends all numbers.

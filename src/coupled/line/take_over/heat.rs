@@ -126,7 +126,7 @@ impl Line {
     fn start_heat(&mut self, dissipated: f64, faded: f64) {
         let Some(state) = &mut self.state.heat else { return };
         state.jump();
-        state.reference = Place { velocity: f64::NAN, last: f64::NAN, fade: 1.0 };
+        state.reference = Place::none();
         (state.dissipated, state.faded) = (dissipated, faded);
         (state.cooling, state.lagging, state.last_step) = ([0.0; 2], [0.0; 2], 0.0);
     }

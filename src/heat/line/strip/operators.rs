@@ -105,6 +105,8 @@ pub struct Operators {
     pub widths: Vec<f64>,
     pub half: usize,
     pub period: f64,
+    /// K/(rho c), m2/s.
+    pub diffusivity: f64,
     /// Length of the surface beside the contact, m.
     pub free_length: f64,
     pub convection: f64,
@@ -309,6 +311,7 @@ impl Operators {
         let mut operators = Operators {
             half: shapes.half(),
             period,
+            diffusivity,
             free_length: (period - widths.iter().sum::<f64>()).max(0.0),
             convection,
             weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),

@@ -1,0 +1,84 @@
+//! Counted work of steps with heat whose speed changes: solutions of the contact problem, matrix factorisations, internal steps.
+
+use crate::drive::{reference, scene};
+use sliding_contact::coupled::INPUTS;
+use sliding_contact::coupled::lumped::conditions::Tunables;
+use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::scene::Scene;
+
+/// Numbers of a run: internal steps that were accepted by step, and by these what was rejected, solved and factored.
+#[derive(Debug)]
+struct Work {
+    steps: f64,
+    rejected: f64,
+    solutions: f64,
+    factorisations: f64,
+}
+
+/// Steps of `step` s at the velocities `velocity(n)`, linear between them, under the nominal load; from the second hundred on.
+fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -> f64) -> Work {
+    let mut starts = scene(name);
+    for (name, value) in changes {
+        starts[reference(name) as usize] = *value;
+    }
+    let scene = Scene::new(&starts, None).unwrap();
+    let tunables = Tunables {
+        friction_coefficient: scene.friction_coefficient,
+        ambient_temperature: scene.ambient_temperature,
+        wear_acceleration: 1.0,
+    };
+    let ambient = scene.ambient_temperature;
+    let inputs = |velocity: f64| [velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
+    let mut model = Model::new(&Operators::new(&scene).unwrap(), tunables, &inputs(velocity(0)));
+    let mut run = |numbers: std::ops::Range<u32>| {
+        for n in numbers {
+            let mut slopes = [0.0; INPUTS];
+            slopes[0] = (velocity(n + 1) - velocity(n)) / step;
+            model.step(&inputs(velocity(n)), Some(&slopes), step).unwrap();
+        }
+        let (contact, (accepted, rejected)) = (model.contact_work(), model.work());
+        [accepted, rejected, contact.solves, contact.factorisations].map(|count| count as f64)
+    };
+    let before = run(0..100);
+    let after = run(100..400);
+    let [accepted, rejected, solutions, factorisations] = std::array::from_fn(|k| after[k] - before[k]);
+    // The mean takes a step of its own for all of the line's.
+    let line = accepted - 300.0;
+    Work {
+        steps: line / 300.0,
+        rejected: rejected / line,
+        solutions: solutions / line,
+        factorisations: factorisations / line,
+    }
+}
+
+/// What fresh material forgets answers at once and follows the velocity: operators of another one, or of the way back, do not serve.
+#[test]
+fn one_way_a_changing_speed_costs_what_a_held_one_does() {
+    let one_way = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("nominal.stroke", 0.0), ("strip.path", 1.0)];
+    let held = work("reciprocating_punch", &one_way, 1e-3, |_| 0.012);
+    let swinging = work("reciprocating_punch", &one_way, 1e-3, |n| 0.012 + 0.003 * (0.01 * f64::from(n)).cos());
+    println!("held {held:?}, swinging {swinging:?}");
+    assert!((1.9..2.3).contains(&held.solutions), "{held:?}");
+    assert!((2.0..3.5).contains(&swinging.solutions) && swinging.factorisations < 0.5, "{swinging:?}");
+    assert!(swinging.steps < 1.1, "{swinging:?}");
+}
+
+/// Where a wave neither grows nor fades the operators of another velocity are a poor start: repetition solves for the waves in
+/// question, and the next reference lies closer.
+#[test]
+fn braking_through_the_critical_speed_takes_few_repetitions() {
+    let ring = [("solver.cells", 32.0)];
+    let stop = work("hot_spots", &ring, 1e-4, |n| 0.1 + 0.1 * (0.02 * f64::from(n)).cos());
+    println!("{stop:?}");
+    assert!(stop.solutions < 8.0 && stop.factorisations < 0.9, "{stop:?}");
+}
+
+/// A step that was too long for what grows is not tried again after every other one.
+#[test]
+fn above_the_critical_speed_hardly_a_step_is_rejected() {
+    let ring = [("solver.cells", 32.0)];
+    let held = work("hot_spots", &ring, 0.1, |_| 0.2);
+    println!("{held:?}");
+    assert!((4.0..12.0).contains(&held.steps) && held.rejected < 0.1, "{held:?}");
+}
