@@ -24,6 +24,7 @@
 mod account;
 mod amplitudes;
 mod answer;
+mod blocks;
 mod depth;
 mod give_back;
 mod kept;
@@ -31,6 +32,7 @@ mod knots;
 mod levels;
 mod moving_kernel;
 mod operators;
+mod passive;
 mod propagate;
 mod remainder;
 mod scan;

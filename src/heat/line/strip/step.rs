@@ -1,12 +1,12 @@
 //! Weights and gains of one step.
 
 use super::answer::{Answer, AtOnce, Layout};
+use super::blocks::Blocks;
 use super::give_back::RANK;
 use super::knots::Knots;
 use super::levels::{self, of_wave, turns};
 use super::operators::Operators;
 use super::propagate::Motion;
-use super::remainder::Blocks;
 use crate::contact::dense;
 use crate::heat::line::{GAMMA, Gains, Stage};
 use nalgebra::{Complex, DMatrix};

@@ -4,7 +4,8 @@
 //! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
 //! of its number alone, whoever asks first.
 
-use super::remainder::{Blocks, Integrals, Remainder, Room};
+use super::blocks::Blocks;
+use super::remainder::{Integrals, Remainder, Room};
 use crate::contact::dense;
 use nalgebra::DMatrix;
 use std::sync::{Mutex, OnceLock};
