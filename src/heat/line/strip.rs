@@ -36,6 +36,7 @@ mod passive;
 mod propagate;
 mod remainder;
 mod scan;
+mod scratch;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -53,9 +54,10 @@ use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use give_back::RANK;
 use kept::Kept;
 use operators::Operators;
+use scratch::Scratch;
 use std::cell::RefCell;
 use std::sync::Arc;
-use step::{OWN, Scratch, StageWeights, Step};
+use step::{OWN, StageWeights, Step};
 
 const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;
