@@ -39,7 +39,7 @@ mod scan;
 mod scratch;
 mod step;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod velocity_table;
 mod waves;
 

@@ -229,24 +229,15 @@ impl VelocityTable {
 mod tests {
     use super::*;
     use crate::elastic::Cells;
-    use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
+    use crate::heat::line::strip::tests::steel;
+    use crate::heat::line::strip::{Path, Resolution, StripHeat};
     use crate::heat::line::{LineHeat, Stage};
     use crate::heat::slab::Base;
 
     const HALF_WIDTH: f64 = 0.02;
-    const CAPACITY: f64 = 7800.0 * 460.0;
 
     fn strip(cells: &Cells, path: Path, resolution: &Resolution) -> StripHeat {
-        let properties = StripProperties {
-            height: 0.02,
-            conductivity: 55.0,
-            capacity: CAPACITY,
-            convection: 0.0,
-            base: Base::Held,
-            path,
-            expansion: None,
-        };
-        StripHeat::new(&properties, cells, resolution).unwrap()
+        StripHeat::new(&steel(0.02, Base::Held, path, 0.0), cells, resolution).unwrap()
     }
 
     /// Temperatures under a uniform flux 1.
