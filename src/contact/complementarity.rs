@@ -1,10 +1,15 @@
 //! Unilateral contact on the cells: pressure, gap, approach and tilt together.
 
+mod active_set;
+mod balance;
+mod fallback;
+
 use super::dense;
-use super::factors::{Factors, Key, Reduction};
+use super::factors::{Factors, Reduction};
 use super::lemke::Pivoting;
 use super::problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};
 use crate::elastic::{Cells, Compliance};
+use balance::Balance;
 use nalgebra::DMatrix;
 
 /// Compliance of the pair of bodies per pressure, `C + s mu S`: friction acts with `s mu p` on the strip and with
@@ -104,30 +109,6 @@ impl Memory {
             self.gap[i] = problem.gap[i] - balance.approach - balance.tilt * positions[i];
         }
     }
-}
-
-/// What is balanced: free unknowns and the right-hand sides of their rows.
-#[derive(Clone, Copy, Debug)]
-struct Balance {
-    approach_free: bool,
-    tilt_free: bool,
-    /// Given approach and tilt; 0 where free.
-    approach: f64,
-    tilt: f64,
-    load: f64,
-    stiffness: f64,
-    lever: f64,
-    moment: f64,
-}
-
-impl Balance {
-    fn count(&self) -> usize {
-        usize::from(self.approach_free) + usize::from(self.tilt_free)
-    }
-}
-
-fn finite(quantity: &'static str, value: f64) -> Result<f64, ContactError> {
-    if value.is_finite() { Ok(value) } else { Err(ContactError::Invalid { quantity, value }) }
 }
 
 impl ContactSolver {
@@ -330,189 +311,6 @@ impl ContactSolver {
         self.solve_on(problem, balance, memory).map(|_| ()).ok_or(ContactError::NoEquilibrium)
     }
 
-    fn balance(&self, problem: &ContactProblem<'_>) -> Result<Balance, ContactError> {
-        for &value in problem.gap {
-            finite("initial gap", value)?;
-        }
-        finite("signed friction coefficient", problem.signed_friction)?;
-        for &value in problem.diagonal {
-            if finite("wear per pressure", value)? < 0.0 {
-                return Err(ContactError::Invalid { quantity: "wear per pressure", value });
-            }
-        }
-        let mut balance = Balance {
-            approach_free: true,
-            tilt_free: false,
-            approach: 0.0,
-            tilt: 0.0,
-            load: 0.0,
-            stiffness: 0.0,
-            lever: 0.0,
-            moment: 0.0,
-        };
-        match problem.normal {
-            Normal::Load(value) => {
-                if finite("load", value)? < 0.0 {
-                    return Err(ContactError::Invalid { quantity: "load", value });
-                }
-                balance.load = value;
-            }
-            Normal::Approach(value) => {
-                balance.approach_free = false;
-                balance.approach = finite("approach", value)?;
-            }
-            Normal::Spring { load, stiffness } => {
-                balance.load = finite("load", load)?;
-                if finite("holder stiffness", stiffness)? < 0.0 {
-                    return Err(ContactError::Invalid { quantity: "holder stiffness", value: stiffness });
-                }
-                balance.stiffness = stiffness;
-            }
-        }
-        match problem.tilt {
-            Tilt::Fixed(value) => balance.tilt = finite("tilt", value)?,
-            Tilt::ResultantAt(value) => {
-                let limit = self.positions[self.positions.len() - 1];
-                balance.tilt_free = true;
-                balance.lever = finite("lever", value)?;
-                if value.abs() >= limit {
-                    return Err(ContactError::Tipping { lever: value, limit });
-                }
-            }
-            Tilt::Moment { lever, moment } => {
-                balance.tilt_free = true;
-                balance.lever = finite("lever", lever)?;
-                balance.moment = finite("moment", moment)?;
-            }
-        }
-        Ok(balance)
-    }
-
-    /// Whether there is no pressure, as load or spring leave none, and the state of that: no load puts the punch where
-    /// the bodies touch, a spring where it is relaxed. A free tilt is not defined then and taken as 0.
-    fn apart(&self, problem: &ContactProblem<'_>, state: &mut ContactState) -> bool {
-        let tilt = match problem.tilt {
-            Tilt::Fixed(value) => value,
-            Tilt::ResultantAt(_) | Tilt::Moment { .. } => 0.0,
-        };
-        let distance = |i: usize| problem.gap[i] - tilt * self.positions[i];
-        let touching = || (0..self.positions.len()).map(distance).fold(f64::INFINITY, f64::min);
-        let approach = match problem.normal {
-            Normal::Load(0.0) => touching(),
-            Normal::Spring { load, stiffness } if load <= stiffness * touching() => {
-                if stiffness > 0.0 {
-                    load / stiffness
-                } else {
-                    touching()
-                }
-            }
-            _ => return false,
-        };
-        for i in 0..self.positions.len() {
-            state.pressure[i] = 0.0;
-            state.gap[i] = distance(i) - approach;
-        }
-        (state.approach, state.tilt) = (approach, tilt);
-        true
-    }
-
-    /// Pressure, gap of the open cells, approach and tilt for the active set of the memory, and where its factors are kept;
-    /// `None` where its equations have no solution.
-    ///
-    /// With `xi = (x - x_c)/L`, x_c the mean position of the cells in contact, their pressures are `q + y0 X0 + y1 X1`:
-    /// q under the gap alone, X0 and X1 per approach and per `L theta`. The balances are two equations for y.
-    fn solve_on(&mut self, problem: &ContactProblem<'_>, balance: &Balance, memory: &mut Memory) -> Option<usize> {
-        self.counter.iterations += 1;
-        let shifted = balance.approach_free;
-        let key =
-            Key { signed_friction: problem.signed_friction, shifted, diagonal: problem.diagonal, active: &memory.set };
-        let position = self.factors.find(key)?;
-        let shift = if shifted { self.factors.shift() } else { 0.0 };
-        let entry = self.factors.with_columns(position, balance.count() > 0, balance.tilt_free);
-        let m = entry.index.len();
-        if m < balance.count() {
-            return None;
-        }
-        let compact = &mut memory.compact[..m];
-        if m == self.positions.len() {
-            compact.iter_mut().zip(&memory.gap).for_each(|(q, gap)| *q = -gap);
-        } else {
-            compact.iter_mut().zip(&entry.index).for_each(|(q, &i)| *q = -memory.gap[i]);
-        }
-        entry.substitute(compact);
-        let centre = entry.centre;
-        let (uniform, linear) = (&entry.uniform[..m], &entry.linear[..m]);
-        // Resultants and moments about the centre of q, X0 and X1.
-        let ([force, moment], [[force0, moment0], [force1, moment1]]) = (entry.resultant(compact), entry.sums);
-        let relative = centre / self.length;
-        let (k, c) = (balance.stiffness, 1.0 - balance.stiffness * shift);
-        let arm = (centre - balance.lever) / self.length;
-        let (y0, y1) = match (balance.approach_free, balance.tilt_free) {
-            (false, false) => (0.0, 0.0),
-            (true, false) => ((balance.load - c * force) / (c * force0 + k), 0.0),
-            (false, true) => {
-                // The punch turns about x = 0, where the approach is given.
-                let column = moment1 + arm * force1 + relative * (moment0 + arm * force0);
-                let tilt = (balance.moment / self.length - moment - arm * force) / column;
-                (relative * tilt, tilt)
-            }
-            (true, true) => {
-                let first = [c * force0 + k, c * force1 - k * relative];
-                let first_right = balance.load - c * force;
-                let mut second = [moment0, moment1];
-                let mut second_right = balance.moment / self.length - moment;
-                if c > 0.1 {
-                    // The resultant from the first balance: its lever about x_c may be long against the contact.
-                    second[0] -= arm * k / c;
-                    second[1] += arm * k / c * relative;
-                    second_right -= arm * balance.load / c;
-                } else {
-                    second[0] += arm * force0;
-                    second[1] += arm * force1;
-                    second_right -= arm * force;
-                }
-                solve_pair(first, second, [first_right, second_right])
-            }
-        };
-        if y1 != 0.0 {
-            for ((q, u), l) in compact.iter_mut().zip(uniform).zip(linear) {
-                *q += y0 * u + y1 * l;
-            }
-        } else if y0 != 0.0 {
-            compact.iter_mut().zip(uniform).for_each(|(q, u)| *q += y0 * u);
-        }
-        if compact.iter().any(|q| !q.is_finite()) || !y0.is_finite() || !y1.is_finite() {
-            return None;
-        }
-        // The shifted matrix took beta P/W of the approach.
-        let at_centre = y0 - shift * entry.resultant(compact)[0];
-        memory.tilt = if balance.tilt_free { y1 / self.length } else { balance.tilt };
-        memory.approach = if balance.approach_free { at_centre - y1 * relative } else { balance.approach };
-        // In full contact every gap is zero, and the product is half of the work.
-        if m == self.positions.len() {
-            memory.pressure.copy_from_slice(compact);
-            memory.open_gap.fill(0.0);
-            return Some(position);
-        }
-        memory.pressure.fill(0.0);
-        for (q, &i) in compact.iter().zip(&entry.index) {
-            memory.pressure[i] = *q;
-        }
-        let approach_in_gap = if balance.approach_free { memory.approach } else { 0.0 };
-        let tilt_in_gap = if balance.tilt_free { memory.tilt } else { 0.0 };
-        let entry = self.factors.with_open_rows(position);
-        let gaps = &mut memory.worn[..entry.open.len()];
-        for (gap, &i) in gaps.iter_mut().zip(&entry.open) {
-            *gap = memory.gap[i] - approach_in_gap - tilt_in_gap * self.positions[i];
-        }
-        entry.add_to_open(&memory.compact[..m], gaps);
-        memory.open_gap.fill(0.0);
-        for (gap, &i) in gaps.iter().zip(&entry.open) {
-            memory.open_gap[i] = *gap;
-        }
-        Some(position)
-    }
-
     /// Cells in tension leave, cells that penetrate enter; whether any does. Compared as displacements, `A_ii p_i` with
     /// the gap.
     fn next_active(&mut self, position: usize, memory: &mut Memory) -> bool {
@@ -531,86 +329,6 @@ impl ContactSolver {
         }
         changed
     }
-
-    /// Leaves in the memory the active set by complementary pivoting. Rows are weighted with w, so that the bordered
-    /// matrix is positive semidefinite; the outermost cells take the first pivot, which leaves nothing of a displacement
-    /// of all cells by a load, however heat lifts them. Lengths along x in half-widths, pressure in metres of displacement.
-    fn pivoted(
-        &mut self,
-        problem: &ContactProblem<'_>,
-        balance: &Balance,
-        memory: &mut Memory,
-    ) -> Result<(), ContactError> {
-        let (count, free) = (self.positions.len(), balance.count());
-        let size = count + free;
-        // The stiffest cell: a few may be softened by orders of magnitude (fast wear).
-        let own = |i: usize| self.factors.own(i) + problem.diagonal[i];
-        let scale = (0..count).map(own).fold(f64::INFINITY, f64::min);
-        let (matrix, right) = (&mut memory.pivoted_matrix[..size * size], &mut memory.pivoted_right[..size]);
-        matrix.fill(0.0);
-        let x = |i: usize| self.positions[i] / self.length;
-        let lever = balance.lever / self.length;
-        let weight = |i: usize| self.weights[i] / self.total_weight;
-        for j in 0..count {
-            for i in 0..count {
-                let wear = match self.factors.operator() {
-                    None if i == j => problem.diagonal[j],
-                    None => 0.0,
-                    Some(operator) => problem.diagonal[j] * operator[i + j * count],
-                };
-                matrix[i + j * size] = wear;
-            }
-        }
-        let compliance = self.factors.compliance(problem.signed_friction);
-        for j in 0..count {
-            for i in 0..count {
-                let entry = &mut matrix[i + j * size];
-                *entry = (*entry + compliance[i + j * count]) / scale * weight(i);
-            }
-        }
-        let to_mean = scale / self.total_weight;
-        let spring = balance.stiffness * to_mean;
-        for i in 0..count {
-            right[i] = memory.gap[i] * weight(i);
-            if balance.approach_free {
-                matrix[i + count * size] = -weight(i);
-                matrix[count + i * size] = weight(i);
-            }
-            if balance.tilt_free {
-                let centre = if balance.approach_free { lever } else { 0.0 };
-                matrix[i + (size - 1) * size] = (centre - x(i)) * weight(i);
-                matrix[size - 1 + i * size] = (x(i) - lever) * weight(i);
-            }
-        }
-        if balance.approach_free {
-            // The spring is compressed at x = 0; the unknown is the approach at the lever.
-            matrix[count + count * size] = spring;
-            right[count] = -balance.load * to_mean;
-            if balance.tilt_free {
-                matrix[count + (count + 1) * size] = -spring * lever;
-            }
-        }
-        if balance.tilt_free {
-            right[size - 1] = -balance.moment * to_mean / self.length;
-        }
-        let pivoting = memory.pivoting.as_mut().expect("allocated at construction");
-        let first = &[0, count - 1][..free];
-        let pivots = pivoting.solve(matrix, right, first, &mut memory.set).map_err(|_| ContactError::NoEquilibrium)?;
-        self.counter.pivots += pivots as u64;
-        Ok(())
-    }
-}
-
-/// Solves two equations by elimination with the larger pivot.
-fn solve_pair(first: [f64; 2], second: [f64; 2], right: [f64; 2]) -> (f64, f64) {
-    let (a, b, r, s) = if first[0].abs() >= second[0].abs() {
-        (first, second, right[0], right[1])
-    } else {
-        (second, first, right[1], right[0])
-    };
-    let factor = b[0] / a[0];
-    let y1 = (s - factor * r) / (b[1] - factor * a[1]);
-    ((r - a[1] * y1) / a[0], y1)
 }
 
 #[cfg(test)]

@@ -335,6 +335,7 @@ pub fn combine<const K: usize>(target: &mut [f64], sources: [&[f64]; K], factors
 }
 
 /// `sum_i a_i b_i`.
+#[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four sums side by side: the additions of one would wait for each other.
     let (a_groups, a_rest) = a.as_chunks::<GROUP>();

@@ -6,6 +6,7 @@
 //! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
 
 pub mod cycle;
+mod explicit;
 pub mod heat;
 pub mod operators;
 mod outputs;
@@ -15,6 +16,7 @@ mod saved;
 pub mod state;
 mod step;
 mod take_over;
+mod wear_rates;
 
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt, WorkCounter};

@@ -229,6 +229,17 @@ impl Operators {
         }
     }
 
+    /// Load per face (N) that gives the mean its heat and friction: the contact's, on an annulus by its torque.
+    pub fn carried(&self, pressure: &[f64]) -> f64 {
+        let (mut torque, mut load) = (0.0, 0.0);
+        for i in 0..pressure.len() {
+            load += self.weights[i] * pressure[i];
+            torque += self.weights[i] * pressure[i] * self.radius_ratio[i];
+        }
+        let carried = if self.mean.power_factor == 1.0 { load } else { torque / self.mean.power_factor };
+        carried * self.shared_depth
+    }
+
     /// The same contact with its heat by the mean and steps of another tolerance; nothing but the mean is built anew.
     pub fn with_heat_by_its_mean(&self, tolerance: f64) -> Operators {
         let mut scene = self.scene.clone();

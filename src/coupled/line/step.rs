@@ -17,11 +17,10 @@ use super::path::{Moment, Path};
 use crate::contact::{ContactState, Normal};
 use crate::coupled::StepFailure;
 use crate::coupled::lumped;
-use crate::coupled::scalar::Scalar;
 use crate::heat::line::{GAMMA, Stage};
 use crate::scene::Scheme;
 use crate::wear::law::REFERENCE_PRESSURE;
-use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, explicit_limit};
+use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status};
 use nalgebra::DMatrix;
 
 /// Finest subdivision: 2^-40 of the piece.
@@ -468,127 +467,11 @@ impl Line {
     }
 
     /// Makes the last stage the state's equilibrium.
-    fn keep_end(&mut self) {
+    pub(super) fn keep_end(&mut self) {
         let (state, end) = (&mut self.state, &self.work.end);
         state.pressure.copy_from_slice(&end.pressure);
         (state.approach, state.tilt) = (end.approach, end.tilt);
         state.current = true;
         state.carried = self.operators.carried(&state.pressure);
     }
-
-    /// One explicit Euler step over the piece, refused beyond its stability bound.
-    fn explicit(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
-        let operators = self.operators.clone();
-        let moment = path.at(0.0);
-        self.set_gap(moment.expansion);
-        self.set_conditions(&moment, 0.0);
-        self.contact
-            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
-            .map_err(|error| self.failure(path, 0.0, &error))?;
-        let limit = explicit_limit(&mut self.contact, &self.conditions, &self.work.end.pressure);
-        if length >= limit {
-            return Err(StepFailure(format!(
-                "solver.scheme = explicit is stable only for steps below {limit:e} s here (sliding velocity {} m/s, normal \
-                 load {} N); the step is {length:e} s",
-                path.velocity(0.0),
-                moment.load
-            )));
-        }
-        operators.rates(&moment, self.tunables.wear_acceleration, &self.work.end.pressure, &mut self.work.rates[0]);
-        for body in 0..2 {
-            let [first, end] = &mut self.work.rates;
-            end[body].copy_from_slice(&first[body]);
-        }
-        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
-            own.copy_from(track);
-        }
-        self.leave_first_stage((1.0 - GAMMA) * length * path.velocity(0.5 * length), (1.0 - GAMMA) * length);
-        self.accept(path, 0.0, length);
-        self.state.steps += 1;
-        // The pressure on the new shape.
-        let last = path.at(length);
-        self.set_gap(last.expansion);
-        self.set_conditions(&last, 0.0);
-        self.contact
-            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
-            .map_err(|error| self.failure(path, length, &error))?;
-        self.keep_end();
-        Ok(())
-    }
-}
-
-impl Operators {
-    /// Whether anything wears.
-    pub fn wears(&self) -> bool {
-        self.wear[0].0.active() || self.wear[1].0.active()
-    }
-
-    /// Whether the wear of the body (0: punch, 1: strip) changes the gap by cell.
-    pub fn reshapes(&self, body: usize) -> bool {
-        match body {
-            0 => self.wear[0].0.active(),
-            _ => matches!(self.strip_wear, StripWear::ByRadius | StripWear::Track),
-        }
-    }
-
-    /// Depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
-    pub(super) fn coefficients<S: Scalar>(&self, speed: S, faded: S, temperature: S, acceleration: f64) -> [S; 2] {
-        std::array::from_fn(|body| {
-            let (law, factor) = &self.wear[body];
-            law.rate(S::from(REFERENCE_PRESSURE), speed, faded, temperature) * (factor * acceleration)
-        })
-    }
-
-    /// Depth rate of the body (0: punch, 1: strip) on cell `i` relative to that at the reference pressure and the mean
-    /// radius.
-    pub(super) fn relative_rate(&self, body: usize, i: usize, pressure: f64) -> f64 {
-        self.radial[body][i] * power(pressure / REFERENCE_PRESSURE, self.wear[body].0.pressure_exponent)
-    }
-
-    /// Multiplies `rates`, of all cells, by [`Operators::relative_rate`].
-    pub(super) fn scale_by_relative_rates(&self, body: usize, pressure: &[f64], rates: &mut [f64]) {
-        let exponent = self.wear[body].0.pressure_exponent;
-        let cells = rates.iter_mut().zip(self.radial[body].iter().zip(pressure));
-        if exponent == 1.0 {
-            return cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE));
-        }
-        cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE).powf(exponent));
-    }
-
-    /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
-    fn rates(&self, moment: &Moment, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
-        let laws = self.coefficients(moment.speed, moment.faded, moment.temperature, acceleration);
-        for body in 0..2 {
-            if laws[body] == 0.0 {
-                rates[body].fill(0.0);
-                continue;
-            }
-            for i in 0..pressure.len() {
-                rates[body][i] = laws[body] * self.relative_rate(body, i, pressure[i]);
-            }
-        }
-    }
-
-    /// Mean depth rate (m/s) of a strip that wears evenly, `coefficient` at the reference pressure.
-    fn even_rate(&self, coefficient: f64, pressure: &[f64]) -> f64 {
-        let exponent = self.wear[1].0.pressure_exponent;
-        let sum: f64 =
-            self.cells.widths().iter().zip(pressure).map(|(c, p)| c * power(p / REFERENCE_PRESSURE, exponent)).sum();
-        coefficient * sum / (2.0 * self.cells.half_width())
-    }
-
-    /// Load per face (N) that gives the mean its heat and friction: the contact's, on an annulus by its torque.
-    pub fn carried(&self, pressure: &[f64]) -> f64 {
-        let (mut torque, mut load) = (0.0, 0.0);
-        for i in 0..pressure.len() {
-            load += self.weights[i] * pressure[i];
-            torque += self.weights[i] * pressure[i] * self.radius_ratio[i];
-        }
-        let carried = if self.mean.power_factor == 1.0 { load } else { torque / self.mean.power_factor };
-        carried * self.shared_depth
-    }
-}
-
-fn power(base: f64, exponent: f64) -> f64 {
-    if exponent == 1.0 { base } else { base.powf(exponent) }
 }

@@ -20,18 +20,17 @@
 //! reference, not a level to run for long. The memory for all of it is taken when the body is made (the matrix product keeps
 //! some of its own for every thread, taken the first time that it runs there).
 
+mod operators;
+
 use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::Cells;
 use crate::elastic::block::{
-    Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalFactor, ThermalProperties,
-    ThermalWorkspace, TopCondition,
+    Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
 };
 use crate::scene::{Scene, ThermalBoundary};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, Par};
-use nalgebra::DMatrix;
+use faer::Mat;
+use operators::{Operators, Prepared, Room, TALLIES, dot, extrapolate};
 use std::cell::RefCell;
-use std::fmt;
 use std::sync::Arc;
 
 /// Step sizes whose factors are kept.
@@ -43,93 +42,6 @@ const EXTRA_LAYERS: usize = 3;
 
 /// Accuracy asked of the mesh, see [`Discretization::for_cells`].
 const MESH_TOLERANCE: f64 = 1e-4;
-
-/// Entries of the state behind the temperatures: heat received, lost to the air, lost through the top (J/m), temperature of
-/// the top.
-const TALLIES: usize = 4;
-
-/// What a scene makes of the punch. Vectors over the unknowns hold one number for each.
-struct Operators {
-    block: ThermalBlock,
-    widths: Vec<f64>,
-    /// Integrals of the shape functions over the cells.
-    cells: Vec<Vec<(usize, f64)>>,
-    unresolved: DMatrix<f64>,
-    /// Displacement into the body by unit values of the unknowns, n x N, and by 1 K everywhere, m/K; None: nothing expands.
-    distortion: Option<(Mat<f64>, Vec<f64>)>,
-    uniform: Vec<f64>,
-    capacity: Vec<f64>,
-    sides: Vec<f64>,
-    top: Vec<f64>,
-    /// Heat flow out of a held top by the unknowns, and by the temperature beside the body; see
-    /// [`ThermalBlock::top_outflow`].
-    outflow: Option<(Vec<f64>, f64)>,
-    properties: ThermalProperties,
-    /// Cooled area over that of the two sides.
-    cooled: f64,
-    /// Heat capacity of the whole body, J/(m K).
-    total_capacity: f64,
-}
-
-impl fmt::Debug for Operators {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Operators").field("cells", &self.widths.len()).field("degrees", &self.degrees()).finish()
-    }
-}
-
-/// Factor and gains of a step; before the first one room for them, for a step that is no number.
-#[derive(Clone, Debug)]
-struct Prepared {
-    step: f64,
-    euler: bool,
-    last_used: u64,
-    factor: ThermalFactor,
-    gains: Gains,
-    /// See [`CooledAhead::rise`].
-    cooled_rise: f64,
-}
-
-impl Prepared {
-    fn empty(operators: &Operators) -> Prepared {
-        let count = operators.widths.len();
-        Prepared {
-            step: f64::NAN,
-            euler: false,
-            last_used: 0,
-            factor: operators.block.empty_factor(),
-            gains: Gains { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
-            cooled_rise: 0.0,
-        }
-    }
-}
-
-/// What steps work in.
-#[derive(Debug)]
-struct Room {
-    workspace: ThermalWorkspace,
-    /// Responses to unit fluxes, n x N.
-    responses: Mat<f64>,
-    means: Vec<f64>,
-    /// Fields at the start, of the first stage, and of the second.
-    start: Vec<f64>,
-    early: Vec<f64>,
-    late: Vec<f64>,
-}
-
-impl Room {
-    fn new(operators: &Operators) -> Result<Room, BlockError> {
-        let (degrees, count) = (operators.degrees(), operators.widths.len());
-        let field = || vec![0.0; degrees];
-        Ok(Room {
-            workspace: operators.block.workspace(count)?,
-            responses: Mat::zeros(degrees, count),
-            means: vec![0.0; count],
-            start: field(),
-            early: field(),
-            late: field(),
-        })
-    }
-}
 
 /// The unreduced punch.
 #[derive(Debug)]
@@ -202,175 +114,6 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
 /// The only column of a matrix.
 fn vector(matrix: &Mat<f64>) -> Vec<f64> {
     matrix.col(0).iter().copied().collect()
-}
-
-fn dot(left: &[f64], right: &[f64]) -> f64 {
-    left.iter().zip(right).map(|(left, right)| left * right).sum()
-}
-
-impl Operators {
-    fn degrees(&self) -> usize {
-        self.block.degrees()
-    }
-
-    fn held(&self) -> bool {
-        self.properties.top == TopCondition::Held
-    }
-
-    /// Temperature that the unknowns count from.
-    fn origin(&self, surroundings: &Surroundings) -> f64 {
-        if self.held() { surroundings.far } else { 0.0 }
-    }
-
-    /// The unknowns of a state, from `origin`.
-    fn field(&self, state: &[f64], origin: f64, field: &mut [f64]) {
-        for ((field, state), uniform) in field.iter_mut().zip(state).zip(&self.uniform) {
-            *field = state - origin * uniform;
-        }
-    }
-
-    /// F q + ports.
-    fn load(&self, flux: Option<&[f64]>, surroundings: &Surroundings, load: &mut [f64]) {
-        let outside = surroundings.ambient - self.origin(surroundings);
-        let beside = self.properties.side_convection * outside + self.cooled * surroundings.cooling;
-        for ((load, side), top) in load.iter_mut().zip(&self.sides).zip(&self.top) {
-            *load = side * beside + top * outside;
-        }
-        if let Some(flux) = flux {
-            for (integrals, flux) in self.cells.iter().zip(flux) {
-                integrals.iter().for_each(|&(degree, integral)| load[degree] += integral * flux);
-            }
-        }
-    }
-
-    /// Mean temperatures of the cells, from the origin, without what the elements do not resolve.
-    fn means(&self, field: &[f64], target: &mut [f64]) {
-        for ((target, integrals), width) in target.iter_mut().zip(&self.cells).zip(&self.widths) {
-            *target = integrals.iter().map(|&(degree, integral)| integral * field[degree]).sum::<f64>() / width;
-        }
-    }
-
-    fn distort(&self, field: &[f64], origin: f64, target: &mut [f64]) {
-        match &self.distortion {
-            None => target.fill(0.0),
-            Some((by_field, uniform)) => {
-                for (j, target) in target.iter_mut().enumerate() {
-                    let moved: f64 = by_field.col(j).iter().zip(field).map(|(d, t)| d * t).sum();
-                    *target = moved + origin * uniform[j];
-                }
-            }
-        }
-    }
-
-    fn observe(&self, field: &[f64], origin: f64, temperature: &mut [f64], distortion: &mut [f64]) {
-        self.means(field, temperature);
-        temperature.iter_mut().for_each(|mean| *mean += origin);
-        self.distort(field, origin, distortion);
-    }
-
-    /// Heat flow to the air through the sides, W/m, without `cooling`.
-    fn ambient_flow(&self, field: &[f64], surroundings: &Surroundings) -> f64 {
-        let outside = surroundings.ambient - self.origin(surroundings);
-        let length = 2.0 * self.properties.height;
-        self.properties.side_convection * (dot(&self.sides, field) - length * outside)
-    }
-
-    fn stored(&self, state: &[f64]) -> f64 {
-        let free = dot(&self.capacity, state);
-        if self.held() {
-            let beyond = self.total_capacity - dot(&self.capacity, &self.uniform);
-            free + beyond * state[self.degrees() + TALLIES - 1]
-        } else {
-            free
-        }
-    }
-
-    /// 1/s: of the first stage, which all stages share; bounded so that the matrix of a body that loses no heat is definite.
-    fn shift(&self, step: f64, euler: bool) -> f64 {
-        let ThermalProperties { height, conductivity, volumetric_heat_capacity, .. } = self.properties;
-        let slowest = conductivity / volumetric_heat_capacity / (height * height);
-        (if euler { step } else { GAMMA * step }).recip().max(1e-10 * slowest)
-    }
-
-    fn prepare(&self, step: f64, euler: bool, prepared: &mut Prepared, room: &mut Room) -> Result<(), BlockError> {
-        // Of no use to anybody until it is done.
-        prepared.step = f64::NAN;
-        self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
-        let responses = &mut room.responses;
-        responses.fill(0.0);
-        for (cell, integrals) in self.cells.iter().enumerate() {
-            integrals.iter().for_each(|&(degree, integral)| responses[(degree, cell)] += integral);
-        }
-        self.block.solve_in_workspace(&prepared.factor, responses.as_mut(), &mut room.workspace);
-        let Gains { temperature, distortion } = &mut prepared.gains;
-        temperature.copy_from(&self.unresolved);
-        for (cell, response) in responses.col_iter().enumerate() {
-            // Columns of a matrix of faer are contiguous.
-            let Some(response) = response.try_as_col_major() else { continue };
-            self.means(response.as_slice(), &mut room.means);
-            temperature.column_mut(cell).iter_mut().zip(&room.means).for_each(|(gain, mean)| *gain += mean);
-        }
-        if let Some((by_field, _)) = &self.distortion {
-            let count = self.widths.len();
-            let target = MatMut::from_column_major_slice_mut(distortion.as_mut_slice(), count, count);
-            matmul(target, Accum::Replace, by_field.transpose(), responses.as_ref(), 1.0, Par::Seq);
-        }
-        (prepared.step, prepared.euler) = (step, euler);
-        let Room { workspace, start, early, late, .. } = room;
-        start.fill(0.0);
-        let fall = if euler { 0.0 } else { -1.0 };
-        let rising = Surroundings { cooling: 1.0, cooling_fall: fall, ..Surroundings::default() };
-        self.solve_both(prepared, start, None, &rising, workspace, [early, late]);
-        prepared.cooled_rise = self.cooled_mean(late);
-        Ok(())
-    }
-
-    /// Solutions of both stages from `start`, which is lost, with the fluxes of both.
-    fn solve_both(
-        &self,
-        prepared: &Prepared,
-        start: &mut [f64],
-        fluxes: Option<[&[f64]; 2]>,
-        surroundings: &Surroundings,
-        workspace: &mut ThermalWorkspace,
-        [early, late]: [&mut [f64]; 2],
-    ) {
-        let until = surroundings.until(Stage::First);
-        self.solve(prepared, start, fluxes.map(|[first, _]| first), &until, workspace, early);
-        if prepared.euler {
-            return late.copy_from_slice(early);
-        }
-        extrapolate(start, early);
-        self.solve(prepared, start, fluxes.map(|[_, end]| end), surroundings, workspace, late);
-    }
-
-    /// Mean temperature of the sides, from the origin.
-    fn cooled_mean(&self, field: &[f64]) -> f64 {
-        dot(&self.sides, field) / (2.0 * self.properties.height)
-    }
-
-    /// The solution of a stage from `start`.
-    fn solve(
-        &self,
-        prepared: &Prepared,
-        start: &[f64],
-        flux: Option<&[f64]>,
-        surroundings: &Surroundings,
-        workspace: &mut ThermalWorkspace,
-        field: &mut [f64],
-    ) {
-        self.load(flux, surroundings, field);
-        self.block.add_capacity(self.shift(prepared.step, prepared.euler), start, field, workspace);
-        let loads = MatMut::from_column_major_slice_mut(field, self.degrees(), 1);
-        self.block.solve_in_workspace(&prepared.factor, loads, workspace);
-    }
-}
-
-/// What the second stage starts from, in place of the start.
-fn extrapolate(start: &mut [f64], first: &[f64]) {
-    for (start, first) in start.iter_mut().zip(first) {
-        *start += (first - *start) * ((1.0 - GAMMA) / GAMMA);
-    }
 }
 
 impl FieldHeat {

@@ -168,23 +168,14 @@ impl LineHeat for MergedHeat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elastic::{self, Cells, Material};
-    use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
-    use crate::heat::slab::Base;
+    use crate::elastic::Cells;
+    use crate::heat::line::strip::tests::cooled_steel;
+    use crate::heat::line::strip::{Path, Resolution, StripHeat};
 
     #[test]
     fn groups_answer_like_the_body_under_their_fluxes() {
         let cells = Cells::graded(0.02, 9).unwrap();
-        let material = Material::new(2e11, 0.3).unwrap();
-        let properties = StripProperties {
-            height: 0.02,
-            conductivity: 55.0,
-            capacity: 7800.0 * 460.0,
-            convection: 500.0,
-            base: Base::Convecting(300.0),
-            path: Path::Closed(0.3),
-            expansion: Some(Expansion { material, coefficient: 1.1e-5, base: elastic::Base::Bonded }),
-        };
+        let properties = cooled_steel(Path::Closed(0.3));
         let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let merging = Merging::pairs(&cells);

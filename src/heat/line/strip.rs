@@ -24,6 +24,7 @@
 mod account;
 mod amplitudes;
 mod answer;
+mod blocks;
 mod depth;
 mod give_back;
 mod kept;
@@ -31,12 +32,14 @@ mod knots;
 mod levels;
 mod moving_kernel;
 mod operators;
+mod passive;
 mod propagate;
 mod remainder;
 mod scan;
+mod scratch;
 mod step;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod velocity_table;
 mod waves;
 
@@ -51,9 +54,10 @@ use crate::heat::reduced::{MAX_STATES, Observation, Port};
 use give_back::RANK;
 use kept::Kept;
 use operators::Operators;
+use scratch::Scratch;
 use std::cell::RefCell;
 use std::sync::Arc;
-use step::{OWN, Scratch, StageWeights, Step};
+use step::{OWN, StageWeights, Step};
 
 const CONTACT: usize = Port::Contact as usize;
 const AMBIENT: usize = Port::Ambient as usize;

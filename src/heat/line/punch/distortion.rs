@@ -8,10 +8,13 @@
 //! the radius are Bessel functions, which a layer answers like plane waves of the same number.
 
 use super::across::Across;
+use super::assembly::{Assembly, Mode};
 use super::depth::Shape;
 use super::waves::Waves;
+use super::{AMBIENT, By, COOLING, FAR};
 use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization, FunctionsAcross};
 use crate::elastic::{Base, Cells};
+use crate::heat::line::reduced::{Operators, PORTS};
 use crate::heat::line::strip::dilatation;
 use crate::scene::{Body, Geometry, MechanicalBody, Scene};
 use nalgebra::{DMatrix, Matrix4, Vector4};
@@ -114,7 +117,7 @@ impl Distortion {
     }
 
     /// Mean displacement of the cells into the body by fields of 1 K, N x fields, and by 1 K everywhere [m/K].
-    pub fn of(
+    fn of(
         &self,
         across: &Across,
         cells: &Cells,
@@ -149,7 +152,7 @@ impl Distortion {
     }
 
     /// Displacement times wave number by a steady field of unit amplitude at the surface, whose wave is short, 1/K.
-    pub fn by_short_wave(&self) -> f64 {
+    fn by_short_wave(&self) -> f64 {
         -self.expansion * (1.0 + self.poissons_ratio)
     }
 
@@ -187,17 +190,17 @@ impl Distortion {
 
 /// A temperature field X_m(x) Z(z).
 #[derive(Clone, Debug)]
-pub(super) struct Field {
-    pub mode: usize,
+struct Field {
+    mode: usize,
     /// Integral of Z over the height, K m.
-    pub integral: f64,
+    integral: f64,
     /// Z at the points.
-    pub profile: Vec<f64>,
+    profile: Vec<f64>,
 }
 
 impl Field {
     /// The field of a state of 1.
-    pub fn of(mode: usize, shape: &Shape) -> Field {
+    fn of(mode: usize, shape: &Shape) -> Field {
         Field { mode, integral: shape.integral, profile: shape.extra.clone() }
     }
 }
@@ -248,6 +251,99 @@ impl LayerDilatation {
     fn at(&self, z: f64) -> f64 {
         let q = self.wave_number;
         self.falling * (-q * z).exp() + self.rising * (-q * (self.height - z)).exp()
+    }
+}
+
+impl Assembly<'_> {
+    /// Distortion by the states, and what fast and short-waved fields do without delay.
+    pub(super) fn distort(&self, distortion: &Distortion, operators: &mut Operators) -> Result<(), BlockError> {
+        let positions = distortion.positions();
+        let (depth, cells) = (&self.depth, self.cells);
+        let mut fields = Vec::new();
+        // States first, in their order; then the remainders with what drives them.
+        for (m, mode) in self.modes.iter().enumerate() {
+            fields.extend(mode.states.iter().map(|shape| Field::of(m, shape)));
+        }
+        let states = fields.len();
+        let mut by_flux: Vec<(usize, f64)> = Vec::new();
+        let mut by_port: Vec<(usize, usize, f64)> = Vec::new();
+        let first = self.modes.iter().scan(0, |next, mode| Some(std::mem::replace(next, *next + mode.states.len())));
+        let first: Vec<usize> = first.collect();
+        for m in 0..self.wanted.distorting.max(self.modes.len()) {
+            let mode = self.modes.get(m);
+            let wave = self.waves.wave(m);
+            match mode {
+                Some(Mode { immediate: Some(shape), .. }) => {
+                    by_flux.push((fields.len(), shape.contact / shape.rate));
+                    fields.push(Field::of(m, shape));
+                }
+                Some(_) => {}
+                None => {
+                    by_flux.push((fields.len(), 1.0));
+                    let profile = positions.iter().map(|&z| depth.response(wave.decay, z).0).collect();
+                    fields.push(Field { mode: m, integral: depth.steady_integral(wave.decay), profile });
+                }
+            }
+            let exposure = self.exposure(wave);
+            if exposure == 0.0 && wave.integral == 0.0 || !depth.has_steady_state(wave.decay) {
+                continue;
+            }
+            // The air around the body and its held top together make it uniform.
+            by_port.push((fields.len(), COOLING, exposure));
+            if self.held() {
+                by_port.push((fields.len(), AMBIENT, self.cooled.transfer * exposure));
+                by_port.push((fields.len(), FAR, -self.cooled.transfer * exposure));
+            }
+            fields.push(match self.cooled.by {
+                // Nothing to add, but no source in a body that nothing leaves either.
+                _ if exposure == 0.0 => Field { mode: m, integral: 0.0, profile: vec![0.0; positions.len()] },
+                By::Sides => Field {
+                    mode: m,
+                    integral: depth.sourced_integral(wave.decay),
+                    profile: positions.iter().map(|&z| depth.sourced(wave.decay, z)).collect(),
+                },
+                By::Face => Field {
+                    mode: m,
+                    integral: depth.steady_integral(wave.decay),
+                    profile: positions.iter().map(|&z| depth.response(wave.decay, z).0).collect(),
+                },
+            });
+            for (i, shape) in mode.map_or(&[][..], |mode| &mode.states[..]).iter().enumerate() {
+                for (port, input) in self.input(wave, shape).into_iter().enumerate() {
+                    by_port.push((first[m] + i, port, -input / shape.rate));
+                }
+            }
+        }
+        let (displacements, uniform) = distortion.of(&self.across, cells, &self.waves, &fields)?;
+        operators.distortion = displacements.columns(0, states).iter().copied().collect();
+        for &(field, weight) in &by_flux {
+            for (j, integral) in self.waves.integrals(fields[field].mode).iter().enumerate() {
+                let mut column = operators.distortion_by_flux.column_mut(j);
+                column.axpy(weight * integral, &displacements.column(field), 1.0);
+            }
+        }
+        // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a short wave.
+        let longest = self.wanted.distorting.max(self.modes.len());
+        let mut short = self.waves.sum(longest..self.wanted.summed.max(longest), |_, wave| {
+            distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
+        });
+        for (mut row, width) in short.row_iter_mut().zip(&operators.widths) {
+            row /= *width;
+        }
+        operators.distortion_by_flux += short;
+        operators.distortion_by_port = [(); PORTS].map(|()| vec![0.0; cells.count()]);
+        for &(field, port, weight) in &by_port {
+            for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(displacements.column(field).iter()) {
+                *sum += weight * value;
+            }
+        }
+        let port = if self.held() { FAR } else { AMBIENT };
+        if self.held() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
+            for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(uniform) {
+                *sum += value;
+            }
+        }
+        Ok(())
     }
 }
 

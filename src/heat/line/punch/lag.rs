@@ -16,8 +16,8 @@
 //! Steady answers are those of the waves. The temperature takes 2/3 of the time of the distortion, so 2/3 of it comes with the
 //! shapes and the rest at once: both symmetric, neither gives back more than it takes.
 
-use super::Assembly;
 use super::across::Wave;
+use super::assembly::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
 use nalgebra::{Complex, DMatrix, DVectorView, SymmetricEigen};
 

@@ -3,7 +3,7 @@
 //! Only the mean wave holds heat. What enters over the step is known from the fluxes, what is stored from its states, what
 //! leaves to the air from their integrals; the base takes what the balance leaves.
 
-use super::step::Scratch;
+use super::scratch::Scratch;
 use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
 use crate::contact::dense;
 use crate::heat::line::{GAMMA, LineHeat, Surroundings};

@@ -2,7 +2,8 @@
 
 use super::give_back::RANK;
 use super::levels::{Carrier, Parts, add_products, carry, observe};
-use super::step::{Scratch, StageWeights};
+use super::scratch::Scratch;
+use super::step::StageWeights;
 use super::{StripHeat, TAIL};
 use crate::contact::dense;
 use crate::heat::line::{GAMMA, Stage, Surroundings};

@@ -4,7 +4,8 @@
 //! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
 //! of its number alone, whoever asks first.
 
-use super::remainder::{Blocks, Integrals, Remainder, Room};
+use super::blocks::Blocks;
+use super::remainder::{Integrals, Remainder, Room};
 use crate::contact::dense;
 use nalgebra::DMatrix;
 use std::sync::{Mutex, OnceLock};
@@ -228,24 +229,15 @@ impl VelocityTable {
 mod tests {
     use super::*;
     use crate::elastic::Cells;
-    use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
+    use crate::heat::line::strip::tests::steel;
+    use crate::heat::line::strip::{Path, Resolution, StripHeat};
     use crate::heat::line::{LineHeat, Stage};
     use crate::heat::slab::Base;
 
     const HALF_WIDTH: f64 = 0.02;
-    const CAPACITY: f64 = 7800.0 * 460.0;
 
     fn strip(cells: &Cells, path: Path, resolution: &Resolution) -> StripHeat {
-        let properties = StripProperties {
-            height: 0.02,
-            conductivity: 55.0,
-            capacity: CAPACITY,
-            convection: 0.0,
-            base: Base::Held,
-            path,
-            expansion: None,
-        };
-        StripHeat::new(&properties, cells, resolution).unwrap()
+        StripHeat::new(&steel(0.02, Base::Held, path, 0.0), cells, resolution).unwrap()
     }
 
     /// Temperatures under a uniform flux 1.

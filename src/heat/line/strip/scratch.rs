@@ -1,0 +1,50 @@
+//! Memory that the evaluations work in.
+
+use super::give_back::RANK;
+use super::operators::Operators;
+
+/// Work space of the evaluations.
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    /// Total fluxes into the cells.
+    pub first: Vec<f64>,
+    pub end: Vec<f64>,
+    /// Even and odd halves of fluxes and of answers, of temperature and distortion.
+    pub fold: [Vec<f64>; 2],
+    pub answer: [[Vec<f64>; 2]; 2],
+    /// States of the waves that are carried in place, real and imaginary parts.
+    pub before: [Vec<f64>; 2],
+    /// For what answers at once with the state held.
+    pub held: [Vec<f64>; 2],
+    /// Amplitudes of the waves, real and imaginary parts: heat in both stages, temperature, distortion.
+    pub heat: [Vec<f64>; 2],
+    pub heat_end: [Vec<f64>; 2],
+    pub amplitude: [Vec<f64>; 2],
+    pub moved: [Vec<f64>; 2],
+    /// What the heat transfer given back at either stage follows.
+    pub projected: [[f64; RANK]; 2],
+    /// How much of it there is, by polynomial.
+    pub returned: [[f64; RANK]; 2],
+}
+
+impl Scratch {
+    pub fn new(operators: &Operators) -> Scratch {
+        let (count, half, waves) = (operators.widths.len(), operators.half, operators.waves.len());
+        let halves = || [vec![0.0; half], vec![0.0; half]];
+        let parts = || [vec![0.0; waves], vec![0.0; waves]];
+        Scratch {
+            first: vec![0.0; count],
+            end: vec![0.0; count],
+            fold: halves(),
+            answer: [halves(), halves()],
+            before: [vec![0.0; operators.rate.len()], vec![0.0; operators.rate.len()]],
+            held: [vec![0.0; count], vec![0.0; count]],
+            heat: parts(),
+            heat_end: parts(),
+            amplitude: parts(),
+            moved: parts(),
+            projected: [[0.0; RANK]; 2],
+            returned: [[0.0; RANK]; 2],
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! The answer of one stage: gains, and weights of what is known before it.
+
+use crate::heat::line::GAMMA;
+use crate::heat::line::strip::CONTACT;
+use crate::heat::line::strip::answer::Answer;
+use crate::heat::line::strip::blocks::Blocks;
+use crate::heat::line::strip::levels::of_wave;
+use crate::heat::line::strip::operators::Operators;
+use crate::heat::line::strip::propagate::Motion;
+use nalgebra::{Complex, DMatrix};
+
+/// Index of the stage's own flux among its weights.
+pub const OWN: usize = 1;
+
+/// A stage without its velocity.
+#[derive(Clone, Copy)]
+pub struct Interval<'a> {
+    pub at_end: bool,
+    pub length: f64,
+    pub decay: &'a [f64],
+    pub mean_weight: &'a [[f64; 2]],
+}
+
+/// Where answers are built: responses of the waves, split by parity and on the cells; of temperature and distortion.
+#[derive(Clone, Debug)]
+pub struct Room {
+    blocks: [Blocks; 2],
+    slow: [DMatrix<f64>; 2],
+    /// Gains of the waves, and a number for each.
+    pub gains: [Vec<Complex<f64>>; 2],
+    terms: Vec<f64>,
+    /// Room for a block and a row of it.
+    turned: Vec<f64>,
+}
+
+impl Room {
+    pub fn new(operators: &Operators) -> Room {
+        let (count, waves) = (operators.widths.len(), operators.waves.len());
+        let moving = if operators.expands { count } else { 0 };
+        Room {
+            blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
+            slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
+            gains: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
+            terms: vec![0.0; waves],
+            turned: vec![0.0; (operators.half + 1) * operators.half],
+        }
+    }
+
+    /// Sums the waves by their gains.
+    pub fn sum_waves(&mut self, operators: &Operators) {
+        let moving = 1 + usize::from(operators.expands);
+        for (blocks, gains) in self.blocks.iter_mut().zip(&self.gains).take(moving) {
+            blocks.clear();
+            blocks.add_waves(gains, &operators.shapes, &mut self.terms);
+        }
+    }
+}
+
+impl Interval<'_> {
+    /// Weights of the known flux and the stage's own from those of a flux falling to 0 and one rising from 0 over the
+    /// interval. In the first stage the flux is `q1 + e (1 - t/(gamma h))`, at the end
+    /// `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
+    fn stage_fluxes<T>(&self, falling: T, rising: T) -> [T; 2]
+    where
+        T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
+    {
+        stage_fluxes(self.at_end, falling, rising)
+    }
+
+    /// The answer for a velocity that is linear over the interval.
+    pub fn respond(&self, operators: &Operators, velocity: [f64; 2], room: &mut Room, answer: &mut Answer) {
+        let (fade, faded) = self.fading(operators, velocity);
+        let parts = answer.parts();
+        for (wave, &number) in operators.numbers.iter().enumerate() {
+            let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
+            let turn = motion.turn();
+            let zero = Complex::from(0.0);
+            let (mut carried, mut gain) = ([zero; 2], [zero; 2]);
+            for k in of_wave(&operators.levels, wave) {
+                let (_, falling, rising) =
+                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
+                let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
+                if self.at_end {
+                    parts.weights[0][k] = known.re;
+                    parts.weights[1][k] = known.im;
+                    parts.weights[2][k] = own.re;
+                    parts.weights[3][k] = own.im;
+                }
+                for (part, observed) in [operators.temperature[k], operators.distortion[k]].into_iter().enumerate() {
+                    carried[part] += known * observed;
+                    gain[part] += own * observed;
+                }
+            }
+            parts.carried[0][wave] = carried[0].re;
+            parts.carried[1][wave] = carried[0].im;
+            parts.carried[2][wave] = carried[1].re;
+            parts.carried[3][wave] = carried[1].im;
+            for (gains, gain) in room.gains.iter_mut().zip(gain) {
+                gains[wave] = gain * operators.weight[wave];
+            }
+        }
+        room.sum_waves(operators);
+        self.assemble(operators, room, answer);
+    }
+
+    /// Rate at which fresh material makes forget, and its factor over the interval.
+    fn fading(&self, operators: &Operators, velocity: [f64; 2]) -> (f64, f64) {
+        let fade = operators.forgetting.mean(velocity);
+        (fade, (-fade * self.length).exp())
+    }
+
+    /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
+    pub fn assemble(&self, operators: &Operators, room: &mut Room, answer: &mut Answer) {
+        let mean = &operators.mean;
+        let Room { blocks, slow, turned, .. } = room;
+        for (moving, slow) in slow.iter_mut().enumerate() {
+            if moving == 1 && !operators.expands {
+                continue;
+            }
+            let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
+            let mut level = observed.direct[CONTACT];
+            for k in 0..mean.count {
+                level += observed.states[k] * mean.input[CONTACT][k] * self.mean_weight[k][OWN];
+            }
+            level *= operators.remembered();
+            if moving == 1 {
+                level *= operators.mean_distortion;
+            }
+            blocks[moving].unfold(&operators.widths, level / operators.period, turned, slow);
+            let gain = if moving == 1 { &mut answer.gains.distortion } else { &mut answer.gains.temperature };
+            gain.copy_from(slow);
+            answer.parts().set_uniform(moving, slow);
+        }
+        if let Some(give_back) = &operators.give_back {
+            let parts = answer.parts();
+            give_back.close(slow, parts);
+            let (gains, parts) = answer.gains_and_parts();
+            give_back.add_gains(&parts, 0, &mut gains.temperature);
+            if operators.expands {
+                give_back.add_gains(&parts, 1, &mut gains.distortion);
+            }
+        }
+    }
+
+    /// The weights of the known fluxes and, at the end, those in the states, without the gains.
+    pub fn weigh(&self, operators: &Operators, velocity: [f64; 2], answer: &mut Answer) {
+        let (fade, faded) = self.fading(operators, velocity);
+        let parts = answer.parts();
+        for (wave, &number) in operators.numbers.iter().enumerate() {
+            let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
+            let turn = motion.turn();
+            let mut carried = [Complex::from(0.0); 2];
+            for k in of_wave(&operators.levels, wave) {
+                let (_, falling, rising) =
+                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
+                let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
+                if self.at_end {
+                    parts.weights[0][k] = known.re;
+                    parts.weights[1][k] = known.im;
+                    parts.weights[2][k] = own.re;
+                    parts.weights[3][k] = own.im;
+                }
+                carried[0] += known * operators.temperature[k];
+                carried[1] += known * operators.distortion[k];
+            }
+            parts.carried[0][wave] = carried[0].re;
+            parts.carried[1][wave] = carried[0].im;
+            parts.carried[2][wave] = carried[1].re;
+            parts.carried[3][wave] = carried[1].im;
+        }
+    }
+}
+
+pub fn stage_fluxes<T>(at_end: bool, falling: T, rising: T) -> [T; 2]
+where
+    T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
+{
+    if at_end {
+        let by_first = falling * (1.0 / (1.0 - GAMMA));
+        [by_first, falling + rising - by_first]
+    } else {
+        [falling, falling + rising]
+    }
+}

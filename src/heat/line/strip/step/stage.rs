@@ -1,0 +1,165 @@
+//! What carries the state to one stage.
+
+use super::add;
+use super::interval::{Interval, Room, stage_fluxes};
+use crate::heat::line::strip::answer::{Answer, AtOnce, Layout};
+use crate::heat::line::strip::knots::Knots;
+use crate::heat::line::strip::levels::{self, of_wave, turns};
+use crate::heat::line::strip::operators::Operators;
+use crate::heat::line::strip::propagate::Motion;
+use crate::heat::line::{GAMMA, Stage};
+use nalgebra::Complex;
+
+/// Turn of the shortest wave in a step up to which the answer is interpolated between velocities, rad.
+const SHORT_TURN: f64 = 20.0;
+
+/// Largest `q dv h/8` of the shortest wave at which its weights are those of the mean velocity.
+const LEAST_DRIFT: f64 = 5e-4;
+
+/// What carries the state to one stage.
+#[derive(Clone, Debug)]
+pub struct StageWeights {
+    /// This is the end of the step.
+    pub at_end: bool,
+    /// Factor of each state of the waves: real parts, imaginary parts.
+    pub factor: [Vec<f64>; 2],
+    /// Factor and weights of the mean wave's states, without input.
+    pub mean_factor: Vec<f64>,
+    pub mean_weight: Vec<[f64; 2]>,
+    /// What depends on the velocity.
+    pub answer: Answer,
+    /// Decay of each state over the interval, of this length.
+    decay: Vec<f64>,
+    length: f64,
+    knots: Knots,
+    /// Turn of each wave, real and imaginary part.
+    turns: [Vec<f64>; 2],
+}
+
+impl StageWeights {
+    /// Which stage this is.
+    pub fn stage(&self) -> Stage {
+        if self.at_end { Stage::End } else { Stage::First }
+    }
+
+    /// Weight in a state of the mean wave of a flux falling to 0 at the stage, from that of the known flux.
+    pub fn falling(&self, known: f64) -> f64 {
+        if self.at_end { (1.0 - GAMMA) * known } else { known }
+    }
+
+    pub fn new(operators: &Operators, at_end: bool) -> StageWeights {
+        let (states, waves) = (operators.rate.len(), operators.waves.len());
+        let layout = Layout::new(operators, at_end);
+        StageWeights {
+            at_end,
+            factor: [vec![0.0; states], vec![0.0; states]],
+            mean_factor: vec![0.0; operators.mean.count],
+            mean_weight: vec![[0.0; 2]; operators.mean.count],
+            answer: Answer::new(layout),
+            decay: vec![0.0; states],
+            length: f64::NAN,
+            knots: Knots::new(layout, operators.steady > 0.0),
+            turns: [vec![0.0; waves], vec![0.0; waves]],
+        }
+    }
+
+    pub fn prepare(
+        &mut self,
+        operators: &Operators,
+        length: f64,
+        velocity: [f64; 2],
+        immediate: AtOnce<'_>,
+        room: &mut Room,
+    ) {
+        self.take_length(operators, length);
+        let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
+        let motion = Motion { turning: velocity.map(|v| shortest * v), step: length };
+        let drift = motion.drift();
+        let turn = length * motion.turning[0].abs().max(motion.turning[1].abs());
+        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        let interpolated = drift < operators.steady && turn < SHORT_TURN;
+        if interpolated {
+            let middle = 0.5 * (velocity[0] + velocity[1]);
+            self.knots.interpolate(operators, &interval, length, middle, immediate, room, &mut self.answer);
+        } else {
+            interval.respond(operators, velocity, room, &mut self.answer);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut self.answer.gains));
+        }
+        if interpolated && drift > LEAST_DRIFT {
+            interval.weigh(operators, velocity, &mut self.answer);
+        }
+        self.carry(operators, velocity);
+    }
+
+    /// What depends on the length of the interval alone.
+    pub fn take_length(&mut self, operators: &Operators, length: f64) {
+        let mean = &operators.mean;
+        if self.length != length {
+            self.length = length;
+            for k in 0..mean.count {
+                let motion = Motion { turning: [0.0; 2], step: length };
+                let (factor, falling, rising) = motion.weights(mean.rate[k], Complex::from(1.0));
+                self.mean_factor[k] = factor.re;
+                self.mean_weight[k] = stage_fluxes(self.at_end, falling.re, rising.re);
+            }
+            for (decay, rate) in self.decay.iter_mut().zip(&operators.rate) {
+                *decay = (-rate * length).exp();
+            }
+        }
+    }
+
+    /// Factors of the waves' states over the interval.
+    pub fn carry(&mut self, operators: &Operators, velocity: [f64; 2]) {
+        let fade = operators.forgetting.mean(velocity);
+        let faded = (-fade * self.length).exp();
+        let [cosine, sine] = &mut self.turns;
+        turns(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        levels::turn(
+            &operators.levels,
+            &self.decay,
+            faded,
+            [cosine, sine],
+            self.factor.each_mut().map(|part| &mut part[..]),
+        );
+    }
+
+    /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
+    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], room: &mut Room) {
+        // The next step of two stages makes its own decays.
+        self.length = f64::NAN;
+        let mean = &operators.mean;
+        for k in 0..mean.count {
+            let (factor, weight) = Motion { turning: [0.0; 2], step: length }.euler(mean.rate[k]);
+            self.mean_factor[k] = factor.re;
+            self.mean_weight[k] = [0.0, weight.re];
+        }
+        let fade = operators.forgetting.mean(velocity);
+        let parts = self.answer.parts();
+        for known in parts.carried {
+            known.fill(0.0);
+        }
+        let [known_re, known_im, own_re, own_im] = parts.weights;
+        known_re.fill(0.0);
+        known_im.fill(0.0);
+        for (wave, &number) in operators.numbers.iter().enumerate() {
+            let motion = Motion { turning: velocity.map(|v| number * v), step: length };
+            let mut gain = [Complex::from(0.0); 2];
+            for k in of_wave(&operators.levels, wave) {
+                let (factor, weight) = motion.euler(operators.rate[k] + fade);
+                let weight = weight * operators.temperature[k];
+                (self.factor[0][k], self.factor[1][k]) = (factor.re, factor.im);
+                if self.at_end {
+                    (own_re[k], own_im[k]) = (weight.re, weight.im);
+                }
+                gain[0] += weight * operators.temperature[k];
+                gain[1] += weight * operators.distortion[k];
+            }
+            for (gains, gain) in room.gains.iter_mut().zip(gain) {
+                gains[wave] = gain * operators.weight[wave];
+            }
+        }
+        room.sum_waves(operators);
+        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        interval.assemble(operators, room, &mut self.answer);
+    }
+}
