@@ -15,6 +15,10 @@ use crate::scene::{Body, Scheme};
 const MOST_ITERATIONS: usize = 20;
 const AGREEMENT: f64 = 1e-12;
 
+/// Lengths of the last step over which what changed in it is taken to go on: step control doubles a step at most. Where the importer
+/// takes one that is longer by more, after microseconds behind a reversal perhaps, the rate of the last says nothing of its end.
+const FORESEEN: f64 = 2.0;
+
 /// Travel within which heat under the contact answers as at the reference, in lengths of diffusion over the step.
 const REACH: f64 = 0.25;
 
@@ -87,7 +91,7 @@ impl Line {
                     around.cooling = begin;
                     let ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
                     let drift = match state.last_step > 0.0 {
-                        true => step / state.last_step * (ahead.lagging - state.lagging[side]),
+                        true => (step / state.last_step).min(FORESEEN) * (ahead.lagging - state.lagging[side]),
                         false => 0.0,
                     };
                     heat.lagging[side] = ahead.lagging;
