@@ -31,7 +31,7 @@ impl Line {
         let reference_velocity = state.reference.choose(velocity, heat.zone(step));
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
-        if monolithic && !heat.splits.iter().all(|split| split.is_for(key)) {
+        if monolithic && !heat.splits.take(key) {
             heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
             for stage in [Stage::First, Stage::End] {
                 let gains = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(stage)));
