@@ -160,8 +160,8 @@ impl ContactSolver {
         })
     }
 
-    /// Puts an extra compliance E (N x N, m/Pa) on top of that of the bodies, or takes it away. Kept factors go;
-    /// nothing is allocated.
+    /// Puts an extra compliance E (N x N, m/Pa) on top of that of the bodies, or takes it away. Factors are kept
+    /// for the last ones; nothing is allocated.
     pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         self.factors.set_extra(extra)
     }

@@ -13,6 +13,13 @@ pub use elimination::{factorise, substitute};
 pub use products::{combine, dot, multiply_add, multiply_add_each, multiply_add_pair, multiply_transposed_add};
 pub use single::SingleMatrix;
 
+use nalgebra::DMatrix;
+
+/// A square matrix of zeros, as the system hands them out: memory that nobody has touched yet costs nothing.
+pub fn untouched(count: usize) -> DMatrix<f64> {
+    DMatrix::from_vec(count, count, vec![0.0; count * count])
+}
+
 /// Columns that pass together in a substitution and in a product.
 const GROUP: usize = 4;
 

@@ -7,11 +7,14 @@ use nalgebra::DMatrix;
 
 /// Memory for factors, in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
 /// two lengths, with room for contacts that come and go.
-const MEMO_NUMBERS: usize = 250_000;
+const MEMO_NUMBERS: usize = 600_000;
 const LEAST_ENTRIES: usize = 4;
 const MOST_ENTRIES: usize = 12;
 /// Values of the signed friction whose compliance is kept.
 const COMPOSITIONS: usize = 2;
+/// Extra matrices whose factors are kept: those of the steps that a step control goes back and forth between.
+const MOST_EXTRAS: usize = 6;
+const LEAST_EXTRAS: usize = 2;
 
 /// Most rows of a [`Reduction`] on `count` cells.
 pub fn largest_reduction(count: usize) -> usize {
@@ -51,8 +54,9 @@ pub(super) struct Factors {
     count: usize,
     normal: Vec<f64>,
     shear: Vec<f64>,
-    extra: Vec<f64>,
-    has_extra: bool,
+    extras: Vec<Extra>,
+    /// Place of the extra matrix at hand among them.
+    extra: Option<usize>,
     reduction: KeptReduction,
     operator: Option<Vec<f64>>,
     positions: Vec<f64>,
@@ -67,8 +71,17 @@ pub(super) struct Factors {
 }
 
 #[derive(Clone, Debug)]
+struct Extra {
+    used: u64,
+    /// What tells it from all others; 0 is none.
+    name: u64,
+    matrix: Vec<f64>,
+}
+
+#[derive(Clone, Debug)]
 struct Composition {
     used: u64,
+    extra: u64,
     signed_friction: u64,
     acting: Vec<bool>,
     matrix: Vec<f64>,
@@ -78,6 +91,7 @@ struct Composition {
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     used: u64,
+    extra: u64,
     signed_friction: u64,
     acting: Vec<bool>,
     shifted: bool,
@@ -152,12 +166,14 @@ impl Factors {
         // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
         let composition = |_| Composition {
             used: 0,
+            extra: 0,
             signed_friction: f64::NAN.to_bits(),
             acting: acting.clone(),
             matrix: vec![0.0; count * count],
         };
         let entry = |_| Entry {
             used: 0,
+            extra: 0,
             signed_friction: 0,
             acting: acting.clone(),
             shifted: false,
@@ -181,14 +197,15 @@ impl Factors {
             arms: vec![0.0; count],
             centre: 0.0,
         };
+        let extras = (MEMO_NUMBERS / (count * count)).clamp(LEAST_EXTRAS, MOST_EXTRAS);
         let kept = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
         Ok(Self {
             count,
             shift: normal.diagonal().mean(),
             normal: normal.data.into(),
             shear: shear.data.into(),
-            extra: vec![0.0; count * count],
-            has_extra: false,
+            extras: (0..extras).map(|_| Extra { used: 0, name: 0, matrix: vec![0.0; count * count] }).collect(),
+            extra: None,
             reduction: KeptReduction { acting: acting.clone(), current: true, rank: 0, left: room(), right: room() },
             operator: None,
             positions: cells.centres().to_vec(),
@@ -207,19 +224,28 @@ impl Factors {
         self.shift / self.total_weight
     }
 
+    /// Puts an extra matrix on top, or takes it away. Factors are kept for each of the last ones.
     pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if let Some(matrix) = extra {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
-            if let Some(&value) = matrix.iter().find(|v| !v.is_finite()) {
+            self.clock += 1;
+            let same = |known: &Extra| known.name > 0 && same_bits(&known.matrix, matrix.as_slice());
+            let known = self.extras.iter().position(same);
+            if let (None, Some(&value)) = (known, matrix.iter().find(|v| !v.is_finite())) {
                 return Err(ContactError::Invalid { quantity: "extra compliance", value });
             }
-            self.extra.copy_from_slice(matrix.as_slice());
+            let place = known.unwrap_or_else(|| {
+                let place = least_used(self.extras.iter().map(|extra| extra.used));
+                let own = &mut self.extras[place];
+                own.name = self.clock;
+                own.matrix.copy_from_slice(matrix.as_slice());
+                place
+            });
+            self.extras[place].used = self.clock;
+            self.extra = Some(place);
+        } else {
+            self.extra = None;
         }
-        if extra.is_some() || self.has_extra {
-            self.compositions.iter_mut().for_each(|c| c.used = 0);
-            self.forget();
-        }
-        self.has_extra = extra.is_some();
         self.reduction.current = false;
         self.set_reduction(None);
         Ok(())
@@ -286,7 +312,9 @@ impl Factors {
         self.clock += 1;
         let bits = signed_friction.to_bits();
         let KeptReduction { acting, rank, left, right, .. } = &self.reduction;
-        let fits = |c: &Composition| c.used > 0 && c.signed_friction == bits && c.acting == *acting;
+        let extra = self.extra.map(|place| &self.extras[place]);
+        let name = extra.map_or(0, |extra| extra.name);
+        let fits = |c: &Composition| c.used > 0 && c.extra == name && c.signed_friction == bits && c.acting == *acting;
         if let Some(position) = self.compositions.iter().position(fits) {
             self.compositions[position].used = self.clock;
             return position;
@@ -294,13 +322,14 @@ impl Factors {
         let position = least_used(self.compositions.iter().map(|c| c.used));
         let composition = &mut self.compositions[position];
         composition.used = self.clock;
+        composition.extra = name;
         composition.signed_friction = bits;
         composition.acting.copy_from_slice(acting);
         for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
             *target = normal + signed_friction * shear;
         }
-        if self.has_extra {
-            for (target, extra) in composition.matrix.iter_mut().zip(&self.extra) {
+        if let Some(extra) = extra {
+            for (target, extra) in composition.matrix.iter_mut().zip(&extra.matrix) {
                 *target += extra;
             }
         }
@@ -320,8 +349,10 @@ impl Factors {
         self.clock += 1;
         let bits = key.signed_friction.to_bits();
         let clock = self.clock;
+        let extra = self.extra.map_or(0, |place| self.extras[place].name);
         let fits = |entry: &Entry| {
             entry.used > 0
+                && entry.extra == extra
                 && entry.signed_friction == bits
                 && entry.shifted == key.shifted
                 && entry.active == key.active
@@ -337,6 +368,7 @@ impl Factors {
         let position = least_used(self.entries.iter().map(|e| e.used));
         let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
         entry.used = self.clock;
+        entry.extra = extra;
         entry.signed_friction = bits;
         entry.shifted = key.shifted;
         entry.diagonal.copy_from_slice(key.diagonal);
@@ -453,6 +485,11 @@ impl Entry {
         let m = pressure.len();
         [dense::dot(&self.weights[..m], pressure), dense::dot(&self.arms[..m], pressure)]
     }
+}
+
+/// Whether two matrices are the same to the last bit.
+fn same_bits(one: &[f64], other: &[f64]) -> bool {
+    one.iter().zip(other).all(|(one, other)| one.to_bits() == other.to_bits())
 }
 
 fn least_used(used: impl Iterator<Item = u64>) -> usize {

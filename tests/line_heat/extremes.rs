@@ -1,6 +1,7 @@
 //! Heat along the contact line where numbers become large, small or 0.
 
 use crate::drive::{Drive, scene};
+use sliding_contact::verification::planning::scenes::generate;
 
 fn scene_on_line(changes: &[(&str, f64)]) -> Drive {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-3)];
@@ -118,5 +119,28 @@ fn a_bristle_heats_the_contact_line_with_what_it_dissipates() {
     {
         let values = run(3.0, changes);
         assert!(values[0] > 0.5 * line[0], "{changes:?}: {values:?}");
+    }
+}
+
+/// What the last step foresees of a cooled surface holds for about as long again: microseconds behind a reversal say nothing of the
+/// next second, in which the lifted contact cools in one step as it does in many.
+#[test]
+fn a_long_step_follows_one_of_microseconds() {
+    let starts = generate(271).starts;
+    let level = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("solver.tolerance", 1e-2)];
+    let lifted = |parts: u32| {
+        let mut drive = Drive::from_starts(&starts, &level);
+        for (velocity, load, step) in [(0.26, 1800.0, 0.05), (-0.26, 1400.0, 5.5e-5), (0.045, 2.3, 6.2e-6)] {
+            drive.set("sliding_velocity", velocity).set("normal_load", load).step(step);
+        }
+        drive.set("normal_load", 0.0);
+        for _ in 0..parts {
+            drive.step(0.7 / f64::from(parts));
+        }
+        (1..=33).map(|station| drive.get(&format!("profile.temperature[{station}]"))).collect::<Vec<_>>()
+    };
+    let (one, many) = (lifted(1), lifted(100));
+    for (one, many) in one.iter().zip(&many) {
+        assert!((one - many).abs() < 0.01, "{one} {many}");
     }
 }

@@ -287,6 +287,30 @@ fn an_extra_compliance_adds_to_that_of_the_bodies() {
 }
 
 #[test]
+fn extra_compliances_by_turns_are_factorised_once() {
+    let cells = Cells::graded(0.03, 17).unwrap();
+    let compliance = half_plane(&cells, 0.2);
+    let gap = wavy(&cells, 3, 1e-7);
+    let extra = |part: f64| DMatrix::from_fn(17, 17, |i, j| part * 1e-12 * f64::from(u8::from(i == j)));
+    let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
+    let mut first = 0;
+    for turn in 0..20 {
+        let own = extra(f64::from(turn % 4));
+        // None is another of them.
+        solver.set_extra((turn % 4 > 0).then_some(&own)).unwrap();
+        solver.set_active(&[true; 17]);
+        let found = solver.solve(&gap, Normal::Load(1e6), Tilt::Fixed(0.0)).unwrap();
+        let mut fresh = ContactSolver::new(&cells, compliance.clone()).unwrap();
+        fresh.set_extra(Some(&own)).unwrap();
+        assert_eq!(found, fresh.solve(&gap, Normal::Load(1e6), Tilt::Fixed(0.0)).unwrap(), "{turn}");
+        if turn == 3 {
+            first = solver.counter().factorisations;
+        }
+    }
+    assert_eq!(solver.counter().factorisations, first);
+}
+
+#[test]
 fn bodies_without_a_uniform_displacement_are_solved_where_the_approach_is_free() {
     // A periodic half-plane has no displacement of the mean: the compliance is singular, the contact is not.
     let cells = Cells::uniform(1.0, 16).unwrap();

@@ -19,6 +19,7 @@ mod growth;
 mod outputs;
 mod prepare;
 pub mod split;
+mod splits;
 mod stage;
 mod staggered;
 mod start;
@@ -34,6 +35,7 @@ use bodies::Bodies;
 use fading::Fading;
 use growth::Definiteness;
 use split::Split;
+use splits::Splits;
 
 /// Part of the tolerance that the pressure may lose by operators in single precision. What their rounding makes of the shape is as
 /// rough as the cells, and the pressure of that grows with their number.
@@ -65,8 +67,9 @@ pub struct Heat {
     pub bodies: [Option<Box<dyn LineHeat>>; 2],
     /// The contact with the distortion of either stage on top of its compliance.
     pub contacts: [WearingContact; 2],
-    /// The split at either stage.
-    pub splits: [Split; 2],
+    /// The split at either stage, and where that stands whose extra compliance the contact of the stage has.
+    pub splits: Splits,
+    taken: [usize; 2],
     /// Fluxes into punch and strip at either stage, W/m2.
     pub flux: [[Vec<f64>; 2]; 2],
     /// Temperatures of punch and strip at either stage, K above the reference.
@@ -144,13 +147,18 @@ impl Heat {
         let rounded = f64::from(f32::EPSILON) * count as f64;
         let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
         let split = || Split::new(operators.cells.widths(), &operators.radius_ratio, conductance);
+        let own = if rough { split().in_single_precision() } else { split() };
         let mut bodies = bodies.copies();
         // The first preparation takes memory, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         Heat {
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            splits: [(); 2].map(|()| if rough { split().in_single_precision() } else { split() }),
+            splits: match operators.scene.is_probe() {
+                true => Splits::for_few_steps(&own, count),
+                false => Splits::new(&own, count),
+            },
+            taken: [usize::MAX; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             friction: pair(),
@@ -197,6 +205,7 @@ impl Clone for Heat {
             bodies: std::array::from_fn(|body| self.bodies[body].as_ref().map(|heat| heat.boxed())),
             contacts: self.contacts.clone(),
             splits: self.splits.clone(),
+            taken: self.taken,
             flux: self.flux.clone(),
             temperature: self.temperature.clone(),
             friction: self.friction.clone(),

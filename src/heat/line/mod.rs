@@ -34,6 +34,17 @@ use std::fmt::Debug;
 /// `gamma`: the first stage lies at this part of the step.
 pub const GAMMA: f64 = 1.0 - 0.5 * std::f64::consts::SQRT_2;
 
+/// Numbers of a matrix on the cells, for all steps that are kept, unless fewer than [`LEAST_STEPS`] fit.
+const KEPT_NUMBERS: usize = 400_000;
+const LEAST_STEPS: usize = 2;
+const MOST_STEPS: usize = 8;
+
+/// Number of steps whose operators are kept on `cells` cells: those that a step control goes back and forth between. One that
+/// hesitates at every event takes up to six lengths by turns.
+pub fn kept_steps(cells: usize) -> usize {
+    (KEPT_NUMBERS / (cells * cells)).clamp(LEAST_STEPS, MOST_STEPS)
+}
+
 /// The two stages of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {

@@ -16,7 +16,7 @@ mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
-use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings, kept_steps};
 use crate::contact::dense;
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -28,10 +28,7 @@ use weights::{StageWeights, Weights};
 /// Number of inputs besides the fluxes.
 pub(super) const PORTS: usize = 3;
 
-/// Steps whose weights are kept: the one at hand and those of a step control that hesitates.
-const KEPT_STEPS: usize = 3;
-
-/// The same for a probe, which takes the steps of a stroke again and again.
+/// Steps whose weights are kept for a probe, which takes the steps of a stroke again and again.
 const KEPT_BY_PROBE: usize = 32;
 
 impl Surroundings {
@@ -124,8 +121,9 @@ pub struct ReducedHeat {
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
     kept: Vec<Weights>,
-    /// Most of them.
+    /// Most of them, and whether their memory is taken before the first.
     most: usize,
+    at_once: bool,
     current: usize,
     clock: u64,
 }
@@ -136,14 +134,16 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
+        // The longer step by which growth is looked for is one more.
+        let most = kept_steps(operators.widths.len()) + 1;
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, kept: Vec::new(), most: KEPT_STEPS, current: 0, clock: 0 }
+        Self { operators, modes, scratch, kept: Vec::new(), most, at_once: true, current: 0, clock: 0 }
     }
 
     /// For runs that are short and take steps of few lengths by turns: their weights are all kept, in memory that is taken when they
     /// are first found.
     pub(super) fn for_few_steps(mut self) -> Self {
-        self.most = KEPT_BY_PROBE;
+        (self.most, self.at_once) = (KEPT_BY_PROBE, false);
         self
     }
 
@@ -161,8 +161,8 @@ impl ReducedHeat {
 
     /// Makes the weights of a step the current ones.
     fn select(&mut self, step: f64, euler: bool) {
-        if self.kept.is_empty() && self.most == KEPT_STEPS {
-            self.kept = (0..KEPT_STEPS).map(|_| self.operators.allocate()).collect();
+        if self.kept.is_empty() && self.at_once {
+            self.kept = (0..self.most).map(|_| self.operators.allocate()).collect();
         }
         self.clock += 1;
         let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);

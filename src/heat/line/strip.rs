@@ -37,6 +37,7 @@ mod propagate;
 mod remainder;
 mod scan;
 mod scratch;
+mod steady;
 mod step;
 #[cfg(test)]
 pub(super) mod tests;
@@ -287,7 +288,7 @@ impl LineHeat for StripHeat {
     }
 
     fn gains(&self, stage: Stage) -> &Gains {
-        &self.step.stage(stage).answer.gains
+        &self.step.stage(stage).answer().gains
     }
 
     fn base(

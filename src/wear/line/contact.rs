@@ -140,7 +140,7 @@ impl WearingContact {
     }
 
     /// Puts an extra compliance (N x N, m/Pa) on top of that of the bodies, as distortion by the heat of the pressure
-    /// is, or takes it away. Kept factors go; nothing is allocated.
+    /// is, or takes it away. Factors are kept for the last ones; nothing is allocated.
     pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         self.solver.set_extra(extra)
     }

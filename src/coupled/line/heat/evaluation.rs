@@ -44,10 +44,13 @@ impl Heat {
         let known = !self.renewed[s] && self.is_solved_at_once(self.splits[s].open().len());
         self.exact[s] = known && self.faded.iter().all(|faded| faded * slip == self.reference.per_pressure);
         let per_pressure = self.reference.per_pressure;
-        if !self.renewed[s]
-            && let Some(extra) = self.splits[s].extra(per_pressure)
-        {
-            self.contacts[s].set_extra(Some(extra))?;
+        if !self.renewed[s] {
+            let (place, made) = (self.splits.place(s), self.splits[s].extra(per_pressure));
+            if made || self.taken[s] != place {
+                self.taken[s] = usize::MAX;
+                self.contacts[s].set_extra(Some(self.splits[s].extra_matrix()))?;
+                self.taken[s] = place;
+            }
         }
         let reduced = self.exact[s] && self.conducts() == [true, true];
         self.contacts[s].set_reduction(if reduced { self.splits[s].reduction() } else { None });
@@ -58,15 +61,15 @@ impl Heat {
     pub(super) fn renew(&mut self, stage: Stage, slip: f64) {
         let s = stage as usize;
         let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(stage)));
-        self.splits[s].build((f64::NAN, f64::NAN), gains);
+        self.splits.take_passing(s).build((f64::NAN, f64::NAN), gains);
         if let Some(fading) = &mut self.fading {
             fading.build(&self.splits[s], gains, self.half_resistance);
         }
         let mean = self.faded.iter().sum::<f64>() / self.faded.len() as f64;
-        if let Some(extra) = self.splits[s].extra(mean * slip) {
-            // Gains are finite, and so is their product with a velocity.
-            let _ = self.contacts[s].set_extra(Some(extra));
-        }
+        self.splits[s].extra(mean * slip);
+        self.taken[s] = self.splits.place(s);
+        // Gains are finite, and so is their product with a velocity.
+        let _ = self.contacts[s].set_extra(Some(self.splits[s].extra_matrix()));
         self.renewed[s] = true;
     }
 
@@ -328,8 +331,7 @@ impl Heat {
     /// Displacement of both surfaces by heat at the end of the step, from what the last repetition knew of it and what the
     /// pressure found does through the contact's extra compliance.
     pub(super) fn distort_by_contact(&mut self) {
-        let [_, end] = &mut self.splits;
-        end.add_displacement(self.exact[1], &self.pressure, &mut self.distortion);
+        self.splits[1].add_displacement(self.exact[1], &self.pressure, &mut self.distortion);
     }
 
     /// Displacement of both surfaces by heat at the end of the step.

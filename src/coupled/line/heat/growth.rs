@@ -224,7 +224,7 @@ impl Heat {
             }
         }
         // Friction that falls with the temperature only holds growth back.
-        let _ = self.watched.extra(self.reference.per_pressure);
+        self.watched.extra(self.reference.per_pressure);
         self.contacts[1].set_reduction(None);
         let compliance = self.contacts[1].compliance_values(friction);
         let own = self.splits[1].extra_values();

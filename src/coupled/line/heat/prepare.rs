@@ -15,6 +15,10 @@ use crate::scene::{Body, Scheme};
 const MOST_ITERATIONS: usize = 20;
 const AGREEMENT: f64 = 1e-12;
 
+/// Lengths of the last step over which what changed in it is taken to go on: step control doubles a step at most. Where the importer
+/// takes one that is longer by more, after microseconds behind a reversal perhaps, the rate of the last says nothing of its end.
+const FORESEEN: f64 = 2.0;
+
 /// Travel within which heat under the contact answers as at the reference, in lengths of diffusion over the step.
 const REACH: f64 = 0.25;
 
@@ -27,7 +31,7 @@ impl Line {
         let reference_velocity = state.reference.choose(velocity, heat.zone(step));
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
-        if monolithic && !heat.splits.iter().all(|split| split.is_for(key)) {
+        if monolithic && !heat.splits.take(key) {
             heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
             for stage in [Stage::First, Stage::End] {
                 let gains = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(stage)));
@@ -87,7 +91,7 @@ impl Line {
                     around.cooling = begin;
                     let ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
                     let drift = match state.last_step > 0.0 {
-                        true => step / state.last_step * (ahead.lagging - state.lagging[side]),
+                        true => (step / state.last_step).min(FORESEEN) * (ahead.lagging - state.lagging[side]),
                         false => 0.0,
                     };
                     heat.lagging[side] = ahead.lagging;

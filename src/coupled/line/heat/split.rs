@@ -104,8 +104,8 @@ impl Split {
             exchanged: vec![0; count],
             shares: square(),
             across: square(),
-            distortion: DMatrix::zeros(count, count),
-            extra: DMatrix::zeros(count, count),
+            distortion: dense::untouched(count),
+            extra: dense::untouched(count),
             per_pressure: f64::NAN,
             ratio: ratio.to_vec(),
             widths: widths.to_vec(),
@@ -118,6 +118,14 @@ impl Split {
             apart: vec![0.0; count],
             single: None,
         }
+    }
+
+    /// Memory for another split of these cells.
+    pub fn like(&self) -> Split {
+        let conductance = self.resistance.map_or(0.0, f64::recip);
+        let split = Split::new(&self.widths, &self.ratio, conductance);
+        let own = Split { resistance: self.resistance, ..split };
+        if self.single.is_some() { own.in_single_precision() } else { own }
     }
 
     /// Takes products with inverse, shares and what lies across in single precision: at a hundred cells they are as fast as
@@ -412,17 +420,22 @@ impl Split {
         &self.extra
     }
 
-    /// The extra compliance for the heat `per_pressure` (m/s: mu s v at the mean radius); `None` where it is the last one.
-    pub fn extra(&mut self, per_pressure: f64) -> Option<&DMatrix<f64>> {
+    /// The extra compliance last made, m/Pa.
+    pub fn extra_matrix(&self) -> &DMatrix<f64> {
+        &self.extra
+    }
+
+    /// Makes the extra compliance for the heat `per_pressure` (m/s: mu s v at the mean radius); false where it is the last one.
+    pub fn extra(&mut self, per_pressure: f64) -> bool {
         if self.per_pressure == per_pressure {
-            return None;
+            return false;
         }
         self.per_pressure = per_pressure;
         self.extra.copy_from(&self.distortion);
         for (mut column, ratio) in self.extra.column_iter_mut().zip(&self.ratio) {
             column *= per_pressure * ratio;
         }
-        Some(&self.extra)
+        true
     }
 }
 

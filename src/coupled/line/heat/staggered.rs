@@ -240,9 +240,13 @@ impl Heat {
     fn split_end(&mut self) {
         let key = (self.step, self.velocity[1]);
         let steady = self.velocity[0] == self.velocity[1];
-        if !(steady && self.splits[1].is_for(key)) {
+        let known = if steady { self.splits.take(key) } else { false };
+        if !known {
             let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(Stage::End)));
-            self.splits[1].build(if steady { key } else { (f64::NAN, f64::NAN) }, gains);
+            match steady {
+                true => self.splits[1].build(key, gains),
+                false => self.splits.take_passing(1).build((f64::NAN, f64::NAN), gains),
+            }
         }
         self.splits[1].close(&self.closed);
     }

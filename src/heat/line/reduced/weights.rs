@@ -2,8 +2,8 @@
 
 use super::Operators;
 use super::modes::{Modes, Scratch};
+use crate::contact::dense;
 use crate::heat::line::{GAMMA, Gains};
-use nalgebra::DMatrix;
 
 /// Weights of the states and responses of the cells for one step.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl Operators {
             falling: states(),
             known: states(),
             own: states(),
-            gains: Gains { temperature: DMatrix::zeros(cells, cells), distortion: DMatrix::zeros(cells, cells) },
+            gains: Gains { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
         };
         Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()], cooled_rise: 0.0 }
     }

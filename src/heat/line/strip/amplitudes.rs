@@ -66,7 +66,7 @@ impl StripHeat {
         if let Some(give_back) = &self.operators.give_back {
             let level = scratch.projected[Stage::First as usize];
             scratch.returned[Stage::First as usize] =
-                give_back.add(&self.step.first.answer, &level, surroundings.ambient, &mut scratch.first);
+                give_back.add(self.step.first.answer(), &level, surroundings.ambient, &mut scratch.first);
         }
     }
 
@@ -76,7 +76,7 @@ impl StripHeat {
         if let Some(give_back) = &self.operators.give_back {
             let level = scratch.projected[Stage::End as usize];
             scratch.returned[Stage::End as usize] =
-                give_back.add(&self.step.end.answer, &level, surroundings.ambient, &mut scratch.end);
+                give_back.add(self.step.end.answer(), &level, surroundings.ambient, &mut scratch.end);
         }
     }
 
@@ -109,16 +109,16 @@ impl StripHeat {
         let mut amounts = [0.0; RANK];
         if let Some(give_back) = &operators.give_back {
             let projected = &scratch.projected[stage as usize];
-            amounts = give_back.amounts(&weights.answer, projected, surroundings.ambient, &scratch.end);
+            amounts = give_back.amounts(weights.answer(), projected, surroundings.ambient, &scratch.end);
         }
         for (moving, values) in [temperature, distortion].into_iter().enumerate() {
             if moving == 1 && !operators.expands {
                 continue;
             }
-            let uniform = weights.answer.uniform(moving);
+            let uniform = weights.answer().uniform(moving);
             values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= cooling * rise);
             if operators.give_back.is_some() {
-                dense::multiply_add(weights.answer.lifted(moving), &amounts, values);
+                dense::multiply_add(weights.answer().lifted(moving), &amounts, values);
             }
         }
     }
@@ -162,7 +162,7 @@ impl StripHeat {
         }
         operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
         let weights = &self.step.end;
-        let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.answer.weights());
+        let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.answer().weights());
         let carrier = Carrier { factors: [re, im], known: [known_re, known_im], own: [own_re, own_im] };
         let heat = [&scratch.heat, &scratch.heat_end].map(|heat| [&heat[0][..], &heat[1][..]]);
         let (re, im) = operators.wave_states_mut(state);
@@ -182,7 +182,7 @@ impl StripHeat {
     /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
     pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
-        let [re, im, moved_re, moved_im] = weights.answer.carried();
+        let [re, im, moved_re, moved_im] = weights.answer().carried();
         let Scratch { heat: [heat_re, heat_im], amplitude, moved, .. } = scratch;
         add_products(amplitude, [re, im], [heat_re, heat_im]);
         if operators.expands {

@@ -74,7 +74,7 @@ fn quarters<T>(slice: &mut [T]) -> [&mut [T]; 4] {
 impl Answer {
     /// No answer yet.
     pub fn new(layout: Layout) -> Answer {
-        let matrix = || DMatrix::zeros(layout.count, layout.count);
+        let matrix = || dense::untouched(layout.count);
         Answer {
             gains: Gains { temperature: matrix(), distortion: matrix() },
             rest: vec![0.0; layout.lengths().iter().sum()],

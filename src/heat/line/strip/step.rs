@@ -7,8 +7,9 @@ pub use interval::{Interval, OWN, Room};
 pub use stage::StageWeights;
 
 use super::operators::Operators;
+use super::steady::SteadySteps;
 use crate::contact::dense;
-use crate::heat::line::{GAMMA, Gains, Stage};
+use crate::heat::line::{GAMMA, Gains, Stage, kept_steps};
 use nalgebra::DMatrix;
 
 /// Relative change of the velocity over a step up to which what answers at once changes linearly.
@@ -24,6 +25,8 @@ pub struct Step {
     euler: bool,
     pub first: StageWeights,
     pub end: StageWeights,
+    /// What the answers behind the first are those of.
+    steady: SteadySteps,
     room: Room,
     immediate: Immediate,
 }
@@ -90,12 +93,15 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 
 impl Step {
     pub fn new(operators: &Operators) -> Step {
+        // Where steps are few their answers are kept elsewhere.
+        let kept = if operators.kept.is_none() { kept_steps(operators.widths.len()) } else { 0 };
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
             euler: false,
-            first: StageWeights::new(operators, false),
-            end: StageWeights::new(operators, true),
+            first: StageWeights::new(operators, false, kept),
+            end: StageWeights::new(operators, true, kept),
+            steady: SteadySteps::new(kept),
             room: Room::new(operators),
             immediate: Immediate::new(operators),
         }
@@ -113,7 +119,16 @@ impl Step {
             return;
         }
         (self.length, self.velocity, self.euler) = (length, velocity, false);
-        let Some(kept) = &operators.kept else { return self.find(operators, length, velocity) };
+        let Some(kept) = &operators.kept else {
+            let (place, known) = self.steady.take(length, velocity);
+            (self.first.current, self.end.current) = (place, place);
+            if known {
+                self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
+                self.end.resume(operators, length, velocity);
+                return;
+            }
+            return self.find(operators, length, velocity);
+        };
         // The way back is that there mirrored: one answer serves both.
         let back = velocity[0] + velocity[1] < 0.0;
         let forwards = if back { velocity.map(|v| 0.0 - v) } else { velocity };
@@ -122,18 +137,18 @@ impl Step {
                 let stages = [&mut self.first, &mut self.end].into_iter().zip(known.iter());
                 for ((stage, answer), length) in stages.zip([GAMMA * length, length]) {
                     stage.take_length(operators, length);
-                    stage.answer.copy_from(answer);
+                    stage.answers[0].copy_from(answer);
                 }
             }
             None => {
                 self.find(operators, length, forwards);
-                kept.keep(length, forwards, [&self.first.answer, &self.end.answer]);
+                kept.keep(length, forwards, [self.first.answer(), self.end.answer()]);
             }
         }
         for (stage, velocity) in [&mut self.first, &mut self.end].into_iter().zip([to_first_stage(velocity), velocity])
         {
             if back {
-                stage.answer.mirror();
+                stage.answers[0].mirror();
             }
             stage.carry(operators, velocity);
         }
@@ -163,12 +178,13 @@ impl Step {
             return;
         }
         (self.length, self.velocity, self.euler) = (length, velocity, true);
+        (self.first.current, self.end.current) = (0, 0);
         for stage in [&mut self.first, &mut self.end] {
             stage.prepare_euler(operators, length, velocity, &mut self.room);
         }
         let end = self.immediate.find(operators, velocity[1]);
         for stage in [&mut self.first, &mut self.end] {
-            add(self.immediate.at(end), 1.0, &mut stage.answer.gains);
+            add(self.immediate.at(end), 1.0, &mut stage.answers[0].gains);
         }
     }
 }

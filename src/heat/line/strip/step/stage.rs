@@ -26,8 +26,9 @@ pub struct StageWeights {
     /// Factor and weights of the mean wave's states, without input.
     pub mean_factor: Vec<f64>,
     pub mean_weight: Vec<[f64; 2]>,
-    /// What depends on the velocity.
-    pub answer: Answer,
+    /// What depends on the velocity: that of a step of its own, and those of the last steps at a constant velocity.
+    pub answers: Vec<Answer>,
+    pub current: usize,
     /// Decay of each state over the interval, of this length.
     decay: Vec<f64>,
     length: f64,
@@ -47,7 +48,13 @@ impl StageWeights {
         if self.at_end { (1.0 - GAMMA) * known } else { known }
     }
 
-    pub fn new(operators: &Operators, at_end: bool) -> StageWeights {
+    /// What depends on the velocity.
+    pub fn answer(&self) -> &Answer {
+        &self.answers[self.current]
+    }
+
+    /// With memory for the answers of `kept` steps.
+    pub fn new(operators: &Operators, at_end: bool, kept: usize) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
         let layout = Layout::new(operators, at_end);
         StageWeights {
@@ -55,7 +62,8 @@ impl StageWeights {
             factor: [vec![0.0; states], vec![0.0; states]],
             mean_factor: vec![0.0; operators.mean.count],
             mean_weight: vec![[0.0; 2]; operators.mean.count],
-            answer: Answer::new(layout),
+            answers: (0..=kept).map(|_| Answer::new(layout)).collect(),
+            current: 0,
             decay: vec![0.0; states],
             length: f64::NAN,
             knots: Knots::new(layout, operators.steady > 0.0),
@@ -77,17 +85,24 @@ impl StageWeights {
         let drift = motion.drift();
         let turn = length * motion.turning[0].abs().max(motion.turning[1].abs());
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        let answer = &mut self.answers[self.current];
         let interpolated = drift < operators.steady && turn < SHORT_TURN;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.knots.interpolate(operators, &interval, length, middle, immediate, room, &mut self.answer);
+            self.knots.interpolate(operators, &interval, length, middle, immediate, room, answer);
         } else {
-            interval.respond(operators, velocity, room, &mut self.answer);
-            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut self.answer.gains));
+            interval.respond(operators, velocity, room, answer);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut answer.gains));
         }
         if interpolated && drift > LEAST_DRIFT {
-            interval.weigh(operators, velocity, &mut self.answer);
+            interval.weigh(operators, velocity, answer);
         }
+        self.carry(operators, velocity);
+    }
+
+    /// The same where the answer is there.
+    pub fn resume(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+        self.take_length(operators, length);
         self.carry(operators, velocity);
     }
 
@@ -134,7 +149,8 @@ impl StageWeights {
             self.mean_weight[k] = [0.0, weight.re];
         }
         let fade = operators.forgetting.mean(velocity);
-        let parts = self.answer.parts();
+        let answer = &mut self.answers[self.current];
+        let parts = answer.parts();
         for known in parts.carried {
             known.fill(0.0);
         }
@@ -160,6 +176,6 @@ impl StageWeights {
         }
         room.sum_waves(operators);
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        interval.assemble(operators, room, &mut self.answer);
+        interval.assemble(operators, room, answer);
     }
 }
