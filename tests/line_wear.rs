@@ -456,3 +456,39 @@ fn a_load_of_zero_stops_the_wear() {
     let mut solver = ContactSolver::new(&cells, contact.compliance(1.0)).unwrap();
     assert_eq!(solver.solve(&[0.0; 9], Normal::Load(0.0), Tilt::Fixed(0.0)).unwrap().pressure, [0.0; 9]);
 }
+
+/// A light load leaves displacements that are small against the gap. What rounding makes of that goes round from one iteration to
+/// the next where a cell is about to touch, however short the stage.
+#[test]
+fn light_loads_on_wide_gaps_are_solved_to_rounding() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let terms = [1.52, 0.88].map(|exponent| WearTerm { exponent, coefficient: Coefficient::Uniform(1.0) });
+    let rate = CellRate { terms: terms.to_vec(), reference_pressure: 1.0 };
+    for wide in [1e-3, 1e-1, 1.0] {
+        let gap = cells.centres().iter().map(|x| wide + 1e-6 * (9.0 * x).sin()).collect();
+        let mut contact = contact(&cells, &unit_half_plane(), 0.0, gap);
+        let mut touching = |load: f64| {
+            let conditions = one_way(load, Tilt::Fixed(0.0), rate.clone());
+            let found = contact.stage(&[0.0; 33], 1e-12, &conditions).unwrap();
+            let carried: f64 = found.pressure.iter().zip(cells.widths()).map(|(p, c)| p * c).sum();
+            assert!((carried / load - 1.0).abs() < 1e-4, "{wide} {load:e}: {carried:e}");
+            found.pressure.iter().filter(|p| **p > 0.0).count()
+        };
+        for load in [1e-7, 3e-7, 1e-6, 3e-6] {
+            // The next cell touches somewhere between.
+            let (mut low, mut high) = (load, 1.5 * load);
+            let few = touching(low);
+            while touching(high) <= few {
+                high *= 1.5;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if touching(middle) > few {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+        }
+    }
+}

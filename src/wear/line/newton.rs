@@ -24,6 +24,9 @@ const NEWTON_LIMIT: usize = 60;
 /// Change, relative to the largest local displacement, below which an iteration that no longer halves it has reached the rounding of
 /// its solutions: with many cells and their heat that is above the tolerance of Newton's method.
 const ROUNDING: f64 = 1e-9;
+/// The same relative to the largest gap of the cells in contact: a light load leaves displacements that are small against what worn
+/// shape and heat have made of the gap.
+const ROUNDING_OF_GAP: f64 = 1e-12;
 /// Least dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
 const LEAST_SLOPE: f64 = 1e-12;
 /// Chord iterations before new factors are made for good.
@@ -196,14 +199,19 @@ impl WearingContact {
                 break;
             }
             let (mut largest, mut change): (f64, f64) = (0.0, 0.0);
+            let mut widest: f64 = 0.0;
             for i in 0..count {
                 let t = state.pressure[i] / self.slope[i];
+                if t > 0.0 {
+                    widest = widest.max(linearised_gap[i].abs());
+                }
                 largest = largest.max(t);
                 change = change.max((t - self.local[i].displacement).abs());
                 state.pressure[i] = rate.invert(i, alpha, tau, t);
             }
             self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
-            let rounded = change <= ROUNDING * largest && change > 0.5 * last;
+            let rounding = (ROUNDING * largest).max(ROUNDING_OF_GAP * widest);
+            let rounded = change <= rounding && change > 0.5 * last;
             last = change;
             if rounded || change <= self.newton_tolerance * largest {
                 converged = Ok(true);
