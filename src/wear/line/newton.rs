@@ -203,7 +203,7 @@ impl WearingContact {
             for i in 0..count {
                 let t = state.pressure[i] / self.slope[i];
                 if t > 0.0 {
-                    widest = widest.max(linearised_gap[i].abs());
+                    widest = widest.max(gap[i].abs());
                 }
                 largest = largest.max(t);
                 change = change.max((t - self.local[i].displacement).abs());
