@@ -263,3 +263,35 @@ impl HeatState {
         Some(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reference_that_struggles_is_followed_by_nearer_ones() {
+        let mut place = Place::none();
+        let chosen = place.choose([1.0, 1.01], 0.4);
+        assert_eq!(chosen, 1.005 + 0.8 * 0.4);
+        place.follow(chosen, 1.01, MANY);
+        // Within the zone it stays, beyond it goes ahead of the velocity.
+        assert_eq!(place.choose([1.01, 1.02], 0.4), chosen);
+        assert_eq!(place.choose([1.62, 1.64], 0.4), 1.63 + 0.8 * 0.4);
+        assert_eq!(place.choose([0.92, 0.90], 0.4), 0.91 - 0.8 * 0.4);
+        place.follow(chosen, 1.02, MANY + 1);
+        assert_eq!(place.narrow, 0.5);
+        assert_eq!(place.choose([1.02, 1.04], 0.4), 1.03 + 0.8 * 0.2);
+        // Few repetitions by a new reference widen it again, by an old one they do not.
+        place.follow(chosen, 1.03, FEW);
+        assert_eq!(place.narrow, 0.5);
+        place.follow(1.19, 1.04, FEW);
+        assert_eq!(place.narrow, 0.5 * WIDER);
+        // Operators of the velocity itself are as near as can be.
+        place.follow(1.04, 1.04, MANY + 1);
+        assert_eq!(place.narrow, 0.5 * WIDER);
+        (0..40).for_each(|_| place.follow(1.19, 1.04, MANY + 1));
+        assert_eq!(place.narrow, NARROWEST);
+        (0..40).for_each(|k| place.follow(1.19 + f64::from(k), 1.04, FEW));
+        assert_eq!(place.narrow, 1.0);
+    }
+}
