@@ -276,7 +276,7 @@ mod tests {
         place.follow(chosen, 1.01, MANY);
         // Within the zone it stays, beyond it goes ahead of the velocity.
         assert_eq!(place.choose([1.01, 1.02], 0.4), chosen);
-        assert_eq!(place.choose([1.62, 1.64], 0.4), 1.63 + 0.8 * 0.4);
+        assert_eq!(place.choose([1.74, 1.76], 0.4), 1.75 + 0.8 * 0.4);
         assert_eq!(place.choose([0.92, 0.90], 0.4), 0.91 - 0.8 * 0.4);
         place.follow(chosen, 1.02, MANY + 1);
         assert_eq!(place.narrow, 0.5);
