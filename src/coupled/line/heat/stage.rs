@@ -200,9 +200,10 @@ impl Line {
                 }
             }
             let settled = heat.settle(&found.pressure);
-            // Changes of an accelerated repetition follow no series.
-            let left = lacks.map_or_else(|| pressures.left(change), |lacks| lacks.max(1.0) * change);
-            let left = left.max(temperatures.left(lacking) / TEMPERATURE);
+            let of_series = [pressures.left(change), temperatures.left(lacking)];
+            // What an accelerated repetition changes follows no series.
+            let [left, unlike_surfaces] = lacks.map_or(of_series, |lacks| [lacks.max(1.0) * change, lacking]);
+            let left = left.max(unlike_surfaces / TEMPERATURE);
             if settled && unlike <= agreement && (heat.exact[s] || left <= enough) {
                 heat.repetitions = heat.repetitions.max(repetition);
                 self.finish_stage(heat, stage);
