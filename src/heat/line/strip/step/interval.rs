@@ -69,35 +69,15 @@ impl Interval<'_> {
 
     /// The answer for a velocity that is linear over the interval.
     pub fn respond(&self, operators: &Operators, velocity: [f64; 2], room: &mut Room, answer: &mut Answer) {
-        let (fade, faded) = self.fading(operators, velocity);
-        let parts = answer.parts();
-        for (wave, &number) in operators.numbers.iter().enumerate() {
-            let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
-            let turn = motion.turn();
-            let zero = Complex::from(0.0);
-            let (mut carried, mut gain) = ([zero; 2], [zero; 2]);
-            for k in of_wave(&operators.levels, wave) {
-                let (_, falling, rising) =
-                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
-                let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
-                if self.at_end {
-                    parts.weights[0][k] = known.re;
-                    parts.weights[1][k] = known.im;
-                    parts.weights[2][k] = own.re;
-                    parts.weights[3][k] = own.im;
-                }
-                for (part, observed) in [operators.temperature[k], operators.distortion[k]].into_iter().enumerate() {
-                    carried[part] += known * observed;
-                    gain[part] += own * observed;
-                }
-            }
-            parts.carried[0][wave] = carried[0].re;
-            parts.carried[1][wave] = carried[0].im;
-            parts.carried[2][wave] = carried[1].re;
-            parts.carried[3][wave] = carried[1].im;
-            for (gains, gain) in room.gains.iter_mut().zip(gain) {
-                gains[wave] = gain * operators.weight[wave];
-            }
+        let [warm, moved] = &mut room.gains;
+        warm.fill(Complex::from(0.0));
+        moved.fill(Complex::from(0.0));
+        self.weigh_states(operators, velocity, answer, |wave, k, own| {
+            warm[wave] += own * operators.temperature[k];
+            moved[wave] += own * operators.distortion[k];
+        });
+        for gains in [warm, moved] {
+            gains.iter_mut().zip(&operators.weight).for_each(|(gain, weight)| *gain *= *weight);
         }
         room.sum_waves(operators);
         self.assemble(operators, room, answer);
@@ -144,6 +124,18 @@ impl Interval<'_> {
 
     /// The weights of the known fluxes and, at the end, those in the states, without the gains.
     pub fn weigh(&self, operators: &Operators, velocity: [f64; 2], answer: &mut Answer) {
+        self.weigh_states(operators, velocity, answer, |_, _, _| {});
+    }
+
+    /// The same; `see` gets wave, state and the weight of the stage's own flux in it.
+    #[inline(always)]
+    fn weigh_states(
+        &self,
+        operators: &Operators,
+        velocity: [f64; 2],
+        answer: &mut Answer,
+        mut see: impl FnMut(usize, usize, Complex<f64>),
+    ) {
         let (fade, faded) = self.fading(operators, velocity);
         let parts = answer.parts();
         for (wave, &number) in operators.numbers.iter().enumerate() {
@@ -162,6 +154,7 @@ impl Interval<'_> {
                 }
                 carried[0] += known * operators.temperature[k];
                 carried[1] += known * operators.distortion[k];
+                see(wave, k, own);
             }
             parts.carried[0][wave] = carried[0].re;
             parts.carried[1][wave] = carried[0].im;
