@@ -3,8 +3,8 @@
 //! This is what the C interface, the native host and the tests drive. It knows the variable table
 //! but not FMI: phases, status codes and times are the importer's side.
 
-mod escalation;
 mod messages;
+mod plan_watch;
 mod rates;
 mod snapshot;
 
@@ -15,7 +15,7 @@ use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::limit;
 use crate::coupled::model::Model;
-use crate::plan::ladder::Ladder;
+use crate::plan::prepared::Prepared;
 use crate::scene::{Scene, ThermalBoundary, value};
 use crate::variables::{COUNT, ValueReference, lookup, reference};
 use std::sync::Arc;
@@ -139,18 +139,12 @@ pub struct Component {
     /// The model must be built anew before outputs are read (while initialising).
     stale: bool,
     tolerance: Option<f64>,
-    /// Rungs last built: used again where the scene is the same.
-    ladder: Option<Arc<Ladder>>,
-    /// The rung above, ready to take over; after that the one below.
-    prepared: Option<Box<Model>>,
+    /// The scene last made ready: used again where it is the same.
+    prepared: Option<Arc<Prepared>>,
     /// A plan compared levels: steps are watched.
     planned: bool,
-    /// The rung above has taken over.
-    escalated: bool,
     /// The run has left what was planned for, and the log knows.
-    left_plan: bool,
-    /// How far it was beyond the plan at most; see [`Ladder::excess`].
-    excess: f64,
+    beyond_plan: bool,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
     /// Length of the last step, s; 0: none yet.
@@ -175,12 +169,9 @@ impl Component {
             current: 0,
             stale: true,
             tolerance: None,
-            ladder: None,
             prepared: None,
             planned: false,
-            escalated: false,
-            left_plan: false,
-            excess: 0.0,
+            beyond_plan: false,
             at_end: false,
             last_step: 0.0,
             reported: 0,
@@ -188,11 +179,11 @@ impl Component {
         }
     }
 
-    /// Back to what [`Component::new`] gives; rungs are kept for use with the same scene.
+    /// Back to what [`Component::new`] gives; what was built is kept for use with the same scene.
     pub fn reset(&mut self) {
-        let (ladder, messages) = (self.ladder.take(), std::mem::take(&mut self.messages));
+        let (prepared, messages) = (self.prepared.take(), std::mem::take(&mut self.messages));
         *self = Component::new(self.starts.clone());
-        (self.ladder, self.messages) = (ladder, messages);
+        (self.prepared, self.messages) = (prepared, messages);
         let _ = self.messages.take();
     }
 
@@ -239,7 +230,7 @@ impl Component {
                 }
                 group::ACCOUNT => {
                     model.write_account(&mut self.values);
-                    self.add_level_error();
+                    self.add_estimated_error();
                 }
                 _ => model.write_rest(&inputs, &mut self.values),
             }
@@ -248,22 +239,17 @@ impl Component {
     }
 
     fn build(&mut self, scene: &Scene) -> Result<(), String> {
-        let known = self.ladder.take().filter(|ladder| ladder.requested == *scene);
-        let ladder = match known {
-            Some(ladder) => ladder,
-            None => Arc::new(Ladder::new(scene)?),
+        let known = self.prepared.take().filter(|prepared| prepared.requested == *scene);
+        let prepared = match known {
+            Some(prepared) => prepared,
+            None => Arc::new(Prepared::new(scene)?),
         };
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
-        self.model = Some(Model::new(&ladder.first, tunables, &inputs));
-        self.prepared = ladder.next.as_ref().map(|next| {
-            let mut model = Model::new(next, tunables, &inputs);
-            model.prepare_take_over();
-            Box::new(model)
-        });
-        (self.escalated, self.left_plan, self.excess) = (false, false, 0.0);
-        self.planned = ladder.plan.as_ref().is_some_and(|plan| plan.probe_steps > 0);
-        self.ladder = Some(ladder);
+        self.model = Some(Model::new(&prepared.operators, tunables, &inputs));
+        self.beyond_plan = false;
+        self.planned = prepared.was_compared();
+        self.prepared = Some(prepared);
         self.current = 0;
         self.at_end = false;
         Ok(())
@@ -335,12 +321,12 @@ impl Component {
             (false, Some(_)) => "the importer",
             (false, None) => "the default",
         };
-        let ladder = self.ladder.as_ref().expect("built just before");
-        let mut lines = ladder.lines().into_iter();
+        let prepared = self.prepared.as_ref().expect("built just before");
+        let mut lines = prepared.lines().into_iter();
         let first = lines.next().unwrap_or_default();
         self.messages.add(Subject::Plan, format_args!("tolerance {:e} from {source}; {first}", scene.tolerance));
         lines.for_each(|text| self.messages.add(Subject::Plan, format_args!("{text}")));
-        for text in ladder.first.warnings() {
+        for text in prepared.operators.warnings() {
             self.messages.add(Subject::Warning, format_args!("{text}"));
         }
     }

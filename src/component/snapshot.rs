@@ -4,7 +4,7 @@ use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::state::{BodyState, State as MeanState};
 use crate::coupled::model::{Model, State};
-use crate::plan::ladder::Ladder;
+use crate::plan::prepared::Prepared;
 use crate::scene::{Scene, value};
 use crate::variables::COUNT;
 use crate::wear::track::Track;
@@ -21,10 +21,8 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
-    /// The rung above the planned one has taken over; the log knows that the plan was left; how far at most.
-    escalated: bool,
-    left_plan: bool,
-    excess: f64,
+    /// The run has left what was planned for.
+    beyond_plan: bool,
     /// Friction coefficient and so on with which the model was built: the wear law refers to them.
     built: [f64; 3],
     state: Option<State>,
@@ -50,7 +48,7 @@ impl Component {
         into.reported = self.reported;
         into.at_end = self.at_end;
         into.last_step = self.last_step;
-        (into.escalated, into.left_plan, into.excess) = (self.escalated, self.left_plan, self.excess);
+        into.beyond_plan = self.beyond_plan;
         into.state = None;
         if let Some(model) = &self.model
             && self.phase == Phase::Running
@@ -88,33 +86,24 @@ impl Component {
                     .iter()
                     .zip(&values[FIRST_PARAMETER..])
                     .all(|(mine, saved)| mine.to_bits() == saved.to_bits());
-            let same = same && self.ladder.is_some();
-            let ladder = match self.ladder.clone() {
-                Some(ladder) if same => ladder,
+            let prepared = match &self.prepared {
+                Some(prepared) if same => prepared.clone(),
                 known => {
                     let scene = Scene::new(&at_start, from.tolerance).map_err(|broken| broken.to_string())?;
-                    match known.filter(|ladder| ladder.requested == scene) {
-                        Some(known) => known,
-                        None => Arc::new(Ladder::new(&scene)?),
+                    match known.as_ref().filter(|prepared| prepared.requested == scene) {
+                        Some(known) => known.clone(),
+                        None => Arc::new(Prepared::new(&scene)?),
                     }
                 }
             };
-            let stays = same && self.escalated == from.escalated;
-            let operators = match &self.model {
-                Some(model) if stays => model.operators(),
-                _ => ladder.rung(from.escalated)?,
-            };
-            if !state.fits(&operators) {
+            if !state.fits(&prepared.operators) {
                 return Err("the saved states do not fit the scene".into());
             }
             // Nothing has been changed up to here, and nothing can fail from here on.
-            if !stays {
-                let tunables = super::tunables_of(&values);
-                self.model = Some(Model::new(&operators, tunables, &from.inputs));
-                let above = ladder.next.as_ref().filter(|_| !from.escalated);
-                self.prepared = above.map(|next| Box::new(Model::new(next, tunables, &from.inputs)));
-                self.planned = ladder.plan.as_ref().is_some_and(|plan| plan.probe_steps > 0);
-                self.ladder = Some(ladder);
+            if !same {
+                self.model = Some(Model::new(&prepared.operators, super::tunables_of(&values), &from.inputs));
+                self.planned = prepared.was_compared();
+                self.prepared = Some(prepared);
             }
             let model = self.model.as_mut().expect("set just before, or known to be there");
             model.set_tunables(super::tunables_of(&values));
@@ -137,7 +126,7 @@ impl Component {
         self.reported = from.reported;
         self.at_end = from.at_end;
         self.last_step = from.last_step;
-        (self.escalated, self.left_plan, self.excess) = (from.escalated, from.left_plan, from.excess);
+        self.beyond_plan = from.beyond_plan;
         self.current = 0;
         self.stale = true;
         Ok(())
@@ -152,9 +141,7 @@ impl Snapshot {
         put(f64::from(self.reported));
         put(f64::from(u8::from(self.at_end)));
         put(self.last_step);
-        put(f64::from(u8::from(self.escalated)));
-        put(f64::from(u8::from(self.left_plan)));
-        put(self.excess);
+        put(f64::from(u8::from(self.beyond_plan)));
         put(self.tolerance.unwrap_or(f64::NAN));
         put(self.changed.len() as f64);
         for &(index, value) in &self.changed {
@@ -183,7 +170,7 @@ impl Snapshot {
             Some(State::Lumped(mean)) => mean.numbers().len(),
             Some(State::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
-        8 * (9 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
+        8 * (7 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
 
     /// Reads what [`Snapshot::encode`] wrote.
@@ -202,7 +189,7 @@ impl Snapshot {
     fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<Snapshot> {
         let mut next = || numbers.next().copied();
         let (phase, reported, at_end, last_step) = (next()?, next()?, next()?, next()?);
-        let (escalated, left_plan, excess) = (next()? != 0.0, next()? != 0.0, next()?);
+        let beyond_plan = next()? != 0.0;
         let (tolerance, count) = (next()?, next()?);
         if !(0.0..=COUNT as f64).contains(&count) || !(0.0..=2.0).contains(&phase) || !(0.0..256.0).contains(&reported)
         {
@@ -213,9 +200,7 @@ impl Snapshot {
             reported: reported as u8,
             at_end: at_end != 0.0,
             last_step,
-            escalated,
-            left_plan,
-            excess,
+            beyond_plan,
             tolerance: (!tolerance.is_nan()).then_some(tolerance),
             ..Snapshot::default()
         };

@@ -26,10 +26,6 @@ pub struct Inputs<S = f64> {
     pub punch_external_temperature: S,
 }
 
-/// Error of the outputs over the errors that reductions and time steps report: the steps' embedded estimates are those of a
-/// lower order, the bodies' the largest over all frequencies. Measured on generated scenes.
-pub const REPORTED: f64 = 0.25;
-
 /// Number of inputs.
 pub const INPUTS: usize = 7;
 

@@ -74,41 +74,11 @@ impl Operators {
         }
     }
 
-    /// The lumped level with steps of another tolerance, or a contact line that carries its heat by the mean with such steps:
-    /// no elastic body is built anew.
-    pub fn of_the_mean(&self, tolerance: f64) -> Operators {
+    /// The same contact line with its heat by the mean: no elastic body is built anew. The lumped level is what it is.
+    pub fn with_mean_heat(&self) -> Operators {
         match self {
-            Operators::Lumped(operators) => {
-                let mut copy = lumped::operators::Operators::clone(operators);
-                copy.scene.tolerance = tolerance;
-                Operators::Lumped(Arc::new(copy))
-            }
-            Operators::Line(operators) => Operators::Line(Arc::new(operators.with_heat_by_its_mean(tolerance))),
-        }
-    }
-
-    /// The same operators with steps of another tolerance.
-    pub fn stepping_to(self, tolerance: f64) -> Operators {
-        match self {
-            Operators::Lumped(mut operators) => {
-                Arc::make_mut(&mut operators).scene.tolerance = tolerance;
-                Operators::Lumped(operators)
-            }
-            Operators::Line(mut operators) => {
-                if let Some(own) = Arc::get_mut(&mut operators) {
-                    own.scene.tolerance = tolerance;
-                    Arc::make_mut(&mut own.mean).scene.tolerance = tolerance;
-                }
-                Operators::Line(operators)
-            }
-        }
-    }
-
-    /// A contact line of about half as many cells, merged from these: nothing is built anew. `None` of the lumped level.
-    pub fn merged(&self) -> Option<Operators> {
-        match self {
-            Operators::Lumped(_) => None,
-            Operators::Line(operators) => Some(Operators::Line(Arc::new(operators.merged()))),
+            Operators::Lumped(_) => self.clone(),
+            Operators::Line(operators) => Operators::Line(Arc::new(operators.with_heat_by_its_mean())),
         }
     }
 
@@ -219,38 +189,12 @@ impl Model {
         }
     }
 
-    /// Rise of the contact temperature (K above the ambient one of initialisation) at the end of the last step.
-    #[inline]
-    pub fn contact_rise(&self) -> f64 {
-        match self {
-            Model::Lumped(model) => model.state().end_temperature,
-            Model::Line(model) => model.contact_rise(),
-        }
-    }
-
     /// Work (J) of the friction force on all faces since initialisation.
     #[inline]
     pub fn friction_work(&self) -> f64 {
         match self {
             Model::Lumped(model) => model.friction_work(),
             Model::Line(model) => model.friction_work(),
-        }
-    }
-
-    /// Takes over where `from` stands, which knows the same scene on a lower rung: worn volumes and heat to rounding, at
-    /// the present `inputs`. `false`, and nothing happens, where the states of the two do not belong together.
-    pub fn take_over(&mut self, from: &mut Model, inputs: &[f64; INPUTS]) -> bool {
-        match (self, from) {
-            (Model::Line(line), Model::Lumped(lower)) => line.take_over_mean(lower, inputs),
-            (Model::Line(line), Model::Line(lower)) => line.take_over_line(lower, inputs),
-            _ => false,
-        }
-    }
-
-    /// Makes room for [`Model::take_over`], so that it allocates nothing.
-    pub fn prepare_take_over(&mut self) {
-        if let Model::Line(line) = self {
-            line.prepare_take_over();
         }
     }
 

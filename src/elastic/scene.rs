@@ -102,9 +102,6 @@ pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], Body
 /// Tolerance of the pressure by a block at loose tolerances, which are about wear, temperature and friction force.
 const PRESSURE_TOLERANCE: f64 = 1e-3;
 
-/// Order of a block that levels are compared on.
-const ORDER_OF_PROBE: usize = 3;
-
 fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
     if body.mechanical == MechanicalBody::Rigid {
         return Ok(Rigid.compliance(cells));
@@ -134,13 +131,8 @@ fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compli
                 youngs_modulus: body.youngs_modulus,
                 poissons_ratio: body.poissons_ratio,
             };
-            let tolerance = if scene.is_probe() { scene.tolerance } else { scene.tolerance.min(PRESSURE_TOLERANCE) };
-            let mut discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
-            if scene.is_probe() {
-                // Levels share the block: their differences change by less than 1 %.
-                discretization.order = discretization.order.min(ORDER_OF_PROBE);
-                discretization.contact_layers = discretization.contact_layers.saturating_sub(1).max(2);
-            }
+            let tolerance = scene.tolerance.min(PRESSURE_TOLERANCE);
+            let discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
             let compliance = Block::new(properties, discretization)?.compliance(cells.edges())?;
             Compliance { normal: compliance.normal, shear: compliance.shear }
         }

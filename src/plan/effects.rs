@@ -32,7 +32,7 @@ pub fn judge(scene: &Scene, groups: &Groups, fine: &Operators, candidates: &[Can
     };
     let distortion = groups.distortion_over_approach;
     let line = chosen != Rung::Lumped;
-    let by_cells = matches!(chosen, Rung::Line { heat: HeatAlongContact::OnTheCells, .. });
+    let by_cells = chosen.heat() == Some(HeatAlongContact::OnTheCells);
     let find = |wanted: Rung| candidates.iter().find(|candidate| candidate.rung == wanted).map(Candidate::error);
     let cells = match fine {
         Operators::Line(line) => line.count(),

@@ -18,20 +18,20 @@ impl Plan {
         )
     }
 
-    /// Every line: the summary, effects, groups and the rungs that were looked at.
+    /// Every line: the summary, effects, groups and the levels that were looked at.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.summary()];
         lines.push(format!(
-            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} us for an internal step, {} s for the run; \
-             {} internal steps of probes over {:.0} % of their course, {} s to plan",
-            short(self.estimated_error),
+            "estimated error {} of a tolerance of {}, {} by the reduced bodies; {:.1} us for an internal step, {} s for the nominal \
+             duration; compared in {} internal steps over {:.3} % of it, {} s",
+            self.estimated_error.map_or("that of the steps".into(), short),
             short(self.tolerance),
             short(self.reduction_error),
             self.cost_per_step,
-            short(1e-6 * self.effort.run),
-            self.probe_steps,
+            short(1e-6 * self.run_cost),
+            self.compared_steps,
             100.0 * self.covered,
-            short(1e-6 * self.effort.planning())
+            short(1e-6 * self.planning_cost)
         ));
         for effect in &self.effects {
             lines.push(format!(

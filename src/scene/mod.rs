@@ -112,17 +112,6 @@ pub enum Scheme {
     Explicit,
 }
 
-/// What happens when a run leaves what was planned for.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Escalation {
-    /// The level stays.
-    Off,
-    /// The next rung is built at initialisation.
-    Prepared,
-    /// The next rung is built when it is needed.
-    NextCommunicationPoint,
-}
-
 /// Freedom of the punch in its holder.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Constraint {
@@ -223,10 +212,7 @@ pub struct Scene {
     pub cells: usize,
     /// Heat of a contact line.
     pub heat_along_contact: HeatAlongContact,
-    /// Shortest step that heat along the contact resolves, s, in a probe that compares levels; 0: the scene itself, where it is chosen.
-    pub shortest_step: f64,
     pub scheme: Scheme,
-    pub escalation: Escalation,
     pub tolerance: f64,
     pub wear_acceleration: f64,
 }
@@ -346,16 +332,10 @@ impl Scene {
             },
             cells: value!(v, "solver.cells") as usize,
             heat_along_contact: HeatAlongContact::WhereItFeedsBack,
-            shortest_step: 0.0,
             scheme: match value!(v, "solver.scheme") as i32 {
                 1 => Scheme::Monolithic,
                 2 => Scheme::Staggered,
                 _ => Scheme::Explicit,
-            },
-            escalation: match value!(v, "solver.escalation") as i32 {
-                1 => Escalation::Off,
-                2 => Escalation::Prepared,
-                _ => Escalation::NextCommunicationPoint,
             },
             tolerance: tolerance.clamp(1e-10, 0.5),
             wear_acceleration: value!(v, "wear_acceleration"),
@@ -364,14 +344,14 @@ impl Scene {
         Ok(scene)
     }
 
+    /// Whether both bodies are rigid: the pressure is uniform then.
+    pub fn has_rigid_bodies(&self) -> bool {
+        [self.punch.mechanical, self.strip.mechanical] == [MechanicalBody::Rigid; 2]
+    }
+
     /// Nominal contact area of one punch and one face, m2.
     pub fn contact_area(&self) -> f64 {
         self.width * self.depth
-    }
-
-    /// Whether this is the scene of a probe, which compares levels and is no run.
-    pub fn is_probe(&self) -> bool {
-        self.shortest_step > 0.0
     }
 
     /// Part of the strip's length that all punches of a face cover; 0 for a straight path.

@@ -154,10 +154,7 @@ impl Heat {
         Heat {
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            splits: match operators.scene.is_probe() {
-                true => Splits::for_few_steps(&own, count),
-                false => Splits::new(&own, count),
-            },
+            splits: Splits::new(&own, count),
             taken: [usize::MAX; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],

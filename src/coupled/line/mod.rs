@@ -15,7 +15,6 @@ pub mod profile;
 mod saved;
 pub mod state;
 mod step;
-mod take_over;
 mod wear_rates;
 
 use crate::contact::friction::FrictionLaw;
@@ -58,8 +57,6 @@ pub struct Line {
     work: Work,
     /// Internal steps that may still be tried, where they are counted.
     attempts_left: Option<u32>,
-    /// Memory for what a lower rung hands over.
-    carrier: Option<Box<take_over::Carrier>>,
     /// Equilibrium last shown, and the inputs it belongs to.
     shown: ([f64; INPUTS], ContactState),
 }
@@ -88,7 +85,6 @@ impl Line {
             heat: operators.heat.as_ref().map(|bodies| Box::new(LineHeat::new(&operators, bodies))),
             work: Work::new(&operators),
             attempts_left: None,
-            carrier: None,
             shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
             mean,
             friction,
@@ -179,14 +175,6 @@ impl Line {
 
     fn forget_shown(&mut self) {
         self.shown.0 = [f64::NAN; INPUTS];
-    }
-
-    /// Mean rise of the contact temperature at the end of the last step, K above the reference.
-    pub fn contact_rise(&self) -> f64 {
-        match &self.state.heat {
-            Some(heat) => heat.mean(&self.operators.weights),
-            None => self.mean.state().end_temperature,
-        }
     }
 
     /// Limits reached so far; see [`limit`].

@@ -1,7 +1,5 @@
 //! What the contact line is made of, built once from the scene and shared by every state.
 
-mod merged;
-
 use super::heat::bodies::{Bodies, on_the_cells};
 use super::profile::{Profile, cell_means};
 use crate::contact::{ContactState, Normal, Tilt, check_operators};
@@ -22,10 +20,6 @@ const CHOSEN_CELLS: usize = 33;
 
 /// The same for the reference level.
 const FINEST_CELLS: usize = 257;
-
-/// What Newton's method for the wear of a stage may leave in a probe, relative to the largest displacement: far below what levels are
-/// compared by.
-const NEWTON_OF_PROBE: f64 = 1e-7;
 
 /// How the strip's worn depth moves under the punch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -200,9 +194,6 @@ impl Operators {
         let (normal, shear) = (self.normal.clone(), self.shear.clone());
         let mut contact = WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
             .expect("the same matrices were accepted when the operators were made");
-        if self.scene.is_probe() {
-            contact.set_newton_tolerance(NEWTON_OF_PROBE);
-        }
         if self.strip_wear == StripWear::Track {
             // The first operator makes room for all that follow.
             contact.set_operator(Some(&DMatrix::identity(self.count(), self.count())));
@@ -240,13 +231,12 @@ impl Operators {
         carried * self.shared_depth
     }
 
-    /// The same contact with its heat by the mean and steps of another tolerance; nothing but the mean is built anew.
-    pub fn with_heat_by_its_mean(&self, tolerance: f64) -> Operators {
+    /// The same contact with its heat by the mean; nothing is built anew.
+    pub fn with_heat_by_its_mean(&self) -> Operators {
         let mut scene = self.scene.clone();
-        let known = (scene.tolerance == tolerance).then_some(&*self.mean);
-        (scene.heat_along_contact, scene.tolerance) = (HeatAlongContact::ByItsMean, tolerance);
+        scene.heat_along_contact = HeatAlongContact::ByItsMean;
         Operators {
-            mean: Arc::new(lumped::operators::Operators::with_heat_of(&mean_scene(&scene, false), known)),
+            mean: Arc::new(lumped::operators::Operators::with_heat_of(&mean_scene(&scene, false), Some(&self.mean))),
             heat: None,
             cells: self.cells.clone(),
             weights: self.weights.clone(),

@@ -4,7 +4,6 @@ use super::Line;
 use super::operators::Operators;
 use super::path::Moment;
 use crate::contact::Normal;
-use crate::coupled::REPORTED;
 use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs};
 use crate::scene::{Geometry, STATIONS, value};
@@ -154,7 +153,7 @@ impl Line {
             if body.wear_limit > 0.0 { (1.0 - deepest / body.wear_limit).clamp(0.0, 1.0) } else { 1.0 }
         };
         value!(values, "remaining_life") = life(&state.punch, &scene.punch).min(life(&state.strip, &scene.strip));
-        value!(values, "estimated_error") += REPORTED * state.error;
+        value!(values, "estimated_step_error") += state.error;
         self.write_heat_account(values);
     }
 

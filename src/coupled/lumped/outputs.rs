@@ -6,7 +6,6 @@ use super::limit;
 use super::operators::BodyOperators;
 use super::point::{self, Point};
 use super::state::BodyState;
-use crate::coupled::REPORTED;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
 use crate::scene::{STATIONS, value};
@@ -199,7 +198,7 @@ impl Lumped {
             "stored_heat" = punch.stored + strip.stored,
             "punch.mean_temperature" = self.mean_temperature(&operators.punch, &state.punch, 1.0),
             "strip.mean_temperature" = self.strip_mean_temperature(),
-            "estimated_error" = self.estimated_error(),
+            "estimated_step_error" = self.estimated_step_error(),
         );
     }
 
@@ -284,13 +283,13 @@ impl Lumped {
     }
 
     /// Reduction of both bodies, and the time step's share of the tolerance.
-    fn estimated_error(&self) -> f64 {
+    fn estimated_step_error(&self) -> f64 {
         let reduction = [&self.operators.punch, &self.operators.strip]
             .iter()
             .filter_map(|body| body.heat.as_ref())
             .map(|heat| heat.error)
             .fold(0.0, f64::max);
-        REPORTED * (reduction + self.state.error)
+        reduction + self.state.error
     }
 
     /// Limits reached so far; see [`limit`].

@@ -23,7 +23,6 @@
 
 pub mod disc;
 pub mod field;
-pub mod merged;
 pub mod punch;
 pub mod reduced;
 pub mod strip;

@@ -52,14 +52,8 @@ pub const MAXIMUM_STATES: usize = 256;
 /// on a half-plane.
 const DISTORTING_MODES: usize = 96;
 
-/// The same for a probe of few cells: the corners of the block are felt by the longest waves.
-const DISTORTING_BY_PROBE: usize = 32;
-
 /// Modes across in the steady effects that have no closed sum: what follows falls like 1/m^3.
 const SUMMED_MODES: usize = 1000;
-
-/// The same for a probe, whose levels share the punch.
-const SUMMED_BY_PROBE: usize = 256;
 
 /// Order of the ports.
 const COOLING: usize = 0;
@@ -120,7 +114,7 @@ pub fn reduce_with_mean(
     };
     let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
     let distortion = Distortion::new(scene, cells)?;
-    project(across, depth, cooled, distortion, cells, &Wanted::new(scene, tolerances, duration)).map(Some)
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration }).map(Some)
 }
 
 /// How finely a body is projected.
@@ -130,22 +124,6 @@ struct Wanted {
     tolerances: [f64; 2],
     /// s.
     duration: f64,
-    /// See [`SUMMED_MODES`] and [`DISTORTING_MODES`].
-    summed: usize,
-    distorting: usize,
-    /// By a probe.
-    by_probe: bool,
-}
-
-impl Wanted {
-    fn new(scene: &Scene, tolerances: [f64; 2], duration: f64) -> Wanted {
-        let by_probe = scene.is_probe();
-        let (summed, distorting) = match by_probe {
-            true => (SUMMED_BY_PROBE, DISTORTING_BY_PROBE),
-            false => (SUMMED_MODES, DISTORTING_MODES),
-        };
-        Wanted { tolerances, duration, summed, distorting, by_probe }
-    }
 }
 
 /// Projects a body.
@@ -172,7 +150,7 @@ fn project(
     }
     assembly.delay(&mut operators);
     let body = ReducedHeat::new(operators);
-    Ok(if wanted.by_probe { body.for_few_steps() } else { body })
+    Ok(body)
 }
 
 /// The surface beside the contact that the air cools.

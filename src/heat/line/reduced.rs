@@ -28,9 +28,6 @@ use weights::{StageWeights, Weights};
 /// Number of inputs besides the fluxes.
 pub(super) const PORTS: usize = 3;
 
-/// Steps whose weights are kept for a probe, which takes the steps of a stroke again and again.
-const KEPT_BY_PROBE: usize = 32;
-
 impl Surroundings {
     /// Cooling (at the end), ambient, far: the order of all ports.
     fn ports(&self) -> [f64; PORTS] {
@@ -121,9 +118,8 @@ pub struct ReducedHeat {
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
     kept: Vec<Weights>,
-    /// Most of them, and whether their memory is taken before the first.
+    /// Most of them.
     most: usize,
-    at_once: bool,
     current: usize,
     clock: u64,
 }
@@ -137,14 +133,7 @@ impl ReducedHeat {
         // The longer step by which growth is looked for is one more.
         let most = kept_steps(operators.widths.len()) + 1;
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, kept: Vec::new(), most, at_once: true, current: 0, clock: 0 }
-    }
-
-    /// For runs that are short and take steps of few lengths by turns: their weights are all kept, in memory that is taken when they
-    /// are first found.
-    pub(super) fn for_few_steps(mut self) -> Self {
-        (self.most, self.at_once) = (KEPT_BY_PROBE, false);
-        self
+        Self { operators, modes, scratch, kept: Vec::new(), most, current: 0, clock: 0 }
     }
 
     /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
@@ -161,15 +150,12 @@ impl ReducedHeat {
 
     /// Makes the weights of a step the current ones.
     fn select(&mut self, step: f64, euler: bool) {
-        if self.kept.is_empty() && self.at_once {
+        if self.kept.is_empty() {
             self.kept = (0..self.most).map(|_| self.operators.allocate()).collect();
         }
         self.clock += 1;
         let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
         self.current = known.unwrap_or_else(|| {
-            if self.kept.len() < self.most {
-                self.kept.push(self.operators.allocate());
-            }
             // One that was never used, where there is one.
             let oldest = (0..self.kept.len()).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
             self.operators.fill(&self.modes, &mut self.kept[oldest], step, euler, self.scratch.get_mut());

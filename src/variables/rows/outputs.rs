@@ -142,7 +142,9 @@ pub const ROWS: &[Row] = &[
     // Bookkeeping.
     real("sliding_distance", &METRE, 1e3, "Distance slid").shown("km").output(ON_STATES),
     real("dissipated_energy", &JOULE, 1e4, "Friction heat since initialisation, all faces").shown("kJ").output(ON_STATES),
-    real("estimated_error", &ONE, 1e-3, "Running estimate of the relative error of wear depth, temperature rise and friction force")
+    real("estimated_error", &ONE, 1e-3, "Whole relative error of wear depth, temperature rise and friction force; 1: not known")
+        .output(ON_STATES),
+    real("estimated_step_error", &ONE, 1e-3, "Relative error bound of the reduction of the bodies and of the time steps alone")
         .output(ON_STATES),
     limit_reached(),
 ];

@@ -81,15 +81,6 @@ pub static SCHEME: EnumerationType = EnumerationType {
         ("explicit", "Explicit wear"),
     ],
 };
-pub static ESCALATION: EnumerationType = EnumerationType {
-    name: "Escalation",
-    description: "What happens when a run leaves what was planned for",
-    items: &[
-        ("off", "The level stays; logged once"),
-        ("prepared", "Rungs built at initialisation are used at once"),
-        ("next_communication_point", "The next rung is built when it is needed"),
-    ],
-};
 
 /// Temperatures of a fade table at start; the factors beside them are 1.
 const FADE_TEMPERATURES: &[f64] = &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
@@ -473,7 +464,6 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
     real("solver.tolerance", &ONE, 1e-3, "Relative tolerance; 0: the importer's if it gives one, else 1e-3")
         .within(0.0, 0.5),
     choice("solver.scheme", &SCHEME, 1, "Time stepping"),
-    choice("solver.escalation", &ESCALATION, 2, "What happens when a run leaves what was planned for"),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
         .within(1.0, 1e9)
         .start(1.0)

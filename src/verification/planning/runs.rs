@@ -4,7 +4,7 @@ use super::scenes::Generated;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::model::{Model, Operators};
-use crate::plan::rung::cost_per_step;
+use crate::plan::cost;
 use crate::scene::{Scene, value};
 use crate::variables::COUNT;
 
@@ -13,7 +13,7 @@ use crate::variables::COUNT;
 pub struct Record {
     /// Wear depth (m), contact temperature (K) and friction force (N) at the communication points.
     pub main: Vec<[f64; 3]>,
-    /// `estimated_error` there.
+    /// `estimated_step_error` there.
     pub estimated: Vec<f64>,
     /// Accepted and rejected internal steps.
     pub steps: (u64, u64),
@@ -70,11 +70,11 @@ pub fn run_with(generated: &Generated, operators: &Operators) -> Result<Record, 
             value!(values, "contact_temperature"),
             value!(values, "friction_force"),
         ]);
-        record.estimated.push(value!(values, "estimated_error"));
+        record.estimated.push(value!(values, "estimated_step_error"));
         inputs = next;
     }
     record.steps = model.work();
-    record.work = (record.steps.0 + record.steps.1) as f64 * cost_per_step(operators);
+    record.work = (record.steps.0 + record.steps.1) as f64 * cost::per_step(operators);
     record.seconds = [processor_seconds() - begin, setup];
     Ok(record)
 }

@@ -90,7 +90,6 @@ pub struct WearingContact {
     pub(super) own_compliance: Vec<f64>,
     pub(super) status: Status,
     pub(super) newton_iterations: u64,
-    pub(super) newton_tolerance: f64,
     pub(super) local: Vec<LocalState>,
     pub(super) slope: Vec<f64>,
     pub(super) kept: Vec<f64>,
@@ -123,7 +122,6 @@ impl WearingContact {
             own_compliance,
             status: Status::new(count),
             newton_iterations: 0,
-            newton_tolerance: 1e-12,
             local: vec![LocalState::default(); count],
             slope: vec![0.0; count],
             kept: vec![0.0; count],
@@ -195,11 +193,6 @@ impl WearingContact {
     /// Newton iterations of all stages so far.
     pub fn newton_iterations(&self) -> u64 {
         self.newton_iterations
-    }
-
-    /// Bound of the error that Newton's method leaves, relative to the largest local displacement; 1e-12 unless set.
-    pub fn set_newton_tolerance(&mut self, tolerance: f64) {
-        self.newton_tolerance = tolerance.clamp(1e-14, 1e-3);
     }
 
     /// What the next solution starts from.

@@ -21,6 +21,8 @@ use super::{Conditions, StageError, WearingContact};
 use crate::contact::{ContactState, Normal, Tilt};
 
 const NEWTON_LIMIT: usize = 60;
+/// Change, relative to the largest local displacement, that Newton's method may leave.
+const NEWTON_TOLERANCE: f64 = 1e-12;
 /// Change, relative to the largest local displacement, below which an iteration that no longer halves it has reached the rounding of
 /// its solutions: with many cells and their heat that is above the tolerance of Newton's method.
 const ROUNDING: f64 = 1e-9;
@@ -117,7 +119,7 @@ impl WearingContact {
             let settles = iteration > 1 && ratio < 0.5;
             let error = if settles { change * ratio / (1.0 - ratio) } else { change };
             let close = deviation <= CHORD_DEVIATION;
-            if close && error <= self.newton_tolerance * largest {
+            if close && error <= NEWTON_TOLERANCE * largest {
                 self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
                 if iteration > CHORD_ENOUGH {
                     self.renew(side);
@@ -213,7 +215,7 @@ impl WearingContact {
             let rounding = (ROUNDING * largest).max(ROUNDING_OF_GAP * widest);
             let rounded = change <= rounding && change > 0.5 * last;
             last = change;
-            if rounded || change <= self.newton_tolerance * largest {
+            if rounded || change <= NEWTON_TOLERANCE * largest {
                 converged = Ok(true);
                 self.status.strokes[side].diagonal.copy_from_slice(&self.diagonal);
                 break;

@@ -216,43 +216,6 @@ impl LineTrack {
         self.edges = edges;
     }
 
-    /// Ends (m) and mean depth (m) of the worn cells in their order; while strokes are averaged, of the mean profile about the middle
-    /// of the strokes.
-    pub fn spans(&self) -> impl DoubleEndedIterator<Item = ([f64; 2], f64)> {
-        let edge = |index: i64| index as f64 * self.cell;
-        let worn = (self.first..self.first + self.count as i64).map(move |k| ([edge(k), edge(k + 1)], self.at(k)));
-        let averaged = self.active().into_iter().flat_map(|averaged| {
-            let [below, above] = averaged.margins(&self.edges);
-            let cells = self.edges.windows(2).zip(averaged.shape()).map(|(ends, depth)| ([ends[0], ends[1]], *depth));
-            let middle = averaged.middle();
-            let all = std::iter::once(below).chain(cells).chain(std::iter::once(above));
-            all.map(move |(ends, depth)| (ends.map(|x| x + middle), depth))
-        });
-        worn.chain(averaged)
-    }
-
-    /// Becomes the track with these worn spans (ends and mean depths, in their order), under a contact at `position`. The volume is
-    /// that of the spans, to rounding, as long as the window holds them; beyond, what is far from the contact is forgotten.
-    pub fn take_over(&mut self, mut spans: impl DoubleEndedIterator<Item = ([f64; 2], f64)>, position: f64) {
-        self.depth.fill(0.0);
-        (self.first, self.count, self.forgotten, self.revisited) = (0, 0, None, false);
-        self.averaging = false;
-        // From far to near, so that the far ones are forgotten.
-        let far = |span: &Option<([f64; 2], f64)>| {
-            span.map_or(f64::NEG_INFINITY, |([low, high], _)| (0.5 * (low + high) - position).abs())
-        };
-        let (mut first, mut last) = (spans.next(), spans.next_back());
-        while first.is_some() || last.is_some() {
-            let taken = match far(&first) >= far(&last) {
-                true => std::mem::replace(&mut first, spans.next()),
-                false => std::mem::replace(&mut last, spans.next_back()),
-            };
-            if let Some((ends, depth)) = taken.filter(|(_, depth)| *depth != 0.0) {
-                self.deposit_piece(&ends, &[depth], 1.0, 0.0, 0.0);
-            }
-        }
-    }
-
     /// Goes on without averaging: the mean profile becomes the track under the middle of the strokes.
     fn resolve(&mut self) {
         let Some(averaged) = self.averaged.take() else { return };

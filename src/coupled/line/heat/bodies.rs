@@ -3,10 +3,9 @@
 use crate::coupled::lumped::operators::moving_source;
 use crate::coupled::lumped::shares::{Share, shares};
 use crate::elastic::scene::relative_radii;
-use crate::elastic::{self, Cells, Material, Merging};
+use crate::elastic::{self, Cells, Material};
 use crate::heat::line::LineHeat;
 use crate::heat::line::disc::DiscHeat;
-use crate::heat::line::merged::MergedHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
@@ -22,9 +21,6 @@ const FINEST: f64 = 2e-5;
 /// Part of the tolerance that the mean temperature of the punch may take, for fluxes of every frequency. The strip judges all waves at
 /// once and has its own part.
 const PUNCH_PART: f64 = 0.25;
-
-/// Tolerance of a probe's strip on a straight path over that of its other bodies: levels share the strip.
-const STRIP_OF_PROBE: f64 = 2.5;
 
 /// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
 const EXPECTED: f64 = 1.5;
@@ -130,13 +126,6 @@ impl Bodies {
         }
     }
 
-    /// The same bodies under merged cells.
-    pub fn merged(&self, merging: &Merging) -> Bodies {
-        let merge =
-            |body: Box<dyn LineHeat>| Mutex::new(Box::new(MergedHeat::new(body, merging.clone())) as Box<dyn LineHeat>);
-        Bodies { prototypes: self.copies().map(|body| body.map(merge)), rates: self.rates.clone(), ..*self }
-    }
-
     /// Bodies with memory of their own.
     pub fn copies(&self) -> [Option<Box<dyn LineHeat>>; 2] {
         self.prototypes.each_ref().map(|body| {
@@ -173,9 +162,6 @@ fn path_of(scene: &Scene) -> Path {
 
 /// Shortest step that is to be resolved, s: a 60th of a cycle of to-and-fro sliding, a thousandth of everything else.
 pub fn shortest(scene: &Scene) -> f64 {
-    if scene.shortest_step > 0.0 {
-        return scene.shortest_step;
-    }
     let cycle = match path_of(scene) {
         Path::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => 2.0 * stroke / scene.nominal_velocity / 60.0,
         _ => f64::INFINITY,
@@ -209,18 +195,11 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         path: path_of(scene),
         expansion,
     };
-    let way = if scene.is_probe() { scene.nominal_velocity * scene.nominal_duration } else { f64::INFINITY };
-    // On a closed path the mean temperature of the strip counts, which levels do not feel alike.
-    let part = if scene.is_probe() && scene.path == scene::Path::Straight { STRIP_OF_PROBE } else { 1.0 };
-    let tolerance = part * tolerance;
-    let mut resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance, way };
+    let (duration, way) = (scene.nominal_duration, f64::INFINITY);
+    let mut resolution = Resolution { duration, shortest: shortest(scene), tolerance, way };
     loop {
         let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
         if strip.states() <= MOST_STATES {
-            // A probe at a speed of its own finds what it asks for as it goes.
-            if scene.is_probe() {
-                return Ok(Some(strip.for_few_steps(scene.nominal_velocity)));
-            }
             strip.expect(EXPECTED * scene.nominal_velocity);
             return Ok(Some(strip));
         }

@@ -9,10 +9,6 @@ use crate::heat::line::Surroundings;
 use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, reference};
 
-/// Part of the bounds of reduction and time steps that is told, as for the mean: with heat on the cells both bounds hold for every
-/// cell and every step, and the means that are judged come out closer. Measured on generated scenes.
-const REPORTED: f64 = 0.1;
-
 impl Line {
     /// What acts on both bodies at `inputs` besides the contact.
     pub(in crate::coupled::line) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
@@ -82,7 +78,7 @@ impl Line {
         if let Some(own) = &heat.bodies[1] {
             value!(values, "strip.mean_temperature") = own.mean_temperature(&state.bodies[1]) + absolute;
         }
-        value!(values, "estimated_error") = REPORTED * (bodies.error + self.state.error);
+        value!(values, "estimated_step_error") = bodies.error + self.state.error;
     }
 
     /// Temperature of the contact along the line, mean of both surfaces.

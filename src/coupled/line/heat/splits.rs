@@ -10,12 +10,10 @@ use std::ops::{Index, IndexMut};
 /// Place of the splits that no other step asks for.
 const PASSING: usize = 0;
 
-/// Splits of both stages, each as an element of this. Nothing is allocated after construction, except where they are few.
+/// Splits of both stages, each as an element of this. Nothing is allocated after construction.
 #[derive(Debug)]
 pub struct Splits {
     sets: Vec<Set>,
-    /// Most of them.
-    most: usize,
     /// Those of either stage.
     current: [usize; 2],
     clock: u64,
@@ -42,19 +40,11 @@ impl Splits {
         Splits { sets: (0..most).map(|_| Set::like(split)).collect(), most, current: [PASSING; 2], clock: 0 }
     }
 
-    /// The same for runs that are short: memory for steps is taken when they are first made.
-    pub fn for_few_steps(split: &Split, count: usize) -> Splits {
-        Splits { sets: vec![Set::like(split)], most: 1 + kept_steps(count), current: [PASSING; 2], clock: 0 }
-    }
-
     /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.
     pub fn take(&mut self, key: (f64, f64)) -> bool {
         self.clock += 1;
         let known = (PASSING + 1..self.sets.len()).find(|&place| self.sets[place].splits[1].is_for(key));
         let place = known.unwrap_or_else(|| {
-            if self.sets.len() < self.most {
-                self.sets.push(Set::like(&self.sets[PASSING].splits[0]));
-            }
             (PASSING + 1..self.sets.len()).min_by_key(|&place| self.sets[place].used).unwrap_or(PASSING)
         });
         self.sets[place].used = self.clock;
@@ -117,32 +107,31 @@ mod tests {
     fn the_last_steps_are_kept_whatever_passes_between() {
         let split = || Split::new(&[1.0; 5], &[1.0; 5], 0.7).in_single_precision();
         let most = kept_steps(5);
-        for (mut splits, first) in [(Splits::new(&split(), 5), 1 + most), (Splits::for_few_steps(&split(), 5), 1)] {
-            assert_eq!(splits.sets.len(), first);
-            let mut built = 0;
-            let mut take = |splits: &mut Splits, step: usize| {
-                if !splits.take((step as f64, 0.1)) {
-                    (0..2).for_each(|stage| build(&mut splits[stage], step as f64));
-                    built += 1;
-                }
-                splits[0].extra(2.0);
-                let mut fresh = split();
-                build(&mut fresh, step as f64);
-                fresh.extra(2.0);
-                assert_eq!((splits[0].shares(), splits[0].extra_values()), (fresh.shares(), fresh.extra_values()));
-            };
-            for turn in 0..5 * most {
-                take(&mut splits, 1 + turn % most);
-                build(splits.take_passing(turn % 2), 0.5);
-                assert_eq!(splits.place(turn % 2), PASSING);
+        let mut splits = Splits::new(&split(), 5);
+        assert_eq!(splits.sets.len(), 1 + most);
+        let mut built = 0;
+        let mut take = |splits: &mut Splits, step: usize| {
+            if !splits.take((step as f64, 0.1)) {
+                (0..2).for_each(|stage| build(&mut splits[stage], step as f64));
+                built += 1;
             }
-            // One more takes the place of the one that was asked for longest ago.
-            take(&mut splits, 1 + most);
-            (2..=most).for_each(|step| take(&mut splits, step));
-            let mut copy = splits.clone();
-            assert!(copy.take((2.0, 0.1)) && !copy.take((1.0, 0.1)));
-            take(&mut splits, 1);
-            assert_eq!((built, splits.sets.len()), (most + 2, 1 + most));
+            splits[0].extra(2.0);
+            let mut fresh = split();
+            build(&mut fresh, step as f64);
+            fresh.extra(2.0);
+            assert_eq!((splits[0].shares(), splits[0].extra_values()), (fresh.shares(), fresh.extra_values()));
+        };
+        for turn in 0..5 * most {
+            take(&mut splits, 1 + turn % most);
+            build(splits.take_passing(turn % 2), 0.5);
+            assert_eq!(splits.place(turn % 2), PASSING);
         }
+        // One more takes the place of the one that was asked for longest ago.
+        take(&mut splits, 1 + most);
+        (2..=most).for_each(|step| take(&mut splits, step));
+        let mut copy = splits.clone();
+        assert!(copy.take((2.0, 0.1)) && !copy.take((1.0, 0.1)));
+        take(&mut splits, 1);
+        assert_eq!((built, splits.sets.len()), (most + 2, 1 + most));
     }
 }

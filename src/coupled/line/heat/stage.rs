@@ -133,8 +133,6 @@ impl Line {
         heat.linearised = false;
         let mut slip = moment.slip(stribeck);
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
-        // The levels of a probe are compared to some parts in ten thousand at the finest.
-        let agreement = if operators.scene.is_probe() { enough } else { AGREEMENT };
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
         heat.warmed = false;
         heat.acceleration.forget();
@@ -204,7 +202,7 @@ impl Line {
             // What an accelerated repetition changes follows no series.
             let [left, unlike_surfaces] = lacks.map_or(of_series, |lacks| [lacks.max(1.0) * change, lacking]);
             let left = left.max(unlike_surfaces / TEMPERATURE);
-            if settled && unlike <= agreement && (heat.exact[s] || left <= enough) {
+            if settled && unlike <= AGREEMENT && (heat.exact[s] || left <= enough) {
                 heat.repetitions = heat.repetitions.max(repetition);
                 self.finish_stage(heat, stage);
                 return Ok(());

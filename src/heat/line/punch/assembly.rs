@@ -57,7 +57,7 @@ impl<'a> Assembly<'a> {
                 Mode { wave: mode.wave, states, immediate }
             })
             .collect();
-        let count = summed_modes(&across, &depth, modes.len()).max(wanted.summed);
+        let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
         let waves = Waves::new(&across, cells, count);
         let errors = [selection.error, selection.mean_error];
         Assembly { across, depth, cooled, cells, modes, waves, wanted, errors }
@@ -235,7 +235,7 @@ impl<'a> Assembly<'a> {
         // A surface that has no area is not looked at.
         let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
         let mut first = 0;
-        for m in 0..self.wanted.summed.max(self.modes.len()) {
+        for m in 0..SUMMED_MODES.max(self.modes.len()) {
             let mode = self.modes.get(m);
             let wave = self.waves.wave(m);
             let exposure = self.exposure(wave);
@@ -260,7 +260,7 @@ impl<'a> Assembly<'a> {
         if self.across.sides != Sides::Closed && self.cooled.by == By::Sides {
             // The sides' heat close to them, in the modes left out: a sum of 1/m^2.
             let width = 2.0 * self.across.half_width;
-            let count = 0.5 * self.wanted.summed.max(self.modes.len()) as f64;
+            let count = 0.5 * SUMMED_MODES.max(self.modes.len()) as f64;
             let square = self.across.cooled.powi(2) * 2.0 / width;
             let sum = (0.5 * width / std::f64::consts::PI).powi(2) / count;
             let beyond = square * self.depth.height / (length * self.depth.conductivity) * sum;

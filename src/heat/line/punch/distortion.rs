@@ -51,10 +51,6 @@ fn discretization(tolerance: f64) -> Discretization {
 /// Tolerance at which fewer layers do.
 const COARSE: f64 = 5e-3;
 
-/// For a probe, which compares levels of the same distortion: their differences change by less than 1 %.
-const BY_PROBE: Discretization =
-    Discretization { order: 4, contact_layers: 2, top_layers: 2, grading: Discretization::CORNER_GRADING };
-
 impl Distortion {
     /// None where nothing expands.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
@@ -70,7 +66,7 @@ impl Distortion {
         } else {
             let width = 2.0 * cells.half_width();
             let properties = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio };
-            let discretization = if scene.is_probe() { BY_PROBE } else { discretization(scene.tolerance) };
+            let discretization = discretization(scene.tolerance);
             Kind::Block(Box::new(Block::new(properties, discretization)?))
         };
         let points = match &kind {
@@ -269,7 +265,7 @@ impl Assembly<'_> {
         let mut by_port: Vec<(usize, usize, f64)> = Vec::new();
         let first = self.modes.iter().scan(0, |next, mode| Some(std::mem::replace(next, *next + mode.states.len())));
         let first: Vec<usize> = first.collect();
-        for m in 0..self.wanted.distorting.max(self.modes.len()) {
+        for m in 0..DISTORTING_MODES.max(self.modes.len()) {
             let mode = self.modes.get(m);
             let wave = self.waves.wave(m);
             match mode {
@@ -323,8 +319,8 @@ impl Assembly<'_> {
             }
         }
         // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a short wave.
-        let longest = self.wanted.distorting.max(self.modes.len());
-        let mut short = self.waves.sum(longest..self.wanted.summed.max(longest), |_, wave| {
+        let longest = DISTORTING_MODES.max(self.modes.len());
+        let mut short = self.waves.sum(longest..SUMMED_MODES.max(longest), |_, wave| {
             distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
         });
         for (mut row, width) in short.row_iter_mut().zip(&operators.widths) {

@@ -66,7 +66,7 @@ impl Assembly<'_> {
     /// Gives what answers at once states of its own; call it when all other operators are complete.
     pub(super) fn delay(&self, operators: &mut Operators) {
         let count = self.cells.count();
-        let beyond = self.modes.len().max(1)..self.wanted.summed.max(self.modes.len());
+        let beyond = self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len());
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
         let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
         let mut moment = self.waves.sum(beyond, |_, wave| self.time_to_follow(wave.decay) * impedance(wave));

@@ -1,0 +1,43 @@
+//! Leaving what was planned for: the level stays, the log says so once, and the error is unknown from then on.
+
+use super::{Component, Subject, inputs_of};
+use crate::coupled::INPUTS;
+use crate::coupled::lumped::limit;
+use crate::scene::value;
+
+impl Component {
+    /// Looks whether the step that ended still was what the plan is for: within the nominal conditions, and below the critical speed
+    /// where the plan was.
+    pub(super) fn watch_plan(&mut self) {
+        let (Some(prepared), Some(model)) = (&self.prepared, &self.model) else { return };
+        if self.beyond_plan {
+            return;
+        }
+        let inputs: [f64; INPUTS] = inputs_of(&self.values);
+        let scene = &prepared.requested;
+        let work = model.friction_work();
+        let speed = inputs[0] + scene.mean_radius * inputs[2];
+        let unstable = model.limits() & limit::UNSTABLE != 0;
+        if !(unstable || prepared.is_beyond(speed, inputs[1], work)) {
+            return;
+        }
+        self.beyond_plan = true;
+        let (velocity, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
+        let planned_work = prepared.planned_work();
+        let beyond = format_args!(
+            "the run leaves what solver.fidelity = auto was planned for: {speed} m/s, {} N and {work} J of friction, planned for \
+             nominal.velocity = {velocity} m/s, nominal.load = {load} N and {planned_work} J in nominal.duration = {duration} s; the \
+             level stays, and estimated_error is 1 from here on",
+            inputs[1]
+        );
+        self.messages.add(Subject::Warning, beyond);
+    }
+
+    /// Completes the account, which has the error of reduction and time steps, by the whole error.
+    pub(super) fn add_estimated_error(&mut self) {
+        if let Some(prepared) = &self.prepared {
+            let steps = value!(self.values, "estimated_step_error");
+            value!(self.values, "estimated_error") = prepared.estimated_error(steps, self.beyond_plan);
+        }
+    }
+}
