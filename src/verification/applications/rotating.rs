@@ -1,7 +1,7 @@
 //! Clutches and rings, and speeds on both sides of the critical one.
 
 use super::Family;
-use super::courses::{engagements, held, run_up};
+use super::courses::{engagements, held};
 
 pub(super) static FAMILIES: &[Family] = &[
     // Dry clutches that engage.

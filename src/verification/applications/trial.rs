@@ -83,7 +83,7 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
     let mut component = Component::new(Arc::new(starts));
     let inputs = [reference("sliding_velocity"), reference("normal_load")];
     let course = &application.course;
-    let mut set = |component: &mut Component, point: usize| {
+    let set = |component: &mut Component, point: usize| {
         for (input, value) in inputs.into_iter().zip(&course[point][1..]) {
             component.set_input(input, *value);
         }
