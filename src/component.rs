@@ -14,7 +14,7 @@ pub use snapshot::Snapshot;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::limit;
-use crate::coupled::model::Model;
+use crate::coupled::model::{Model, Operators};
 use crate::plan::prepared::Prepared;
 use crate::scene::{Scene, ThermalBoundary, value};
 use crate::variables::{COUNT, ValueReference, lookup, reference};
@@ -498,5 +498,10 @@ impl Component {
     /// Accepted and rejected internal steps since initialisation: the work counters of the charts.
     pub fn work(&self) -> (u64, u64) {
         self.model.as_ref().map_or((0, 0), Model::work)
+    }
+
+    /// What the present level is made of; `None` before initialisation.
+    pub fn operators(&self) -> Option<Operators> {
+        self.model.as_ref().map(Model::operators)
     }
 }

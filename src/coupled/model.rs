@@ -74,6 +74,14 @@ impl Operators {
         }
     }
 
+    /// Cells of the contact; 1 at the lumped level.
+    pub fn cells(&self) -> usize {
+        match self {
+            Operators::Lumped(_) => 1,
+            Operators::Line(operators) => operators.count(),
+        }
+    }
+
     /// The same contact line with its heat by the mean: no elastic body is built anew. The lumped level is what it is.
     pub fn with_mean_heat(&self) -> Operators {
         match self {

@@ -1,38 +1,39 @@
-//! Errors of the levels, measured: every level takes the whole nominal course, and so does a finer reference.
+//! Errors of the levels, measured: every level takes the whole nominal course, and so does a finer one.
 //!
-//! The reference is the contact line on twice the cells of the finest candidate, with a quarter of the tolerance in its bodies and its
-//! steps: what a candidate differs from it by holds its level, its cells, the reduction of its bodies and its time steps together. With
-//! `d(c)` that difference, over the largest value of the reference, and `r` the ratio by which the differences of successive
-//! references fall, the reference itself is off by
+//! The contact line is run on 9, 17, 33, ... cells as it would be run for the user: with its own bodies, steps and tolerance. With d the
+//! largest difference of an output between two runs, over the largest value of the finer one, and r the ratio by which the differences of
+//! successive refinements fall, the finest cells n are off by about
 //!
 //! ```text
-//! e = d/(r - 1)      d the difference of the last two references
+//! e(n) = d(n/2, n)/(r - 1),
 //! ```
 //!
-//! and a candidate by `d(c) + e`. Before there are two references `d` is that of the finest candidate, and `r` is taken as 2: first
-//! order in the cells. Cells are doubled until a candidate meets the tolerance or the next reference would cost more than
-//! [`BUDGET`]; finer cells than were run are extrapolated with `r`.
+//! and every other level c by `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cells. What reduction and
+//! time steps add is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
+//! proportional to it, so twice the difference. Cells are doubled until a level meets the tolerance or another doubling would cost more
+//! than [`BUDGET`]; finer cells than were run are extrapolated with r.
 //!
-//! Reciprocating courses are shorter than the nominal duration. Their errors of temperature and force are carried on by the factor
-//! that they have grown with from half of what was run to all of it, per doubling of the time.
+//! A reciprocating course is shorter than the nominal duration, and a run may end early where it needs more steps than the budget has.
+//! Errors of temperature and force are then carried on with the power of the time with which they grew over the last half of the run.
 
+use super::Candidate;
 use super::cost::{self, build_cost};
 use super::course::{Course, Run, distance};
 use super::rung::{CELLS, Rung};
-use super::Candidate;
 use crate::coupled::line::heat::bodies::on_the_cells;
 use crate::coupled::model::Operators;
 use crate::scene::{HeatAlongContact, Scene};
 
-/// Cost of a comparison beyond which no finer reference is run, microseconds of a core of 3 GHz; see [`cost`].
-const BUDGET: f64 = 100e3;
+/// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which hold a step whose
+/// operators are made anew: some 100 ms.
+const BUDGET: f64 = 400e3;
 
 /// Part of the budget that one run may take, and the least steps that every run may take.
 const RUN_PART: f64 = 0.4;
 const LEAST_STEPS: f64 = 200.0;
 
-/// Tolerance of a reference over that of the scene, and the finest of one.
-const REFERENCE_TOLERANCE: (f64, f64) = (0.25, 2e-5);
+/// Expected cost of the next doubling over that of the last.
+const DEARER: f64 = 2.5;
 
 /// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower bound is
 /// that of a temperature under a pressure that is singular at the edge.
@@ -42,8 +43,14 @@ const RATIO: (f64, f64) = (1.5, 4.0);
 /// Ratio of successive differences below which cells are taken not to converge, where the last difference is above this.
 const CONVERGING: (f64, f64) = (1.1, 0.05);
 
-/// Bounds of the growth of an error with every doubling of the time.
-const GROWTH: (f64, f64) = (0.8, 1.4);
+/// Least part of a unidirectional course from which its end can be told.
+const TELLING: f64 = 0.2;
+
+/// Bounds of the power of the time with which an error is carried on.
+const GROWTH: (f64, f64) = (-0.3, 0.5);
+
+/// Tolerance of the runs that reduction and time steps are judged by, over that of the scene.
+const STRICTER: f64 = 0.5;
 
 /// What was found.
 #[derive(Clone, Debug)]
@@ -52,225 +59,251 @@ pub struct Comparison {
     pub candidates: Vec<Candidate>,
     /// The levels that were run, as they are for the scene.
     pub operators: Vec<(Rung, Operators)>,
-    /// A contact line of the scene.
+    /// The finest contact line that was run.
     pub line: Operators,
-    /// Whether the references converge as their cells are doubled, to a part of the tolerance where heat may grow.
-    pub converges: bool,
-    /// Cells of the finest level that was run as a candidate.
-    pub finest: usize,
+    /// Whether the error is known: the cells converge, and enough of the course was run.
+    pub is_known: bool,
     /// Peak rise of the contact temperature, K.
     pub rise: f64,
     /// Internal steps of all runs.
     pub steps: u64,
-    /// Part of the nominal duration that the reference covers.
+    /// Part of the nominal duration that the finest line covers.
     pub covered: f64,
-    /// Cost of the comparison, microseconds.
+    /// Cost of the comparison, counted microseconds.
     pub cost: f64,
+}
+
+/// A level that was run.
+struct Level {
+    rung: Rung,
+    operators: Operators,
+    run: Run,
 }
 
 /// Runs of a comparison so far.
 struct Progress<'a> {
-    scene: &'a Scene,
     course: &'a Course,
-    /// Heat of the contact line.
+    /// Heat of the contact line, where it is resolved as far as it feeds back.
     heat: HeatAlongContact,
+    levels: Vec<Level>,
+    /// Errors by reduction and time steps of the lumped level, of a line with its heat by the mean, and of one with heat on its cells.
+    step_errors: [[f64; 3]; 3],
     cost: f64,
     steps: u64,
-    runs: Vec<(Rung, Operators, Run)>,
+}
+
+/// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: heat is on the cells where the
+/// contact line has it there. `may_grow`: cells that do not agree to `enough` are taken not to converge.
+///
+/// # Errors
+/// What a level or a step of it refuses.
+pub fn compare(
+    scene: &Scene,
+    course: &Course,
+    enough: f64,
+    by_cells: bool,
+    may_grow: bool,
+) -> Result<Comparison, String> {
+    let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
+    // Strokes are run with the wear of the whole duration: what they are run on is not what the user runs.
+    let run_scene = &course.scene(scene);
+    let whole = Rung::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(run_scene);
+    let heat = match by_cells && on_the_cells(&whole) {
+        true => HeatAlongContact::OnTheCells,
+        false => HeatAlongContact::ByItsMean,
+    };
+    let mut progress = Progress { course, heat, levels: Vec::new(), step_errors: [[0.0; 3]; 3], cost: 0.0, steps: 0 };
+    let mean = progress.lumped(run_scene)?;
+    progress.line(run_scene, first, &mean)?;
+    progress.measure_steps(run_scene, first)?;
+    let mut cells = first;
+    loop {
+        let before = progress.cost;
+        cells = doubled(cells);
+        match progress.line(run_scene, cells, &mean) {
+            Err(reason) if progress.lines().count() < 2 => return Err(reason),
+            Err(_) => break,
+            Ok(()) => {}
+        }
+        let judgement = progress.judge(may_grow.then_some(enough))?;
+        let met = judgement.candidates.iter().any(|candidate| candidate.error() <= enough) && judgement.is_known;
+        let next = progress.cost + DEARER * (progress.cost - before);
+        if met || scene.cells > 0 || next > BUDGET || cells == CELLS[CELLS.len() - 1] {
+            break;
+        }
+    }
+    let Judgement { mut candidates, ratio, is_known } = progress.judge(may_grow.then_some(enough))?;
+    match scene.cells {
+        0 => progress.extrapolate(&mut candidates, ratio),
+        own => candidates.retain(|candidate| candidate.rung == Rung::Lumped || candidate.rung.cells() == own),
+    }
+    candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
+    let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
+    let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
+    let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
+    let (steps, cost) = (progress.steps, progress.cost);
+    let operators = match course.repeats > 1.0 {
+        true => Vec::new(),
+        false => progress.levels.into_iter().map(|level| (level.rung, level.operators)).collect(),
+    };
+    Ok(Comparison { candidates, operators, line, is_known, rise, steps, covered, cost })
+}
+
+/// Errors of the levels so far.
+struct Judgement {
+    candidates: Vec<Candidate>,
+    /// Ratio by which the error falls when the cells are doubled.
+    ratio: f64,
+    is_known: bool,
+}
+
+/// About twice as many cells: the entries of [`CELLS`] one after the other.
+fn doubled(cells: usize) -> usize {
+    (2 * cells).saturating_sub(1).clamp(2, CELLS[CELLS.len() - 1])
 }
 
 impl Progress<'_> {
+    /// Runs the course on `operators`.
     fn run(&mut self, operators: &Operators) -> Result<Run, String> {
         let per_step = cost::per_step(operators);
         let most = (RUN_PART * BUDGET / per_step).max(LEAST_STEPS);
         let run = self.course.run(operators, most as u32)?;
-        if run.history.is_empty() {
-            return Err(format!("{most} internal steps do not reach a thousandth of the nominal duration"));
+        if run.history.len() < 2 {
+            return Err(format!("{most:.0} internal steps do not reach a hundredth of the nominal duration"));
         }
         self.cost += run.steps as f64 * per_step;
         self.steps += run.steps;
         Ok(run)
     }
 
-    fn built(&mut self, operators: Operators) -> Operators {
-        self.cost += build_cost(&operators);
-        operators
-    }
-
-    fn candidate(&mut self, rung: Rung, operators: Operators) -> Result<(), String> {
+    fn add(&mut self, rung: Rung, operators: Operators) -> Result<(), String> {
         let run = self.run(&operators)?;
-        self.runs.push((rung, operators, run));
+        self.levels.push(Level { rung, operators, run });
         Ok(())
     }
 
-    /// The contact line on `cells` cells as a candidate, and the same with its heat by the mean.
-    fn line(&mut self, cells: usize, mean: &Operators) -> Result<(), String> {
-        let heat = self.heat;
-        let rung = Rung::Line { cells, heat };
-        let line = mean.line_beside(&rung.apply(self.scene))?;
-        let line = self.built(line);
-        if heat == HeatAlongContact::OnTheCells {
-            let rung = Rung::Line { cells, heat: HeatAlongContact::ByItsMean };
-            self.candidate(rung, line.with_mean_heat())?;
-        }
-        self.candidate(rung, line)
+    fn lumped(&mut self, scene: &Scene) -> Result<Operators, String> {
+        let operators = Operators::new(&Rung::Lumped.apply(scene))?;
+        self.cost += build_cost(&operators);
+        self.add(Rung::Lumped, operators.clone())?;
+        Ok(operators)
     }
-}
 
-/// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: heat is on the cells where the
-/// contact line has it there.
-///
-/// # Errors
-/// What a level or a step of it refuses.
-pub fn compare(scene: &Scene, course: &Course, enough: f64, by_cells: bool, may_grow: bool) -> Result<Comparison, String> {
-    let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
-    let mut probe = Rung::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(scene);
-    let heat = match by_cells && on_the_cells(&probe) {
-        true => HeatAlongContact::OnTheCells,
-        false => HeatAlongContact::ByItsMean,
-    };
-    probe.tolerance = (REFERENCE_TOLERANCE.0 * scene.tolerance).max(REFERENCE_TOLERANCE.1).min(scene.tolerance);
-    let mut progress = Progress { scene, course, heat, cost: 0.0, steps: 0, runs: Vec::new() };
-    let mean = Operators::new(&Rung::Lumped.apply(scene))?;
-    let mean = progress.built(mean);
-    progress.candidate(Rung::Lumped, mean.clone())?;
-    let mut references: Vec<(usize, Run)> = Vec::new();
-    let mut last_cost = 0.0;
-    let mut cells = first;
-    loop {
-        let before = progress.cost;
-        if let Err(reason) = progress.line(cells, &mean) {
-            if references.is_empty() {
-                return Err(reason);
+    /// The contact line on `cells` cells beside the lumped level `mean`, and the same with its heat by the mean.
+    fn line(&mut self, scene: &Scene, cells: usize, mean: &Operators) -> Result<(), String> {
+        let rung = Rung::Line { cells, heat: self.heat };
+        let line = mean.line_beside(&rung.apply(scene))?;
+        self.cost += build_cost(&line);
+        if self.heat == HeatAlongContact::OnTheCells {
+            self.add(Rung::Line { cells, heat: HeatAlongContact::ByItsMean }, line.with_mean_heat())?;
+        }
+        self.add(rung, line)
+    }
+
+    /// Measures what reduction and time steps add to the error.
+    fn measure_steps(&mut self, scene: &Scene, cells: usize) -> Result<(), String> {
+        let mut stricter = scene.clone();
+        stricter.tolerance *= STRICTER;
+        let mut finer = Progress { levels: Vec::new(), ..*self };
+        let mean = finer.lumped(&stricter)?;
+        finer.line(&stricter, cells, &mean)?;
+        (self.cost, self.steps) = (finer.cost, finer.steps);
+        for (level, finer) in self.levels.iter().zip(&finer.levels) {
+            let apart = self.carried_on(&level.run, &finer.run);
+            self.step_errors[kind(level.rung)] = apart.map(|apart| apart / (1.0 - STRICTER));
+        }
+        Ok(())
+    }
+
+    /// Contact lines with their heat resolved, from coarse to fine.
+    fn lines(&self) -> impl DoubleEndedIterator<Item = &Level> {
+        self.levels.iter().filter(|level| level.rung.heat() == Some(self.heat))
+    }
+
+    /// Errors of all levels. `agreed`: the difference that the finest lines may have.
+    fn judge(&self, agreed: Option<f64>) -> Result<Judgement, String> {
+        let mut lines = self.lines().rev();
+        let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
+            return Err("one contact line has nothing to be compared with".into());
+        };
+        let between = self.carried_on(&before.run, &finest.run);
+        let measured = lines.next().map(|earlier| {
+            let earlier = self.carried_on(&earlier.run, &before.run);
+            largest(earlier) / largest(between)
+        });
+        // Equal to the last bit: as good as it gets.
+        let measured = measured.map(|ratio| if ratio.is_nan() { RATIO.1 } else { ratio });
+        let ratio = measured.unwrap_or(ASSUMED_RATIO).clamp(RATIO.0, RATIO.1);
+        let own = between.map(|apart| apart / (ratio - 1.0));
+        let converges = match agreed {
+            Some(agreed) => largest(between) <= agreed,
+            None => measured.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
+        };
+        let reciprocating = self.course.repeats > 1.0;
+        let told = reciprocating || self.course.part(finest.run.history.len()) >= TELLING;
+        let candidates = self.levels.iter().map(|level| {
+            let apart = self.carried_on(&level.run, &finest.run);
+            let steps = self.step_errors[kind(level.rung)];
+            Candidate {
+                rung: level.rung,
+                errors: std::array::from_fn(|output| apart[output] + own[output] + steps[output]),
+                cost: cost::per_step(&level.operators),
+                run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
-            break;
-        }
-        let twice = doubled(cells);
-        let reference = Operators::new(&Rung::Line { cells: twice, heat }.apply(&probe));
-        let reference = reference.and_then(|operators| {
-            let operators = progress.built(operators);
-            progress.run(&operators)
         });
-        match reference {
-            Ok(run) => references.push((twice, run)),
-            Err(reason) if references.is_empty() => return Err(reason),
-            Err(_) => break,
-        }
-        last_cost = (progress.cost - before).max(last_cost);
-        let found = judge(&progress, &references, may_grow.then_some(enough));
-        let met = found.0.iter().any(|candidate| candidate.error() <= enough) && (found.2 || references.len() > 1);
-        // The work of twice the cells: their pairs, and more of the bodies' states.
-        if met || scene.cells > 0 || progress.cost + 2.5 * last_cost > BUDGET || twice >= 129 {
-            break;
-        }
-        cells = twice;
+        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges && told })
     }
-    let (mut candidates, ratio, converges) = judge(&progress, &references, may_grow.then_some(enough));
-    if scene.cells == 0 {
-        extrapolate(&mut candidates, &progress, ratio);
+
+    /// Expected internal steps of the nominal duration.
+    fn steps_of(&self, run: &Run) -> f64 {
+        run.steps as f64 / self.course.part(run.history.len())
     }
-    candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
-    let reference = references.last().map(|(_, run)| run).ok_or("no level could be compared")?;
-    let rise = reference.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
-    let covered = course.part(reference.history.len());
-    let finest = progress.runs.iter().map(|(rung, ..)| rung.cells()).max().unwrap_or(1);
-    let line = progress.runs.iter().rev().find(|(rung, ..)| *rung != Rung::Lumped).map(|(_, operators, _)| operators);
-    Ok(Comparison {
-        candidates,
-        line: line.ok_or("no contact line could be compared")?.clone(),
-        converges,
-        finest,
-        rise,
-        steps: progress.steps,
-        covered,
-        cost: progress.cost,
-        operators: progress.runs.into_iter().map(|(rung, operators, _)| (rung, operators)).collect(),
-    })
-}
 
-/// About twice as many cells: those of the next entry of [`CELLS`].
-fn doubled(cells: usize) -> usize {
-    (2 * cells).saturating_sub(1).clamp(2, CELLS[CELLS.len() - 1])
-}
-
-/// Errors of all candidates, the ratio by which those of the cells fall, and whether the references converge. `agreed`: they have to
-/// agree to this.
-fn judge(progress: &Progress, references: &[(usize, Run)], agreed: Option<f64>) -> (Vec<Candidate>, f64, bool) {
-    let last = &references[references.len() - 1].1;
-    let course = progress.course;
-    let finest = progress.runs.iter().rev().find(|(rung, ..)| rung.heat() == Some(progress.heat));
-    let finest = finest.map_or([0.0; 3], |(.., run)| carried_on(course, run, last));
-    let between = match references.len().checked_sub(2) {
-        Some(before) => carried_on(course, &references[before].1, last),
-        None => finest,
-    };
-    let earlier = match references.len().checked_sub(3) {
-        Some(first) => Some(carried_on(course, &references[first].1, &references[first + 1].1)),
-        // The coarsest cells against the first reference stand for the difference before.
-        None if references.len() == 2 => {
-            let coarse = progress.runs.iter().find(|(rung, ..)| rung.heat() == Some(progress.heat));
-            coarse.map(|(.., run)| carried_on(course, run, &references[0].1))
+    /// Difference of two runs over what both cover, that of temperature and force carried on to the nominal duration.
+    fn carried_on(&self, run: &Run, finer: &Run) -> [f64; 3] {
+        let count = run.history.len().min(finer.history.len());
+        let apart = distance(&run.history[..count], &finer.history[..count]);
+        let (part, half) = (self.course.part(count), count / 2);
+        if part > 0.99 || half == 0 {
+            return apart;
         }
-        None => None,
-    };
-    let ratio = earlier.map_or(ASSUMED_RATIO, |earlier| largest(earlier) / largest(between));
-    let ratio = if ratio.is_nan() { RATIO.1 } else { ratio };
-    let bounded = ratio.clamp(RATIO.0, RATIO.1);
-    let own = between.map(|apart| apart / (bounded - 1.0));
-    let converges = match agreed {
-        Some(agreed) => largest(between) <= agreed,
-        None => ratio >= CONVERGING.0 || largest(between) <= CONVERGING.1,
-    };
-    let candidates = progress.runs.iter().map(|(rung, operators, run)| {
-        let apart = carried_on(course, run, last);
-        let whole = run.steps as f64 / course.part(run.history.len());
-        Candidate {
-            rung: *rung,
-            errors: std::array::from_fn(|output| apart[output] + own[output]),
-            cost: cost::per_step(operators),
-            run_cost: cost::per_step(operators) * whole,
-        }
-    });
-    (candidates.collect(), bounded, converges)
-}
-
-/// Difference of two runs over what both cover, temperature and force carried on to the whole nominal duration.
-fn carried_on(course: &Course, run: &Run, reference: &Run) -> [f64; 3] {
-    let count = run.history.len().min(reference.history.len());
-    let apart = distance(&run.history[..count], &reference.history[..count]);
-    let part = course.part(count);
-    let half = count / 2;
-    if part >= 0.99 || half == 0 {
-        return apart;
+        let before = distance(&run.history[..half], &finer.history[..half]);
+        let doublings = (part / self.course.part(half)).log2();
+        std::array::from_fn(|output| {
+            // Wear is accelerated: its end has been seen.
+            if output == 0 || apart[output] == 0.0 {
+                return apart[output];
+            }
+            let power = ((apart[output] / before[output]).log2() / doublings).clamp(GROWTH.0, GROWTH.1);
+            apart[output] * part.powf(-power)
+        })
     }
-    let before = distance(&run.history[..half], &reference.history[..half]);
-    let doublings = (1.0 / part).log2();
-    std::array::from_fn(|output| match output {
-        // Wear is accelerated: its end has been seen.
-        0 => apart[0],
-        _ if apart[output] > 0.0 => {
-            apart[output] * (apart[output] / before[output]).clamp(GROWTH.0, GROWTH.1).powf(doublings)
+
+    /// Adds finer cells than were run. Heat by the mean beside cells that carry it has an error that finer cells leave.
+    fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64) {
+        let finest = candidates.iter().rev().find(|candidate| candidate.rung.heat() == Some(self.heat)).copied();
+        let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
+        let cells = finest.rung.cells();
+        let steps = self.step_errors[kind(finest.rung)];
+        for count in CELLS.into_iter().filter(|&count| count > cells) {
+            let factor = (cells as f64 / count as f64).powf(ratio.log2());
+            let cost = cost::per_step_of(count, cost::states(&level.operators));
+            candidates.push(Candidate {
+                rung: Rung::Line { cells: count, heat: self.heat },
+                errors: std::array::from_fn(|output| (finest.errors[output] - steps[output]) * factor + steps[output]),
+                cost,
+                run_cost: cost * self.steps_of(&level.run),
+            });
         }
-        _ => 0.0,
-    })
+    }
 }
 
-/// Adds finer cells than were run. Heat by the mean beside cells that carry it has an error that finer cells leave.
-fn extrapolate(candidates: &mut Vec<Candidate>, progress: &Progress, ratio: f64) {
-    let finest = candidates.iter().rev().find(|candidate| candidate.rung.heat() == Some(progress.heat)).copied();
-    let run = progress.runs.iter().rev().find(|(rung, ..)| rung.heat() == Some(progress.heat));
-    let (Some(finest), Some((_, operators, run))) = (finest, run) else { return };
-    let whole = run.steps as f64 / progress.course.part(run.history.len());
-    let cells = finest.rung.cells();
-    for count in CELLS.into_iter().filter(|&count| count > cells) {
-        let factor = (cells as f64 / count as f64).powf(ratio.log2());
-        let cost = cost::per_step_of(count, cost::states(operators));
-        candidates.push(Candidate {
-            rung: Rung::Line { cells: count, heat: progress.heat },
-            errors: finest.errors.map(|error| error * factor),
-            cost,
-            run_cost: cost * whole,
-        });
+/// Place of a level's errors by its steps.
+fn kind(rung: Rung) -> usize {
+    match rung.heat() {
+        None => 0,
+        Some(HeatAlongContact::ByItsMean) => 1,
+        Some(_) => 2,
     }
 }
 

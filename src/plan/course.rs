@@ -82,7 +82,16 @@ impl Course {
         Some(Course { segments, load, repeats: (duration / (half * count)).max(1.0) })
     }
 
-    /// Runs the course. It ends early where it needs more than `most` internal steps.
+    /// The scene that the course is run with: its wear is that of the nominal duration. Not by `wear_acceleration`, which is refused where it
+    /// hides growth: levels are compared only.
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        scene.punch.wear_coefficient *= self.repeats;
+        scene.strip.wear_coefficient *= self.repeats;
+        scene
+    }
+
+    /// Runs the course on operators of [`Course::scene`]. It ends early where it needs more than `most` internal steps.
     ///
     /// # Errors
     /// What a step refuses.
@@ -91,7 +100,7 @@ impl Course {
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,
             ambient_temperature: scene.ambient_temperature,
-            wear_acceleration: scene.wear_acceleration * self.repeats,
+            wear_acceleration: scene.wear_acceleration,
         };
         let ambient = scene.ambient_temperature;
         let mut inputs: [f64; INPUTS] = [self.segments[0].velocity[0], self.load, 0.0, 0.0, 0.0, ambient, ambient];

@@ -3,8 +3,8 @@
 //! # How
 //!
 //! Every level takes the whole nominal course ([`course`]) as it would be run: with its own bodies, steps and tolerance. Its error is
-//! measured against a finer reference ([`comparison`]), and holds the level, the cells, the reduction of the bodies and the time steps
-//! together. Levels are judged by the contact line as `solver.fidelity = line` runs it: with heat on its cells where that feeds back on
+//! measured against finer cells and a stricter tolerance ([`comparison`]), and holds the level, the cells, the reduction of the bodies
+//! and the time steps together. Levels are judged by the contact line as `solver.fidelity = line` runs it: with heat on its cells where that feeds back on
 //! the pressure, and by its mean elsewhere.
 //!
 //! The plan depends on computed numbers alone, never on timings: the same scene has the same plan on every machine.
@@ -151,14 +151,15 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
     let enough = SAFETY * scene.tolerance;
     let candidates = &comparison.candidates;
     let good = candidates.iter().find(|candidate| candidate.error() <= enough);
-    let most = if comparison.converges { MOST_IN_VAIN.max(comparison.finest) } else { comparison.finest };
+    let finest = comparison.line.cells();
+    let most = if comparison.is_known { finest.max(MOST_IN_VAIN) } else { finest };
     let within = candidates.iter().filter(|candidate| candidate.rung.cells() <= most);
     let best = within.min_by(|one, other| one.error().total_cmp(&other.error()));
     let Some(&chosen) = good.or(best) else { return Err("a plan without candidates".into()) };
-    let known = doubt.is_none() && comparison.converges;
+    let known = doubt.is_none() && comparison.is_known;
     let reason = match (good, doubt) {
         (_, Some(reason)) => reason,
-        _ if !comparison.converges => "the cells do not converge: its error is not known".to_owned(),
+        _ if !comparison.is_known => "the cells do not converge over the nominal duration: its error is not known".to_owned(),
         (Some(_), _) => "the cheapest whose estimated error is below the tolerance".to_owned(),
         (None, _) => format!("no level has an estimated error below the tolerance; this one has {:.1e}", chosen.error()),
     };

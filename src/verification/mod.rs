@@ -5,6 +5,8 @@
 //! they judge: closed forms stand here, and the rest is computed in [`reference`] by another method.
 
 mod annulus;
+#[cfg(feature = "scene-file")]
+pub mod applications;
 mod bodies;
 mod component;
 mod contact_line;

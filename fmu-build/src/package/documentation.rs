@@ -230,7 +230,7 @@ mod tests {
                 "warnings.push(format!(",
                 1,
             ),
-            ("escalation", include_str!("../../../src/component/escalation.rs"), "let beyond = format_args!(", 1),
+            ("leaving the plan", include_str!("../../../src/component/plan_watch.rs"), "let beyond = format_args!(", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::WEAR, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "(limit::TEMPERATURE, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "limit::VALIDITY,", 1),

@@ -143,7 +143,7 @@ fn project(
     let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
     let points = Points::new(depth.height, steepest, &extra);
     let selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
-    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &selection), *wanted);
+    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &selection));
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;

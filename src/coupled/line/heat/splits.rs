@@ -37,7 +37,7 @@ impl Splits {
     /// Memory for splits like the one of a stage on `count` cells.
     pub fn new(split: &Split, count: usize) -> Splits {
         let most = 1 + kept_steps(count);
-        Splits { sets: (0..most).map(|_| Set::like(split)).collect(), most, current: [PASSING; 2], clock: 0 }
+        Splits { sets: (0..most).map(|_| Set::like(split)).collect(), current: [PASSING; 2], clock: 0 }
     }
 
     /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.

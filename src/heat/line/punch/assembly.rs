@@ -5,7 +5,7 @@ use super::depth::{Depth, Points, Shape, Top};
 use super::selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
-use super::{AMBIENT, By, COOLING, Cooled, FAR, Wanted};
+use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::elastic::Cells;
 use crate::heat::line::reduced::{ModeStates, Observation, Operators, PORTS};
 use nalgebra::DMatrix;
@@ -26,7 +26,6 @@ pub(super) struct Assembly<'a> {
     pub modes: Vec<Mode>,
     /// All modes that some sum needs, those with states first.
     pub waves: Waves,
-    pub wanted: Wanted,
     errors: [f64; 2],
 }
 
@@ -48,7 +47,6 @@ impl<'a> Assembly<'a> {
         cooled: Cooled,
         cells: &'a Cells,
         (points, selection): (&Points, &Selection),
-        wanted: Wanted,
     ) -> Self {
         let modes: Vec<Mode> = (selection.modes.iter().filter(|mode| mode.basis.count() > 0))
             .map(|mode| {
@@ -60,7 +58,7 @@ impl<'a> Assembly<'a> {
         let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
         let waves = Waves::new(&across, cells, count);
         let errors = [selection.error, selection.mean_error];
-        Assembly { across, depth, cooled, cells, modes, waves, wanted, errors }
+        Assembly { across, depth, cooled, cells, modes, waves, errors }
     }
 
     /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.

@@ -11,7 +11,7 @@ use super::across::Across;
 use super::assembly::{Assembly, Mode};
 use super::depth::Shape;
 use super::waves::Waves;
-use super::{AMBIENT, By, COOLING, FAR};
+use super::{AMBIENT, By, COOLING, DISTORTING_MODES, FAR, SUMMED_MODES};
 use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization, FunctionsAcross};
 use crate::elastic::{Base, Cells};
 use crate::heat::line::reduced::{Operators, PORTS};

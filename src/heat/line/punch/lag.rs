@@ -17,6 +17,7 @@
 //! shapes and the rest at once: both symmetric, neither gives back more than it takes.
 
 use super::across::Wave;
+use super::SUMMED_MODES;
 use super::assembly::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
 use nalgebra::{Complex, DMatrix, DVectorView, SymmetricEigen};

@@ -1,0 +1,170 @@
+//! Truths and runs at fixed settings, kept in cargo's target folder: a plan changes none of them.
+//!
+//! Files are named after the scene's values and its course. Whether the code still gives the same is seen from two cheap runs
+//! that are made each time: where they differ by more than the truth may be wrong, the truth is made anew; where their work
+//! differs, the fixed settings are.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use sliding_contact::verification::applications::Application;
+use sliding_contact::verification::applications::trial::{Run, Setting, errors, fine_run, largest, run};
+
+use super::{FIXED, TOLERANCES};
+use crate::project;
+
+/// Changes with what the files mean.
+const VERSION: u32 = 1;
+
+/// Cells and tolerances of runs that become the truth: each is judged by the one before.
+const TRUTHS: [(usize, f64); 3] = [(33, 4e-4), (65, 2e-4), (129, 1e-4)];
+
+/// A truth is good enough where the run before is as near as this: a third of the smallest tolerance.
+const ENOUGH: f64 = 3e-4;
+
+/// The cheap runs that show whether the code still gives the same.
+const WITNESSES: [(Setting, f64); 2] = [(Setting::Lumped, 1e-4), (Setting::Line(9), 1e-3)];
+
+/// Distance of a cheap run from itself, of another day, up to which a truth is kept.
+const SAME: f64 = 1e-4;
+
+/// A run at a fixed setting.
+#[derive(Clone, Serialize, Deserialize, Debug)]
+pub struct Fixed {
+    pub setting: String,
+    pub tolerance: f64,
+    pub errors: [f64; 3],
+    /// `estimated_error` at the end.
+    pub estimated: f64,
+    pub steps: u64,
+    pub work: f64,
+    /// Processor time of the steps, s.
+    pub seconds: f64,
+}
+
+#[derive(Clone, PartialEq, Serialize, Deserialize, Debug)]
+struct Witness {
+    main: Vec<[f64; 3]>,
+    steps: u64,
+    work: f64,
+}
+
+/// What a scene is judged by.
+#[derive(Clone, Serialize, Deserialize, Debug)]
+pub struct Reference {
+    version: u32,
+    /// Main outputs of the truth at the communication points.
+    pub truth: Vec<[f64; 3]>,
+    /// Its cells.
+    pub cells: usize,
+    /// How far the run before it is from it.
+    pub errors: [f64; 3],
+    /// Its processor time, s.
+    pub seconds: f64,
+    witnesses: Vec<Witness>,
+    /// Runs at fixed settings; none where they have to be made.
+    pub fixed: Vec<Fixed>,
+}
+
+/// FNV-1a over what a scene is.
+fn key(scene: &Application) -> u64 {
+    let numbers = scene.starts.iter().chain(scene.course.iter().flatten());
+    numbers
+        .flat_map(|number| number.to_bits().to_le_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+fn path(scene: &Application) -> PathBuf {
+    project::target().join("campaign").join(format!("{}-{:016x}.json", scene.name, key(scene)))
+}
+
+fn witnesses(scene: &Application) -> Vec<Witness> {
+    let of = |(setting, tolerance)| match run(scene, setting, tolerance) {
+        Ok(Run { main, steps, work, .. }) => Witness { main, steps, work },
+        Err(_) => Witness { main: Vec::new(), steps: 0, work: 0.0 },
+    };
+    WITNESSES.map(of).into()
+}
+
+/// The reference of a scene: kept, or made.
+///
+/// # Errors
+/// Where no two runs become a truth.
+pub fn reference(scene: &Application) -> Result<Reference, String> {
+    let now = witnesses(scene);
+    let kept = fs::read(path(scene)).ok().and_then(|bytes| serde_json::from_slice::<Reference>(&bytes).ok());
+    if let Some(mut kept) = kept.filter(|kept| kept.version == VERSION && kept.truth.len() == scene.course.len()) {
+        let same = |(was, is): (&Witness, &Witness)| {
+            was.main.len() == is.main.len() && largest(errors(&is.main, &was.main)) <= SAME
+        };
+        if kept.witnesses.len() == now.len() && kept.witnesses.iter().zip(&now).all(same) {
+            let work =
+                |(was, is): (&Witness, &Witness)| was.steps == is.steps && (was.work - is.work).abs() < 1e-9 * is.work;
+            if !kept.witnesses.iter().zip(&now).all(work) {
+                kept.fixed.clear();
+            }
+            return Ok(kept);
+        }
+    }
+    let mut before = fine_run(scene, TRUTHS[0].0, TRUTHS[0].1)?;
+    let mut made = None;
+    for (cells, tolerance) in TRUTHS.into_iter().skip(1) {
+        // Finer than what can be run, the run before remains the truth.
+        let Ok(run) = fine_run(scene, cells, tolerance) else { break };
+        let errors = errors(&before.main, &run.main);
+        made = Some(Reference {
+            version: VERSION,
+            truth: run.main.clone(),
+            cells,
+            errors,
+            seconds: run.seconds[1],
+            witnesses: now.clone(),
+            fixed: Vec::new(),
+        });
+        if largest(errors) <= ENOUGH {
+            break;
+        }
+        before = run;
+    }
+    let made = made.ok_or("no finer run to hold the coarse one against")?;
+    made.keep(scene);
+    Ok(made)
+}
+
+impl Reference {
+    /// Runs the fixed settings where that was not done, or is asked for anew.
+    /// One that cannot be run is left out.
+    pub fn run_fixed(&mut self, scene: &Application, fresh: bool) {
+        if !fresh && !self.fixed.is_empty() {
+            return;
+        }
+        self.fixed.clear();
+        self.witnesses = witnesses(scene);
+        for tolerance in TOLERANCES {
+            for setting in FIXED {
+                let Ok(run) = run(scene, setting, tolerance) else { continue };
+                self.fixed.push(Fixed {
+                    setting: setting.to_string(),
+                    tolerance,
+                    // JSON has no infinity.
+                    errors: errors(&run.main, &self.truth).map(|error| error.min(1e9)),
+                    estimated: run.estimated.last().copied().unwrap_or(0.0),
+                    steps: run.steps,
+                    work: run.work,
+                    seconds: run.seconds[1],
+                });
+            }
+        }
+        self.keep(scene);
+    }
+
+    /// Writes the file; without it the next campaign takes longer.
+    fn keep(&self, scene: &Application) {
+        let path = path(scene);
+        if let (Some(folder), Ok(text)) = (path.parent(), serde_json::to_vec(self)) {
+            let _ = fs::create_dir_all(folder);
+            let _ = fs::write(path, text);
+        }
+    }
+}
