@@ -9,12 +9,13 @@
 //! ```
 //!
 //! and every other level c by `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cells. What reduction and
-//! time steps add is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
-//! proportional to it, so twice the difference. Cells are doubled until a level meets the tolerance or another doubling would cost more
+//! time steps do is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
+//! proportional to it, so twice the difference. It is independent of the other and adds in the square. Cells are doubled until a level meets the tolerance or another doubling would cost more
 //! than [`BUDGET`]; finer cells than were run are extrapolated with r.
 //!
 //! A reciprocating course is shorter than the nominal duration, and a run may end early where it needs more steps than the budget has.
-//! Errors of temperature and force are then carried on with the power of the time with which they grew over the last half of the run.
+//! Errors of temperature and force are then carried on with the power of the time with which they grew over the last half of the run, to
+//! four times the time at most: slower heating of thick bodies is common to all levels.
 
 use super::Candidate;
 use super::cost::{self, build_cost};
@@ -46,8 +47,9 @@ const CONVERGING: (f64, f64) = (1.1, 0.05);
 /// Least part of a unidirectional course from which its end can be told.
 const TELLING: f64 = 0.2;
 
-/// Bounds of the power of the time with which an error is carried on.
-const GROWTH: (f64, f64) = (-0.3, 0.5);
+/// Bounds of the power of the time with which an error is carried on, and the longest time to which it is, over what was run.
+const GROWTH: (f64, f64) = (0.0, 0.5);
+const CARRIED_ON: f64 = 4.0;
 
 /// Tolerance of the runs that reduction and time steps are judged by, over that of the scene.
 const STRICTER: f64 = 0.5;
@@ -60,6 +62,8 @@ pub struct Comparison {
     /// The levels that were run, as they are for the scene.
     pub operators: Vec<(Rung, Operators)>,
     /// The finest contact line that was run.
+    pub finest: Rung,
+    /// Its operators.
     pub line: Operators,
     /// Whether the error is known: the cells converge, and enough of the course was run.
     pub is_known: bool,
@@ -141,12 +145,14 @@ pub fn compare(
     let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
     let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
     let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
+    // Where the user has fixed the cells, the finer ones are there to compare with only.
+    let finest = if scene.cells > 0 { Rung::Line { cells: scene.cells, heat } } else { finest.rung };
     let (steps, cost) = (progress.steps, progress.cost);
     let operators = match course.repeats > 1.0 {
         true => Vec::new(),
         false => progress.levels.into_iter().map(|level| (level.rung, level.operators)).collect(),
     };
-    Ok(Comparison { candidates, operators, line, is_known, rise, steps, covered, cost })
+    Ok(Comparison { candidates, operators, finest, line, is_known, rise, steps, covered, cost })
 }
 
 /// Errors of the levels so far.
@@ -246,7 +252,7 @@ impl Progress<'_> {
             let steps = self.step_errors[kind(level.rung)];
             Candidate {
                 rung: level.rung,
-                errors: std::array::from_fn(|output| apart[output] + own[output] + steps[output]),
+                errors: std::array::from_fn(|output| (apart[output] + own[output]).hypot(steps[output])),
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
@@ -275,7 +281,7 @@ impl Progress<'_> {
                 return apart[output];
             }
             let power = ((apart[output] / before[output]).log2() / doublings).clamp(GROWTH.0, GROWTH.1);
-            apart[output] * part.powf(-power)
+            apart[output] * part.recip().min(CARRIED_ON).powf(power)
         })
     }
 
@@ -290,7 +296,10 @@ impl Progress<'_> {
             let cost = cost::per_step_of(count, cost::states(&level.operators));
             candidates.push(Candidate {
                 rung: Rung::Line { cells: count, heat: self.heat },
-                errors: std::array::from_fn(|output| (finest.errors[output] - steps[output]) * factor + steps[output]),
+                errors: std::array::from_fn(|output| {
+                    let square = finest.errors[output].powi(2) - steps[output].powi(2);
+                    (square.max(0.0).sqrt() * factor).hypot(steps[output])
+                }),
                 cost,
                 run_cost: cost * self.steps_of(&level.run),
             });

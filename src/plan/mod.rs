@@ -150,13 +150,17 @@ pub fn make(scene: &Scene) -> Result<Planned, String> {
 fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Result<Planned, String> {
     let enough = SAFETY * scene.tolerance;
     let candidates = &comparison.candidates;
-    let good = candidates.iter().find(|candidate| candidate.error() <= enough);
-    let finest = comparison.line.cells();
-    let most = if comparison.is_known { finest.max(MOST_IN_VAIN) } else { finest };
-    let within = candidates.iter().filter(|candidate| candidate.rung.cells() <= most);
-    let best = within.min_by(|one, other| one.error().total_cmp(&other.error()));
-    let Some(&chosen) = good.or(best) else { return Err("a plan without candidates".into()) };
     let known = doubt.is_none() && comparison.is_known;
+    let good = candidates.iter().find(|candidate| known && candidate.error() <= enough);
+    let chosen = good.or_else(|| match known {
+        true => {
+            let within = candidates.iter().filter(|candidate| candidate.rung.cells() <= MOST_IN_VAIN);
+            within.min_by(|one, other| one.error().total_cmp(&other.error()))
+        }
+        // Nothing tells the levels apart: the one that leaves out least of those that were run.
+        false => candidates.iter().rev().find(|candidate| candidate.rung == comparison.finest),
+    });
+    let Some(&chosen) = chosen else { return Err("a plan without candidates".into()) };
     let reason = match (good, doubt) {
         (_, Some(reason)) => reason,
         _ if !comparison.is_known => "the cells do not converge over the nominal duration: its error is not known".to_owned(),
@@ -174,7 +178,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
     let plan = Plan {
         tolerance: scene.tolerance,
         rung: chosen.rung,
-        meets: known && good.is_some(),
+        meets: good.is_some(),
         reason,
         effects,
         groups,
