@@ -130,23 +130,3 @@ impl Path {
         start.speed == 0.0 && end.speed == 0.0 || start.load == 0.0 && end.load == 0.0
     }
 }
-
-/// Ends of the pieces of a communication step between sign changes of velocity and load, and their number.
-pub fn edges(inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
-    let mut edges = [0.0, step, step, step];
-    let Some(slopes) = slopes else { return (edges, 1) };
-    let mut count = 1;
-    let crossings =
-        [(inputs[0] + mean_radius * inputs[2], slopes[0] + mean_radius * slopes[2]), (inputs[1], slopes[1])];
-    for (value, slope) in crossings {
-        let time = -value / slope;
-        // A crossing at the very edge is no event: its piece would have no length.
-        if slope != 0.0 && time > 1e-12 * step && time < (1.0 - 1e-12) * step {
-            edges[count] = time;
-            count += 1;
-        }
-    }
-    edges[1..count].sort_by(f64::total_cmp);
-    edges[count] = step;
-    (edges, count)
-}

@@ -158,6 +158,7 @@ impl Line {
             if heat.renewed[s] && fades {
                 heat.linearise(stage, slip, &self.friction)?;
             }
+            self.work.budget.solutions += 1;
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
             let compared = !follows && !heat.exact[s] && repetition >= COMPARED_FROM;
