@@ -304,3 +304,54 @@ fn the_stock_scene_starts_from_rest_with_a_round_slope() {
         assert!(outputs(&mut component).iter().all(|value| value.is_finite()), "slope {slope}");
     }
 }
+
+/// A pressure on one cell or two has no shape; three cells work in every scene, also where `auto` compares them with fewer.
+#[test]
+fn cells_below_three_are_refused_by_name_value_and_limit() {
+    for name in names() {
+        for fidelity in [1.0, 3.0, 4.0] {
+            for cells in [1.0, 2.0] {
+                let mut scene = scene(&name, fidelity, cells, 1e-1);
+                scene.component.enter_initialization();
+                outputs(&mut scene.component);
+                match scene.component.initialise(None) {
+                    Err(error) if fidelity == 4.0 && error.contains("contact.geometry") => {}
+                    Err(error) => {
+                        assert!(error.contains(&format!("solver.cells = {cells} must be 0 (chosen) or from 3 on")), "{error}");
+                    }
+                    Ok(()) => panic!("{} is accepted", scene.name),
+                }
+            }
+        }
+        for (fidelity, cells) in [(1.0, 3.0), (1.0, 4.0), (3.0, 3.0), (3.0, 4.0), (2.0, 1.0)] {
+            let mut scene = scene(&name, fidelity, cells, 1e-1);
+            scene.component.enter_initialization();
+            scene.component.initialise(None).unwrap();
+            scene.component.set_input(VELOCITY, scene.velocity);
+            scene.component.set_input(LOAD, scene.load);
+            scene.component.step(0.1).unwrap();
+            assert!(outputs(&mut scene.component).iter().all(|value| value.is_finite()), "{}", scene.name);
+        }
+    }
+}
+
+/// A strip that keeps its worn track moves a quarter of the half-width per internal step: 100 km need more of them than are allowed.
+#[test]
+fn a_step_that_needs_too_much_work_says_how_much_and_changes_nothing() {
+    let mut scene = scene("reciprocating_punch", 3.0, 3.0, 1e-1);
+    let changes = [("strip.wear_coefficient", 1e-20), ("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+    for (name, value) in changes {
+        scene.component.set_parameter(find(name).unwrap(), value);
+    }
+    scene.component.enter_initialization();
+    scene.component.initialise(None).unwrap();
+    scene.component.set_input(VELOCITY, 100.0);
+    scene.component.set_input(LOAD, 1e3);
+    scene.component.step(0.01).unwrap();
+    let before = outputs(&mut scene.component);
+    let error = scene.component.step(1000.0).unwrap_err();
+    for part in ["needs more work than is allowed", "after 200000 internal steps (at most 200000)", "of a piece of 1000 s", "3 cells"] {
+        assert!(error.contains(part), "{error}");
+    }
+    assert_eq!(before, outputs(&mut scene.component));
+}

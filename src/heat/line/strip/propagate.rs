@@ -27,7 +27,7 @@ mod chirp;
 use nalgebra::Complex;
 
 /// Largest `q dv h/8` that the series takes.
-const LARGEST_DRIFT: f64 = 1.5;
+pub const LARGEST_DRIFT: f64 = 1.5;
 /// Below this `q dv h/8` the velocity counts as constant: its part of the wave's own amplitude. The waves for which it is
 /// not much smaller are short, and one in a hundred of the temperature.
 const LEAST_DRIFT: f64 = 5e-4;
