@@ -104,7 +104,9 @@ fn the_edges_of_the_range_of_numbers_leave_nothing_that_is_no_number() {
     for (name, mut component) in scenes() {
         for velocity in tiny {
             for load in tiny {
-                for slopes in [None, Some([5e-324, -5e-324]), Some([0.0, 0.0]), Some([-velocity, -load]), Some([1.0, 1e3])] {
+                for slopes in
+                    [None, Some([5e-324, -5e-324]), Some([0.0, 0.0]), Some([-velocity, -load]), Some([1.0, 1e3])]
+                {
                     for step in [0.1, 1e-12] {
                         let found = after(&mut component, [velocity, load], slopes, step);
                         assert!(found.is_some(), "{name} {velocity:e} {load:e} {slopes:?} {step}");

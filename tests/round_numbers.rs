@@ -317,7 +317,10 @@ fn cells_below_three_are_refused_by_name_value_and_limit() {
                 match scene.component.initialise(None) {
                     Err(error) if fidelity == 4.0 && error.contains("contact.geometry") => {}
                     Err(error) => {
-                        assert!(error.contains(&format!("solver.cells = {cells} must be 0 (chosen) or from 3 on")), "{error}");
+                        assert!(
+                            error.contains(&format!("solver.cells = {cells} must be 0 (chosen) or from 3 on")),
+                            "{error}"
+                        );
                     }
                     Ok(()) => panic!("{} is accepted", scene.name),
                 }
@@ -339,7 +342,8 @@ fn cells_below_three_are_refused_by_name_value_and_limit() {
 #[test]
 fn a_step_that_needs_too_much_work_says_how_much_and_changes_nothing() {
     let mut scene = scene("reciprocating_punch", 3.0, 3.0, 1e-1);
-    let changes = [("strip.wear_coefficient", 1e-20), ("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+    let changes =
+        [("strip.wear_coefficient", 1e-20), ("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     for (name, value) in changes {
         scene.component.set_parameter(find(name).unwrap(), value);
     }
@@ -350,7 +354,12 @@ fn a_step_that_needs_too_much_work_says_how_much_and_changes_nothing() {
     scene.component.step(0.01).unwrap();
     let before = outputs(&mut scene.component);
     let error = scene.component.step(1000.0).unwrap_err();
-    for part in ["needs more work than is allowed", "after 200000 internal steps (at most 200000)", "of a piece of 1000 s", "3 cells"] {
+    for part in [
+        "needs more work than is allowed",
+        "after 200000 internal steps (at most 200000)",
+        "of a piece of 1000 s",
+        "3 cells",
+    ] {
         assert!(error.contains(part), "{error}");
     }
     assert_eq!(before, outputs(&mut scene.component));

@@ -237,6 +237,9 @@ impl Line {
         let end: [f64; INPUTS] =
             std::array::from_fn(|index| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step));
         let scales: [f64; 3] = std::array::from_fn(|index| inputs[index].abs().max(end[index].abs()));
+        let radius = self.operators.scene.mean_radius;
+        let speed = |inputs: &[f64; INPUTS]| (inputs[0] + radius * inputs[2]).abs();
+        self.state.fastest = self.state.fastest.max(speed(inputs)).max(speed(&end));
         let jumped = (0..3).any(|index| {
             let scale = scales[index].max(self.state.scales[index]);
             jumps(self.state.end_inputs[index], inputs[index], scale)

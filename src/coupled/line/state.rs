@@ -32,6 +32,8 @@ pub struct State {
     pub end_inputs: [f64; INPUTS],
     /// Largest magnitudes of velocity, load and angular velocity at the ends of the last step.
     pub scales: [f64; 3],
+    /// Highest speed at the ends of a step so far, m/s.
+    pub fastest: f64,
     /// Which way it slid last: the sign of the velocity between two events.
     pub direction: f64,
     /// Load per face that the mean feels at the end of the last step, N.
@@ -68,6 +70,7 @@ impl State {
             current: false,
             end_inputs: [f64::NAN; INPUTS],
             scales: [0.0; 3],
+            fastest: 0.0,
             direction: 0.0,
             carried: 0.0,
             status: Status::new(operators.count()),

@@ -117,7 +117,7 @@ impl Line {
         }
         let reference = self.mean.state().reference;
         let stribeck = self.friction.stribeck(velocity);
-        let sign = self.friction.sign(velocity);
+        let sign = moment.sign;
         let fades = !operators.scene.friction_fade.flat;
         let by_cell = operators.wears_by_cell();
         for (felt, (punch, strip)) in heat.felt.iter_mut().zip(earlier[0].iter().zip(&earlier[1])) {

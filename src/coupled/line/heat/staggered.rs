@@ -165,7 +165,7 @@ impl Line {
         let stribeck = self.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
             moment.faded = weighted(&heat.faded, &self.state.pressure, &operators.torque_weights);
-            moment.follow(self.friction.sign(velocity) * stribeck);
+            moment.follow(moment.sign * stribeck);
         }
         moment.slip(stribeck)
     }
