@@ -58,7 +58,9 @@ fn after(component: &mut Component, inputs: [f64; 2], slopes: Option<[f64; 2]>, 
         }
         Err(error) => {
             assert!(!error.is_empty());
-            assert_eq!(before, outputs(component), "{error} at {inputs:?} {slopes:?} {step}");
+            // By bits: where the inputs are far out of range, so is what answers them.
+            let same = before.iter().zip(outputs(component)).all(|(one, other)| one.to_bits() == other.to_bits());
+            assert!(same, "{error} at {inputs:?} {slopes:?} {step}");
             return None;
         }
     }
