@@ -1,5 +1,7 @@
 //! The coupled problem of contact, wear and heat, level by level.
 
+pub mod budget;
+pub mod events;
 pub mod fastest_growth;
 pub mod instability;
 pub mod line;

@@ -18,6 +18,9 @@ impl std::error::Error for Broken {}
 /// Room for rounding in lengths that are meant to be equal.
 const ROUNDING: f64 = 1e-9;
 
+/// Fewest cells of a contact line: a pressure that is uniform, tilts and bends.
+const FEWEST_CELLS: usize = 3;
+
 pub(super) fn check(scene: &Scene) -> Result<(), Broken> {
     path(scene)?;
     holder(scene)?;
@@ -187,6 +190,13 @@ fn level(scene: &Scene) -> Result<(), Broken> {
             "solver.fidelity = field has finite elements of a block with free sides and needs contact.geometry = line"
                 .into(),
         );
+    }
+    if scene.fidelity != Fidelity::Lumped && (1..FEWEST_CELLS).contains(&scene.cells) {
+        return broken(format!(
+            "solver.cells = {} must be 0 (chosen) or from {FEWEST_CELLS} on: on fewer cells the pressure has no shape; solver.fidelity \
+             = lumped has one uniform pressure",
+            scene.cells
+        ));
     }
     let compared = match scene.scheme {
         Scheme::Monolithic => None,

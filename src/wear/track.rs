@@ -98,20 +98,23 @@ impl Track {
     /// longer than the window is made in pieces.
     pub fn wear(&mut self, x0: f64, x1: f64, depth: f64) {
         let longest = (CELLS as f64 - 4.0) * self.cell - 2.0 * self.half_length;
-        let pieces = ((x1 - x0).abs() / longest).ceil().clamp(1.0, 1e6);
-        let mut piece = 0.0;
-        while piece < pieces {
-            let from = x0 + (x1 - x0) * (piece / pieces);
-            let to = x0 + (x1 - x0) * ((piece + 1.0) / pieces);
-            self.wear_piece(from, to, depth / pieces);
-            piece += 1.0;
+        let pieces = ((x1 - x0).abs() / longest).ceil().max(1.0);
+        // Of a very long move only what is not forgotten.
+        for left in [3.0, 2.0, 1.0] {
+            let piece = pieces - left;
+            if piece >= 0.0 {
+                let from = x0 + (x1 - x0) * (piece / pieces);
+                let to = x0 + (x1 - x0) * ((piece + 1.0) / pieces);
+                self.wear_piece(from, to, depth / pieces);
+            }
         }
     }
 
     fn wear_piece(&mut self, x0: f64, x1: f64, depth: f64) {
         let (left, right) = (x0.min(x1) - self.half_length, x0.max(x1) + self.half_length);
         let low = (left / self.cell).floor() as i64;
-        let high = (right / self.cell).ceil() as i64 - 1;
+        // Far away positions have no digits left for a cell; the window's length bounds what follows.
+        let high = ((right / self.cell).ceil() as i64).saturating_sub(1).min(low.saturating_add(CELLS as i64 - 1));
         self.cover(low, high);
         let mut before = self.passed(low as f64 * self.cell, x0, x1);
         for index in low..=high {

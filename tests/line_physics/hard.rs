@@ -112,11 +112,7 @@ fn edges_that_unload_at_a_small_exponent() {
 }
 
 #[test]
-fn one_cell_and_a_ring_without_edges() {
-    let mut drive = line(&[("solver.cells", 1.0)]);
-    drive.set("normal_load", 1e4).set("sliding_velocity", 0.1).step(10.0);
-    assert!((drive.get("pressure_max") / MEAN - 1.0).abs() < 1e-12);
-    assert!((drive.get("wear_depth") / (3.9e-14 * MEAN) - 1.0).abs() < 1e-9);
+fn a_ring_without_edges() {
     // Full periodic contact: friction shifts nothing, every cell alike.
     let mut ring = line(&[
         ("contact.geometry", 3.0),

@@ -19,6 +19,7 @@ mod wear_rates;
 
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt, WorkCounter};
+use crate::coupled::events::edges;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::{self, Lumped, limit};
 use crate::coupled::{INPUTS, StepFailure};
@@ -27,15 +28,16 @@ use crate::wear::line::{Conditions, WearingContact};
 use heat::Heat as LineHeat;
 use heat::state::HeatState;
 use operators::Operators;
-use path::{Heat, Moment, Path, Slipped, edges};
+use path::{Heat, Moment, Path, Slipped};
 use state::State;
 use std::sync::Arc;
 use step::Work;
 
-/// Whether an input differs from what it was at the end of the last step by more than rounding.
-fn jumps(before: f64, now: f64) -> bool {
+/// Whether an input differs from what it was at the end of the last step by more than rounding, on the scale of what it is in this step
+/// and the last.
+fn jumps(before: f64, now: f64, scale: f64) -> bool {
     // Before the first step there is no number.
-    before.is_nan() || (now - before).abs() > 1e-6 * now.abs().max(before.abs())
+    before.is_nan() || (now - before).abs() > 1e-6 * scale
 }
 
 /// A scene at the line level.
@@ -197,6 +199,7 @@ impl Line {
         self.state.status.copy_from(self.contact.status());
         self.backup.1.copy_contact_from(&self.state);
         self.bodies_kept = false;
+        self.work.budget.start();
         let outcome =
             self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
         if outcome.is_err() {
@@ -219,19 +222,34 @@ impl Line {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
         let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
+        let end: [f64; INPUTS] =
+            std::array::from_fn(|index| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step));
+        let scales: [f64; 3] = std::array::from_fn(|index| inputs[index].abs().max(end[index].abs()));
+        let radius = self.operators.scene.mean_radius;
+        let speed = |inputs: &[f64; INPUTS]| (inputs[0] + radius * inputs[2]).abs();
+        self.state.fastest = self.state.fastest.max(speed(inputs)).max(speed(&end));
+        let jumped = (0..3).any(|index| {
+            let scale = scales[index].max(self.state.scales[index]);
+            jumps(self.state.end_inputs[index], inputs[index], scale)
+        });
         if let Some(heat) = &mut self.state.heat
-            && inputs[..3].iter().zip(&self.state.end_inputs).any(|(&now, &before)| jumps(before, now))
+            && jumped
         {
             heat.jump();
         }
-        for (number, piece) in edges[..=count].windows(2).enumerate() {
+        for piece in edges[..=count].windows(2) {
             let length = piece[1] - piece[0];
-            if number > 0
-                && let Some(heat) = &mut self.state.heat
-            {
-                heat.reverse();
-            }
             if length > 0.0 {
+                // Which way it slides between its ends: at them the velocity is 0 to rounding.
+                let middle = 0.5 * (piece[0] + piece[1]);
+                let velocity = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * middle);
+                let velocity = velocity(0) + self.operators.scene.mean_radius * velocity(2);
+                if let Some(heat) = &mut self.state.heat
+                    && velocity * self.state.direction < 0.0
+                {
+                    heat.reverse();
+                }
+                self.state.direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
                 let mut start = *inputs;
                 if let Some(slopes) = slopes {
                     for (value, slope) in start.iter_mut().zip(slopes) {
@@ -241,12 +259,7 @@ impl Line {
                 self.piece(&start, slopes, length)?;
             }
         }
-        self.state.end_inputs = *inputs;
-        if let Some(slopes) = slopes {
-            for (value, slope) in self.state.end_inputs.iter_mut().zip(slopes) {
-                *value += slope * step;
-            }
-        }
+        (self.state.end_inputs, self.state.scales) = (end, scales);
         Ok(())
     }
 

@@ -54,6 +54,7 @@ impl Line {
         let signed_friction =
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
         Moment {
+            sign: self.friction.sign(velocity),
             signed_friction,
             load,
             speed: point.wearing_speed,

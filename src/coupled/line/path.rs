@@ -36,6 +36,8 @@ impl Heat {
 /// The contact's conditions at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment {
+    /// s: sign of the velocity, regularised where the law says so.
+    pub sign: f64,
     /// s mu.
     pub signed_friction: f64,
     /// Load per face that the actuator gives, N, >= 0.
@@ -70,6 +72,9 @@ impl Moment {
     }
 }
 
+/// Speed, as a part of the highest so far, up to which the bodies are at rest: rounding of an input that is meant to be 0.
+const REST: f64 = 1e-12;
+
 /// Conditions over a piece.
 #[derive(Clone, Debug)]
 pub struct Path {
@@ -79,13 +84,20 @@ pub struct Path {
     heat: Heat,
     friction: FrictionLaw,
     mean_radius: f64,
+    /// Which way it slides throughout the piece; 0 at rest.
+    direction: f64,
 }
 
 impl Path {
     /// From the inputs at the start of a piece of `length` (s) and their rates.
     pub fn new(line: &Line, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, length: f64, heat: Heat) -> Path {
         let (friction, mean_radius) = (line.friction.clone(), line.operators.scene.mean_radius);
-        Path { inputs: *inputs, slopes: slopes.copied(), length, heat, friction, mean_radius }
+        let direction = 0.0;
+        let path = Path { inputs: *inputs, slopes: slopes.copied(), length, heat, friction, mean_radius, direction };
+        // At its ends, where it turns round, the velocity is 0 to rounding only: the middle tells.
+        let middle = path.velocity(0.5 * length);
+        let rests = middle.abs() <= REST * line.state.fastest;
+        Path { direction: if rests { 0.0 } else { middle.signum() }, ..path }
     }
 
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
@@ -111,17 +123,16 @@ impl Path {
         let velocity = self.velocity(time);
         let temperature = between(self.heat.temperature);
         let faded = self.friction.faded(temperature);
+        let regularised = self.friction.regularization_velocity > 0.0;
+        let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
         let (signed_friction, speed) = match self.heat.slipped {
             Some(slipped) => (slipped.ratio, slipped.distance / self.length),
-            None => {
-                let sign = self.friction.sign(velocity);
-                (sign * (faded * self.friction.stribeck(velocity)), sign * velocity)
-            }
+            None => (sign * (faded * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
         };
         let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
         let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
         let expansion = between(self.heat.expansion);
-        Moment { signed_friction, load, speed, faded, temperature, expansion, heat_per_pressure }
+        Moment { sign, signed_friction, load, speed, faded, temperature, expansion, heat_per_pressure }
     }
 
     /// Whether the contact is open or at rest throughout.
@@ -129,24 +140,4 @@ impl Path {
         let [start, end] = [self.at(0.0), self.at(self.length)];
         start.speed == 0.0 && end.speed == 0.0 || start.load == 0.0 && end.load == 0.0
     }
-}
-
-/// Ends of the pieces of a communication step between sign changes of velocity and load, and their number.
-pub fn edges(inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
-    let mut edges = [0.0, step, step, step];
-    let Some(slopes) = slopes else { return (edges, 1) };
-    let mut count = 1;
-    let crossings =
-        [(inputs[0] + mean_radius * inputs[2], slopes[0] + mean_radius * slopes[2]), (inputs[1], slopes[1])];
-    for (value, slope) in crossings {
-        let time = -value / slope;
-        // A crossing at the very edge is no event: its piece would have no length.
-        if slope != 0.0 && time > 1e-12 * step && time < (1.0 - 1e-12) * step {
-            edges[count] = time;
-            count += 1;
-        }
-    }
-    edges[1..count].sort_by(f64::total_cmp);
-    edges[count] = step;
-    (edges, count)
 }

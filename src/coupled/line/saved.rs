@@ -30,6 +30,7 @@ impl State {
         (self.approach, self.tilt) = (other.approach, other.tilt);
         self.current = other.current;
         self.end_inputs = other.end_inputs;
+        (self.scales, self.fastest, self.direction) = (other.scales, other.fastest, other.direction);
         (self.carried, self.position) = (other.carried, other.position);
         self.status.copy_from(&other.status);
         (self.refinement, self.limits) = (other.refinement, other.limits);
@@ -45,6 +46,8 @@ impl State {
         out.extend(self.volume);
         out.extend([self.approach, self.tilt, f64::from(u8::from(self.current)), self.carried, self.position]);
         out.extend(self.end_inputs);
+        out.extend(self.scales);
+        out.extend([self.fastest, self.direction]);
         out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
         out.extend([self.steps as f64, self.rejected as f64]);
         self.status.save(out);
@@ -77,6 +80,10 @@ impl State {
         for slot in state.end_inputs.iter_mut().take(INPUTS) {
             *slot = next()?;
         }
+        for slot in &mut state.scales {
+            *slot = next()?;
+        }
+        (state.fastest, state.direction) = (next()?, next()?);
         let (refinement, limits) = (next()?, next()?);
         if !(0.0..=60.0).contains(&refinement) || !(0.0..256.0).contains(&limits) {
             return None;

@@ -30,6 +30,12 @@ pub struct State {
     pub current: bool,
     /// Inputs at the end of the last step; NaN: none, or a parameter has changed since.
     pub end_inputs: [f64; INPUTS],
+    /// Largest magnitudes of velocity, load and angular velocity at the ends of the last step.
+    pub scales: [f64; 3],
+    /// Highest speed at the ends of a step so far, m/s.
+    pub fastest: f64,
+    /// Which way it slid last: the sign of the velocity between two events.
+    pub direction: f64,
     /// Load per face that the mean feels at the end of the last step, N.
     pub carried: f64,
     /// Where the contact solver starts.
@@ -63,6 +69,9 @@ impl State {
             tilt: 0.0,
             current: false,
             end_inputs: [f64::NAN; INPUTS],
+            scales: [0.0; 3],
+            fastest: 0.0,
+            direction: 0.0,
             carried: 0.0,
             status: Status::new(operators.count()),
             refinement: 0,

@@ -16,11 +16,12 @@ use super::operators::{Operators, StripWear};
 use super::path::{Moment, Path};
 use crate::contact::{ContactState, Normal};
 use crate::coupled::StepFailure;
+use crate::coupled::budget::Budget;
 use crate::coupled::lumped;
 use crate::heat::line::{GAMMA, Stage};
 use crate::scene::Scheme;
 use crate::wear::law::REFERENCE_PRESSURE;
-use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status};
+use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, WearingContact};
 use nalgebra::DMatrix;
 
 /// Finest subdivision: 2^-40 of the piece.
@@ -28,9 +29,6 @@ const FINEST: u8 = 40;
 
 /// log2 of the number of parts of a piece from which heat is no reason to cut it further.
 const FOLLOWING: u8 = 8;
-
-/// Most attempts for one piece: a step always ends.
-const MOST_ATTEMPTS: u32 = 200_000;
 
 /// Steps for which none is tried that is as long as one which was too long for what grows.
 const WARY_STEPS: u8 = 32;
@@ -61,6 +59,8 @@ pub struct Work {
     /// Load per depth, and the approach of the unworn bodies under it.
     pub reference: (f64, f64),
     pub mean: lumped::state::State,
+    /// What the communication step under way has cost.
+    pub budget: Budget,
 }
 
 impl Work {
@@ -86,6 +86,7 @@ impl Work {
             status: Status::new(operators.count()),
             reference: (f64::NAN, 0.0),
             mean: lumped::state::State::empty(),
+            budget: Budget::new(count),
         }
     }
 }
@@ -114,7 +115,7 @@ impl Line {
             Scheme::Staggered | Scheme::Monolithic => {}
         }
         let mut level = self.state.refinement;
-        let (mut part, mut attempts, mut failures) = (0_u64, 0, 0);
+        let (mut part, mut failures) = (0_u64, 0);
         while part < 1_u64 << level {
             let step = length / (1_u64 << level) as f64;
             let start = part as f64 * step;
@@ -123,22 +124,16 @@ impl Line {
                 part *= 2;
                 continue;
             }
-            attempts += 1;
             match &mut self.attempts_left {
                 Some(0) => return Err(StepFailure("the internal steps that were allowed are used up".into())),
                 Some(left) => *left -= 1,
                 None => {}
             }
-            if attempts > MOST_ATTEMPTS {
-                return Err(StepFailure(format!(
-                    "the worn shape needs more than {MOST_ATTEMPTS} internal steps in {length} s at solver.tolerance = {}; \
-                     sliding velocity {} to {} m/s",
-                    operators.scene.tolerance,
-                    path.velocity(0.0),
-                    path.velocity(length)
-                )));
-            }
-            let halvings = match self.attempt(path, start, step) {
+            self.spend(path, start)?;
+            let newton = self.newton_iterations();
+            let outcome = self.attempt(path, start, step);
+            self.work.budget.solutions += self.newton_iterations() - newton;
+            let halvings = match outcome {
                 Outcome::Tried(error) if error <= 1.0 => {
                     self.accept(path, start, step);
                     self.state.steps += 1;
@@ -185,6 +180,29 @@ impl Line {
         }
         self.state.refinement = level;
         Ok(())
+    }
+
+    /// Counts an internal step that is about to be tried at `start` (s from the start of the piece).
+    pub(super) fn spend(&mut self, path: &Path, start: f64) -> Result<(), StepFailure> {
+        let (scene, length) = (&self.operators.scene, path.length());
+        self.work.budget.spend(|| {
+            format!(
+                "{start} s of a piece of {length} s are done on {} cells at solver.tolerance = {}; sliding velocity {} to {} m/s, \
+                 normal load {} to {} N",
+                self.operators.count(),
+                scene.tolerance,
+                path.velocity(0.0),
+                path.velocity(length),
+                path.at(0.0).load,
+                path.at(length).load
+            )
+        })
+    }
+
+    /// Solutions of the contact that rates which are not linear in the pressure have taken so far.
+    fn newton_iterations(&self) -> u64 {
+        let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::newton_iterations);
+        self.contact.newton_iterations() + heat.sum::<u64>()
     }
 
     pub(super) fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
@@ -299,6 +317,7 @@ impl Line {
         } else {
             self.set_operator(GAMMA * travel, &early);
             self.set_conditions(&early, tau);
+            self.work.budget.solutions += 1;
             let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.first);
             operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
             found
@@ -328,6 +347,7 @@ impl Line {
             self.solve_with_heat(Stage::End, &mut late, path.velocity(start + step), tau, GAMMA * travel)
         } else {
             self.set_conditions(&late, tau);
+            self.work.budget.solutions += 1;
             let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.end);
             operators.rates(&late, acceleration, &self.work.end.pressure, &mut self.work.rates[1]);
             found

@@ -5,14 +5,13 @@ use super::operators::BodyOperators;
 use super::state::State;
 use super::step::{Attempt, Propagators, Stepper};
 use super::{KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
+use crate::coupled::budget::Budget;
+use crate::coupled::events::edges;
 use crate::coupled::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
 
 /// Finest subdivision of a communication step: 2^-40 of it.
 const FINEST: u8 = 40;
-
-/// Most attempts for one piece of a communication step: a step always ends.
-const MOST_ATTEMPTS: u32 = 200_000;
 
 /// Conditions during a piece of a communication step.
 enum Course<'a> {
@@ -152,24 +151,12 @@ impl Lumped {
         if inputs[1] < 0.0 || last_load < 0.0 {
             self.state.limits |= limit::NEGATIVE_LOAD;
         }
+        let mut budget = Budget::new(1);
         let Some(slopes) = slopes else {
             let constant = self.conditions(inputs);
-            return self.piece(&Course::Constant(constant), step, is_too_long, backup);
+            return self.piece(&Course::Constant(constant), step, is_too_long, backup, &mut budget);
         };
-        let radius = self.operators.scene.mean_radius;
-        let crossings = [(inputs[0] + radius * inputs[2], slopes[0] + radius * slopes[2]), (inputs[1], slopes[1])];
-        let mut edges = [0.0, step, step, step];
-        let mut count = 1;
-        for (value, slope) in crossings {
-            let time = -value / slope;
-            // A crossing at the very edge is no event: its piece would have no length.
-            if slope != 0.0 && time > 1e-12 * step && time < (1.0 - 1e-12) * step {
-                edges[count] = time;
-                count += 1;
-            }
-        }
-        edges[1..count].sort_by(f64::total_cmp);
-        edges[count] = step;
+        let (edges, count) = edges(inputs, Some(slopes), step, self.operators.scene.mean_radius);
         if count > 1 && backup.is_none() {
             *backup = Some(self.state.clone());
         }
@@ -183,7 +170,7 @@ impl Lumped {
                 Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
             };
             if piece[1] > piece[0] {
-                self.piece(&Course::Varying(&at), piece[1] - piece[0], false, backup)?;
+                self.piece(&Course::Varying(&at), piece[1] - piece[0], false, backup, &mut budget)?;
             }
         }
         Ok(())
@@ -197,23 +184,23 @@ impl Lumped {
         length: f64,
         is_too_long: bool,
         backup: &mut Option<State>,
+        budget: &mut Budget,
     ) -> Result<(), StepFailure> {
         let mut level = self.state.refinement + u8::from(is_too_long);
         self.state.rejected += u64::from(is_too_long);
         let mut part: u64 = 0;
-        let mut attempts = 0;
         // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
         let mut whole = None;
         while part < 1_u64 << level {
-            attempts += 1;
-            if attempts > MOST_ATTEMPTS {
+            let tolerance = self.operators.scene.tolerance;
+            budget.spend(|| {
                 let [start, end] = [course.at(0.0), course.at(length)];
-                return Err(StepFailure(format!(
-                    "a communication step of {length} s needs more than {MOST_ATTEMPTS} internal steps at solver.tolerance = {}; \
-                     sliding velocity {} to {} m/s, normal load {} to {} N",
-                    self.operators.scene.tolerance, start.velocity, end.velocity, start.load, end.load
-                )));
-            }
+                format!(
+                    "{part} of 2^{level} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
+                     normal load {} to {} N",
+                    start.velocity, end.velocity, start.load, end.load
+                )
+            })?;
             let step = length / (1_u64 << level) as f64;
             let start = part as f64 * step;
             if level > 0 && backup.is_none() {

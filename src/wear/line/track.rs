@@ -175,7 +175,8 @@ impl LineTrack {
         for (value, edge) in out.iter_mut().zip(&self.edges[1..]) {
             let right = offset + edge / self.cell;
             let (mut sum, mut from) = (0.0, left);
-            loop {
+            // A cell of the contact covers no more cells than the track has.
+            for _ in 0..=self.depth.len() {
                 let to = right.min((index + 1) as f64);
                 sum += (to - from) * (local[0] + local[1] * (0.5 * (from + to) - index as f64 - 0.5));
                 if right <= (index + 1) as f64 {
@@ -208,10 +209,11 @@ impl LineTrack {
         let pieces = ((x1 - x0).abs() / longest).ceil().max(1.0);
         let at = |piece: f64| x0 + (x1 - x0) * (piece / pieces);
         // Of a very long motion only what is not forgotten.
-        let mut piece = (pieces - 3.0).max(0.0);
-        while piece < pieces {
-            self.deposit_piece(&edges, depth, 1.0 / pieces, at(piece), at(piece + 1.0));
-            piece += 1.0;
+        for left in [3.0, 2.0, 1.0] {
+            let piece = pieces - left;
+            if piece >= 0.0 {
+                self.deposit_piece(&edges, depth, 1.0 / pieces, at(piece), at(piece + 1.0));
+            }
         }
         self.edges = edges;
     }
@@ -238,7 +240,10 @@ impl LineTrack {
         let count = depth.len();
         let (left, right) = (x0.min(x1), x0.max(x1));
         let base = ((left + edges[0]) / self.cell).floor();
-        let last = ((right + edges[count]) / self.cell).ceil() as i64 - 1;
+        // Far away positions have no digits left for a cell; the window's length bounds what follows.
+        let last = (((right + edges[count]) / self.cell).ceil() as i64)
+            .saturating_sub(1)
+            .min((base as i64).saturating_add(self.depth.len() as i64 - 1));
         self.cover(base as i64, last.max(base as i64));
         // D, the integral of the depth up to an edge, and its integral.
         (self.taken[0], self.taken_twice[0]) = (0.0, 0.0);

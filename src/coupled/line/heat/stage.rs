@@ -117,7 +117,7 @@ impl Line {
         }
         let reference = self.mean.state().reference;
         let stribeck = self.friction.stribeck(velocity);
-        let sign = self.friction.sign(velocity);
+        let sign = moment.sign;
         let fades = !operators.scene.friction_fade.flat;
         let by_cell = operators.wears_by_cell();
         for (felt, (punch, strip)) in heat.felt.iter_mut().zip(earlier[0].iter().zip(&earlier[1])) {
@@ -156,6 +156,7 @@ impl Line {
             if heat.renewed[s] && fades {
                 heat.linearise(stage, slip, &self.friction)?;
             }
+            self.work.budget.solutions += 1;
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
             let compared = !follows && !heat.exact[s] && repetition >= COMPARED_FROM;

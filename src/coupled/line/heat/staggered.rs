@@ -36,6 +36,7 @@ use super::stage::weighted;
 use crate::contact::dense;
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::StepFailure;
+use crate::coupled::budget::MOST_STEPS;
 use crate::coupled::line::Line;
 use crate::coupled::line::operators::StripWear;
 use crate::coupled::line::path::{Moment, Path};
@@ -68,15 +69,16 @@ impl From<StageError> for Refusal {
 impl Line {
     /// Carries contact and heat over a piece one after the other, in one step, or as many as a track in the strip asks.
     pub(in crate::coupled::line) fn staggered(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
-        let mut parts = 1.0;
+        let mut parts: u32 = 1;
         let far = |line: &Line, step: f64| line.too_far(path, 0.0, step) || line.too_far(path, length - step, step);
-        while far(self, length / parts) && parts < 1e12 {
-            parts *= 2.0;
+        // More parts than a communication step may try end below.
+        while parts < MOST_STEPS && far(self, length / f64::from(parts)) {
+            parts *= 2;
         }
-        let step = length / parts;
-        let mut part = 0.0;
-        while part < parts {
-            let start = part * step;
+        let step = length / f64::from(parts);
+        for part in 0..parts {
+            let start = f64::from(part) * step;
+            self.spend(path, start)?;
             self.prepare_heat(path, start, step);
             let Some(mut heat) = self.heat.take() else {
                 unreachable!("only scenes with heat along the line come here")
@@ -97,7 +99,6 @@ impl Line {
             }
             self.accept(path, start, step);
             self.state.steps += 1;
-            part += 1.0;
         }
         Ok(())
     }
@@ -164,7 +165,7 @@ impl Line {
         let stribeck = self.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
             moment.faded = weighted(&heat.faded, &self.state.pressure, &operators.torque_weights);
-            moment.follow(self.friction.sign(velocity) * stribeck);
+            moment.follow(moment.sign * stribeck);
         }
         moment.slip(stribeck)
     }

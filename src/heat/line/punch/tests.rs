@@ -451,7 +451,7 @@ fn no_distortion_comes_at_once() {
 #[test]
 fn what_no_mode_carries_follows_in_its_own_time() {
     // A wave far beyond those with states, on cells that resolve it: on a deep body at rest it follows a jump of the flux with
-    // the time 3/(4 kd m^2), the distortion all of it and the temperature by two thirds.
+    // the time 3/(4 kd m^2), distortion and temperature alike.
     let count = 96;
     let cells = Cells::uniform(0.03, count).unwrap();
     let scene = scene(&[]);
@@ -477,7 +477,8 @@ fn what_no_mode_carries_follows_in_its_own_time() {
         let followed = 1.0 - (-steps).exp();
         let parts = [warm / steady[0], moved / steady[1]];
         println!("{steps}: {parts:?} {followed}");
-        assert!((parts[0] - (1.0 + 2.0 * followed) / 3.0).abs() < 0.02, "{steps}: {parts:?} {followed}");
-        assert!((parts[1] - followed).abs() < 0.02, "{steps}: {parts:?} {followed}");
+        for part in parts {
+            assert!((part - followed).abs() < 0.02, "{steps}: {parts:?} {followed}");
+        }
     }
 }

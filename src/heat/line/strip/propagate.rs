@@ -20,12 +20,14 @@
 //!
 //! (modified spherical Bessel functions of z/2). The recurrence runs downwards from values that are to a factor (J. C. P. Miller;
 //! W. Gautschi, SIAM Review 9 (1967) 24-82), which T_0 or T_1 gives in closed form, or upwards where |z| is large, as is stable.
-//! Where eta/4 = q dv h/8 is large the step is cut.
+//! Where eta/4 = q dv h/8 is large they are differences of complex error functions ([`chirp`]). No loop depends on how fast the wave turns.
+
+mod chirp;
 
 use nalgebra::Complex;
 
-/// Largest `q dv h/8` that the series takes; larger ones cut the step.
-const LARGEST_DRIFT: f64 = 1.5;
+/// Largest `q dv h/8` that the series takes.
+pub const LARGEST_DRIFT: f64 = 1.5;
 /// Below this `q dv h/8` the velocity counts as constant: its part of the wave's own amplitude. The waves for which it is
 /// not much smaller are short, and one in a hundred of the temperature.
 const LEAST_DRIFT: f64 = 5e-4;
@@ -75,29 +77,13 @@ impl Motion {
         decay: f64,
         turn: Complex<f64>,
     ) -> (Complex<f64>, Complex<f64>, Complex<f64>) {
-        let drift = self.drift();
-        if drift <= LARGEST_DRIFT {
-            let middle = 0.5 * (self.turning[0] + self.turning[1]);
-            let factor = turn * decay;
-            let z = Complex::new(-rate * self.step, middle * self.step);
-            let eta = 0.5 * self.step * (self.turning[1] - self.turning[0]);
-            let (all, falling) = integrals(z, factor, eta);
-            return (factor, falling * self.step, (all - falling) * self.step);
-        }
-        let parts = (drift / LARGEST_DRIFT).sqrt().ceil();
-        let (mut factor, mut falling, mut rising) = (Complex::from(1.0), Complex::from(0.0), Complex::from(0.0));
-        let mut part = 0.0;
-        while part < parts {
-            let (from, to) = (part / parts, (part + 1.0) / parts);
-            let at = |t: f64| self.turning[0] + t * (self.turning[1] - self.turning[0]);
-            let motion = Motion { turning: [at(from), at(to)], step: self.step / parts };
-            let (f, first, last) = motion.weights(rate, motion.turn());
-            factor *= f;
-            falling = f * falling + first * (1.0 - from) + last * (1.0 - to);
-            rising = f * rising + first * from + last * to;
-            part += 1.0;
-        }
-        (factor, falling, rising)
+        let middle = 0.5 * (self.turning[0] + self.turning[1]);
+        let factor = turn * decay;
+        let z = Complex::new(-rate * self.step, middle * self.step);
+        let eta = 0.5 * self.step * (self.turning[1] - self.turning[0]);
+        let (all, falling) =
+            if self.drift() <= LARGEST_DRIFT { integrals(z, factor, eta) } else { chirp::integrals(z, factor, eta) };
+        (factor, falling * self.step, (all - falling) * self.step)
     }
 }
 
@@ -200,7 +186,7 @@ mod tests {
 
     /// Composite Simpson rule with the variable velocity, from the definition.
     fn by_quadrature(rate: f64, motion: &Motion) -> (Complex<f64>, Complex<f64>) {
-        let parts = 40_000;
+        let parts = 100_000;
         let (mut all, mut falling) = (Complex::from(0.0), Complex::from(0.0));
         for i in 0..=parts {
             let tau = f64::from(i) / f64::from(parts);
@@ -227,6 +213,14 @@ mod tests {
                 [-3.0, 9.0],
                 [300.0, 180.0],
                 [-50.0, 400.0],
+                [400.0, -50.0],
+                [0.0, 2e3],
+                [-2e3, 0.0],
+                [3e3, 2e3],
+                [1e3, -3e3],
+                // About the largest drift of the series.
+                [0.0, 13.3],
+                [0.0, 13.4],
                 // Whole turns.
                 [2.0 / 0.9 * PI - 1.0, 2.0 / 0.9 * PI + 1.0],
                 [8.0 / 0.9 * PI + 4.0, 8.0 / 0.9 * PI - 4.0],
@@ -240,6 +234,72 @@ mod tests {
                 let angle = 0.45 * (turning[0] + turning[1]);
                 let expected = Complex::from_polar((-0.9 * rate).exp(), angle);
                 assert!((factor - expected).norm() < 1e-12, "{factor} {expected}");
+            }
+        }
+    }
+
+    /// `value` and its neighbours.
+    fn about(value: f64) -> [f64; 3] {
+        [value.next_down(), value, value.next_up()]
+    }
+
+    /// On both sides of every threshold the weights are the same to what the series leave out: with the drift at its bounds, and
+    /// |z| where the powers, the recurrences and their scales change.
+    #[test]
+    fn weights_are_continuous_over_every_threshold() {
+        for (drift, moduli) in [
+            (LARGEST_DRIFT, &[0.0, 0.3, 1.0, 5.0, 50.0, 1e4][..]),
+            (LEAST_DRIFT, &[0.0, 0.3, 1.0, 5.0, 50.0, 1e4][..]),
+            (1e-6, &[0.5, 1.0][..]),
+            (1e-2, &[0.5, 3.0, 9.0, 12.0, 15.0, 18.0][..]),
+            (1.0, &[0.5, 3.0, 30.0, 39.0, 42.0][..]),
+            // |a| or |a1| at the root of 1000 eta, and turning that stands still at an end.
+            (20.0, &[1e3_f64.sqrt() * 80_f64.sqrt() - 80.0, 1e3_f64.sqrt() * 80_f64.sqrt() + 80.0, 80.0][..]),
+        ] {
+            for &modulus in moduli {
+                for part in [0.0, 0.6, 1.0] {
+                    let (rate, middle) = (part * modulus, (1.0 - part * part).sqrt() * modulus);
+                    let mut found: Vec<[Complex<f64>; 2]> = Vec::new();
+                    for change in about(8.0 * drift) {
+                        for middle in about(middle) {
+                            for rate in [rate.next_up(), rate, rate.next_down().max(0.0)] {
+                                let turning = [middle - 0.5 * change, middle + 0.5 * change];
+                                let motion = Motion { turning, step: 1.0 };
+                                let (_, falling, rising) = motion.weights(rate, motion.turn());
+                                found.push([falling, rising]);
+                            }
+                        }
+                    }
+                    let scale = found[0][0].norm() + found[0][1].norm();
+                    for weights in &found {
+                        let apart = (weights[0] - found[0][0]).norm() + (weights[1] - found[0][1]).norm();
+                        // What the constant velocity of small drifts leaves out is of the order of the drift itself.
+                        let allowed = if drift == LEAST_DRIFT { LEAST_DRIFT } else { 2e-7 };
+                        assert!(
+                            apart <= allowed * scale,
+                            "drift {drift}, |z| {modulus}, {part}: {apart:e} of {scale:e}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    /// However fast the velocity changes, one evaluation is all there is, and its weights are bounded by the length of the step.
+    #[test]
+    fn weights_are_finite_however_fast_the_turning_changes() {
+        for exponent in 0..60 {
+            let change = 12.0 * 10_f64.powi(exponent);
+            for start in [-change, -0.5 * change, 0.0, change] {
+                for rate in [0.0, 1.0, 1e9, change] {
+                    for change in about(change) {
+                        let motion = Motion { turning: [start, start + change], step: 1.0 };
+                        let (factor, falling, rising) = motion.weights(rate, motion.turn());
+                        for weight in [factor, falling, rising] {
+                            assert!(weight.norm() <= 1.0 + 1e-9, "{start} {rate} {change}: {weight}");
+                        }
+                    }
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Weights and gains of one step.
 
 mod interval;
-mod stage;
+pub mod stage;
 
 pub use interval::{Interval, OWN, Room};
 pub use stage::StageWeights;

@@ -1,6 +1,7 @@
 mod balance;
 mod exact;
 mod kept;
+mod thresholds;
 
 use super::{Expansion, Path, StripHeat, StripProperties};
 use crate::elastic::{self, Cells, Material};

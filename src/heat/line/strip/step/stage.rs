@@ -11,10 +11,10 @@ use crate::heat::line::{GAMMA, Stage};
 use nalgebra::Complex;
 
 /// Turn of the shortest wave in a step up to which the answer is interpolated between velocities, rad.
-const SHORT_TURN: f64 = 20.0;
+pub const SHORT_TURN: f64 = 20.0;
 
 /// Largest `q dv h/8` of the shortest wave at which its weights are those of the mean velocity.
-const LEAST_DRIFT: f64 = 5e-4;
+pub const LEAST_DRIFT: f64 = 5e-4;
 
 /// What carries the state to one stage.
 #[derive(Clone, Debug)]

@@ -1,0 +1,84 @@
+//! The most work that one communication step may take, counted, so that it ends on every machine alike.
+
+use super::StepFailure;
+
+/// Most internal steps tried in a communication step.
+pub const MOST_STEPS: u32 = 200_000;
+
+/// Most solutions of the contact with its heat in a communication step, on few cells.
+const MOST_SOLUTIONS: u64 = 1 << 20;
+
+/// The same times the square of the number of cells, on many: what one solution costs grows so.
+const MOST_OPERATIONS: u64 = 1 << 30;
+
+/// Solutions that a step has in any case: jumps that settle take some thousand.
+const LEAST_SOLUTIONS: u64 = 1 << 14;
+
+/// Work done in a communication step, and how much it may be.
+#[derive(Clone, Copy, Debug)]
+pub struct Budget {
+    /// Internal steps tried.
+    pub steps: u32,
+    /// Solutions of the contact with its heat.
+    pub solutions: u64,
+    most: u64,
+}
+
+impl Budget {
+    /// For a contact on `count` cells.
+    pub fn new(count: usize) -> Budget {
+        let square = (count as u64).saturating_mul(count as u64).max(1);
+        Budget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / square).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
+    }
+
+    /// Begins a communication step.
+    pub fn start(&mut self) {
+        (self.steps, self.solutions) = (0, 0);
+    }
+
+    /// Counts an internal step that is about to be tried.
+    ///
+    /// # Errors
+    /// The communication step has had what it may take; `rest` tells where it stands.
+    pub fn spend(&mut self, rest: impl FnOnce() -> String) -> Result<(), StepFailure> {
+        if self.steps < MOST_STEPS && self.solutions < self.most {
+            self.steps += 1;
+            return Ok(());
+        }
+        let solutions = match self.solutions {
+            0 => String::new(),
+            solutions => format!(" and {solutions} solutions of the contact (at most {})", self.most),
+        };
+        Err(StepFailure(format!(
+            "a communication step needs more work than is allowed: after {} internal steps (at most {MOST_STEPS}){solutions} {}; \
+             shorter communication steps, fewer solver.cells or a larger solver.tolerance need less",
+            self.steps,
+            rest()
+        )))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_ends_at_its_limits_and_says_which() {
+        let mut budget = Budget::new(33);
+        for _ in 0..MOST_STEPS {
+            budget.spend(String::new).unwrap();
+        }
+        let text = budget.spend(|| "here".into()).unwrap_err().to_string();
+        assert!(text.contains("after 200000 internal steps (at most 200000) here"), "{text}");
+        budget.start();
+        let most = (1_u64 << 30) / (33 * 33);
+        budget.solutions = most - 1;
+        budget.spend(String::new).unwrap();
+        budget.solutions += 1;
+        let text = budget.spend(|| "here".into()).unwrap_err().to_string();
+        assert!(text.contains(&format!("{most} solutions of the contact (at most {most})")), "{text}");
+        for (count, most) in [(1, 1 << 20), (32, 1 << 20), (256, 1 << 14), (1025, 1 << 14)] {
+            assert_eq!(Budget::new(count).most, most);
+        }
+    }
+}

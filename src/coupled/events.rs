@@ -1,0 +1,63 @@
+//! Events inside a communication step: velocity and load pass through zero.
+
+use super::INPUTS;
+
+/// Part of the step within which an event counts as at the end of the step that it is next to. What the inputs are there is this
+/// part of their change over the step, so rounding of an input that is meant to be 0 makes no event, in any unit.
+const ROUNDING: f64 = 1e-9;
+
+/// Ends (s from the start of the step) of the pieces of a communication step between sign changes of velocity and load, and the
+/// number of pieces.
+pub fn edges(inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64, mean_radius: f64) -> ([f64; 4], usize) {
+    let mut edges = [0.0, step, step, step];
+    let Some(slopes) = slopes else { return (edges, 1) };
+    let mut count = 1;
+    let crossings =
+        [(inputs[0] + mean_radius * inputs[2], slopes[0] + mean_radius * slopes[2]), (inputs[1], slopes[1])];
+    for (value, slope) in crossings {
+        let time = -value / slope;
+        if slope != 0.0 && time > ROUNDING * step && time < (1.0 - ROUNDING) * step {
+            edges[count] = time;
+            count += 1;
+        }
+    }
+    edges[1..count].sort_by(f64::total_cmp);
+    if count == 3 && edges[2] - edges[1] <= ROUNDING * step {
+        // Both at once.
+        count = 2;
+    }
+    edges[count] = step;
+    (edges, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(velocity: [f64; 2], load: [f64; 2], step: f64) -> Vec<f64> {
+        let (mut inputs, mut slopes) = ([0.0; INPUTS], [0.0; INPUTS]);
+        (inputs[0], inputs[1], slopes[0], slopes[1]) = (velocity[0], load[0], velocity[1], load[1]);
+        let (edges, count) = edges(&inputs, Some(&slopes), step, 0.0);
+        edges[..=count].to_vec()
+    }
+
+    #[test]
+    fn an_event_next_to_the_end_of_a_step_is_at_it() {
+        let edge = ROUNDING * 0.5;
+        for value in [edge.next_down(), edge, edge.next_up(), 0.0, -0.0, 1e-300, -1e-16, 1e-16] {
+            let pieces = at([-value, 1.0], [1.0, 0.0], 0.5).len() - 1;
+            assert_eq!(pieces, if value > edge { 2 } else { 1 }, "{value:e}");
+        }
+        let edge = (1.0 - ROUNDING) * 0.5;
+        for value in [edge.next_down(), edge, edge.next_up(), 0.5, 0.5_f64.next_up()] {
+            let pieces = at([-value, 1.0], [1.0, 0.0], 0.5).len() - 1;
+            assert_eq!(pieces, if value < edge { 2 } else { 1 }, "{value}");
+        }
+        // Events that fall together are one; apart they are two, in their order, whatever the unit.
+        for unit in [1.0, 1e-9, 3.6, 1e12] {
+            assert_eq!(at([-unit, 2.0 * unit], [-3.0 * unit, 6.0 * unit], 1.0), [0.0, 0.5, 1.0]);
+            assert_eq!(at([-unit, 2.0 * unit], [-unit, 4.0 * unit], 1.0), [0.0, 0.25, 0.5, 1.0]);
+        }
+        assert_eq!(at([0.0, 0.0], [0.0, 0.0], 1.0), [0.0, 1.0]);
+    }
+}

@@ -1,0 +1,67 @@
+//! Small pads far above their nominal speed: what a flux on few cells heats does not cool the others.
+
+use sliding_contact::component::Component;
+use sliding_contact::coupled::lumped::conditions::Tunables;
+use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::scene::Scene;
+use sliding_contact::variables::{STARTS, find};
+use std::path::Path;
+use std::sync::Arc;
+
+fn small_pad(cells: f64, tolerance: f64) -> [f64; STARTS.len()] {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/disc_brake/scene.toml");
+    let mut starts = STARTS;
+    starts.copy_from_slice(&sliding_contact::scene::file::read(&path).unwrap().packaged.starts);
+    for (name, value) in [
+        ("punch.width", 0.020),
+        ("punch.count", 3.0),
+        ("solver.fidelity", 3.0),
+        ("solver.cells", cells),
+        ("solver.tolerance", tolerance),
+    ] {
+        starts[find(name).unwrap() as usize] = value;
+    }
+    starts
+}
+
+/// In the first milliseconds the heat is where it is made: nothing is colder than it was.
+#[test]
+fn no_surface_cools_while_others_are_heated() {
+    for (cells, tolerance) in [(33.0, 0.1), (17.0, 0.1), (33.0, 0.01)] {
+        let scene = Scene::new(&small_pad(cells, tolerance), None).unwrap();
+        let operators = Operators::new(&scene).unwrap();
+        let tunables = Tunables {
+            friction_coefficient: scene.friction_coefficient,
+            ambient_temperature: scene.ambient_temperature,
+            wear_acceleration: 1.0,
+        };
+        for step in [1e-4, 1e-3, 1e-2] {
+            let inputs = [20.0, 2600.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            let mut model = Model::new(&operators, tunables, &inputs);
+            for number in 0..5 {
+                model.step(&inputs, None, step).unwrap();
+                let Model::Line(line) = &model else { panic!("a contact line") };
+                let heat = line.state().heat.as_ref().unwrap();
+                let (lowest, highest) = (heat.lowest(), heat.highest());
+                assert!(lowest > -0.01 * highest, "{cells} {tolerance} {step} {number}: {lowest} to {highest} K");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_long_stop_from_twenty_metres_per_second_stays_above_absolute_zero() {
+    let mut component = Component::new(Arc::new(small_pad(33.0, 0.1)));
+    for load in [4000.0, 10_000.0] {
+        for step in [0.001, 0.1, 10.0] {
+            component.reset();
+            component.enter_initialization();
+            component.initialise(None).unwrap();
+            component.set_input(0, 20.0);
+            component.set_input(1, load);
+            for number in 0..4 {
+                component.step(step).unwrap_or_else(|error| panic!("{load} N, {step} s, step {number}: {error}"));
+            }
+        }
+    }
+}
