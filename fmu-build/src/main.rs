@@ -3,6 +3,7 @@
 mod batch;
 mod bench;
 mod chart;
+mod columns;
 mod cycles;
 mod package;
 mod plan;

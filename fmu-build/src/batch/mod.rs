@@ -35,7 +35,8 @@ pub struct Arguments {
     /// The .fmu.
     #[arg(long, value_name = "FILE", required_unless_present = "example")]
     fmu: Option<PathBuf>,
-    /// CSV file with the inputs over time: the column time (s), and one per input, in the FMU's units.
+    /// CSV file with the inputs over time: the column time, and one per input, in the FMU's unit or in the one that the
+    /// header says, as in "sliding_velocity [km/h]".
     #[arg(long, value_name = "FILE", required_unless_present = "example")]
     inputs: Option<PathBuf>,
     /// CSV file of results.
@@ -212,10 +213,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 fn check(job: &Job) -> Result<()> {
     let worker = Worker::open(&job.folder)?;
     let description = worker.description();
-    let inputs = Inputs::read(&job.inputs)?;
-    for name in &inputs.names {
-        description.find_as(name, Causality::Input)?;
-    }
+    let inputs = Inputs::read(&job.inputs, description)?;
     Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
     for column in &job.columns {
         match column.strip_suffix(FACTOR).filter(|name| inputs.names.iter().any(|input| input == name)) {

@@ -1,6 +1,9 @@
 //! The CSV files that go into a batch.
 
+use crate::columns::{self, Column};
 use anyhow::{Context, Result, bail};
+use fmu_host::{Causality, Description, Variable};
+use sliding_contact::variables::{self, units};
 use std::path::Path;
 
 /// A design: one row per scene, cells as texts.
@@ -37,7 +40,7 @@ impl Table {
     }
 }
 
-/// Inputs over time.
+/// Inputs of an FMU over time, in its units.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Inputs {
     /// Names, one per column.
@@ -49,25 +52,15 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// Reads a file with the column `time` and one per input.
+    /// Reads a file with the column `time` and one per input, with or without a unit; see [`columns`].
     ///
     /// # Errors
-    /// As [`Table::read`], where the first column is not `time`, or a cell is no number.
-    pub fn read(path: &Path) -> Result<Self> {
-        let table = Table::read(path)?;
-        if table.columns[0] != "time" {
-            bail!("{}: the first column must be time, not {:?}", path.display(), table.columns[0]);
-        }
-        let (mut times, mut values) = (Vec::new(), Vec::new());
-        for (at, row) in table.rows.iter().enumerate() {
-            for (column, cell) in row.iter().enumerate() {
-                let value: f64 = cell.parse().with_context(|| {
-                    format!("{}: {} = {cell:?} in row {} is no number", path.display(), table.columns[column], at + 1)
-                })?;
-                if column == 0 { times.push(value) } else { values.push(value) }
-            }
-        }
-        Ok(Self { names: table.columns[1..].to_vec(), times, values })
+    /// As [`columns::read`].
+    pub fn read(path: &Path, description: &Description) -> Result<Self> {
+        let inputs = description.variables().iter().filter(|variable| variable.causality == Causality::Input);
+        let accepted: Vec<Column> = inputs.map(column).collect();
+        let columns::Table { names, times, values, .. } = columns::read(path, &accepted)?;
+        Ok(Self { names, times, values })
     }
 
     /// First time, s.
@@ -81,6 +74,13 @@ impl Inputs {
     }
 }
 
+/// The column of an input: with the units of its row in the table of variables.
+fn column(input: &Variable) -> Column {
+    let row = variables::find(&input.name).and_then(variables::lookup).map(|(row, _)| row);
+    let unit = units::UNITS.iter().copied().find(|unit| unit.name == input.unit).unwrap_or(&units::ONE);
+    Column { absolute: row.is_none_or(|row| !row.is_difference()), ..Column::optional(&input.name, unit) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,15 +91,33 @@ mod tests {
         path
     }
 
+    fn description() -> Description {
+        let variable = |name: &str, causality: &str, unit: &str| {
+            format!(
+                "<ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"{causality}\"><Real unit=\"{unit}\"/></ScalarVariable>"
+            )
+        };
+        let text = format!(
+            "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"a\" guid=\"b\"><CoSimulation modelIdentifier=\"c\"/>\
+             <ModelVariables>{}{}{}</ModelVariables></fmiModelDescription>",
+            variable("sliding_velocity", "input", "m/s"),
+            variable("normal_load", "input", "N"),
+            variable("punch.width", "parameter", "m"),
+        );
+        Description::parse(&text).unwrap()
+    }
+
     #[test]
     fn designs_and_inputs_are_read() {
         let path = file("design", "# a note\npunch.width, level\n0.1, lumped\n0.2,auto\n");
         let table = Table::read(&path).unwrap();
         assert_eq!(table.columns, ["punch.width", "level"]);
         assert_eq!(table.rows, [["0.1", "lumped"], ["0.2", "auto"]]);
-        let path = file("inputs", "time,load\n0,1\n2.5,3e3\n");
-        let inputs = Inputs::read(&path).unwrap();
-        assert_eq!((inputs.start(), inputs.stop(), inputs.values), (0.0, 2.5, vec![1.0, 3000.0]));
+        let path = file("inputs", "time,normal_load,sliding_velocity [km/h]\n0,1,36\n2.5,3e3,72\n");
+        let inputs = Inputs::read(&path, &description()).unwrap();
+        assert_eq!((inputs.start(), inputs.stop()), (0.0, 2.5));
+        assert_eq!(inputs.names, ["normal_load", "sliding_velocity"]);
+        assert_eq!(inputs.values, [1.0, 10.0, 3000.0, 20.0]);
     }
 
     #[test]
@@ -109,8 +127,9 @@ mod tests {
         assert!(table("twice", "a,a\n1,2\n").contains("\"a\""));
         assert!(table("empty", "a,b\n").contains("no row"));
         assert!(table("short", "a,b\n1\n").contains("short.csv"));
-        let inputs = |name, text| told(Inputs::read(&file(name, text)).map(|_| ()));
-        assert!(inputs("notime", "load,time\n1,2\n").contains("first column must be time"));
-        assert!(inputs("word", "time,load\n0,heavy\n").contains("load = \"heavy\" in row 1"));
+        let inputs = |name, text| told(Inputs::read(&file(name, text), &description()).map(|_| ()));
+        assert!(inputs("notime", "normal_load\n1\n").contains("no column time"));
+        assert!(inputs("word", "time,normal_load\n0,heavy\n").contains("column 2 (normal_load): \"heavy\""));
+        assert!(inputs("parameter", "time,punch.width\n0,1\n").contains("accepted are time"));
     }
 }

@@ -96,10 +96,11 @@ struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     fn open(job: &'a Job) -> Result<Self> {
-        let inputs = Inputs::read(&job.inputs)?;
+        let worker = Worker::open(&job.folder)?;
+        let inputs = Inputs::read(&job.inputs, worker.description())?;
         let span = Span { start: inputs.start(), stop: inputs.stop(), step: job.step.value()? };
         let points = if job.peak.is_empty() { vec![span.stop] } else { points(span, job.every.value()?) };
-        Ok(Self { job, worker: Worker::open(&job.folder)?, inputs, span, points })
+        Ok(Self { job, worker, inputs, span, points })
     }
 
     fn run(&mut self, cells: &[String]) -> Result<Vec<String>, Failure> {

@@ -23,7 +23,7 @@
 //! dotted names are TOML's own tables. What a scene does not say keeps the start value of the table.
 //! Rules that join parameters are not checked here but by the scene itself.
 
-mod quantity;
+pub mod quantity;
 mod suggest;
 
 use std::collections::BTreeMap;

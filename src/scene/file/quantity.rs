@@ -64,6 +64,20 @@ pub fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64,
     Ok(written.si())
 }
 
+/// `number` of the unit `symbol` in `unit`; `absolute` as in [`real`].
+///
+/// # Errors
+/// Which units would be accepted, and where the number is not finite.
+pub fn in_si(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
+    let written = Written::in_unit(number, symbol, unit, absolute).map_err(|names| {
+        let wrong =
+            if symbol.is_empty() { "a unit is missing".into() } else { format!("{symbol:?} is the wrong unit") };
+        format!("{wrong}; accepted are {names}")
+    })?;
+    within(&written, None, None)?;
+    Ok(written.si())
+}
+
 /// A number as the file has it.
 struct Written {
     number: f64,
@@ -90,17 +104,30 @@ impl Written {
         let text = text.trim();
         let (number, symbol) =
             split(text).ok_or_else(|| format!("{text:?} is not a number with a unit, such as {:?}", sample(unit)))?;
-        if symbol == unit.name || symbol.is_empty() && name.is_empty() {
+        if symbol.is_empty() && name.is_empty() {
             return Ok(Written { number, unit: None, name });
         }
-        let mut usable = unit.display.iter().filter(|display| absolute || display.offset == 0.0);
-        if let Some(display) = usable.clone().find(|display| display.name == symbol) {
-            return Ok(Written { number, unit: Some(display), name: display.name });
+        Self::in_unit(number, symbol, unit, absolute).map_err(|names| {
+            let wrong =
+                if symbol.is_empty() { "has no unit".to_owned() } else { format!("has the wrong unit {symbol:?}") };
+            format!("{text:?} {wrong}; accepted are {names}")
+        })
+    }
+
+    /// # Errors
+    /// The units that would be accepted.
+    fn in_unit(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<Written, String> {
+        if symbol == unit.name {
+            let name = if unit.name == "1" { "" } else { unit.name };
+            return Ok(Written { number, unit: None, name });
         }
-        let mut names = vec![unit.name];
-        names.extend(usable.by_ref().map(|display| display.name));
-        let wrong = if symbol.is_empty() { "has no unit".to_owned() } else { format!("has the wrong unit {symbol:?}") };
-        Err(format!("{text:?} {wrong}; accepted are {}", names.join(", ")))
+        match units(unit, absolute).find(|display| display.name == symbol) {
+            Some(display) => Ok(Written { number, unit: Some(display), name: display.name }),
+            None => {
+                let others = units(unit, absolute).map(|display| display.name);
+                Err(std::iter::once(unit.name).chain(others).collect::<Vec<_>>().join(", "))
+            }
+        }
     }
 
     fn si(&self) -> f64 {
@@ -110,6 +137,11 @@ impl Written {
     fn shown(&self, si: f64) -> f64 {
         self.unit.map_or(si, |unit| decimal(unit.factor * si + unit.offset))
     }
+}
+
+/// Units beside the SI unit; those with an offset only where `absolute`.
+pub fn units(unit: &'static Unit, absolute: bool) -> impl Iterator<Item = &'static DisplayUnit> {
+    unit.display.iter().filter(move |display| absolute || display.offset == 0.0)
 }
 
 /// Rounding to 15 significant decimal digits, so that `"20 um"` is the same number as `2e-5`.

@@ -1,0 +1,235 @@
+//! CSV files of quantities over time: columns are known by their names, values come out in SI units.
+//!
+//! A column's header is the name of a quantity, alone (then in its SI unit), with a unit in brackets
+//! (`sliding_velocity [km/h]`) or with a unit spelled behind it (`speed_km_per_h`). Lines that begin with `#` are notes.
+
+use anyhow::{Context, Result, anyhow, bail};
+use sliding_contact::scene::file::quantity;
+use sliding_contact::variables::units::{SECOND, Unit};
+use std::path::{Path, PathBuf};
+
+/// Name of the column that every file must have.
+const TIME: &str = "time";
+
+/// A column that a file may have beside the time.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// Name of the quantity.
+    pub name: String,
+    /// Its SI unit; display units of it are accepted too and converted.
+    pub unit: &'static Unit,
+    /// Whether units with an offset (degC) are accepted: not for differences of temperatures.
+    pub absolute: bool,
+    /// Whether the file must have it.
+    pub required: bool,
+    /// Whether its header must say the unit.
+    pub unit_required: bool,
+}
+
+impl Column {
+    /// An optional column, in the SI unit where the header says none.
+    pub fn optional(name: &str, unit: &'static Unit) -> Self {
+        Self { name: name.to_owned(), unit, absolute: true, required: false, unit_required: false }
+    }
+
+    /// The headers that are accepted, for messages.
+    fn headers(&self) -> String {
+        let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
+        let units: Vec<&str> = std::iter::once(self.unit.name).chain(others).collect();
+        let alone = if self.unit_required { String::new() } else { format!("{} or ", self.name) };
+        format!("{alone}{} [{}]", self.name, units.join(" or "))
+    }
+
+    /// The unit that a header says of this quantity; `None` where it is another quantity's header.
+    fn unit_of<'a>(&self, header: &'a str) -> Option<Said<'a>> {
+        let rest = header.strip_prefix(self.name.as_str())?;
+        if rest.is_empty() {
+            return Some(Said::Nothing);
+        }
+        if let Some(symbol) = rest.trim_start().strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            return Some(Said::Symbol(symbol.trim()));
+        }
+        let spelled = rest.strip_prefix('_')?;
+        let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
+        std::iter::once(self.unit.name).chain(others).find(|symbol| spell(symbol) == spelled).map(Said::Symbol)
+    }
+}
+
+/// What a header says of the unit.
+enum Said<'a> {
+    Nothing,
+    Symbol(&'a str),
+}
+
+/// A unit as part of a name: `m_per_s` for `m/s`.
+fn spell(symbol: &str) -> String {
+    symbol.replace('/', "_per_").replace('.', "_").replace(['(', ')'], "")
+}
+
+/// Quantities over time, in SI units.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Table {
+    /// The file.
+    pub path: PathBuf,
+    /// Time of every row [s], strictly increasing.
+    pub times: Vec<f64>,
+    /// Quantities, in the order of the file, without the time.
+    pub names: Vec<String>,
+    /// Row by row, `names.len()` values each.
+    pub values: Vec<f64>,
+    /// Line of the file that every row stands in.
+    pub lines: Vec<u64>,
+}
+
+impl Table {
+    /// The values of a quantity, where the file has it.
+    pub fn column(&self, name: &str) -> Option<impl Iterator<Item = f64>> {
+        let at = self.names.iter().position(|own| own == name)?;
+        Some(self.values.iter().skip(at).step_by(self.names.len()).copied())
+    }
+}
+
+/// Reads a file with the time and some of the `accepted` quantities.
+///
+/// # Errors
+/// Names file, line, column and value: where the file cannot be read, has no row, lacks a required column, has one that
+/// is not accepted or stands twice, a unit that does not fit, a cell that is no finite number, or a time that does not
+/// increase.
+pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
+    let file = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_path(path)
+        .with_context(|| format!("reading {file}"))?;
+    let headers = reader.headers().with_context(|| format!("reading {file}"))?.clone();
+    let line = headers.position().map_or(1, csv::Position::line);
+    let time = Column { required: true, ..Column::optional(TIME, &SECOND) };
+    let known: Vec<&Column> = std::iter::once(&time).chain(accepted).collect();
+    let mut found: Vec<Found> = Vec::with_capacity(headers.len());
+    for (at, header) in headers.iter().enumerate() {
+        let column =
+            Found::of(header, &known).map_err(|wrong| anyhow!("{file}, line {line}, column {}: {wrong}", at + 1))?;
+        if let Some(twice) = found.iter().position(|other| other.name == column.name) {
+            bail!("{file}, line {line}, column {}: {} stands in column {} already", at + 1, column.name, twice + 1);
+        }
+        found.push(column);
+    }
+    if let Some(missing) = known.iter().find(|known| known.required && found.iter().all(|own| own.name != known.name)) {
+        let there: Vec<&str> = headers.iter().collect();
+        bail!("{file}, line {line}: no column {}; found are {}", missing.headers(), there.join(", "));
+    }
+    let names = found.iter().filter(|column| column.name != TIME).map(|column| column.name.clone()).collect();
+    let mut table = Table { path: path.to_owned(), times: Vec::new(), names, values: Vec::new(), lines: Vec::new() };
+    for record in reader.records() {
+        let record = record.with_context(|| format!("reading {file}"))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        for (at, (cell, column)) in record.iter().zip(&found).enumerate() {
+            let place = || format!("{file}, line {line}, column {} ({}): {cell:?}", at + 1, &headers[at]);
+            let number: f64 = cell.parse().ok().with_context(|| format!("{} is no number", place()))?;
+            let value = quantity::in_si(number, column.symbol, column.unit, column.absolute)
+                .map_err(|wrong| anyhow!("{}: {wrong}", place()))?;
+            if column.name != TIME {
+                table.values.push(value);
+                continue;
+            }
+            if let Some(last) = table.times.last().filter(|last| value <= **last) {
+                bail!("{}: the time must increase from row to row, and was {last} s in the row before", place());
+            }
+            table.times.push(value);
+        }
+        table.lines.push(line);
+    }
+    if table.times.is_empty() {
+        bail!("{file} has no row below its header");
+    }
+    Ok(table)
+}
+
+/// A column of a file.
+struct Found<'a> {
+    name: String,
+    symbol: &'a str,
+    unit: &'static Unit,
+    absolute: bool,
+}
+
+impl<'a> Found<'a> {
+    /// # Errors
+    /// What is wrong with the header, and what would be accepted.
+    fn of(header: &'a str, known: &[&Column]) -> Result<Self, String> {
+        let Some((column, said)) = known.iter().find_map(|column| Some((column, column.unit_of(header)?))) else {
+            let accepted: Vec<String> = known.iter().map(|column| column.headers()).collect();
+            return Err(format!(
+                "{header:?} is not a known quantity with a known unit; accepted are {}",
+                accepted.join(", ")
+            ));
+        };
+        let symbol = match said {
+            Said::Nothing if column.unit_required => {
+                return Err(format!("{header:?} does not say its unit; accepted is {}", column.headers()));
+            }
+            Said::Nothing => column.unit.name,
+            Said::Symbol(symbol) => symbol,
+        };
+        quantity::in_si(0.0, symbol, column.unit, column.absolute).map_err(|wrong| format!("{header:?}: {wrong}"))?;
+        Ok(Self { name: column.name.clone(), symbol, unit: column.unit, absolute: column.absolute })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sliding_contact::variables::units::{KELVIN, METRE_PER_SECOND, NEWTON};
+
+    fn accepted() -> Vec<Column> {
+        let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
+        let offset = Column { absolute: false, ..Column::optional("offset", &KELVIN) };
+        vec![speed, Column::optional("normal_load", &NEWTON), Column::optional("outside", &KELVIN), offset]
+    }
+
+    fn table(name: &str, text: &str) -> Result<Table> {
+        let path = std::env::temp_dir().join(format!("columns-{}-{name}.csv", std::process::id()));
+        std::fs::write(&path, text).unwrap();
+        let result = read(&path, &accepted());
+        std::fs::remove_file(&path).unwrap();
+        result
+    }
+
+    #[test]
+    fn columns_are_known_by_name_and_converted() {
+        let text = "\u{feff}# a note\nnormal_load[kN], time [min], outside [degC], speed_km_per_h\n3, 0, 20, 36\n4, 1, 30, 72\n";
+        let read = table("units", text).unwrap();
+        assert_eq!(read.times, [0.0, 60.0]);
+        assert_eq!(read.names, ["normal_load", "outside", "speed"]);
+        assert_eq!(read.column("speed").unwrap().collect::<Vec<_>>(), [10.0, 20.0]);
+        assert_eq!(read.column("normal_load").unwrap().collect::<Vec<_>>(), [3000.0, 4000.0]);
+        assert_eq!(read.column("outside").unwrap().collect::<Vec<_>>(), [293.15, 303.15]);
+        assert!(read.column("offset").is_none());
+        let plain = table("plain", "time_s,speed_m_per_s,normal_load\n0,0.1,7\n").unwrap();
+        assert_eq!((plain.values, plain.lines), (vec![0.1, 7.0], vec![2]));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
+        for (name, text, wanted) in [
+            ("order", "speed_m_per_s,normal_load\n0,1\n", "line 1: no column time or time [s or min or h]; found are"),
+            ("missing", "time,normal_load\n0,1\n", "no column speed [m/s or km/h or mm/s]"),
+            ("unknown", "time,velocity\n0,1\n", "line 1, column 2: \"velocity\" is not a known"),
+            ("unknown", "time,velocity\n0,1\n", "accepted are time or time [s or min or h], speed [m/s or km/h"),
+            ("bare", "time,speed\n0,1\n", "column 2: \"speed\" does not say its unit; accepted is speed [m/s"),
+            ("unit", "time,speed [mph]\n0,1\n", "\"mph\" is the wrong unit; accepted are m/s, km/h, mm/s"),
+            ("difference", "time,speed [m/s],offset [degC]\n0,1,2\n", "accepted are K"),
+            ("twice", "time,speed_m_per_s,speed [km/h]\n0,1,2\n", "column 3: speed stands in column 2 already"),
+            ("word", "time,speed_m_per_s\n0,1\n1,fast\n", "line 3, column 2 (speed_m_per_s): \"fast\" is no number"),
+            ("empty", "time,speed_m_per_s\n0,\n", "line 2, column 2 (speed_m_per_s): \"\" is no number"),
+            ("infinite", "time,speed_m_per_s\n0,nan\n", "\"nan\": NaN is not a finite number"),
+            ("back", "time,speed_m_per_s\n0,1\n1,1\n1,1\n", "line 4, column 1 (time): \"1\": the time must increase"),
+            ("none", "time,speed_m_per_s\n", "has no row"),
+            ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line: 3"),
+        ] {
+            let told = format!("{:#}", table(name, text).unwrap_err());
+            assert!(told.contains(wanted), "{told}\nlacks {wanted}");
+        }
+    }
+}
