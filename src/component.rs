@@ -49,6 +49,9 @@ const MAIN: [usize; 3] =
     [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
+/// Both velocities were given in a step: a bit beside those of [`limit`].
+const BOTH_VELOCITIES: u8 = 64;
+
 /// Groups of outputs that are computed together, as bits.
 mod group {
     /// What answers the inputs, and the worn depths.
@@ -138,7 +141,10 @@ pub struct Component {
     current: u8,
     /// The model must be built anew before outputs are read (while initialising).
     stale: bool,
+    /// The importer's.
     tolerance: Option<f64>,
+    /// Of the scene's default experiment: counts where neither the importer nor `solver.tolerance` gives one.
+    declared_tolerance: Option<f64>,
     /// Rungs last built: used again where the scene is the same.
     ladder: Option<Arc<Ladder>>,
     /// The rung above, ready to take over; after that the one below.
@@ -175,6 +181,7 @@ impl Component {
             current: 0,
             stale: true,
             tolerance: None,
+            declared_tolerance: None,
             ladder: None,
             prepared: None,
             planned: false,
@@ -188,10 +195,21 @@ impl Component {
         }
     }
 
+    /// The same with the tolerance that the scene's default experiment declares.
+    pub fn declaring(self, tolerance: f64) -> Component {
+        Component { declared_tolerance: Some(tolerance), ..self }
+    }
+
+    /// The tolerance that counts where `solver.tolerance` is 0.
+    fn outer_tolerance(&self) -> Option<f64> {
+        self.tolerance.or(self.declared_tolerance)
+    }
+
     /// Back to what [`Component::new`] gives; rungs are kept for use with the same scene.
     pub fn reset(&mut self) {
         let (ladder, messages) = (self.ladder.take(), std::mem::take(&mut self.messages));
-        *self = Component::new(self.starts.clone());
+        let declared_tolerance = self.declared_tolerance;
+        *self = Component { declared_tolerance, ..Component::new(self.starts.clone()) };
         (self.ladder, self.messages) = (ladder, messages);
         let _ = self.messages.take();
     }
@@ -212,7 +230,7 @@ impl Component {
         if self.phase == Phase::Initializing && self.stale {
             self.stale = false;
             // Rules that join parameters are the end of initialisation's business.
-            if let Ok(scene) = Scene::new(&self.values, self.tolerance) {
+            if let Ok(scene) = Scene::new(&self.values, self.outer_tolerance()) {
                 let _ = self.build(&scene);
             }
         }
@@ -305,6 +323,11 @@ impl Component {
         self.sloped = true;
     }
 
+    /// The tolerance that the importer gives for the run, which outputs while initialising are for too.
+    pub fn set_importer_tolerance(&mut self, tolerance: Option<f64>) {
+        self.tolerance = tolerance;
+    }
+
     /// From here on outputs answer the inputs set.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initializing;
@@ -319,7 +342,7 @@ impl Component {
     pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
         self.tolerance = tolerance;
         self.check_inputs()?;
-        let scene = Scene::new(&self.values, tolerance).map_err(|broken| broken.to_string())?;
+        let scene = Scene::new(&self.values, self.outer_tolerance()).map_err(|broken| broken.to_string())?;
         self.check_external(&scene)?;
         self.build(&scene)?;
         self.phase = Phase::Running;
@@ -330,17 +353,21 @@ impl Component {
 
     fn announce(&mut self, scene: &Scene) {
         let own = value!(self.values, "solver.tolerance") > 0.0;
-        let source = match (own, self.tolerance) {
-            (true, _) => "solver.tolerance",
-            (false, Some(_)) => "the importer",
-            (false, None) => "the default",
+        let source = match (own, self.tolerance, self.declared_tolerance) {
+            (true, ..) => "solver.tolerance",
+            (false, Some(_), _) => "the importer",
+            (false, None, Some(_)) => "the scene's DefaultExperiment",
+            (false, None, None) => "the default",
         };
         let ladder = self.ladder.as_ref().expect("built just before");
         let mut lines = ladder.lines().into_iter();
         let first = lines.next().unwrap_or_default();
         self.messages.add(Subject::Plan, format_args!("tolerance {:e} from {source}; {first}", scene.tolerance));
         lines.for_each(|text| self.messages.add(Subject::Plan, format_args!("{text}")));
-        for text in ladder.first.warnings() {
+        let external =
+            [value!(self.values, "strip.external_temperature"), value!(self.values, "punch.external_temperature")];
+        let warnings = scene.warnings().into_iter().chain(scene.warnings_of_external(external));
+        for text in warnings.chain(ladder.first.warnings()) {
             self.messages.add(Subject::Warning, format_args!("{text}"));
         }
     }
@@ -394,6 +421,7 @@ impl Component {
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         let inputs = self.values.first_chunk().expect("the inputs are the first variables");
         let slopes = self.sloped.then_some(&self.slopes);
+        let began = *inputs;
         model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
         self.at_end = !self.sloped && !model.has_bristle();
         self.last_step = step;
@@ -411,9 +439,12 @@ impl Component {
             model.write_end(&mut self.values);
             self.current = group::MAIN;
         }
-        let limits = model.limits();
+        let mut limits = model.limits();
+        if began[0] != 0.0 && began[2] != 0.0 {
+            limits |= BOTH_VELOCITIES;
+        }
         if limits & !self.reported != 0 {
-            self.report(limits);
+            self.report(limits, &began);
         }
         if self.planned {
             self.watch_plan();
@@ -421,26 +452,46 @@ impl Component {
         Ok(())
     }
 
-    fn report(&mut self, limits: u8) {
+    /// Tells the limits that have not been told yet, after a step that began at the inputs `began`.
+    fn report(&mut self, limits: u8, began: &[f64; INPUTS]) {
+        let fresh = limits & !self.reported;
         let texts = [
             (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
-            (limit::TEMPERATURE, "contact.temperature_limit is exceeded (limit_reached bit 2)"),
             (
                 limit::VALIDITY,
                 "the scene has left the model's validity (limit_reached bit 4): load or speed far above nominal, \
                  contact above 2500 K, half of a body worn off, or a worn track met again that was already forgotten",
             ),
-            (limit::NEGATIVE_LOAD, "normal_load is below 0 N and counts as 0: the contact is open"),
         ];
         for (bit, text) in texts {
-            if limits & bit != 0 && self.reported & bit == 0 {
+            if fresh & bit != 0 {
                 self.messages.add(Subject::Warning, format_args!("{text}"));
             }
         }
         let inputs = inputs_of(&self.values);
+        if fresh & limit::TEMPERATURE != 0 {
+            let limit = value!(self.values, "contact.temperature_limit");
+            let text = format_args!("contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)");
+            self.messages.add(Subject::Warning, text);
+        }
+        if fresh & limit::NEGATIVE_LOAD != 0 {
+            let load = began[1].min(inputs[1]);
+            let text = format_args!("normal_load = {load} N is below 0 N and counts as 0: the contact is open");
+            self.messages.add(Subject::Warning, text);
+        }
+        if fresh & BOTH_VELOCITIES != 0 {
+            let radius = value!(self.values, "contact.mean_radius");
+            let text = format_args!(
+                "sliding_velocity = {} m/s and angular_velocity = {} rad/s are both given and add up: with \
+                 contact.mean_radius = {radius} m the contact slides at {} m/s",
+                began[0],
+                began[2],
+                began[0] + radius * began[2]
+            );
+            self.messages.add(Subject::Warning, text);
+        }
         for bit in [limit::ACCELERATED, limit::UNSTABLE] {
-            let fresh = limits & bit != 0 && self.reported & bit == 0;
-            if let Some(model) = self.model.as_ref().filter(|_| fresh) {
+            if let Some(model) = self.model.as_ref().filter(|_| fresh & bit != 0) {
                 self.messages.compose(Subject::Warning, |text| model.write_warning(bit, &inputs, text));
             }
         }

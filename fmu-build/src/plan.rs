@@ -20,6 +20,7 @@ use sliding_contact::verification::planning::judge::{Judged, judge, timed_plan, 
 use sliding_contact::verification::planning::scenes::{Generated, generate};
 
 use crate::chart::machine;
+use crate::output::{self, print_line, print_text};
 use crate::scenes;
 
 /// Tolerances of the campaign.
@@ -35,13 +36,13 @@ pub struct Arguments {
     #[arg(short, long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Tolerance of the importer, where `solver.tolerance` is 0.
-    #[arg(long)]
+    #[arg(long, value_parser = scenes::tolerance)]
     tolerance: Option<f64>,
     /// Print JSON instead of a table.
     #[arg(long)]
     json: bool,
     /// Try plans on generated scenes against every fixed setting, with a far finer run as the truth.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["scene", "set", "tolerance", "json"])]
     campaign: bool,
     /// Generated scenes of the campaign.
     #[arg(long, default_value_t = 50, requires = "campaign")]
@@ -53,7 +54,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 129, requires = "campaign")]
     cells: usize,
     /// Measure what a step costs on the planned rung and at the level `field`, for an error of 1 %.
-    #[arg(long, conflicts_with = "campaign")]
+    #[arg(long, conflicts_with_all = ["campaign", "set", "tolerance", "json"])]
     against_field: bool,
     /// File to write the table of the campaign, or of the costs, to.
     #[arg(short, long, value_name = "FILE")]
@@ -65,6 +66,10 @@ pub struct Arguments {
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_ending(arguments.output.as_deref(), "csv")?;
+    if arguments.output.is_some() && !(arguments.campaign || arguments.against_field) {
+        bail!("--output holds the table of --campaign or --against-field, and neither is asked for");
+    }
     if arguments.campaign {
         return campaign(arguments);
     }
@@ -75,6 +80,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     for assignment in &arguments.set {
         scenes::assign(&mut file, assignment)?;
     }
+    scenes::warn(&file);
     let starts = &file.packaged.starts;
     let importer = arguments.tolerance.or(Some(file.packaged.experiment.tolerance));
     let mut scene = Scene::new(starts, importer).map_err(|broken| anyhow!("{broken}"))?;
@@ -83,18 +89,21 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     scene.fidelity = Fidelity::Auto;
     let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
     if arguments.json {
-        println!("{:#}", record(&planned.plan));
+        print_line!("{:#}", record(&planned.plan));
         return Ok(());
     }
-    println!(
+    print_line!(
         "{}: load {} N, speed {} m/s, {} s",
-        file.packaged.name, scene.nominal_load, scene.nominal_velocity, scene.nominal_duration
+        file.packaged.name,
+        scene.nominal_load,
+        scene.nominal_velocity,
+        scene.nominal_duration
     );
     for line in planned.plan.lines() {
-        println!("{line}");
+        print_line!("{line}");
     }
     if fixed != Fidelity::Auto {
-        println!("The scene itself sets solver.fidelity = {}.", format!("{fixed:?}").to_lowercase());
+        print_line!("The scene itself sets solver.fidelity = {}.", format!("{fixed:?}").to_lowercase());
     }
     Ok(())
 }
@@ -225,10 +234,10 @@ fn campaign(arguments: &Arguments) -> Result<()> {
     let table = table(&all, arguments.cells);
     match &arguments.output {
         Some(path) => fs::write(path, table).with_context(|| format!("writing {}", path.display()))?,
-        None => print!("{table}"),
+        None => print_text!("{table}"),
     }
     let cases: Vec<&Judged> = all.values().flat_map(|tried| &tried.cases).map(|case| &case.judged).collect();
-    print!("{}", verdict(&cases));
+    print_text!("{}", verdict(&cases));
     Ok(())
 }
 

@@ -92,7 +92,8 @@ impl Component {
             let ladder = match self.ladder.clone() {
                 Some(ladder) if same => ladder,
                 known => {
-                    let scene = Scene::new(&at_start, from.tolerance).map_err(|broken| broken.to_string())?;
+                    let scene = Scene::new(&at_start, from.tolerance.or(self.declared_tolerance))
+                        .map_err(|broken| broken.to_string())?;
                     match known.filter(|ladder| ladder.requested == scene) {
                         Some(known) => known,
                         None => Arc::new(Ladder::new(&scene)?),
