@@ -49,7 +49,7 @@ fn read(path: &Path) -> Result<Table> {
     if table.times.len() < 2 {
         bail!("{}: a cycle needs at least two rows", path.display());
     }
-    for (&speed, line) in table.values.iter().zip(&table.lines) {
+    for (speed, line) in table.column("speed").into_iter().flatten().zip(&table.lines) {
         if !(0.0..=HIGHEST_SPEED).contains(&speed) {
             bail!(
                 "{}, line {line}: a speed of {speed} m/s ({:.0} km/h) is none of a road car, whose speeds are from 0 to \
