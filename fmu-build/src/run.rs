@@ -260,7 +260,7 @@ mod tests {
             assert!(refusal(&[example, "--cycle", "hwfet"]).contains("--cycle hwfet does not apply to"), "{example}");
         }
         assert!(refusal(&["vehicle_brake", "--step", "0.2"]).contains("--step 0.2 does not apply to vehicle_brake"));
-        assert!(refusal(&["--step", "-1"]).contains("--step -1 s must be"));
+        assert!(refusal(&["--step", "0"]).contains("--step 0 s must be"));
         assert!(refusal(&["-o", "st.png"]).contains("a folder must be named"));
         for fine in
             [&["--step", "0.2", "--cycle", "hwfet"][..], &["vehicle_brake", "--cycle", "udds"], &["clutch"], &[]]

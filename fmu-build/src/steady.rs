@@ -141,9 +141,6 @@ fn solve(arguments: &Arguments) -> Result<Solved> {
     let mut sliding = Sliding::nominal(&scene);
     match (arguments.return_speed, &mut sliding) {
         (None, _) => {}
-        (Some(speed), _) if !(speed.is_finite() && speed > 0.0) => {
-            bail!("--return-speed {speed} m/s must be a finite number above 0")
-        }
         (Some(speed), Sliding::ToAndFro { speeds, .. }) => speeds[1] = speed,
         (Some(speed), _) => bail!(
             "--return-speed {speed} m/s: the scene {name} slides one way (nominal.stroke = {} m)",

@@ -70,7 +70,7 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
         ("stability --list --json", &["--json"]),
         ("chart --list --json", &["--json"]),
         ("steady disc_brake --return-speed 3", &["nominal.stroke = 0 m"]),
-        ("steady reciprocating_punch --return-speed 0", &["--return-speed 0 m/s must be"]),
+        ("steady reciprocating_punch --return-speed 0", &["sliding speed = 0"]),
         ("run clutch --cycle hwfet", &["does not apply to clutch"]),
         ("run vehicle_brake --step 0.2", &["does not apply to vehicle_brake"]),
         ("run --scene clutch", &["contact.geometry = annular", "covers 1.000"]),
