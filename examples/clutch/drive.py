@@ -35,6 +35,7 @@ def main():
         mean_radius = clutch.start("contact.mean_radius")
         cases.check_capacity(clutch)
         bristle = cases.engage(clutch, 1e-3)
+        summary["contact"] = {"level": clutch.level()}
         summary["engagement, bristle, explicit"] = report.engagement(bristle, mean_radius)
 
         predicted = cases.predicted_limit(clutch)
@@ -88,7 +89,7 @@ def main():
     paths = [
         report.write_csv(options.output / "engagement.csv", bristle),
         report.write_csv(options.output / "judder.csv", juddering),
-        plots.engagement(bristle, options.output / "engagement.png"),
+        plots.engagement(bristle, summary["contact"]["level"], options.output / "engagement.png"),
         plots.masters(
             {
                 f"explicit, {2.0 * predicted * 1e6:.0f} us, regularised": above,

@@ -17,6 +17,7 @@ import libcosim
 import manoeuvres
 import master
 import report
+import simulation
 import ssp
 import system
 import vehicle_fmu
@@ -70,6 +71,8 @@ def main():
     }
     recordings = {name: drive(manoeuvre, options.fmu, options.output) for name, manoeuvre in drives.items()}
     summary = {name: report.run_figures(recording) for name, recording in recordings.items()}
+    level = simulation.level(read_model_description(str(options.fmu)))
+    summary["contacts"] = {"level": level}
     begins = {name: drives[name].parameters["stop_time"] for name in ("cold_stop", "descent")}
     for name, begin in begins.items():
         summary[name] |= report.stop_figures(recordings[name], begin)
@@ -98,7 +101,7 @@ def main():
     for name in (cycle, "descent"):
         paths.append(options.output / f"{name}.csv")
         report.write_csv(paths[-1], recordings[name])
-    title = "Car with four contact FMUs, "
+    title = f"Car with four contact FMUs (level {level}), "
     paths += [
         plots.along(recordings[cycle], title + cycle.upper(), options.output / f"{cycle}.png"),
         plots.along(recordings["descent"], title + "descent at 8 % and full stop", options.output / "descent.png"),
