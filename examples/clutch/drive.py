@@ -29,6 +29,8 @@ def arguments():
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     options.output.mkdir(parents=True, exist_ok=True)
     summary = {}
     with Unpacked(options.fmu) as clutch:
@@ -104,10 +106,10 @@ def main():
         plots.critical_speed(bristle, carbon, mean_radius, options.output / "critical_speed.png"),
     ]
     if options.json:
-        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2))
+        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)
     else:
-        print(report.table(summary))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+        print(report.table(summary), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

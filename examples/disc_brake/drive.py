@@ -30,6 +30,8 @@ def arguments():
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     time, speed = road_load.read_cycle(options.cycle)
     if not 0.0 < options.step <= time[-1]:
         raise ValueError(f"--step {options.step:g} s must be positive and at most the cycle's {time[-1]:g} s")
@@ -66,16 +68,16 @@ def main():
     if options.json:
         levels = {heading: column.as_dictionary() for heading, column in columns.items()}
         files = [str(path) for path in paths]
-        print(json.dumps({"level": level, **summary.as_dictionary(), "levels": levels, **stopping, "files": files}, indent=2))
+        print(json.dumps({"level": level, **summary.as_dictionary(), "levels": levels, **stopping, "files": files}, indent=2), file=results)
     else:
-        print(title)
-        print(report.table(columns))
+        print(title, file=results)
+        print(report.table(columns), file=results)
         for heading, column in list(columns.items())[1:]:
             for name, difference in report.differences(summary, column).items():
-                print(f"  {level} differs from {heading} in {name} by {100 * difference:+.0f} %")
+                print(f"  {level} differs from {heading} in {name} by {100 * difference:+.0f} %", file=results)
         if stopping:
-            print(stops.table(stopping))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+            print(stops.table(stopping), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ def with_optional_inputs(signals, description):
 
 # What the contact line is run with beside the level of the scene: it is a check, and takes some seconds.
 LINE_CELLS = 17
-LINE = {"solver.fidelity": "line", "solver.cells": LINE_CELLS, "solver.tolerance": 1e-2}
+LINE = {"solver.fidelity": 3, "solver.cells": LINE_CELLS, "solver.tolerance": 1e-2}
 
 
 def level(description):

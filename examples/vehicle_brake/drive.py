@@ -62,6 +62,8 @@ def drive_package(manoeuvre, brake, folder):
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     options.output.mkdir(parents=True, exist_ok=True)
     drives = {
         manoeuvre.name: manoeuvre
@@ -110,10 +112,10 @@ def main():
         plots.hill(recordings["hill"], options.output / "hill.png"),
     ]
     if options.json:
-        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2))
+        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)
     else:
-        print(report.table(summary))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+        print(report.table(summary), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

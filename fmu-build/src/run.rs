@@ -205,7 +205,8 @@ fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
 /// As [`execute`].
 pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
     let udds = cycle::file(CYCLE, folder)?;
-    let output = script(Example::DiscBrake, python, fmu, folder).arg("--cycle").arg(udds).output()?;
+    let mut command = script(Example::DiscBrake, python, fmu, folder);
+    let output = command.arg("--one-level").arg("--cycle").arg(udds).output()?;
     if !output.status.success() {
         bail!("the drive did not finish: {}", String::from_utf8_lossy(&output.stderr).trim());
     }
