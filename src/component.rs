@@ -49,6 +49,9 @@ const MAIN: [usize; 3] =
     [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
+/// Both velocities were given in a step: a bit beside those of [`limit`].
+const BOTH_VELOCITIES: u8 = 64;
+
 /// Groups of outputs that are computed together, as bits.
 mod group {
     /// What answers the inputs, and the worn depths.
@@ -138,7 +141,10 @@ pub struct Component {
     current: u8,
     /// The model must be built anew before outputs are read (while initialising).
     stale: bool,
+    /// The importer's.
     tolerance: Option<f64>,
+    /// Of the scene's default experiment: counts where neither the importer nor `solver.tolerance` gives one.
+    declared_tolerance: Option<f64>,
     /// The scene last made ready: used again where it is the same.
     prepared: Option<Arc<Prepared>>,
     /// A plan compared levels: steps are watched.
@@ -169,6 +175,7 @@ impl Component {
             current: 0,
             stale: true,
             tolerance: None,
+            declared_tolerance: None,
             prepared: None,
             planned: false,
             beyond_plan: false,
@@ -179,10 +186,21 @@ impl Component {
         }
     }
 
+    /// The same with the tolerance that the scene's default experiment declares.
+    pub fn declaring(self, tolerance: f64) -> Component {
+        Component { declared_tolerance: Some(tolerance), ..self }
+    }
+
+    /// The tolerance that counts where `solver.tolerance` is 0.
+    fn outer_tolerance(&self) -> Option<f64> {
+        self.tolerance.or(self.declared_tolerance)
+    }
+
     /// Back to what [`Component::new`] gives; what was built is kept for use with the same scene.
     pub fn reset(&mut self) {
         let (prepared, messages) = (self.prepared.take(), std::mem::take(&mut self.messages));
-        *self = Component::new(self.starts.clone());
+        let declared_tolerance = self.declared_tolerance;
+        *self = Component { declared_tolerance, ..Component::new(self.starts.clone()) };
         (self.prepared, self.messages) = (prepared, messages);
         let _ = self.messages.take();
     }
@@ -203,7 +221,7 @@ impl Component {
         if self.phase == Phase::Initializing && self.stale {
             self.stale = false;
             // Rules that join parameters are the end of initialisation's business.
-            if let Ok(scene) = Scene::new(&self.values, self.tolerance) {
+            if let Ok(scene) = Scene::new(&self.values, self.outer_tolerance()) {
                 let _ = self.build(&scene);
             }
         }
@@ -291,6 +309,11 @@ impl Component {
         self.sloped = true;
     }
 
+    /// The tolerance that the importer gives for the run, which outputs while initialising are for too.
+    pub fn set_importer_tolerance(&mut self, tolerance: Option<f64>) {
+        self.tolerance = tolerance;
+    }
+
     /// From here on outputs answer the inputs set.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initializing;
@@ -305,7 +328,7 @@ impl Component {
     pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
         self.tolerance = tolerance;
         self.check_inputs()?;
-        let scene = Scene::new(&self.values, tolerance).map_err(|broken| broken.to_string())?;
+        let scene = Scene::new(&self.values, self.outer_tolerance()).map_err(|broken| broken.to_string())?;
         self.check_external(&scene)?;
         self.build(&scene)?;
         self.phase = Phase::Running;
@@ -316,17 +339,21 @@ impl Component {
 
     fn announce(&mut self, scene: &Scene) {
         let own = value!(self.values, "solver.tolerance") > 0.0;
-        let source = match (own, self.tolerance) {
-            (true, _) => "solver.tolerance",
-            (false, Some(_)) => "the importer",
-            (false, None) => "the default",
+        let source = match (own, self.tolerance, self.declared_tolerance) {
+            (true, ..) => "solver.tolerance",
+            (false, Some(_), _) => "the importer",
+            (false, None, Some(_)) => "the scene's DefaultExperiment",
+            (false, None, None) => "the default",
         };
         let prepared = self.prepared.as_ref().expect("built just before");
         let mut lines = prepared.lines().into_iter();
         let first = lines.next().unwrap_or_default();
         self.messages.add(Subject::Plan, format_args!("tolerance {:e} from {source}; {first}", scene.tolerance));
         lines.for_each(|text| self.messages.add(Subject::Plan, format_args!("{text}")));
-        for text in prepared.operators.warnings() {
+        let external =
+            [value!(self.values, "strip.external_temperature"), value!(self.values, "punch.external_temperature")];
+        let warnings = scene.warnings().into_iter().chain(scene.warnings_of_external(external));
+        for text in warnings.chain(prepared.operators.warnings()) {
             self.messages.add(Subject::Warning, format_args!("{text}"));
         }
     }
@@ -380,6 +407,7 @@ impl Component {
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         let inputs = self.values.first_chunk().expect("the inputs are the first variables");
         let slopes = self.sloped.then_some(&self.slopes);
+        let began = *inputs;
         model.step(inputs, slopes, step).map_err(|failure| failure.to_string())?;
         self.at_end = !self.sloped && !model.has_bristle();
         self.last_step = step;
@@ -397,9 +425,12 @@ impl Component {
             model.write_end(&mut self.values);
             self.current = group::MAIN;
         }
-        let limits = model.limits();
+        let mut limits = model.limits();
+        if began[0] != 0.0 && began[2] != 0.0 {
+            limits |= BOTH_VELOCITIES;
+        }
         if limits & !self.reported != 0 {
-            self.report(limits);
+            self.report(limits, &began);
         }
         if self.planned {
             self.watch_plan();
@@ -407,26 +438,46 @@ impl Component {
         Ok(())
     }
 
-    fn report(&mut self, limits: u8) {
+    /// Tells the limits that have not been told yet, after a step that began at the inputs `began`.
+    fn report(&mut self, limits: u8, began: &[f64; INPUTS]) {
+        let fresh = limits & !self.reported;
         let texts = [
             (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
-            (limit::TEMPERATURE, "contact.temperature_limit is exceeded (limit_reached bit 2)"),
             (
                 limit::VALIDITY,
                 "the scene has left the model's validity (limit_reached bit 4): load or speed far above nominal, \
                  contact above 2500 K, half of a body worn off, or a worn track met again that was already forgotten",
             ),
-            (limit::NEGATIVE_LOAD, "normal_load is below 0 N and counts as 0: the contact is open"),
         ];
         for (bit, text) in texts {
-            if limits & bit != 0 && self.reported & bit == 0 {
+            if fresh & bit != 0 {
                 self.messages.add(Subject::Warning, format_args!("{text}"));
             }
         }
         let inputs = inputs_of(&self.values);
+        if fresh & limit::TEMPERATURE != 0 {
+            let limit = value!(self.values, "contact.temperature_limit");
+            let text = format_args!("contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)");
+            self.messages.add(Subject::Warning, text);
+        }
+        if fresh & limit::NEGATIVE_LOAD != 0 {
+            let load = began[1].min(inputs[1]);
+            let text = format_args!("normal_load = {load} N is below 0 N and counts as 0: the contact is open");
+            self.messages.add(Subject::Warning, text);
+        }
+        if fresh & BOTH_VELOCITIES != 0 {
+            let radius = value!(self.values, "contact.mean_radius");
+            let text = format_args!(
+                "sliding_velocity = {} m/s and angular_velocity = {} rad/s are both given and add up: with \
+                 contact.mean_radius = {radius} m the contact slides at {} m/s",
+                began[0],
+                began[2],
+                began[0] + radius * began[2]
+            );
+            self.messages.add(Subject::Warning, text);
+        }
         for bit in [limit::ACCELERATED, limit::UNSTABLE] {
-            let fresh = limits & bit != 0 && self.reported & bit == 0;
-            if let Some(model) = self.model.as_ref().filter(|_| fresh) {
+            if let Some(model) = self.model.as_ref().filter(|_| fresh & bit != 0) {
                 self.messages.compose(Subject::Warning, |text| model.write_warning(bit, &inputs, text));
             }
         }

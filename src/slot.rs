@@ -30,6 +30,9 @@ pub const STOCK_NAME: &str = "stock";
 /// Most bytes a scene's name may have.
 pub const NAME_CAPACITY: usize = 64;
 
+/// Largest relative tolerance that a run can be asked for.
+pub const LARGEST_TOLERANCE: f64 = 0.5;
+
 const LAYOUT_VERSION: u32 = 1;
 const CHECKSUM_AT: usize = 24;
 const BODY_AT: usize = 32;
@@ -176,8 +179,8 @@ pub fn check(scene: &Packaged) -> Result<(), String> {
     if !(step > 0.0 && step <= stop - start) {
         return Err(format!("experiment: the step {step} s must be > 0 and at most the duration {} s", stop - start));
     }
-    if !(tolerance > 0.0 && tolerance <= 0.5) {
-        return Err(format!("experiment: the tolerance {tolerance} must be > 0 and at most 0.5"));
+    if !(tolerance > 0.0 && tolerance <= LARGEST_TOLERANCE) {
+        return Err(format!("experiment: the tolerance {tolerance} must be > 0 and at most {LARGEST_TOLERANCE}"));
     }
     match scene.starts.iter().position(|value| !value.is_finite()) {
         Some(reference) => {

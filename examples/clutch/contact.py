@@ -18,6 +18,11 @@ class Unpacked:
     def start(self, name):
         return float(self.variables[name].start)
 
+    def level(self):
+        """The level that the scene asks for: auto, lumped, line or field."""
+        variable = self.variables["solver.fidelity"]
+        return {item.value: item.name for item in variable.declaredType.items}[str(variable.start)]
+
     def __enter__(self):
         return self
 

@@ -29,12 +29,15 @@ def arguments():
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     options.output.mkdir(parents=True, exist_ok=True)
     summary = {}
     with Unpacked(options.fmu) as clutch:
         mean_radius = clutch.start("contact.mean_radius")
         cases.check_capacity(clutch)
         bristle = cases.engage(clutch, 1e-3)
+        summary["contact"] = {"level": clutch.level()}
         summary["engagement, bristle, explicit"] = report.engagement(bristle, mean_radius)
 
         predicted = cases.predicted_limit(clutch)
@@ -88,7 +91,7 @@ def main():
     paths = [
         report.write_csv(options.output / "engagement.csv", bristle),
         report.write_csv(options.output / "judder.csv", juddering),
-        plots.engagement(bristle, options.output / "engagement.png"),
+        plots.engagement(bristle, summary["contact"]["level"], options.output / "engagement.png"),
         plots.masters(
             {
                 f"explicit, {2.0 * predicted * 1e6:.0f} us, regularised": above,
@@ -103,10 +106,10 @@ def main():
         plots.critical_speed(bristle, carbon, mean_radius, options.output / "critical_speed.png"),
     ]
     if options.json:
-        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2))
+        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)
     else:
-        print(report.table(summary))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+        print(report.table(summary), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

@@ -42,7 +42,7 @@ def save(panels, title, path, sharex=True):
     return path
 
 
-def engagement(run, path):
+def engagement(run, level, path):
     time = run["time"]
 
     def speeds(axis):
@@ -65,7 +65,7 @@ def engagement(run, path):
         axis.set_xlabel("time [s]")
 
     panels = (("Speeds", speeds), ("Clutch torque", torque), ("Temperature", temperature), ("Wear", wear))
-    return save(panels, "Engagement from 3,000 rev/min, bristle at the end", path)
+    return save(panels, f"Engagement from 3,000 rev/min, bristle at the end, level {level}", path)
 
 
 def masters(runs, path):

@@ -22,6 +22,7 @@ def arguments():
     parser.add_argument("--cycle", type=Path, required=True, help="CSV with the columns time_s, speed_m_per_s")
     parser.add_argument("--output", type=Path, required=True, help="folder for CSV and plots")
     parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds (default 0.1)")
+    parser.add_argument("--one-level", action="store_true", help="leave out the contact line beside the scene's level")
     parser.add_argument("--stops", action="store_true", help="then stops from 100 km/h, one and fifteen, at two levels")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     return parser.parse_args()
@@ -29,6 +30,8 @@ def arguments():
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     time, speed = road_load.read_cycle(options.cycle)
     if not 0.0 < options.step <= time[-1]:
         raise ValueError(f"--step {options.step:g} s must be positive and at most the cycle's {time[-1]:g} s")
@@ -36,11 +39,16 @@ def main():
     drive = road_load.front_brake(time, speed, road_load.Brake.of(start_values))
     recording = simulation.drive(options.fmu, drive.signals(), options.step)
     summary = report.summarise(recording, drive)
+    level = simulation.level(description)
+    columns = {level: summary}
+    if not options.one_level and level in ("auto", "lumped"):
+        line = simulation.drive(options.fmu, drive.signals(), options.step, simulation.LINE)
+        columns[f"line, {simulation.LINE_CELLS} cells"] = report.summarise(line, drive)
 
     options.output.mkdir(parents=True, exist_ok=True)
     table = options.output / f"{options.cycle.stem}.csv"
     report.write_csv(table, recording, drive)
-    title = f"{description.modelName}: one front brake over {options.cycle.stem.upper()}"
+    title = f"{description.modelName}: one front brake over {options.cycle.stem.upper()}, level {level}"
     # Imported late: matplotlib takes longer to load than the cycle to run.
     import plots
 
@@ -58,13 +66,18 @@ def main():
             stop_plots.fade(fifteen, options.output / "fade.png"),
         ]
     if options.json:
-        print(json.dumps({**summary.as_dictionary(), **stopping, "files": [str(path) for path in paths]}, indent=2))
+        levels = {heading: column.as_dictionary() for heading, column in columns.items()}
+        files = [str(path) for path in paths]
+        print(json.dumps({"level": level, **summary.as_dictionary(), "levels": levels, **stopping, "files": files}, indent=2), file=results)
     else:
-        print(title)
-        print(summary.table())
+        print(title, file=results)
+        print(report.table(columns), file=results)
+        for heading, column in list(columns.items())[1:]:
+            for name, difference in report.differences(summary, column).items():
+                print(f"  {level} differs from {heading} in {name} by {100 * difference:+.0f} %", file=results)
         if stopping:
-            print(stops.table(stopping))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+            print(stops.table(stopping), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

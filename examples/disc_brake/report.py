@@ -14,6 +14,7 @@ class Summary:
 
     duration_s: float
     distance_km: float
+    ambient_temperature_degC: float
     contact_temperature_peak_degC: float
     contact_temperature_final_degC: float
     disc_temperature_peak_degC: float
@@ -34,9 +35,9 @@ class Summary:
     def as_dictionary(self):
         return asdict(self)
 
-    def table(self):
-        """One screen of text."""
-        rows = (
+    def rows(self):
+        """What is compared between levels, and what the run tells of itself, as pairs of texts."""
+        return (
             ("Driven", f"{self.duration_s:.0f} s, {self.distance_km:.2f} km"),
             ("Contact temperature", f"peak {self.contact_temperature_peak_degC:.1f} degC, "
              f"final {self.contact_temperature_final_degC:.1f} degC"),
@@ -51,8 +52,30 @@ class Summary:
             ("Pace", f"{self.steps} steps, {self.steps_per_second:.0f} steps/s, "
              f"{self.real_time_factor:.0f} times real time"),
         )
-        width = max(len(name) for name, _ in rows)
-        return "\n".join(f"  {name:{width}}  {value}" for name, value in rows)
+
+
+def table(columns):
+    """One screen of text: a column for every level [heading to summary]."""
+    names = [name for name, _ in next(iter(columns.values())).rows()]
+    cells = [["", *names]]
+    cells += [[heading, *(value for _, value in summary.rows())] for heading, summary in columns.items()]
+    widths = [max(map(len, column)) for column in cells]
+    lines = ("  ".join(f"{cell:{width}}" for cell, width in zip(line, widths)) for line in zip(*cells))
+    return "\n".join(f"  {line}".rstrip() for line in lines)
+
+
+def differences(summary, finer):
+    """Quantities that differ by more than a per cent between two levels: name to relative difference of `summary`, of
+    temperatures to their rise above the start."""
+    one, other = summary.as_dictionary(), finer.as_dictionary()
+    found = {}
+    for name in ("contact_temperature_peak_degC", "disc_temperature_peak_degC", "friction_torque_peak_N_m",
+                 "pad_wear_um", "disc_wear_um", "energy_in_kJ"):
+        start = finer.ambient_temperature_degC if name.endswith("degC") else 0.0
+        difference = one[name] / other[name] - 1.0 if start == 0.0 else (one[name] - other[name]) / (other[name] - start)
+        if abs(difference) > 0.01:
+            found[name] = difference
+    return found
 
 
 def stored_minus_lost(recording):
@@ -94,6 +117,7 @@ def summarise(recording, drive):
     return Summary(
         duration_s=duration,
         distance_km=float(np.trapezoid(drive.speed, drive.time)) / 1e3,
+        ambient_temperature_degC=float(celsius["strip.mean_temperature"][0]),
         contact_temperature_peak_degC=float(celsius["contact_temperature_max"].max()),
         contact_temperature_final_degC=float(celsius["contact_temperature_max"][-1]),
         disc_temperature_peak_degC=float(celsius["strip.mean_temperature"].max()),

@@ -69,7 +69,12 @@ class Drive:
 
 
 def read_cycle(path):
-    """Reads `time_s, speed_m_per_s` and checks that time increases."""
+    """Reads the columns `time_s, speed_m_per_s`, which `cargo fmu run --cycle` makes of others, and checks that time
+    increases."""
+    with open(path, encoding="utf-8") as file:
+        header = file.readline().strip()
+    if header != "time_s,speed_m_per_s":
+        raise ValueError(f"{path}: the columns must be time_s,speed_m_per_s, not {header}; cargo fmu run --cycle converts units")
     time, speed = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         raise ValueError(f"{path}: time_s must increase from row to row")

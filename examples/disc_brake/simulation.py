@@ -88,8 +88,21 @@ def with_optional_inputs(signals, description):
     return complete
 
 
-def drive(fmu, signals, step):
-    """Runs the FMU over `signals` (see `Drive.signals`) with the communication step `step` [s]."""
+# What the contact line is run with beside the level of the scene: it is a check, and takes some seconds.
+LINE_CELLS = 17
+LINE = {"solver.fidelity": 3, "solver.cells": LINE_CELLS, "solver.tolerance": 1e-2}
+
+
+def level(description):
+    """The level that the scene asks for: auto, lumped, line or field."""
+    variable = next(variable for variable in description.modelVariables if variable.name == "solver.fidelity")
+    items = {item.value: item.name for item in variable.declaredType.items}
+    return items[str(variable.start)]
+
+
+def drive(fmu, signals, step, start_values=None):
+    """Runs the FMU over `signals` (see `Drive.signals`) with the communication step `step` [s]; `start_values` [name to
+    value] replace those of the scene."""
     description, _ = describe(fmu)
     units = {variable.name: variable.unit or "1" for variable in description.modelVariables}
     stop = float(signals["time"][-1])
@@ -110,6 +123,7 @@ def drive(fmu, signals, step):
             fmu_instance=instance,
             stop_time=stop,
             step_size=step,
+            start_values=start_values or {},
             output_interval=step,
             input=with_optional_inputs(signals, description),
             output=[*INPUTS, *OUTPUTS],

@@ -28,6 +28,8 @@ def arguments():
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     options.output.mkdir(parents=True, exist_ok=True)
     with ring.Unpacked(options.fmu) as unpacked:
         rings = ring.Rings.of(unpacked)
@@ -45,10 +47,10 @@ def main():
         plots.ends(runs, critical, options.output / "hot_spots.png"),
     ]
     if options.json:
-        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2))
+        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)
     else:
-        print(report.table(summary))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+        print(report.table(summary), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

@@ -78,5 +78,5 @@ def ends(runs, critical, path):
     axes[1].set_ylabel("contact temperature [degC]")
     axes[1].set_xlabel("position around the steel ring x [mm]")
     axes[0].legend()
-    figure.suptitle(f"After {runs[0].time[-1]:g} s", fontsize=10)
+    figure.suptitle(f"After {runs[0].time[-1]:g} s, level line", fontsize=10)
     return written(figure, path)

@@ -27,7 +27,7 @@ def half_strokes(hot, path):
     axes[1, 0].set_ylabel("contact temperature [degC]")
     mean = next(iter(hot.values())).mean / 1e6
     figure.suptitle(
-        f"With heat: middle of successive half-strokes, v > 0 solid, v < 0 dotted, $p_m$ = {mean:.2f} MPa", fontsize=10
+        f"With heat, level line: middle of successive half-strokes, v > 0 solid, v < 0 dotted, $p_m$ = {mean:.2f} MPa", fontsize=10
     )
     return written(figure, path)
 

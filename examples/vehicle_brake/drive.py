@@ -17,6 +17,7 @@ import libcosim
 import manoeuvres
 import master
 import report
+import simulation
 import ssp
 import system
 import vehicle_fmu
@@ -61,6 +62,8 @@ def drive_package(manoeuvre, brake, folder):
 
 def main():
     options = arguments()
+    # What the FMU logs is printed by fmpy, and no result.
+    results, sys.stdout = sys.stdout, sys.stderr
     options.output.mkdir(parents=True, exist_ok=True)
     drives = {
         manoeuvre.name: manoeuvre
@@ -70,6 +73,8 @@ def main():
     }
     recordings = {name: drive(manoeuvre, options.fmu, options.output) for name, manoeuvre in drives.items()}
     summary = {name: report.run_figures(recording) for name, recording in recordings.items()}
+    level = simulation.level(read_model_description(str(options.fmu)))
+    summary["contacts"] = {"level": level}
     begins = {name: drives[name].parameters["stop_time"] for name in ("cold_stop", "descent")}
     for name, begin in begins.items():
         summary[name] |= report.stop_figures(recordings[name], begin)
@@ -98,7 +103,7 @@ def main():
     for name in (cycle, "descent"):
         paths.append(options.output / f"{name}.csv")
         report.write_csv(paths[-1], recordings[name])
-    title = "Car with four contact FMUs, "
+    title = f"Car with four contact FMUs (level {level}), "
     paths += [
         plots.along(recordings[cycle], title + cycle.upper(), options.output / f"{cycle}.png"),
         plots.along(recordings["descent"], title + "descent at 8 % and full stop", options.output / "descent.png"),
@@ -107,10 +112,10 @@ def main():
         plots.hill(recordings["hill"], options.output / "hill.png"),
     ]
     if options.json:
-        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2))
+        print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)
     else:
-        print(report.table(summary))
-        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}")
+        print(report.table(summary), file=results)
+        print(f"  Written to {options.output}: {', '.join(path.name for path in paths)}", file=results)
 
 
 if __name__ == "__main__":

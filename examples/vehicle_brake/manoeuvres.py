@@ -1,8 +1,14 @@
 """What is driven: speed over time, grade of the road over position, and where the pedal is pressed for a stop."""
 
+import sys
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "disc_brake"))
+
+import road_load  # noqa: E402  (it lies beside the scene it belongs to)
 
 KILOMETRES_PER_HOUR = 1.0 / 3.6
 
@@ -30,7 +36,7 @@ STOP_TIME = 12.0  # s, enough for a full stop
 
 def cycle(path, duration=None):
     """A drive cycle on a level road."""
-    time, speed = np.loadtxt(path, delimiter=",", skiprows=1, unpack=True)
+    time, speed = road_load.read_cycle(path)
     duration = float(time[-1]) if duration is None else duration
     # A driver's foot takes about a second: the samples' corners are rounded over two of them, the distance is kept.
     padded = np.pad(speed, 1, mode="edge")

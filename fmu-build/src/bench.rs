@@ -8,6 +8,7 @@ mod level;
 mod line;
 pub mod native;
 
+use crate::output::print_line;
 use crate::{package, project, scenes};
 use anyhow::{Context, Result, bail};
 use native::{Component, Instance, Variables};
@@ -101,9 +102,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         measure(&lumped(arguments.scene.as_deref())?)?
     };
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&costs)?);
+        print_line!("{}", serde_json::to_string_pretty(&costs)?);
     } else {
-        costs.iter().for_each(|cost| println!("{cost}"));
+        costs.iter().for_each(|cost| print_line!("{cost}"));
     }
     match costs.iter().find(|cost| !cost.is_tolerable()) {
         Some(cost) => bail!("too slow or too large: {cost}"),

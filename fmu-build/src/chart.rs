@@ -11,6 +11,7 @@ mod scaling;
 mod table;
 mod truth;
 
+use crate::output::{self, print_line, print_text};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -40,7 +41,7 @@ pub struct Arguments {
     no_peers: bool,
     /// Find the truths of the scenes anew, without a limit of time, and keep them in documentation/accuracy/truth: for scenes
     /// whose finest run takes longer than a chart should.
-    #[arg(long, conflicts_with_all = ["quick", "json"])]
+    #[arg(long, conflicts_with_all = ["quick", "json", "output", "no_peers"])]
     write_truth: bool,
     /// Write the findings into docs/accuracy.md as well.
     #[arg(long, conflicts_with = "quick")]
@@ -49,7 +50,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Only list the scenes there are.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["scene", "quick", "output", "no_peers", "write_truth", "document", "json"])]
     list: bool,
 }
 
@@ -74,8 +75,8 @@ struct Chart {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let problems = drives::problems().map_err(|text| anyhow!(text))?;
     if arguments.list {
-        problems.iter().for_each(|problem| println!("{:20} {}", problem.name, problem.title));
-        println!("{SCALING:20} Cost per step against cells, thermal states and Fourier modes");
+        problems.iter().for_each(|problem| print_line!("{:20} {}", problem.name, problem.title));
+        print_line!("{SCALING:20} Cost per step against cells, thermal states and Fourier modes");
         return Ok(());
     }
     let known: Vec<&str> = problems.iter().map(|problem| problem.name).chain([SCALING]).collect();
@@ -83,6 +84,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("there is no scene {name:?}: there are {}", known.join(", "));
     }
     let wanted = |name: &str| arguments.scene.is_empty() || arguments.scene.iter().any(|own| own == name);
+    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("accuracy"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
     if arguments.write_truth {
@@ -106,8 +108,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         if arguments.json {
             records.push(findings.record(&chart));
         } else {
-            print!("{}\n  Truth: {}\n{findings}", chart.problem.title, chart.how);
-            paths.iter().for_each(|path| println!("  {}", path.display()));
+            print_text!("{}\n  Truth: {}\n{findings}", chart.problem.title, chart.how);
+            paths.iter().for_each(|path| print_line!("  {}", path.display()));
         }
     }
     if wanted(SCALING) {
@@ -117,15 +119,15 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         if arguments.json {
             records.push(scaling.record());
         } else {
-            print!("{scaling}");
-            paths.iter().for_each(|path| println!("  {}", path.display()));
+            print_text!("{scaling}");
+            paths.iter().for_each(|path| print_line!("  {}", path.display()));
         }
     }
     if arguments.document {
         document::write(&passages)?;
     }
     if arguments.json {
-        println!("{:#}", Value::Array(records));
+        print_line!("{:#}", Value::Array(records));
     }
     // A quick chart has no time for every truth; a whole one must have it.
     if !arguments.quick && !left_out.is_empty() {

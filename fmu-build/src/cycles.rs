@@ -1,5 +1,6 @@
 //! `cargo fmu cycles`: a to-and-fro scene carried over many cycles in jumps.
 
+use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
 use anyhow::{Context, Result, bail};
@@ -77,16 +78,17 @@ struct Course {
 /// Everything wrong with the scene, one that does not slide to and fro, a cycle without a solution, a file that cannot be
 /// written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_ending(arguments.output.as_deref(), "svg")?;
     let course = course(arguments)?;
     if arguments.json {
-        println!("{:#}", course.record());
+        print_line!("{:#}", course.record());
     } else {
-        print!("{}", course.table());
+        print_text!("{}", course.table());
     }
     if let Some(path) = &arguments.output {
         course.figure().write(path)?;
         if !arguments.json {
-            println!("drawn in {}", path.display());
+            print_line!("drawn in {}", path.display());
         }
     }
     Ok(())
@@ -97,8 +99,9 @@ fn course(arguments: &Arguments) -> Result<Course> {
     for assignment in &arguments.set {
         scenes::assign(&mut file, assignment)?;
     }
+    scenes::warn(&file);
     let name = file.packaged.name;
-    let mut scene = Scene::new(&file.packaged.starts, None)?;
+    let mut scene = Scene::new(&file.packaged.starts, Some(file.packaged.experiment.tolerance))?;
     if scene.nominal_stroke == 0.0 || scene.nominal_velocity == 0.0 {
         bail!(
             "the scene {name} does not slide to and fro: nominal.stroke = {} m, nominal.velocity = {} m/s",

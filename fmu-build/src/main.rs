@@ -1,10 +1,14 @@
 //! `cargo fmu`: everything that is done with the sliding contact FMU from the command line.
 
+// Everything is printed by `output`, which bears that nobody reads it to the end.
+#![deny(clippy::print_stdout)]
+
 mod batch;
 mod bench;
 mod chart;
 mod columns;
 mod cycles;
+mod output;
 mod package;
 mod plan;
 #[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use sliding_contact::plan::{self, Plan};
 use sliding_contact::scene::{Fidelity, Scene};
 
+use crate::output::{self, print_line, print_text};
 use crate::scenes;
 
 /// Print what `solver.fidelity = auto` takes for a scene: effects with the number that decided, kept or dropped, and
@@ -22,7 +23,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "KEY=VALUE")]
     set: Vec<String>,
     /// Tolerance of the importer, where `solver.tolerance` is 0.
-    #[arg(long)]
+    #[arg(long, value_parser = scenes::tolerance)]
     tolerance: Option<f64>,
     /// Print JSON instead of a table.
     #[arg(long)]
@@ -30,7 +31,7 @@ pub struct Arguments {
     /// Try auto on scenes as users build them, beside every fixed setting and a far finer run as the truth.
     ///
     /// Every third scene is held out. Truths and runs at fixed settings are kept in cargo's target folder.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["scene", "set", "tolerance"])]
     campaign: bool,
     /// Scenes of the campaign, held-out ones counted.
     #[arg(long, default_value_t = 1000, requires = "campaign")]
@@ -48,7 +49,7 @@ pub struct Arguments {
     #[arg(long, requires = "campaign")]
     fresh: bool,
     /// Measure what a step costs on the planned rung and at the level `field`, for an error of 1 %.
-    #[arg(long, conflicts_with = "campaign")]
+    #[arg(long, conflicts_with_all = ["campaign", "set", "tolerance", "json"])]
     against_field: bool,
     /// File to write the table of the campaign, or of the costs, to.
     #[arg(short, long, value_name = "FILE")]
@@ -60,6 +61,10 @@ pub struct Arguments {
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_ending(arguments.output.as_deref(), "csv")?;
+    if arguments.output.is_some() && !(arguments.campaign || arguments.against_field) {
+        bail!("--output holds the table of --campaign or --against-field, and neither is asked for");
+    }
     if arguments.campaign {
         return campaign::execute(&campaign::Request {
             first: arguments.first,
@@ -78,6 +83,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     for assignment in &arguments.set {
         scenes::assign(&mut file, assignment)?;
     }
+    scenes::warn(&file);
     let starts = &file.packaged.starts;
     let importer = arguments.tolerance.or(Some(file.packaged.experiment.tolerance));
     let mut scene = Scene::new(starts, importer).map_err(|broken| anyhow!("{broken}"))?;
@@ -86,18 +92,21 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     scene.fidelity = Fidelity::Auto;
     let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
     if arguments.json {
-        println!("{:#}", record(&planned.plan));
+        print_line!("{:#}", record(&planned.plan));
         return Ok(());
     }
-    println!(
+    print_line!(
         "{}: load {} N, speed {} m/s, {} s",
-        file.packaged.name, scene.nominal_load, scene.nominal_velocity, scene.nominal_duration
+        file.packaged.name,
+        scene.nominal_load,
+        scene.nominal_velocity,
+        scene.nominal_duration
     );
     for line in planned.plan.lines() {
-        println!("{line}");
+        print_line!("{line}");
     }
     if fixed != Fidelity::Auto {
-        println!("The scene itself sets solver.fidelity = {}.", format!("{fixed:?}").to_lowercase());
+        print_line!("The scene itself sets solver.fidelity = {}.", format!("{fixed:?}").to_lowercase());
     }
     Ok(())
 }

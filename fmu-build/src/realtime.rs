@@ -3,6 +3,7 @@
 mod histogram;
 
 use crate::bench::native::{Component, Instance, Variables};
+use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Panel, Series};
 use crate::{bench, package, project, scenes};
 use anyhow::{Context, Result, bail, ensure};
@@ -84,6 +85,7 @@ impl Contact {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let Arguments { contact, cells, seconds, speed, paced, .. } = *arguments;
     let run = measure(&Case { contact, cells, seconds, speed, paced })?;
+    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("realtime"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
     let name = format!("{}{}", run.case.contact.name(), if run.case.paced { "-paced" } else { "" });
@@ -91,10 +93,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     fs::write(&csv, run.table()).with_context(|| format!("writing {}", csv.display()))?;
     run.figure().write(&svg)?;
     if arguments.json {
-        println!("{:#}", run.record());
+        print_line!("{:#}", run.record());
     } else {
-        print!("{run}");
-        println!("  {}\n  {}", csv.display(), svg.display());
+        print_text!("{run}");
+        print_line!("  {}\n  {}", csv.display(), svg.display());
     }
     ensure!(run.is_tolerable(), "too slow for real time: {}", run.summary());
     Ok(())

@@ -1,11 +1,16 @@
 //! `cargo fmu run`: the FMU of a disc brake through a real drive cycle, driven from fmpy; also the coupled examples, in
 //! which the FMU's force decides the speed that is its input, and the reciprocating punch beside its steady states.
 
+mod cycle;
+mod scene;
+
+use crate::output::{self, print_text};
 use crate::{package, project, python, steady};
 use anyhow::{Context, Result, bail};
 use std::fs;
+use std::io::{self, BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, ExitStatus, Stdio};
 
 /// Run an example: CSV, plots and a table of results.
 ///
@@ -22,12 +27,13 @@ pub struct Arguments {
     /// Drive an .fmu that is there already instead of packaging the scene.
     #[arg(long, value_name = "FILE", conflicts_with = "scene")]
     fmu: Option<PathBuf>,
-    /// Drive cycle of the brakes: udds, hwfet or the path of a CSV file with the columns time_s, speed_m_per_s.
-    #[arg(long, default_value = "udds")]
-    cycle: String,
-    /// Communication step of disc_brake in seconds; the coupled examples choose their own.
-    #[arg(long, default_value_t = 0.1)]
-    step: f64,
+    /// Drive cycle of the brakes: udds (the default), hwfet or the path of a CSV file with the columns time and speed, each
+    /// with its unit in the header: "time [s], speed [km/h]", or time_s, speed_m_per_s.
+    #[arg(long)]
+    cycle: Option<String>,
+    /// Communication step of disc_brake in seconds [default: 0.1]; the coupled examples choose their own.
+    #[arg(long)]
+    step: Option<f64>,
     /// Folder for CSV and plots; the default is run in cargo's target folder, for the coupled examples a folder in it.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -75,12 +81,21 @@ impl Example {
         }
     }
 
+    /// Whether it is driven through a cycle of a car's speeds.
+    fn drives_a_cycle(self) -> bool {
+        matches!(self, Example::DiscBrake | Example::VehicleBrake)
+    }
+
     /// Where its results go in cargo's target folder.
     fn output(self) -> PathBuf {
         let run = project::target().join("run");
         if self == Example::DiscBrake { run } else { run.join(self.folder()) }
     }
 }
+
+/// The cycle and the communication step (s) where none is given.
+const CYCLE: &str = "udds";
+const STEP: f64 = 0.1;
 
 /// Cells of the reciprocating punch's contact line.
 const PUNCH_CELLS: u16 = 65;
@@ -97,20 +112,29 @@ const HOLDERS: [(&str, &[&str]); 2] = [
 /// Where packaging, the Python environment or the drive fails.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let example = arguments.example.unwrap_or(Example::DiscBrake);
-    let cycle = cycle_file(&arguments.cycle)?;
+    check_options(example, arguments)?;
+    if arguments.fmu.is_none() {
+        scene::check_scene(example, arguments.scene.as_deref().unwrap_or(example.scene()))?;
+    }
+    let output = arguments.output.clone().unwrap_or_else(|| example.output());
+    let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE), &output)?;
     let python = python::environment()?;
     let fmu = match &arguments.fmu {
-        Some(file) if file.is_file() => file.clone(),
+        Some(file) if file.is_file() => {
+            scene::check_fmu(example, file)?;
+            file.clone()
+        }
         Some(file) => bail!("there is no file {}", file.display()),
         None => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
             package::build(Some(scene), &package::Options::default())?
         }
     };
-    let output = arguments.output.clone().unwrap_or_else(|| example.output());
     let mut command = script(example, &python, &fmu, &output);
     match example {
-        Example::DiscBrake => command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.to_string()),
+        Example::DiscBrake => {
+            command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.unwrap_or(STEP).to_string())
+        }
         Example::VehicleBrake => command.arg("--cycle").arg(&cycle),
         Example::Clutch | Example::HotSpots => &mut command,
         Example::ReciprocatingPunch => {
@@ -124,9 +148,41 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.json {
         command.arg("--json");
     }
-    let status = command.status().with_context(|| format!("starting {}", python.display()))?;
+    let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
         bail!("the drive did not finish ({status})");
+    }
+    Ok(())
+}
+
+/// Runs a script to its end, passing on what it prints: it never sees that nobody reads it to the end.
+fn follow(mut command: Command) -> io::Result<ExitStatus> {
+    let mut child = command.stdout(Stdio::piped()).spawn()?;
+    if let Some(out) = child.stdout.take() {
+        let mut out = BufReader::new(out);
+        let mut line = Vec::new();
+        while out.read_until(b'\n', &mut line)? > 0 {
+            print_text!("{}", String::from_utf8_lossy(&line));
+            line.clear();
+        }
+    }
+    child.wait()
+}
+
+/// Refuses options that the example does not know.
+fn check_options(example: Example, arguments: &Arguments) -> Result<()> {
+    output::check_folder(arguments.output.as_deref())?;
+    let name = example.folder();
+    if let Some(cycle) = arguments.cycle.as_ref().filter(|_| !example.drives_a_cycle()) {
+        bail!("--cycle {cycle} does not apply to {name}: disc_brake and vehicle_brake drive a cycle");
+    }
+    if let Some(step) = arguments.step {
+        if example != Example::DiscBrake {
+            bail!("--step {step} does not apply to {name}: disc_brake takes it, the coupled examples choose their own");
+        }
+        if !(step.is_finite() && step > 0.0) {
+            bail!("--step {step} s must be a finite number above 0");
+        }
     }
     Ok(())
 }
@@ -148,7 +204,9 @@ fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
 /// # Errors
 /// As [`execute`].
 pub fn record(python: &Path, fmu: &Path, folder: &Path) -> Result<PathBuf> {
-    let output = script(Example::DiscBrake, python, fmu, folder).arg("--cycle").arg(cycle_file("udds")?).output()?;
+    let udds = cycle::file(CYCLE, folder)?;
+    let mut command = script(Example::DiscBrake, python, fmu, folder);
+    let output = command.arg("--one-level").arg("--cycle").arg(udds).output()?;
     if !output.status.success() {
         bail!("the drive did not finish: {}", String::from_utf8_lossy(&output.stderr).trim());
     }
@@ -170,19 +228,6 @@ fn script(example: Example, python: &Path, fmu: &Path, output: &Path) -> Command
     command
 }
 
-/// A cycle of the project by its name, or any other by its path.
-fn cycle_file(name: &str) -> Result<PathBuf> {
-    let folder = project::root().join("examples/data");
-    let own = folder.join(format!("{name}.csv"));
-    if own.is_file() {
-        return Ok(own);
-    }
-    if Path::new(name).is_file() {
-        return Ok(PathBuf::from(name));
-    }
-    bail!("--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet", folder.display())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,6 +240,33 @@ mod tests {
             assert!(folder.join(example.folder()).join("drive.py").is_file(), "{example:?}");
             assert!(folder.join(example.scene()).join("scene.toml").is_file(), "{example:?}");
             assert_eq!(example.to_possible_value().unwrap().get_name(), example.folder());
+        }
+    }
+
+    /// What the command line says against these arguments.
+    fn refusal(arguments: &[&str]) -> String {
+        #[derive(clap::Parser)]
+        struct Run {
+            #[command(flatten)]
+            arguments: Arguments,
+        }
+        let run = <Run as clap::Parser>::try_parse_from([&["run"], arguments].concat()).unwrap();
+        let example = run.arguments.example.unwrap_or(Example::DiscBrake);
+        check_options(example, &run.arguments).map_or_else(|error| error.to_string(), |()| String::new())
+    }
+
+    #[test]
+    fn options_that_do_not_apply_are_refused() {
+        for example in ["clutch", "hot_spots", "reciprocating_punch"] {
+            assert!(refusal(&[example, "--cycle", "hwfet"]).contains("--cycle hwfet does not apply to"), "{example}");
+        }
+        assert!(refusal(&["vehicle_brake", "--step", "0.2"]).contains("--step 0.2 does not apply to vehicle_brake"));
+        assert!(refusal(&["--step", "0"]).contains("--step 0 s must be"));
+        assert!(refusal(&["-o", "st.png"]).contains("a folder must be named"));
+        for fine in
+            [&["--step", "0.2", "--cycle", "hwfet"][..], &["vehicle_brake", "--cycle", "udds"], &["clutch"], &[]]
+        {
+            assert_eq!(refusal(fine), "");
         }
     }
 }

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use sliding_contact::scene::Scene;
 use sliding_contact::scene::file::{self, SceneFile};
-use sliding_contact::slot::Packaged;
+use sliding_contact::slot::{LARGEST_TOLERANCE, Packaged};
 
 use crate::project;
 
@@ -47,6 +48,26 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     scene.given.sort_unstable();
     scene.given.dedup();
     Ok(())
+}
+
+/// Prints what a user should know about the values of a scene; nothing where it is to be refused anyway.
+pub fn warn(scene: &SceneFile) {
+    let warnings =
+        Scene::new(&scene.packaged.starts, Some(scene.packaged.experiment.tolerance)).map(|scene| scene.warnings());
+    for text in warnings.unwrap_or_default() {
+        eprintln!("warning: {text}");
+    }
+}
+
+/// A relative tolerance as an argument, in the limits of those of scene files.
+///
+/// # Errors
+/// With the limits.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && value <= LARGEST_TOLERANCE => Ok(value),
+        _ => Err(format!("must be a number above 0 and at most {LARGEST_TOLERANCE}")),
+    }
 }
 
 fn locate(scene: &str) -> Result<PathBuf> {

@@ -1,5 +1,6 @@
 //! `cargo fmu stability`: maps of where the methods are right, ring, grow or refuse, and a page with all of them.
 
+use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
@@ -29,7 +30,7 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Only list the maps there are.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["fine", "output", "json"])]
     list: bool,
 }
 
@@ -40,9 +41,10 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let definitions = chosen(&arguments.maps)?;
     if arguments.list {
-        definitions.iter().for_each(|definition| println!("{:12} {}", definition.name, definition.summary));
+        definitions.iter().for_each(|definition| print_line!("{:12} {}", definition.name, definition.summary));
         return Ok(());
     }
+    output::check_folder(arguments.output.as_deref())?;
     let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("stability"));
     fs::create_dir_all(&folder).with_context(|| format!("making the folder {}", folder.display()))?;
     let grid = if arguments.fine { Grid::Fine } else { Grid::Normal };
@@ -56,8 +58,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         if arguments.json {
             records.push(record(definition.name, &map));
         } else {
-            print!("{}", summary(&map));
-            println!("  {}\n  {}", svg.display(), csv.display());
+            print_text!("{}", summary(&map));
+            print_line!("  {}\n  {}", svg.display(), csv.display());
         }
         chapters.push((definition, map));
     }
@@ -65,11 +67,11 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         let page = folder.join("README.md");
         fs::write(&page, index(&chapters)).with_context(|| format!("writing {}", page.display()))?;
         if !arguments.json {
-            println!("{}", page.display());
+            print_line!("{}", page.display());
         }
     }
     if arguments.json {
-        println!("{:#}", Value::Array(records));
+        print_line!("{:#}", Value::Array(records));
     }
     Ok(())
 }

@@ -15,6 +15,7 @@ use sliding_contact::steady::relative_velocity::{RelativeVelocity, assess};
 use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
 use sliding_contact::steady::thermal::{HotState, has_hot_state, hot_state};
 
+use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
 
@@ -67,6 +68,8 @@ struct Solved {
     velocity: RelativeVelocity,
     /// With heat, or why not; `None`: nothing is heated, or heat was left out.
     hot: Option<Result<HotState, String>>,
+    /// Why the state with heat is none of this world; it is then refused.
+    too_hot: Option<String>,
 }
 
 /// Runs the command.
@@ -74,22 +77,29 @@ struct Solved {
 /// # Errors
 /// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_ending(arguments.output.as_deref(), "svg")?;
     if arguments.law {
         return write_law(arguments);
     }
     let solved = solve(arguments)?;
     if arguments.json {
-        println!("{:#}", solved.record());
+        print_line!("{:#}", solved.record());
     } else {
-        print!("{}", solved.table());
+        print_text!("{}", solved.table());
     }
     if let Some(path) = &arguments.output {
         solved.figure().write(path)?;
         if !arguments.json {
-            println!("drawn in {}", path.display());
+            print_line!("drawn in {}", path.display());
         }
     }
-    Ok(())
+    if let Some(warning) = heat::above_limit(&solved) {
+        eprintln!("warning: {warning}");
+    }
+    match &solved.too_hot {
+        Some(reason) => bail!("the scene {}: {reason}; --cold leaves heat out", solved.name),
+        None => Ok(()),
+    }
 }
 
 /// The steady state of a scene with some of its variables set, as `--json` prints it.
@@ -118,8 +128,9 @@ fn read(arguments: &Arguments) -> Result<(String, Scene, usize)> {
     for assignment in &arguments.set {
         scenes::assign(&mut scene, assignment)?;
     }
+    scenes::warn(&scene);
     let packaged = scene.packaged;
-    let scene = Scene::new(&packaged.starts, None)?;
+    let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;
     let own = if scene.cells > 0 { scene.cells } else { CELLS };
     Ok((packaged.name, scene, arguments.cells.map_or(own, usize::from)))
 }
@@ -128,15 +139,25 @@ fn solve(arguments: &Arguments) -> Result<Solved> {
     let (name, scene, count) = read(arguments)?;
     let cells = cells_for(&scene, count)?;
     let mut sliding = Sliding::nominal(&scene);
-    if let (Some(speed), Sliding::ToAndFro { speeds, .. }) = (arguments.return_speed, &mut sliding) {
-        speeds[1] = speed;
+    match (arguments.return_speed, &mut sliding) {
+        (None, _) => {}
+        (Some(speed), Sliding::ToAndFro { speeds, .. }) => speeds[1] = speed,
+        (Some(speed), _) => bail!(
+            "--return-speed {speed} m/s: the scene {name} slides one way (nominal.stroke = {} m)",
+            scene.nominal_stroke
+        ),
     }
     let bodies = compliances(&scene, &cells)?;
     let state = steady_state(&scene, &cells, &bodies, &sliding).with_context(|| format!("the scene {name}"))?;
     let velocity = assess(&scene, &cells, &bodies, &state)?;
     let warm = !arguments.cold && has_hot_state(&scene);
     let hot = warm.then(|| hot_state(&scene, &cells, &bodies, &sliding).map_err(|error| error.to_string()));
-    Ok(Solved { name, scene, cells, state, velocity, hot })
+    let too_hot = hot.as_ref().and_then(|hot| hot.as_ref().ok()).and_then(|hot| heat::beyond_validity(&scene, hot));
+    let hot = match &too_hot {
+        Some(reason) => Some(Err(reason.clone())),
+        None => hot,
+    };
+    Ok(Solved { name, scene, cells, state, velocity, hot, too_hot })
 }
 
 fn write_law(arguments: &Arguments) -> Result<()> {
@@ -146,14 +167,14 @@ fn write_law(arguments: &Arguments) -> Result<()> {
     }
     let law = law::Law::new(&name, &scene, arguments.cells.map_or(LAW_CELLS, usize::from))?;
     if arguments.json {
-        println!("{:#}", law.record());
+        print_line!("{:#}", law.record());
     } else {
-        print!("{}", law.table());
+        print_text!("{}", law.table());
     }
     if let Some(path) = &arguments.output {
         law.write(path)?;
         if !arguments.json {
-            println!("drawn in {}", path.display());
+            print_line!("drawn in {}", path.display());
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! `cargo fmu tables`: the numbers that the lumped level of a scene computes with, for whoever wants to check it.
 
+use crate::output::print_line;
 use crate::scenes;
 use anyhow::Result;
 use serde_json::{Value, json};
@@ -17,7 +18,7 @@ pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
     scene: Option<String>,
     /// Tolerance instead of the scene's own.
-    #[arg(long)]
+    #[arg(long, value_parser = scenes::tolerance)]
     tolerance: Option<f64>,
 }
 
@@ -26,7 +27,7 @@ pub struct Arguments {
 /// # Errors
 /// Everything wrong with the scene.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    println!("{:#}", tables(arguments.scene.as_deref(), arguments.tolerance)?);
+    print_line!("{:#}", tables(arguments.scene.as_deref(), arguments.tolerance)?);
     Ok(())
 }
 
@@ -42,7 +43,7 @@ fn speeds() -> impl Iterator<Item = f64> {
 /// Everything wrong with the scene.
 pub fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
     let packaged = scenes::load(scene)?.packaged;
-    let mut scene = Scene::new(&packaged.starts, None)?;
+    let mut scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;
     if let Some(tolerance) = tolerance {
         scene.tolerance = tolerance;
     }

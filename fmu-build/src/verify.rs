@@ -1,5 +1,6 @@
 //! `cargo fmu verify`: problems with a known answer, each within its bound.
 
+use crate::output::{print_line, print_text};
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
@@ -26,9 +27,9 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let rows = solve(arguments.filter.as_deref())?;
     if arguments.json {
-        println!("{:#}", Value::Array(rows.iter().map(record).collect()));
+        print_line!("{:#}", Value::Array(rows.iter().map(record).collect()));
     } else {
-        print!("{}", table(&rows));
+        print_text!("{}", table(&rows));
     }
     let failed: Vec<&Row> = rows.iter().filter(|row| !row.passes()).collect();
     if !failed.is_empty() {

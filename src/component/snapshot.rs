@@ -89,7 +89,8 @@ impl Component {
             let prepared = match &self.prepared {
                 Some(prepared) if same => prepared.clone(),
                 known => {
-                    let scene = Scene::new(&at_start, from.tolerance).map_err(|broken| broken.to_string())?;
+                    let scene = Scene::new(&at_start, from.tolerance.or(self.declared_tolerance))
+                        .map_err(|broken| broken.to_string())?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
                         None => Arc::new(Prepared::new(&scene)?),

@@ -30,13 +30,25 @@ struct Scene {
     name: String,
     guid: String,
     starts: Arc<Values>,
+    tolerance: f64,
+}
+
+impl Scene {
+    fn component(&self) -> Component {
+        Component::new(self.starts.clone()).declaring(self.tolerance)
+    }
 }
 
 fn scene() -> Result<&'static Scene, &'static str> {
     static SCENE: OnceLock<Result<Scene, &'static str>> = OnceLock::new();
     let scene = SCENE.get_or_init(|| {
         let packaged = slot::current()?;
-        Ok(Scene { name: packaged.name.clone(), guid: packaged.guid(), starts: Arc::new(packaged.starts) })
+        Ok(Scene {
+            name: packaged.name.clone(),
+            guid: packaged.guid(),
+            starts: Arc::new(packaged.starts),
+            tolerance: packaged.experiment.tolerance,
+        })
     });
     scene.as_ref().map_err(|reason| *reason)
 }
@@ -87,7 +99,7 @@ impl Instance {
         Some(Box::new(Instance {
             phase: Phase::Instantiated,
             clock: Clock::default(),
-            component: Component::new(scene.starts.clone()),
+            component: scene.component(),
             broken: false,
             scene,
             log,
@@ -180,6 +192,7 @@ impl Instance {
 
     /// `fmi2EnterInitializationMode`
     pub fn enter_initialization_mode(&mut self) -> Outcome {
+        self.component.set_importer_tolerance(self.clock.tolerance);
         self.component.enter_initialization();
         self.phase = Phase::Initialization;
         Ok(())
@@ -205,7 +218,7 @@ impl Instance {
     /// `fmi2Reset`: the instance is as new; only the logging stays as it was set.
     pub fn reset(&mut self) -> Outcome {
         if self.broken {
-            self.component = Component::new(self.scene.starts.clone());
+            self.component = self.scene.component();
             self.broken = false;
         } else {
             self.component.reset();

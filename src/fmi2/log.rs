@@ -5,7 +5,7 @@
 //! | category | status | sent |
 //! |---|---|---|
 //! | `logStatusError` | `fmi2Error`, or `fmi2Discard` for a refused value | always: who gets a status wants to know why |
-//! | `logStatusWarning` | `fmi2Warning` | when debug logging is on for it: a limit was reached, the model's validity left |
+//! | `logStatusWarning` | `fmi2Warning` | unless debug logging is on for other categories only: a limit was reached, the model's validity left, an input taken as something else; each once a run |
 //! | `logEvents` | `fmi2OK` | when debug logging is on for it: what was chosen and why, life cycle |
 //!
 //! A text goes out as the argument of the format `%s`, so that a `%` in it is only a `%`; a `#` is
@@ -73,10 +73,13 @@ impl Log {
         log
     }
 
-    /// Switches debug logging off, or on for these categories only. Errors are always sent.
+    /// Switches debug logging off, or on for these categories only. Errors are always sent, warnings unless `categories`
+    /// leave them out: they are no debug messages, and a run that they concern looks like any other without them.
     pub fn enable(&mut self, on: bool, categories: &[Category]) {
         self.enabled = Category::Errors as u8;
-        if on {
+        if !on {
+            self.enabled |= Category::Warnings as u8;
+        } else {
             self.enabled = categories.iter().fold(self.enabled, |enabled, &category| enabled | category as u8);
         }
     }

@@ -6,6 +6,7 @@ pub mod file;
 #[cfg(feature = "scene-file")]
 pub mod materials;
 mod rules;
+mod warnings;
 
 pub use fade::FadeTable;
 pub use rules::Broken;
@@ -347,6 +348,16 @@ impl Scene {
     /// Whether both bodies are rigid: the pressure is uniform then.
     pub fn has_rigid_bodies(&self) -> bool {
         [self.punch.mechanical, self.strip.mechanical] == [MechanicalBody::Rigid; 2]
+    }
+
+    /// What a user should know about the values before the scene runs, at any level.
+    pub fn warnings(&self) -> Vec<String> {
+        warnings::of_temperatures(self)
+    }
+
+    /// The same about the inputs `strip.external_temperature` and `punch.external_temperature` (K).
+    pub fn warnings_of_external(&self, temperatures: [f64; 2]) -> Vec<String> {
+        warnings::of_external(self, temperatures)
     }
 
     /// Nominal contact area of one punch and one face, m2.

@@ -16,7 +16,7 @@ fn refuse_something(importer: &Importer) {
 }
 
 #[test]
-fn errors_are_always_told_and_events_on_request() {
+fn errors_and_warnings_are_always_told_and_events_on_request() {
     let quiet = Importer::with_logging(false);
     quiet.go(Stage::Initialization);
     assert_eq!(quiet.take_log(), []);
@@ -25,6 +25,16 @@ fn errors_are_always_told_and_events_on_request() {
     let [(Status::Discard, category, text)] = &log[..] else { panic!("{log:?}") };
     assert_eq!(category, "logStatusError");
     assert!(text.starts_with("fmi2SetReal: punch.height: -1 m is below the minimum"), "{text}");
+    assert_eq!(quiet.exit(), OK);
+    assert_eq!(quiet.take_log(), []);
+    assert_eq!(quiet.set_real(&["normal_load"], &[-5.0]), OK);
+    for step in 0..3 {
+        assert_eq!(quiet.step(f64::from(step), 1.0), OK, "a warning is no status");
+    }
+    let log = quiet.take_log();
+    let [(Status::Warning, category, text)] = &log[..] else { panic!("{log:?}") };
+    assert_eq!(category, "logStatusWarning");
+    assert!(text.starts_with("normal_load = -5 N is below 0 N and counts as 0"), "{text}");
 
     let loud = Importer::with_logging(true);
     loud.go(Stage::Stepping);
@@ -54,6 +64,69 @@ fn categories_switch_and_survive_a_reset() {
     assert_eq!(importer.reset(), OK);
     refuse_something(&importer);
     assert_eq!(importer.take_log().len(), 1, "errors stay on");
+}
+
+#[test]
+fn warnings_are_silent_where_other_categories_are_chosen() {
+    let warnings = |on: bool, categories: &[&std::ffi::CStr]| {
+        let importer = Importer::with_logging(true);
+        importer.go(Stage::Initialization);
+        assert_eq!(importer.set_real(&["normal_load"], &[-5.0]), OK);
+        assert_eq!(importer.debug(on, categories), OK);
+        assert_eq!(importer.exit(), OK);
+        assert_eq!(importer.step(0.0, 1.0), OK);
+        importer.take_log().iter().filter(|entry| entry.1 == "logStatusWarning").count()
+    };
+    assert_eq!(warnings(true, &[c"logEvents"]), 0);
+    assert_eq!(warnings(true, &[c"logStatusWarning"]), 1);
+    assert_eq!(warnings(true, &[]), 1);
+    assert_eq!(warnings(false, &[]), 1);
+}
+
+/// Initialises the lumped level, reading an output on the way, which must not be of another tolerance; the line of the log
+/// that says which one counts.
+fn tolerance(importer: &Importer, own: Option<f64>) -> String {
+    assert_eq!(importer.set_integer("solver.fidelity", 2), OK);
+    assert_eq!(importer.setup(own, 0.0, None), OK);
+    assert_eq!(importer.enter(), OK);
+    importer.get_real("contact_temperature");
+    assert_eq!(importer.exit(), OK);
+    let log = importer.take_log();
+    let line = log.into_iter().find(|entry| entry.2.starts_with("tolerance ")).expect("a line with the tolerance");
+    line.2.split(';').next().unwrap().to_owned()
+}
+
+#[test]
+fn without_a_tolerance_of_the_importer_that_of_the_default_experiment_counts() {
+    let declared = sliding_contact::slot::current().unwrap().experiment.tolerance;
+    assert_ne!(declared, 1e-3);
+    let importer = Importer::with_logging(true);
+    for (own, wanted) in [
+        (None, format!("tolerance {declared:e} from the scene's DefaultExperiment")),
+        (Some(1e-4), "tolerance 1e-4 from the importer".to_owned()),
+        (None, format!("tolerance {declared:e} from the scene's DefaultExperiment")),
+    ] {
+        assert_eq!(tolerance(&importer, own), wanted);
+        assert_eq!(importer.reset(), OK);
+    }
+    assert_eq!(importer.set_real(&["solver.tolerance"], &[2e-2]), OK);
+    assert_eq!(tolerance(&importer, Some(1e-4)), "tolerance 2e-2 from solver.tolerance");
+}
+
+#[test]
+fn the_declared_tolerance_gives_what_the_same_number_from_the_importer_gives() {
+    let declared = sliding_contact::slot::current().unwrap().experiment.tolerance;
+    let run = |own: Option<f64>| {
+        let importer = Importer::with_logging(true);
+        tolerance(&importer, own);
+        assert_eq!(importer.set_real(&["sliding_velocity", "normal_load"], &[8.0, 2000.0]), OK);
+        for step in 0..20 {
+            assert_eq!(importer.step(0.5 * f64::from(step), 0.5), OK);
+        }
+        importer.get_real("contact_temperature").to_bits()
+    };
+    assert_eq!(run(None), run(Some(declared)));
+    assert_ne!(run(None), run(Some(1e-3)), "no evidence otherwise");
 }
 
 #[test]

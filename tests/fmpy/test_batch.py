@@ -351,3 +351,39 @@ def test_the_command_tells_a_wrong_name_before_any_scene_runs(tmp_path):
     done = subprocess.run([*command, "--inputs", str(inputs), "-o", str(output)], capture_output=True, text=True)
     assert done.returncode != 0 and "did you mean punch.width?" in done.stderr
     assert list(tmp_path.glob("out.csv*")) == []
+
+
+def batch(tmp_path, inputs, design):
+    """A batch of the disc brake from texts: the finished process, and its rows where there are any."""
+    for name, text in (("inputs.csv", inputs), ("design.csv", design)):
+        (tmp_path / name).write_text(text)
+    output = tmp_path / "out.csv"
+    command = [needed("SLIDING_CONTACT_COMMAND"), "batch", str(tmp_path / "design.csv"), "--fmu", str(file_of("disc_brake"))]
+    command += ["--inputs", str(tmp_path / "inputs.csv"), "-o", str(output), "--jobs", "1", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if not output.is_file():
+        return done, []
+    with open(output, newline="") as file:
+        return done, list(csv.DictReader(file))
+
+
+def test_a_batch_in_which_every_scene_fails_fails(tmp_path):
+    inputs = "time,sliding_velocity,normal_load\n0,1,100\n1,1,100\n"
+    done, rows = batch(tmp_path, inputs, "punch.width\n-1\n-2\n")
+    assert done.returncode != 0 and "every one of the 2 scenes failed" in done.stderr
+    assert json.loads(done.stdout)["failed"] == 2 and len(rows) == 2
+    done, rows = batch(tmp_path, inputs, "punch.width\n-1\n0.1\n")
+    assert done.returncode == 0 and [row["status"] for row in rows] == ["initialisation", "ok"]
+
+
+def test_inputs_are_read_by_name_and_converted(tmp_path):
+    design = "punch.width\n0.1\n"
+    si, rows = batch(tmp_path, "time,sliding_velocity,normal_load\n0,2,1000\n60,2,1000\n", design)
+    converted, same = batch(tmp_path, "normal_load [kN],sliding_velocity_km_per_h,time [min]\n1,7.2,0\n1,7.2,1\n", design)
+    assert si.returncode == converted.returncode == 0 and si.stderr == ""
+    assert rows == same and float(rows[0]["dissipated_energy"]) > 0.0
+    for header in ("time,sliding_velocity [mph],normal_load", "time,speed,normal_load", "sliding_velocity,normal_load"):
+        done, _ = batch(tmp_path, f"{header}\n0,2,1000\n60,2,1000\n", design)
+        assert done.returncode != 0 and "inputs.csv, line 1" in done.stderr, done.stderr
+    fast, _ = batch(tmp_path, "time,sliding_velocity,normal_load\n0,97,1000\n1,97,1000\n", design)
+    assert "sliding_velocity goes to 97 m/s, more than 10 times nominal.velocity = 3.8" in fast.stderr

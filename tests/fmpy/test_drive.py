@@ -10,6 +10,7 @@ from ctypes import c_double, c_uint
 import numpy as np
 import pytest
 import report
+import road_load
 import simulation
 import stops
 from component import Component
@@ -85,6 +86,12 @@ def test_the_command_writes_what_it_says(tmp_path):
     result = json.loads(output.stdout)
     assert result["steps"] == 7650
     assert result["energy_balance_error"] <= 1e-9
+    # What is printed says which level it is of, and what the contact line gives beside it.
+    assert result["level"] == "lumped" and list(result["levels"]) == ["lumped", "line, 17 cells"]
+    lumped, line = result["levels"].values()
+    assert lumped["contact_temperature_peak_degC"] == result["contact_temperature_peak_degC"]
+    assert line["contact_temperature_peak_degC"] > lumped["contact_temperature_peak_degC"] + 1.0
+    assert line["friction_torque_peak_N_m"] == pytest.approx(lumped["friction_torque_peak_N_m"], rel=0.02)
     assert (tmp_path / "hwfet.csv").read_text().startswith("time [s],car.speed [m/s],sliding_velocity [m/s]")
     assert len((tmp_path / "hwfet.csv").read_text().splitlines()) == 7652
     for name in ("overview", "speed_and_load", "temperatures", "wear", "friction_torque", "energy_balance"):
@@ -103,6 +110,13 @@ def test_a_stop_from_full_speed_is_alike_at_both_levels():
     assert line["contact_temperature_max"].max() > lumped["contact_temperature_max"].max() + 100.0
     assert line.profiles["pressure"].shape == (len(stops.SNAPSHOTS), stops.STATIONS)
     assert set(stops.table({"stop": stops.figures(one)}).split()) >= {"line", "lumped", "pad_wear_um"}
+
+
+def test_a_cycle_in_other_columns_is_refused(tmp_path):
+    cycle = tmp_path / "cycle.csv"
+    cycle.write_text("time_s,speed_km_per_h\n0,0\n10,50\n")
+    with pytest.raises(ValueError, match="must be time_s,speed_m_per_s, not time_s,speed_km_per_h"):
+        road_load.read_cycle(cycle)
 
 
 def test_a_scene_that_is_no_brake_is_refused(tmp_path):

@@ -180,14 +180,16 @@ def test_log_categories_are_declared_and_text_survives(component, stock):
         assert "punch.height" in named.log()
 
 
-def test_with_logging_off_only_errors_are_reported(stock):
+def test_with_logging_off_warnings_and_errors_are_reported(stock):
     with Component(stock, logging=False) as component:
         component.initialise(normal_load=-1.0, sliding_velocity=1.0)
         component.step(0.1)
-        assert component.messages == []
+        component.step(0.1)
+        [warning] = component.messages
+        assert warning.category == "logStatusWarning" and "normal_load = -1 N is below 0 N" in warning.text
         component.set(normal_load=NAN)
         assert component.try_step(0.1) == ERROR
-        assert {message.category for message in component.messages} == {"logStatusError"}
+        assert [message.category for message in component.messages] == ["logStatusWarning", "logStatusError"]
 
 
 def test_start_values_are_those_of_the_description(component):

@@ -46,6 +46,8 @@ pub struct Variable {
     pub causality: Causality,
     /// Its unit; empty where it has none.
     pub unit: String,
+    /// Its start value as the file has it; empty where it has none.
+    pub start: String,
 }
 
 impl Variable {
@@ -176,10 +178,11 @@ impl Description {
                     };
                     let Some((name, reference, causality)) = pending.take() else { continue };
                     let unit = attributes.get("unit").unwrap_or_default().to_owned();
+                    let start = attributes.get("start").unwrap_or_default().to_owned();
                     if description.by_name.insert(name.clone(), description.variables.len()).is_some() {
                         return Err(broken(format!("the variable {name} stands twice")));
                     }
-                    description.variables.push(Variable { name, reference, kind, causality, unit });
+                    description.variables.push(Variable { name, reference, kind, causality, unit, start });
                 }
             }
         }
@@ -301,6 +304,7 @@ pub(crate) mod tests {
         assert_eq!(description.variables().len(), 6);
         let width = description.find_as("punch.width", Causality::Parameter).unwrap();
         assert_eq!((width.reference, &width.kind, width.unit.as_str()), (7, &Kind::Real, "m"));
+        assert_eq!((width.start.as_str(), description.find("wear").unwrap().start.as_str()), ("0.1", ""));
         let level = description.find("level").unwrap();
         assert_eq!(level.kind, Kind::Enumeration(vec![("auto".into(), 1), ("lumped".into(), 2)]));
     }

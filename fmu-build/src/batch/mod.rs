@@ -8,9 +8,10 @@ pub mod worker;
 
 pub use example::library as host_library;
 
+use crate::output::{self, print_line};
 use crate::project;
 use anyhow::{Context, Result, bail};
-use fmu_host::{Causality, Interpolation, Schedule, Span, Worker};
+use fmu_host::{Causality, Description, Interpolation, Schedule, Span, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use results::{Results, Row};
 use std::fs::{self, File};
@@ -67,7 +68,11 @@ pub struct Arguments {
     every: Option<f64>,
     /// Run a script of examples/batch instead, with FMU, host library and Python environment ready: what follows `--`
     /// goes to it.
-    #[arg(long, value_enum, conflicts_with_all = ["design", "fmu", "inputs", "output", "jobs"])]
+    #[arg(
+        long,
+        value_enum,
+        conflicts_with_all = ["design", "fmu", "inputs", "output", "jobs", "step", "interpolation", "record", "peak", "every"]
+    )]
     example: Option<example::Script>,
     /// Arguments of the script.
     #[arg(last = true, requires = "example")]
@@ -140,7 +145,7 @@ struct Summary {
 ///
 /// # Errors
 /// Where a file cannot be read or written, a name is none of the FMU's, or no worker process can be started. Scenes
-/// that fail are rows, not errors.
+/// that fail are rows, not errors, unless all of them do.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     if let Some(script) = arguments.example {
         return example::run(script, &arguments.script_arguments, arguments.json);
@@ -155,6 +160,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if jobs == 0 {
         bail!("--jobs must be at least 1");
     }
+    output::check_ending(Some(output), "csv")?;
     let table = Table::read(design)?;
     let job = Job {
         folder: unpack(fmu)?,
@@ -198,13 +204,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let failed = results.finish()?;
     let summary = Summary { scenes: table.rows.len(), failed, ran_now, seconds, jobs, output: output.clone() };
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&summary)?);
+        print_line!("{}", serde_json::to_string_pretty(&summary)?);
     } else {
-        println!(
+        print_line!(
             "{} scenes, {failed} failed; {ran_now} run now by {jobs} processes in {seconds:.1} s: {}",
             summary.scenes,
             output.display()
         );
+    }
+    if failed == summary.scenes {
+        bail!("every one of the {failed} scenes failed; the column reason of {} says why", output.display());
     }
     Ok(())
 }
@@ -215,6 +224,9 @@ fn check(job: &Job) -> Result<()> {
     let description = worker.description();
     let inputs = Inputs::read(&job.inputs, description)?;
     Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
+    for text in implausible(&inputs, description, &job.columns) {
+        eprintln!("warning: {}: {text}", job.inputs.display());
+    }
     for column in &job.columns {
         match column.strip_suffix(FACTOR).filter(|name| inputs.names.iter().any(|input| input == name)) {
             Some(_) => {}
@@ -236,6 +248,34 @@ fn check(job: &Job) -> Result<()> {
     }
     span.indices(&worker::points(span, every)).context("--every must be a multiple of --step")?;
     Ok(())
+}
+
+/// Times the nominal value that an input is not expected to reach: far beyond it the model is not valid.
+const FAR_BEYOND: f64 = 10.0;
+
+/// What looks like another unit than the FMU's: inputs far beyond the nominal values that the FMU was made for.
+fn implausible(inputs: &Inputs, description: &Description, design: &[String]) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (name, nominal) in [("sliding_velocity", "nominal.velocity"), ("normal_load", "nominal.load")] {
+        // The design may set another.
+        let own = description.find(nominal).ok().filter(|_| !design.iter().any(|column| column == nominal));
+        let (Some(own), Some(at)) = (own, inputs.names.iter().position(|own| own == name)) else { continue };
+        let Some(limit) = own.start.parse().ok().filter(|start| *start > 0.0).map(|start: f64| FAR_BEYOND * start)
+        else {
+            continue;
+        };
+        let largest =
+            inputs.values.iter().skip(at).step_by(inputs.names.len()).fold(0.0, |most: f64, v| most.max(v.abs()));
+        if largest > limit {
+            let unit = &own.unit;
+            warnings.push(format!(
+                "{name} goes to {largest} {unit}, more than {FAR_BEYOND} times {nominal} = {} {unit}; is it in {unit}? A unit \
+                 may stand in the header, as in \"sliding_velocity [km/h]\"",
+                own.start
+            ));
+        }
+    }
+    warnings
 }
 
 /// Unpacks an .fmu into a folder of cargo's that is named after its content, unless that has been done.

@@ -15,6 +15,8 @@ pub struct Findings {
     right: Option<Reached>,
     /// The cheapest within 1 % in all four.
     with_pressure: Option<Reached>,
+    /// Errors of wear depth, contact temperature and friction force that the lumped level keeps whatever its tolerance.
+    lumped: Option<[f64; 3]>,
     /// `field`: setting, cost of the cheapest run, and how far it came.
     field: Option<(Reached, f64)>,
     /// Of every run of a peer: its error and cost, and the cheapest own run that is at least as accurate.
@@ -63,6 +65,12 @@ pub fn of(chart: &Chart) -> Findings {
         (Reached { cost: whole, ..reached(point, worst(point, main).unwrap_or(f64::NAN)) }, part)
     });
     let field = field.min_by(|a, b| a.0.cost.total_cmp(&b.0.cost));
+    let lumped = chart.family("lumped").filter_map(|point| Some((point, worst(point, main)?)));
+    let lumped = lumped.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(point, _)| {
+        let mut errors = [f64::NAN; 3];
+        errors.iter_mut().zip(main).for_each(|(error, &quantity)| *error = point.error(quantity).unwrap_or(f64::NAN));
+        errors
+    });
     let peers = chart.points.iter().filter(|point| point.peer && !point.family.contains("FMU")).filter_map(|point| {
         // A peer is judged by what it models.
         let modelled: Vec<Quantity> = Quantity::ALL.into_iter().filter(|&q| point.error(q).is_some()).collect();
@@ -72,6 +80,7 @@ pub fn of(chart: &Chart) -> Findings {
     Findings {
         right: cheapest(chart, main, WANTED),
         with_pressure: cheapest(chart, &Quantity::ALL, WANTED),
+        lumped,
         field,
         peers: peers.chain(in_importer(chart)).collect(),
         omissions: chart.omissions.clone(),
@@ -107,6 +116,12 @@ impl fmt::Display for Findings {
         let line = |found: &Option<Reached>| found.as_ref().map_or("nothing".into(), Reached::to_string);
         writeln!(formatter, "  1 % of wear, temperature and force: {}", line(&self.right))?;
         writeln!(formatter, "  1 % of the peak pressure as well:   {}", line(&self.with_pressure))?;
+        if let Some([wear, temperature, force]) = self.lumped {
+            writeln!(
+                formatter,
+                "  lumped, whatever its tolerance:     wear {wear:.1e}, temperature {temperature:.1e}, force {force:.1e}"
+            )?;
+        }
         if let (Some((field, part)), Some(right)) = (&self.field, &self.right) {
             let how = if *part < 1.0 {
                 format!(", carried on from {:.1} % of the scene", 100.0 * part)
@@ -143,6 +158,11 @@ impl Findings {
         let mut record = chart.head();
         record["within_1_percent"] = self.right.as_ref().map_or(Value::Null, run);
         record["within_1_percent_with_pressure"] = self.with_pressure.as_ref().map_or(Value::Null, run);
+        record["lumped"] = self.lumped.map_or(Value::Null, |[wear, temperature, force]| {
+            // Not judged in every scene, and JSON has no NaN.
+            let number = |error: f64| if error.is_finite() { json!(error) } else { Value::Null };
+            json!({ "error_wear_depth": number(wear), "error_contact_temperature": number(temperature), "error_friction_force": number(force) })
+        });
         record["field"] = self.field.as_ref().map_or(Value::Null, |(field, part)| {
             let mut value = run(field);
             value["part_done"] = json!(part);
@@ -175,11 +195,21 @@ mod tests {
             point("with heat", 10.0, [1e-3, 2e-3, f64::NAN, 5e-3]),
             point("isothermal", 1.0, [1e-3, f64::NAN, f64::NAN, 5e-3]),
             point("peer", 200.0, [1e-3, f64::NAN, f64::NAN, 5e-3]),
+            point("lumped", 0.1, [1e-3, 0.3, f64::NAN, 0.5]),
+            point("lumped", 0.2, [2e-3, 0.1, f64::NAN, 0.5]),
         ];
         let chart = Chart { problem, how: String::new(), points, omissions: Vec::new(), quick: false };
         // The truth of this chart knows no force; a run without temperature is no answer to the first question.
         let findings = of(&chart);
-        assert_eq!(findings.right.unwrap().family, "with heat");
+        assert_eq!(findings.right.as_ref().unwrap().family, "with heat");
+        assert!(
+            matches!(findings.lumped, Some([wear, temperature, force]) if wear == 2e-3 && temperature == 0.1 && force.is_nan())
+        );
+        assert!(
+            findings
+                .to_string()
+                .contains("lumped, whatever its tolerance:     wear 2.0e-3, temperature 1.0e-1, force NaN")
+        );
         let (peer, own) = &findings.peers[0];
         assert_eq!((own.family.as_str(), peer.cost / own.cost), ("isothermal", 200.0));
     }

@@ -1,6 +1,7 @@
 //! The truth of a scene: exact, found now within a limit of time, or kept from a longer search.
 
 use super::{clock, machine};
+use crate::output::print_line;
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use sliding_contact::verification::drives::{DriveProblem, Sample, Truth};
@@ -47,7 +48,7 @@ pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> 
 /// Where no run gives it, or the file cannot be written.
 pub fn write(problem: &DriveProblem) -> Result<()> {
     if matches!(problem.truth, Truth::Exact { .. }) {
-        println!("{}: exact, nothing to keep", problem.name);
+        print_line!("{}: exact, nothing to keep", problem.name);
         return Ok(());
     }
     let begin = clock::seconds();
@@ -68,7 +69,7 @@ pub fn write(problem: &DriveProblem) -> Result<()> {
         fs::create_dir_all(folder)?;
     }
     fs::write(&path, text).with_context(|| format!("writing {}", path.display()))?;
-    println!("{}: {how}\n  {}", problem.name, path.display());
+    print_line!("{}: {how}\n  {}", problem.name, path.display());
     Ok(())
 }
 

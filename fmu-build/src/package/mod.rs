@@ -22,6 +22,7 @@ use clap::Args;
 use sliding_contact::scene::file::SceneFile;
 use sliding_contact::slot;
 
+use crate::output::{self, print_line};
 use crate::{project, scenes};
 use archive::Files;
 use description::MODEL_IDENTIFIER;
@@ -41,13 +42,13 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Write the scene as an SSP parameter set (.ssv) for the stock FMU instead
-    #[arg(long)]
+    #[arg(long, conflicts_with = "platform")]
     ssv: bool,
     /// Platforms whose library the FMU holds; give it several times, or several with commas
     #[arg(long, value_delimiter = ',', default_value = "linux64")]
     platform: Vec<Platform>,
     /// Only write modelDescription/modelDescription.xml of this source tree anew
-    #[arg(long, conflicts_with_all = ["scene", "output", "ssv"])]
+    #[arg(long, conflicts_with_all = ["scene", "output", "ssv", "platform"])]
     write_description: bool,
 }
 
@@ -74,19 +75,21 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.write_description {
         let path = project::root().join("modelDescription/modelDescription.xml");
         write(&path, description::write(&slot::Packaged::stock(), "").as_bytes())?;
-        println!("{}", path.display());
+        print_line!("{}", path.display());
         return Ok(());
     }
+    output::check_ending(arguments.output.as_deref(), if arguments.ssv { "ssv" } else { "fmu" })?;
     let scene = arguments.scene.as_deref();
     let path = if arguments.ssv {
         let scene = scenes::load(scene)?;
+        scenes::warn(&scene);
         let path = arguments.output.clone().unwrap_or_else(|| default_path(&scene, "ssv"));
         write(&path, parameter_set::write(&scene).as_bytes())?;
         path
     } else {
         build(scene, &Options { output: arguments.output.clone(), platforms: arguments.platform.clone() })?
     };
-    println!("{}", path.display());
+    print_line!("{}", path.display());
     Ok(())
 }
 
@@ -104,6 +107,7 @@ pub fn build(scene: Option<&str>, options: &Options) -> Result<PathBuf> {
 /// # Errors
 /// As [`build`].
 pub fn build_scene(scene: &SceneFile, options: &Options) -> Result<PathBuf> {
+    scenes::warn(scene);
     let path = options.output.clone().unwrap_or_else(|| default_path(scene, "fmu"));
     write(&path, &archive::pack(&files(scene, &options.platforms)?)?)?;
     Ok(path)

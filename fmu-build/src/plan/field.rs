@@ -16,6 +16,7 @@ use sliding_contact::variables::find;
 use sliding_contact::verification::planning::runs::processor_seconds;
 
 use crate::chart::machine;
+use crate::output::print_line;
 use crate::scenes;
 
 /// What the planned rung has to meet.
@@ -50,7 +51,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
         if !planned.plan.meets {
             writeln!(table, "# left out: {name}: {}", planned.plan.reason)?;
-            println!("{name}: {}", planned.plan.reason);
+            print_line!("{name}: {}", planned.plan.reason);
             continue;
         }
         let mut finest = scene.clone();
@@ -61,7 +62,9 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         let reference = seconds_per_step(&scene, &field, step, STEPS[1])?;
         let (rung, error, ratio) = (planned.plan.rung, planned.plan.estimated_error.unwrap_or_default(), reference / own);
         writeln!(table, "{name},\"{rung}\",{error:.2e},{step},{own:.3e},{reference:.3e},{ratio:.0}")?;
-        println!("{name}: {rung}: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much");
+        print_line!(
+            "{name}: {rung}: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much"
+        );
     }
     if let Some(path) = output {
         fs::write(path, table).with_context(|| format!("writing {}", path.display()))?;

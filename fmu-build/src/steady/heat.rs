@@ -3,9 +3,13 @@
 use super::{Solved, direction, largest, number};
 use crate::plot::{Axis, Legend, Mark, Panel, Series};
 use serde_json::{Value, json};
+use sliding_contact::coupled::lumped::HIGHEST_VALID_TEMPERATURE;
 use sliding_contact::elastic::Cells;
+use sliding_contact::scene::Scene;
 use sliding_contact::steady::scene::SteadyState;
 use sliding_contact::steady::thermal::HotState;
+
+const ZERO_CELSIUS: f64 = 273.15;
 
 /// Root mean square difference of the pressures with and without heat over all strokes, in Pa.
 pub fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
@@ -21,6 +25,40 @@ pub fn difference(cells: &Cells, hot: &SteadyState, cold: &SteadyState) -> f64 {
 
 fn range(values: &[f64]) -> f64 {
     largest(values) - values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Highest temperature of either surface in a cycle, K.
+fn hottest(hot: &HotState) -> f64 {
+    hot.heat.range[1].iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Why a state that solves the equations is no state of a real contact: hotter than the model is valid for.
+pub fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
+    let kelvin = hottest(hot);
+    // A number that is none is beyond too.
+    if kelvin <= HIGHEST_VALID_TEMPERATURE {
+        return None;
+    }
+    Some(format!(
+        "no steady state with heat within the model's validity: sliding for ever at nominal.velocity = {} m/s under \
+         nominal.load = {} N would heat a surface to {} degC, the limit is {} degC",
+        scene.nominal_velocity,
+        scene.nominal_load,
+        number(kelvin - ZERO_CELSIUS),
+        number(HIGHEST_VALID_TEMPERATURE - ZERO_CELSIUS)
+    ))
+}
+
+/// A warning where the state is above the scene's own limit.
+pub fn above_limit(solved: &Solved) -> Option<String> {
+    let (kelvin, limit) = (hottest(known(solved)?), solved.scene.temperature_limit);
+    (limit > 0.0 && kelvin > limit).then(|| {
+        format!(
+            "the steady state is above contact.temperature_limit = {} degC: the highest surface temperature is {} degC",
+            number(limit - ZERO_CELSIUS),
+            number(kelvin - ZERO_CELSIUS)
+        )
+    })
 }
 
 /// What is put beside the state without heat.
@@ -43,12 +81,12 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
     let off = difference(&solved.cells, &hot.state, &solved.state) / solved.mean_pressure();
     let celsius = |kelvin: f64| number(kelvin - 273.15);
     let [least, mean, most] = heat.contact_temperature;
-    let hottest = heat.range[1].iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     lines.extend([
         ("  difference of the pressures, rms over the mean".into(), number(off)),
         ("  contact temperature, degC".into(), celsius(mean)),
         ("  its range in a cycle, K".into(), number(most - least)),
-        ("  highest surface temperature, degC".into(), celsius(hottest)),
+        ("  highest surface temperature, degC".into(), celsius(hottest(hot))),
+        ("  contact.temperature_limit, degC".into(), limit(solved, hot)),
         ("  range of the punch's shape, um".into(), number(1e6 * range(&hot.state.shape))),
         ("  friction heat, W".into(), number(flows.friction)),
         ("  into punch, strip, W".into(), format!("{}, {}", number(flows.punch), number(flows.strip))),
@@ -60,6 +98,14 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
         ("  cycles computed".into(), heat.accuracy.iterations.to_string()),
     ]);
     lines
+}
+
+fn limit(solved: &Solved, hot: &HotState) -> String {
+    match solved.scene.temperature_limit {
+        0.0 => "none".to_owned(),
+        limit if hottest(hot) > limit => format!("{}, exceeded", number(limit - ZERO_CELSIUS)),
+        limit => number(limit - ZERO_CELSIUS),
+    }
 }
 
 /// The state with heat as JSON.
@@ -101,6 +147,7 @@ pub fn record(solved: &Solved) -> Value {
             "strip_base": flows.strip_base,
             "ambient": flows.ambient,
         },
+        "temperature_limit_exceeded": above_limit(solved).is_some(),
         "punch_wear_rate": hot.state.punch_wear_rate,
         "volume_rates": hot.state.volume_rates,
         "wear_dissipation_power": hot.state.dissipation_power,

@@ -1,5 +1,6 @@
 //! Steps of a test run and what they counted.
 
+use crate::output::print_line;
 use anyhow::{Context, Result, bail};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
@@ -104,9 +105,9 @@ impl Tally {
                 self.skipped.iter().map(|(name, why)| serde_json::json!({"name": name, "reason": why})).collect();
             let all = serde_json::json!({"passed": total.passed, "failed": total.failed, "skipped": total.skipped,
                                          "steps": steps, "reasons": skipped});
-            println!("{all:#}");
+            print_line!("{all:#}");
         } else {
-            println!("{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
+            print_line!("{} passed, {} failed, {} skipped", total.passed, total.failed, total.skipped);
         }
         if total.failed > 0 {
             bail!("{} of {} failed", total.failed, total.passed + total.failed);
@@ -183,7 +184,7 @@ fn say(json: bool, line: &str) {
     if json {
         eprintln!("{line}");
     } else {
-        println!("{line}");
+        print_line!("{line}");
         // In order with what child processes write to the error stream.
         let _ = std::io::stdout().flush();
     }

@@ -344,8 +344,10 @@ impl Operators {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let scene = &self.scene;
-        let expands = scene.punch.thermal_expansion > 0.0 || scene.strip.thermal_expansion > 0.0;
-        if expands && self.heat.is_none() {
+        let distorts = |body: &crate::scene::Body| body.thermal_expansion > 0.0 && body.conductivity > 0.0;
+        // Heat by its mean where it has no effect along the contact, or where a plan says what leaving that out costs, is
+        // nothing to warn of.
+        if scene.scheme == Scheme::Explicit && (distorts(&scene.punch) || distorts(&scene.strip)) {
             warnings.push(
                 "thermal distortion of the shape is not part of this level with solver.scheme = explicit: the \
                  bodies' mean expansion acts on holder.stiffness only"

@@ -102,7 +102,7 @@ impl Lumped {
         state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
         let is_unremarkable = state.punch.depth < within.depth[0]
             && state.strip.depth < within.depth[1]
-            && inputs[0].abs() <= within.speed
+            && (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs() <= within.speed
             && (0.0..=within.load).contains(&inputs[1])
             && attempt.hottest + state.reference <= within.temperature;
         if is_unremarkable {
@@ -345,7 +345,7 @@ impl Lumped {
             }
         }
         let last = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step);
-        let (speed, load) = (last(0).abs(), last(1));
+        let (speed, load) = ((last(0) + scene.mean_radius * last(2)).abs(), last(1));
         let beyond = |value: f64, nominal: f64| nominal > 0.0 && value > NOMINAL_MARGIN * nominal;
         if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
             self.state.limits |= limit::VALIDITY;

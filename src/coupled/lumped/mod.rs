@@ -48,7 +48,7 @@ pub mod limit {
 }
 
 /// Temperature (K) above which constant material properties mean nothing any more.
-const HIGHEST_VALID_TEMPERATURE: f64 = 2500.0;
+pub const HIGHEST_VALID_TEMPERATURE: f64 = 2500.0;
 
 /// Part of a body's height that may be worn off before conduction and compliance must be rebuilt.
 const HIGHEST_VALID_WEAR: f64 = 0.5;

@@ -6,7 +6,7 @@ use core::ffi::c_void;
 
 use super::Instance;
 use super::problem::{self, Outcome, Problem, argument};
-use crate::component::{Component, Snapshot};
+use crate::component::Snapshot;
 use crate::fmi2::exports::arguments::{Sink, Source};
 use crate::fmi2::gate::STATES;
 use crate::fmi2::policy::Fault;
@@ -35,7 +35,7 @@ impl Instance {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
         let failed = |text: &dyn ToString| Problem { fault: Fault::State, text: text.to_string() };
         if self.broken {
-            let mut fresh = Component::new(self.scene.starts.clone());
+            let mut fresh = self.scene.component();
             fresh.restore(&saved.component).map_err(|text| failed(&text))?;
             self.component = fresh;
             self.broken = false;

@@ -461,8 +461,13 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
         .within(0.0, 1e4),
     choice("solver.fidelity", &FIDELITY, 1, "How much is modelled"),
     integer("solver.cells", 0, 1025, 0, "Cells of the contact line; 0: chosen"),
-    real("solver.tolerance", &ONE, 1e-3, "Relative tolerance; 0: the importer's if it gives one, else 1e-3")
-        .within(0.0, 0.5),
+    real(
+        "solver.tolerance",
+        &ONE,
+        1e-3,
+        "Relative tolerance; 0: the importer's if it gives one, else that of the scene's DefaultExperiment",
+    )
+    .within(0.0, 0.5),
     choice("solver.scheme", &SCHEME, 1, "Time stepping"),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
         .within(1.0, 1e9)

@@ -1,25 +1,26 @@
 //! What the FMU logs.
 
-use crate::functions::Status;
+use crate::functions::{Status, WARNING};
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char, c_void};
 
 /// What is kept of it until it is asked for; more than this is cut.
 const LONGEST_LOG: usize = 4096;
 
-/// The FMU's logger: keeps what it is told.
+/// The FMU's logger: keeps what it is told of failures.
 ///
 /// # Safety
 /// `environment` is the log of a living worker; the texts end with a zero.
 pub(super) unsafe extern "C" fn keep_message(
     environment: *mut c_void,
     _instance: *const c_char,
-    _status: Status,
+    status: Status,
     _category: *const c_char,
     format: *const c_char,
     argument: *const c_char,
 ) {
-    if environment.is_null() || format.is_null() {
+    // Only what tells why a call failed: a warning is none of the scene's that fails later.
+    if status <= WARNING || environment.is_null() || format.is_null() {
         return;
     }
     // SAFETY: the worker handed out this address and outlives its instance.
@@ -59,6 +60,18 @@ mod tests {
             // SAFETY: all texts end with a zero and the environment is a log.
             unsafe { keep_message(environment, ptr::null(), 3, ptr::null(), format.as_ptr(), text.as_ptr()) };
         };
+        // SAFETY: as above.
+        unsafe {
+            keep_message(
+                ptr::from_ref(&log).cast_mut().cast(),
+                ptr::null(),
+                WARNING,
+                ptr::null(),
+                c"%s".as_ptr(),
+                c"open".as_ptr(),
+            )
+        };
+        assert_eq!(*log.borrow(), "");
         tell(c"%s", c"punch.width = ##1");
         tell(c"plain", c"unused");
         assert_eq!(*log.borrow(), "punch.width = #1 plain");

@@ -150,7 +150,14 @@ mod tests {
     }
 
     fn variable(reference: u32, kind: Kind) -> Variable {
-        Variable { name: format!("v{reference}"), reference, kind, causality: Causality::Output, unit: String::new() }
+        Variable {
+            name: format!("v{reference}"),
+            reference,
+            kind,
+            causality: Causality::Output,
+            unit: String::new(),
+            start: String::new(),
+        }
     }
 
     const GETTERS: Getters = Getters { real: number::<f64>, integer: number::<c_int>, boolean: number::<c_int> };

@@ -1,0 +1,96 @@
+//! What commands print, and the files that they are told to write.
+
+use anyhow::{Result, bail};
+use std::fmt;
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+use std::process::exit;
+
+/// Status of a process that nobody reads from any more, as shells give it: 128 and the number of SIGPIPE.
+const NOT_READ: i32 = 141;
+
+/// Ends the process quietly where whoever read the output has gone (`cargo fmu verify | head`), with an error where it
+/// cannot be written.
+///
+/// The signal itself stays ignored: a batch must outlive a worker process that it writes to.
+pub fn print(text: fmt::Arguments<'_>) {
+    let mut out = io::stdout().lock();
+    match out.write_fmt(text).and_then(|()| out.flush()) {
+        Ok(()) => {}
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => exit(NOT_READ),
+        Err(error) => {
+            eprintln!("error: writing the output: {error}");
+            exit(1)
+        }
+    }
+}
+
+/// Prints a line; see [`print`].
+macro_rules! print_line {
+    ($($text:tt)*) => {
+        $crate::output::print(format_args!("{}\n", format_args!($($text)*)))
+    };
+}
+
+/// Prints a text as it is; see [`print`].
+macro_rules! print_text {
+    ($($text:tt)*) => {
+        $crate::output::print(format_args!($($text)*))
+    };
+}
+
+pub(crate) use {print_line, print_text};
+
+/// Refuses a file whose ending promises another format than the one of `ending` that is written.
+///
+/// # Errors
+/// With what is accepted.
+pub fn check_ending(path: Option<&Path>, ending: &str) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    match path.extension() {
+        Some(given) if !given.eq_ignore_ascii_case(ending) => {
+            bail!("--output {}: .{ending} is written, not .{}", path.display(), given.to_string_lossy())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Endings of files, which no folder of results has.
+const FILES: [&str; 8] = ["csv", "html", "json", "parquet", "pdf", "png", "svg", "txt"];
+
+/// Refuses a path for a folder of results that is meant, or exists, as a file.
+///
+/// # Errors
+/// With what is accepted.
+pub fn check_folder(path: Option<&Path>) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let file = path.extension().is_some_and(|given| FILES.iter().any(|ending| given.eq_ignore_ascii_case(ending)));
+    if path.is_file() || file && !path.is_dir() {
+        bail!("--output {}: several files are written, so a folder must be named", path.display());
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_ending_that_promises_another_format_is_refused() {
+        let told = |path: &str| check_ending(Some(Path::new(path)), "csv").map_err(|error| error.to_string());
+        assert_eq!(told("a/r.csv"), Ok(()));
+        assert_eq!(told("r.CSV"), Ok(()));
+        assert_eq!(told("r"), Ok(()));
+        assert_eq!(told("r.parquet").unwrap_err(), "--output r.parquet: .csv is written, not .parquet");
+        assert!(check_ending(None, "csv").is_ok());
+    }
+
+    #[test]
+    fn a_file_is_no_folder() {
+        let told = |path: &Path| check_folder(Some(path)).map_err(|error| error.to_string());
+        assert_eq!(told(Path::new("results/run.3")), Ok(()));
+        assert!(told(Path::new("results.png")).unwrap_err().contains("a folder must be named"));
+        assert!(told(&std::env::current_exe().unwrap()).unwrap_err().contains("a folder must be named"));
+        assert!(check_folder(None).is_ok());
+    }
+}

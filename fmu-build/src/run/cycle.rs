@@ -1,0 +1,141 @@
+//! Drive cycles of a car: read by the names of their columns, in any unit, and checked before anything is driven.
+
+use crate::columns::{self, Column, Table};
+use crate::project;
+use anyhow::{Context, Result, bail};
+use sliding_contact::variables::units::METRE_PER_SECOND;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Highest speed of a road car, m/s: 360 km/h.
+const HIGHEST_SPEED: f64 = 100.0;
+/// Speed that cycles hardly go to, m/s: 252 km/h. The unit may be wrong.
+const UNUSUAL_SPEED: f64 = 70.0;
+/// Change of speed that tyres hardly give, m/s2.
+const UNUSUAL_ACCELERATION: f64 = 12.0;
+
+/// A cycle of the project by its name, or any other by its path, as a file with the columns time_s and speed_m_per_s: one
+/// with other units is converted into the folder `output`.
+///
+/// # Errors
+/// Where there is no such file, or what is wrong with it, by line, column and value.
+pub fn file(name: &str, output: &Path) -> Result<PathBuf> {
+    let folder = project::root().join("examples/data");
+    let own = folder.join(format!("{name}.csv"));
+    if own.is_file() {
+        return Ok(own);
+    }
+    let path = Path::new(name);
+    if !path.is_file() {
+        bail!("--cycle {name} is neither a file nor one of the cycles in {}: udds, hwfet", folder.display());
+    }
+    let table = read(path)?;
+    for text in warnings(&table) {
+        eprintln!("warning: {text}");
+    }
+    let converted = output.join("cycle").join(path.file_stem().unwrap_or_default()).with_extension("csv");
+    let write = || {
+        fs::create_dir_all(output.join("cycle"))?;
+        fs::write(&converted, text(&table))
+    };
+    write().with_context(|| format!("writing {}", converted.display()))?;
+    Ok(converted)
+}
+
+fn read(path: &Path) -> Result<Table> {
+    let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };
+    let table = columns::read(path, &[speed])?;
+    if table.times.len() < 2 {
+        bail!("{}: a cycle needs at least two rows", path.display());
+    }
+    for (speed, line) in table.column("speed").into_iter().flatten().zip(&table.lines) {
+        if !(0.0..=HIGHEST_SPEED).contains(&speed) {
+            bail!(
+                "{}, line {line}: a speed of {speed} m/s ({:.0} km/h) is none of a road car, whose speeds are from 0 to \
+                 {HIGHEST_SPEED} m/s; is the unit in the header right?",
+                path.display(),
+                3.6 * speed
+            );
+        }
+    }
+    Ok(table)
+}
+
+/// What is possible and yet hardly meant.
+fn warnings(table: &Table) -> Vec<String> {
+    let file = table.path.display();
+    let mut warnings = Vec::new();
+    if let Some(at) = table.values.iter().position(|&speed| speed > UNUSUAL_SPEED) {
+        let (line, speed) = (table.lines[at], table.values[at]);
+        warnings.push(format!(
+            "{file}, line {line}: {speed} m/s is {:.0} km/h, above {UNUSUAL_SPEED} m/s; is the unit in the header right?",
+            3.6 * speed
+        ));
+    }
+    let acceleration = |at: usize| (table.values[at] - table.values[at - 1]) / (table.times[at] - table.times[at - 1]);
+    if let Some(at) = (1..table.times.len()).find(|&at| acceleration(at).abs() > UNUSUAL_ACCELERATION) {
+        warnings.push(format!(
+            "{file}, line {}: the speed changes by {:.3} m/s2, more than the {UNUSUAL_ACCELERATION} m/s2 that tyres give; are \
+             the units in the header right?",
+            table.lines[at],
+            acceleration(at)
+        ));
+    }
+    warnings
+}
+
+/// The cycle in SI units, numbers as the shortest texts that are read back as the same.
+fn text(table: &Table) -> String {
+    let mut text = String::from("time_s,speed_m_per_s\n");
+    for (time, speed) in table.times.iter().zip(&table.values) {
+        let _ = writeln!(text, "{time},{speed}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cycle(name: &str, text: &str) -> Result<Table> {
+        let path = std::env::temp_dir().join(format!("run-cycle-{}-{name}.csv", std::process::id()));
+        fs::write(&path, text).unwrap();
+        let result = read(&path);
+        fs::remove_file(&path).unwrap();
+        result
+    }
+
+    #[test]
+    fn kilometres_per_hour_are_driven_as_such() {
+        let driven = cycle("km_per_h", "speed [km/h],time [s]\n0,0\n36,10\n").unwrap();
+        assert_eq!(text(&driven), "time_s,speed_m_per_s\n0,0\n10,10\n");
+        assert!(warnings(&driven).is_empty());
+        let si = text(&driven);
+        assert_eq!(text(&cycle("si", &si).unwrap()), si);
+    }
+
+    #[test]
+    fn a_speed_without_unit_or_of_no_car_is_refused() {
+        let told = |name, text| format!("{:#}", cycle(name, text).unwrap_err());
+        assert!(told("bare", "time,speed\n0,0\n1,50\n").contains("\"speed\" does not say its unit"));
+        let fast = told("fast", "time_s,speed_m_per_s\n0,0\n30,108\n");
+        assert!(fast.contains("line 3: a speed of 108 m/s (389 km/h)") && fast.contains("100 m/s"), "{fast}");
+        assert!(told("back", "time_s,speed_m_per_s\n0,0\n1,-1\n").contains("a speed of -1 m/s"));
+        assert!(told("one", "time_s,speed_m_per_s\n0,0\n").contains("two rows"));
+    }
+
+    #[test]
+    fn what_is_hardly_meant_is_told() {
+        let told = |name, text| warnings(&cycle(name, text).unwrap()).join("; ");
+        assert_eq!(told("usual", "time_s,speed_m_per_s\n0,0\n10,70\n"), "");
+        assert!(told("high", "time_s,speed_m_per_s\n0,0\n10,71\n").contains("line 3: 71 m/s is 256 km/h"));
+        assert!(
+            told("jump", "time_s,speed_m_per_s\n0,20\n1,7\n").contains("line 3: the speed changes by -13.000 m/s2")
+        );
+        for name in ["udds", "hwfet"] {
+            let own = file(name, Path::new("unused")).unwrap();
+            assert!(warnings(&read(&own).unwrap()).is_empty(), "{name}");
+        }
+    }
+}

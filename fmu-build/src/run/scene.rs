@@ -1,0 +1,120 @@
+//! Whether a scene is one of the machine that an example drives.
+
+use super::Example;
+use crate::scenes;
+use anyhow::{Context, Result, bail};
+use fmu_host::Description;
+use sliding_contact::variables;
+use std::f64::consts::PI;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+const CLOSED: f64 = 2.0;
+const ANNULAR: f64 = 2.0;
+const PERIODIC: f64 = 3.0;
+
+/// Largest part of the disc that pads cover.
+const PADS: f64 = 0.5;
+
+/// Refuses a scene that does not fit the example.
+///
+/// # Errors
+/// With the variables, their values and what the example drives; everything wrong with the scene.
+pub fn check_scene(example: Example, name: &str) -> Result<()> {
+    let packaged = scenes::load(Some(name))?.packaged;
+    check(example, &packaged.name, &|name| Some(packaged.starts[variables::find(name)? as usize]))
+}
+
+/// The same with the start values of an .fmu.
+///
+/// # Errors
+/// As [`check_scene`], and where the file is no FMU.
+pub fn check_fmu(example: Example, file: &Path) -> Result<()> {
+    let context = || format!("reading {}", file.display());
+    let mut text = String::new();
+    zip::ZipArchive::new(File::open(file).with_context(context)?)
+        .with_context(context)?
+        .by_name("modelDescription.xml")
+        .with_context(context)?
+        .read_to_string(&mut text)
+        .with_context(context)?;
+    let description = Description::parse(&text).with_context(context)?;
+    check(example, &description.model_name, &|name| description.find(name).ok()?.start.parse().ok())
+}
+
+fn check(example: Example, name: &str, start: &dyn Fn(&str) -> Option<f64>) -> Result<()> {
+    let of = |variable: &str| start(variable).with_context(|| format!("{name} has no start value of {variable}"));
+    let (geometry, radius) = (of("contact.geometry")?, of("contact.mean_radius")?);
+    let closed = of("strip.path")? == CLOSED;
+    let covered = covered(&of)?;
+    let (fits, wanted) = match example {
+        Example::DiscBrake | Example::VehicleBrake => (
+            closed && geometry != PERIODIC && radius > 0.0 && covered <= PADS,
+            "pads on the disc of a car's brake: strip.path = closed, contact.geometry = line or annular, \
+             contact.mean_radius above 0 m, at most half of the disc covered",
+        ),
+        Example::Clutch => (
+            closed && geometry == ANNULAR && radius > 0.0 && covered > PADS,
+            "the facing of a clutch: strip.path = closed, contact.geometry = annular, contact.mean_radius above 0 m, more than \
+             half of the plate covered",
+        ),
+        Example::ReciprocatingPunch => (
+            !closed && of("nominal.stroke")? > 0.0,
+            "a punch that slides to and fro: strip.path = straight, nominal.stroke above 0 m",
+        ),
+        Example::HotSpots => {
+            (closed && geometry == PERIODIC, "a ring on a ring: strip.path = closed, contact.geometry = periodic")
+        }
+    };
+    if fits {
+        return Ok(());
+    }
+    let word = |number: f64, words: &[&'static str]| words.get(number as usize - 1).copied().unwrap_or("unknown");
+    bail!(
+        "the scene {name} does not fit {}, which drives {wanted}; the scene has strip.path = {}, contact.geometry = {}, \
+         contact.mean_radius = {radius} m, nominal.stroke = {} m, and covers {covered:.3} of its path",
+        example.folder(),
+        word(of("strip.path")?, &["straight", "closed"]),
+        word(geometry, &["line", "annular", "periodic"]),
+        of("nominal.stroke")?,
+    )
+}
+
+/// Part of the path that the punches cover; 0 of a straight one.
+fn covered(of: &dyn Fn(&str) -> Result<f64>) -> Result<f64> {
+    let around = 2.0 * PI * of("contact.mean_radius")?;
+    let length = of("strip.length")?;
+    let length = if length > 0.0 { length } else { around };
+    let covered = match (of("strip.path")? == CLOSED, of("contact.geometry")?) {
+        (false, _) => 0.0,
+        (true, PERIODIC) => 1.0,
+        (true, ANNULAR) => of("punch.count")? * of("depth")? / around,
+        (true, _) => of("punch.count")? * of("punch.width")? / length,
+    };
+    Ok(covered)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::ValueEnum;
+
+    #[test]
+    fn every_example_takes_its_own_scene_and_no_other_machine() {
+        for example in Example::value_variants() {
+            for scene in Example::value_variants() {
+                let fits = check_scene(*example, scene.scene());
+                assert_eq!(fits.is_ok(), example.scene() == scene.scene(), "{example:?} {scene:?}: {fits:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_refusal_names_the_variables_and_their_values() {
+        let told = format!("{:#}", check_scene(Example::DiscBrake, "clutch").unwrap_err());
+        for part in ["clutch", "disc_brake", "contact.geometry = annular", "covers 1.000 of its path"] {
+            assert!(told.contains(part), "{told} lacks {part}");
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! Every warning: where it must be logged, and a scene beside it where it must not.
+
+use sliding_contact::component::{Component, Subject};
+use sliding_contact::slot::Packaged;
+use sliding_contact::variables::find;
+use std::sync::Arc;
+
+const LUMPED: f64 = 2.0;
+const LINE: f64 = 3.0;
+const EXPLICIT: f64 = 3.0;
+const HELD: f64 = 1.0;
+const EXTERNAL: f64 = 4.0;
+
+fn reference(name: &str) -> u32 {
+    find(name).unwrap_or_else(|| panic!("no variable {name}"))
+}
+
+type Values<'a> = &'a [(&'a str, f64)];
+
+/// Few cells, so that a line costs little.
+const FEW: (&str, f64) = ("solver.cells", 9.0);
+
+fn component(starts: Values) -> Component {
+    let mut values = Packaged::stock().starts;
+    values[reference("solver.fidelity") as usize] = LUMPED;
+    for (name, value) in starts {
+        values[reference(name) as usize] = *value;
+    }
+    let mut component = Component::new(Arc::new(values)).declaring(1e-2);
+    component.enter_initialization();
+    component
+}
+
+fn warnings(component: &mut Component) -> Vec<String> {
+    let warnings = component.messages().filter(|message| message.subject == Subject::Warning);
+    warnings.map(|message| message.text.clone()).collect()
+}
+
+/// Warnings when initialisation ends with these parameters and inputs.
+fn at_start(starts: Values) -> Vec<String> {
+    let mut component = component(starts);
+    component.initialise(None).unwrap();
+    warnings(&mut component)
+}
+
+/// Warnings of steps of .1 s with these inputs and their slopes, begun with these parameters.
+fn in_steps(starts: Values, inputs: Values, slopes: Values, steps: usize) -> Vec<String> {
+    let mut component = component(starts);
+    component.initialise(None).unwrap();
+    warnings(&mut component);
+    let mut all = Vec::new();
+    for (name, value) in inputs {
+        component.set_input(reference(name), *value);
+    }
+    for _ in 0..steps {
+        for (name, value) in slopes {
+            component.set_input_derivative(reference(name), *value);
+        }
+        component.step(0.1).unwrap();
+        all.extend(warnings(&mut component));
+    }
+    all
+}
+
+fn assert_one(warnings: &[String], wanted: &[&str]) {
+    let [text] = warnings else { panic!("{warnings:?} instead of one with {wanted:?}") };
+    assert!(wanted.iter().all(|part| text.contains(part)), "{text} lacks one of {wanted:?}");
+}
+
+const SILENT: [&str; 0] = [];
+const SLIDING: Values = &[("sliding_velocity", 8.0), ("normal_load", 2000.0)];
+
+#[test]
+fn distortion_is_missed_under_the_explicit_scheme_only() {
+    let line = |scheme: f64, expansion: f64| {
+        let starts = [
+            ("solver.fidelity", LINE),
+            FEW,
+            ("solver.scheme", scheme),
+            ("punch.thermal_expansion", expansion),
+            ("strip.thermal_expansion", expansion),
+        ];
+        at_start(&starts)
+    };
+    assert_one(&line(EXPLICIT, 1e-5), &["thermal distortion", "solver.scheme = explicit"]);
+    assert_eq!(line(EXPLICIT, 0.0), SILENT);
+    assert_eq!(line(1.0, 1e-5), SILENT);
+    assert_eq!(line(2.0, 1e-5), SILENT);
+    // auto may carry heat by its mean: that is a choice of the plan, whatever the scheme.
+    assert_eq!(at_start(&[("solver.fidelity", 1.0)]), SILENT);
+}
+
+#[test]
+fn auto_that_carries_heat_by_its_mean_does_not_speak_of_the_explicit_scheme() {
+    use sliding_contact::coupled::line::operators::Operators;
+    use sliding_contact::scene::{HeatAlongContact, Scene};
+    let mut values = Packaged::stock().starts;
+    values[reference("solver.fidelity") as usize] = LINE;
+    values[reference("solver.cells") as usize] = 9.0;
+    let mut scene = Scene::new(&values, None).unwrap();
+    assert!(scene.strip.thermal_expansion > 0.0);
+    scene.heat_along_contact = HeatAlongContact::ByItsMean;
+    let operators = Operators::new(&scene).unwrap();
+    assert!(operators.heat.is_none());
+    assert_eq!(operators.warnings(), SILENT);
+}
+
+#[test]
+fn temperatures_that_look_like_degrees_celsius_are_told() {
+    assert_eq!(at_start(&[]), SILENT);
+    assert_one(&at_start(&[("ambient_temperature", 149.9)]), &["ambient_temperature = 149.9 K is -123.25 degC"]);
+    assert_eq!(at_start(&[("ambient_temperature", 150.0)]), SILENT);
+    let twenty = ["= 20 K is -253.15 degC", "kelvin"];
+    for (name, others) in [
+        ("punch.initial_temperature", vec![]),
+        ("strip.initial_temperature", vec![]),
+        ("contact.temperature_limit", vec![]),
+        ("punch.top_temperature", vec![("punch.top_thermal", HELD)]),
+        ("strip.base_temperature", vec![("strip.base_thermal", HELD)]),
+        ("punch.external_temperature", vec![("punch.top_thermal", EXTERNAL)]),
+        ("strip.external_temperature", vec![("strip.base_thermal", EXTERNAL)]),
+        ("contact.friction_fade.temperature", vec![("contact.friction_fade.factor", 0.9)]),
+        ("punch.wear_fade.temperature", vec![("punch.wear_fade.factor", 0.9)]),
+        ("strip.wear_fade.temperature", vec![("strip.wear_fade.factor", 0.9)]),
+    ] {
+        let first = |name: &str| {
+            if name.contains("fade") { format!("{name}[1]") } else { name.to_owned() }
+        };
+        let owned: Vec<(String, f64)> = others.iter().map(|(name, value)| (first(name), *value)).collect();
+        let mut starts: Vec<(&str, f64)> = owned.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+        let name = first(name);
+        if name.contains("friction_fade") {
+            starts.push(("solver.fidelity", LUMPED));
+        }
+        starts.push((&name, 20.0));
+        assert_one(&at_start(&starts), &[&name, twenty[0], twenty[1]]);
+        // Where it has no effect, it is no matter.
+        if !others.is_empty() {
+            assert_eq!(at_start(&[(&name, 20.0)]), SILENT, "{name}");
+        }
+        starts.pop();
+        starts.push((&name, 293.15));
+        assert_eq!(at_start(&starts), SILENT, "{name}");
+    }
+}
+
+#[test]
+fn both_velocities_are_told_once_with_their_sum() {
+    let both = [("sliding_velocity", 8.0), ("angular_velocity", 10.0), ("normal_load", 2000.0)];
+    let radius = Packaged::stock().starts[reference("contact.mean_radius") as usize];
+    let sum = format!("slides at {} m/s", 8.0 + radius * 10.0);
+    let told = in_steps(&[], &both, &[], 3);
+    assert_one(&told, &["sliding_velocity = 8 m/s and angular_velocity = 10 rad/s", "contact.mean_radius", &sum]);
+    assert_eq!(in_steps(&[], &both[1..], &[], 3), SILENT);
+    assert_eq!(in_steps(&[], &[both[0], both[2]], &[], 3), SILENT);
+    // Once a run: another one tells it again.
+    let mut component = component(&[]);
+    for _ in 0..2 {
+        component.reset();
+        component.set_parameter(reference("solver.fidelity"), LUMPED);
+        component.enter_initialization();
+        component.initialise(None).unwrap();
+        for (name, value) in both {
+            component.set_input(reference(name), value);
+        }
+        component.step(0.1).unwrap();
+        assert_eq!(warnings(&mut component).len(), 1);
+    }
+}
+
+#[test]
+fn a_negative_load_is_told_once_with_its_value() {
+    for level in [LUMPED, LINE] {
+        let starts = [("solver.fidelity", level), FEW];
+        let told = in_steps(&starts, &[("sliding_velocity", 8.0), ("normal_load", -500.0)], &[], 3);
+        assert_one(&told, &["normal_load = -500 N is below 0 N"]);
+        let told = in_steps(&starts, SLIDING, &[("normal_load", -15_000.0)], 3);
+        assert_one(&told, &["normal_load = -1000 N is below 0 N"]);
+        assert_eq!(in_steps(&starts, SLIDING, &[("normal_load", -500.0)], 3), SILENT);
+        assert_eq!(in_steps(&starts, &[("sliding_velocity", 8.0)], &[], 3), SILENT);
+    }
+}
+
+#[test]
+fn limits_are_told_where_they_are_reached() {
+    for level in [LUMPED, LINE] {
+        let at = |name, value, inputs: Values| {
+            let rigid = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
+            let starts = [("solver.fidelity", level), FEW, rigid[0], rigid[1], (name, value)];
+            in_steps(&starts, inputs, &[], 3)
+        };
+        let told = at("contact.temperature_limit", 295.0, SLIDING);
+        assert_one(&told, &["contact.temperature_limit = 295 K is exceeded", "bit 2"]);
+        assert_eq!(at("contact.temperature_limit", 500.0, SLIDING), SILENT);
+        assert_one(&at("punch.wear_limit", 1e-10, SLIDING), &["a wear limit is reached", "bit 1"]);
+        assert_eq!(at("punch.wear_limit", 1e-3, SLIDING), SILENT);
+        // Ten times the nominal speed, whichever input brings it.
+        let radius = Packaged::stock().starts[reference("contact.mean_radius") as usize];
+        for (name, factor) in [("sliding_velocity", 1.0), ("angular_velocity", 1.0 / radius)] {
+            let speed = |speed: f64| at("nominal.velocity", 1.0, &[(name, speed * factor), ("normal_load", 100.0)]);
+            assert_one(&speed(10.1), &["left the model's validity", "bit 4"]);
+            assert_eq!(speed(9.9), SILENT, "{name}");
+        }
+        let load = |load: f64| at("nominal.load", 100.0, &[("sliding_velocity", 1.0), ("normal_load", load)]);
+        assert_one(&load(1001.0), &["left the model's validity"]);
+        assert_eq!(load(999.0), SILENT);
+    }
+}
+
+#[test]
+fn a_bristle_leaves_regularisation_without_effect() {
+    let (stick, regular) = (("contact.stick_stiffness", 1e6), ("contact.regularization_velocity", 1e-3));
+    assert_one(&at_start(&[stick, regular]), &["contact.stick_stiffness = 1000000 N/m", "0.001 m/s has no effect"]);
+    assert_eq!(at_start(&[stick]), SILENT);
+    assert_eq!(at_start(&[regular]), SILENT);
+}
+
+#[test]
+fn a_punch_that_rocks_itself_round_is_told_where_it_slides_to_and_fro() {
+    let starts = |stroke: f64, height: f64| {
+        let friction = Packaged::stock().starts[reference("contact.friction_coefficient") as usize];
+        let half_width = 0.5 * Packaged::stock().starts[reference("punch.width") as usize];
+        vec![
+            ("solver.fidelity", LINE),
+            FEW,
+            ("holder.constraint", 2.0),
+            ("holder.pivot_height", height * half_width / friction),
+            ("nominal.stroke", stroke),
+            ("nominal.velocity", 0.1),
+        ]
+    };
+    // To and fro half of the half-width is the limit for wear in proportion to the pressure.
+    assert_one(&at_start(&starts(0.01, 0.6)), &["rocks itself round", "holder.pivot_height"]);
+    assert_eq!(at_start(&starts(0.01, 0.4)), SILENT);
+    assert_eq!(at_start(&starts(0.0, 0.6)), SILENT);
+}
+
+#[test]
+fn speeds_above_the_critical_one_are_told_at_the_start_or_when_they_come() {
+    let starts = |nominal: f64| vec![("solver.fidelity", LINE), FEW, ("nominal.velocity", nominal)];
+    let mut slow = component(&starts(1.0));
+    slow.initialise(None).unwrap();
+    slow.set_input(reference("normal_load"), 100.0);
+    let critical = slow.get(reference("critical_speed"));
+    assert!(critical > 0.0);
+    assert_one(&at_start(&starts(1.01 * critical)), &["thermoelastically unstable: nominal.velocity = "]);
+    assert_eq!(at_start(&starts(0.99 * critical)), SILENT);
+    let speed = |nominal: f64, ratio: f64| {
+        let inputs = [("sliding_velocity", ratio * critical), ("normal_load", 1.0)];
+        in_steps(&starts(nominal), &inputs, &[], 2)
+    };
+    assert_one(&speed(0.9 * critical, 1.01), &["thermoelastically unstable: sliding at "]);
+    assert_eq!(speed(0.9 * critical, 0.99), SILENT);
+    // Announced at the start.
+    assert_eq!(speed(1.01 * critical, 1.02), SILENT);
+}
+
+#[test]
+fn accelerated_wear_is_told_where_it_hides_growth() {
+    let speed = |acceleration: f64, expansion: f64| {
+        let starts = [
+            ("solver.fidelity", LINE),
+            FEW,
+            ("wear_acceleration", acceleration),
+            ("punch.thermal_expansion", expansion),
+            ("strip.thermal_expansion", expansion),
+        ];
+        in_steps(&starts, &[("sliding_velocity", 1.0), ("normal_load", 100.0)], &[], 2)
+    };
+    assert_eq!(speed(1.0, 1e-5), SILENT);
+    let told = (1..16).map(|power| speed(2.0_f64.powi(power), 1e-5)).find(|told| !told.is_empty());
+    assert_one(&told.expect("a warning before the refusal"), &["wear_acceleration = ", "above 0.05"]);
+    assert_eq!(speed(2.0, 1e-5), SILENT);
+    assert_eq!(speed(64.0, 0.0), SILENT);
+}
