@@ -15,6 +15,8 @@
 //! The states come from H at a few real frequencies by the symmetric Loewner pencil (a rational
 //! Krylov reduction that needs only values of H), so their rates and residues are positive.
 
+use crate::numerics::maximum::maximum;
+use crate::numerics::factorization;
 use super::moving_source::{MovingSource, Part};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
 
@@ -70,13 +72,13 @@ impl Decays {
         let mass = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).0);
         let stiffness = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).1);
         let load = DVector::from_fn(count, |i, _| scale[i] * values[used[i]].0);
-        let factor = mass.cholesky()?.l();
+        let factor = factorization::cholesky(mass).ok()?.l();
         if factor.diagonal().min() < 1e-6 {
             return if count > 1 { None } else { Some(Decays::single(&values[used[0]], shifts[used[0]])) };
         }
         let half = factor.solve_lower_triangular(&stiffness)?;
         let reduced = factor.solve_lower_triangular(&half.transpose())?;
-        let eigen = SymmetricEigen::new(0.5 * (&reduced + reduced.transpose()));
+        let eigen = factorization::symmetric_eigen(0.5 * (&reduced + reduced.transpose())).ok()?;
         let weights = eigen.eigenvectors.transpose() * factor.solve_lower_triangular(&load)?;
         let mut pairs: Vec<(f64, f64)> =
             eigen.eigenvalues.iter().zip(weights.iter()).map(|(&rate, &weight)| (rate, weight * weight)).collect();
@@ -326,9 +328,9 @@ mod tests {
                 let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
                 let (by_spline, by_cubic) = (table.by_spline(speed).0, table.rate(speed));
                 let error = (by_cubic - by_spline).abs();
-                worst = worst.max(error / (by_spline + slowest));
+                worst = maximum(worst, error / (by_spline + slowest));
                 if by_spline > 1e-3 {
-                    felt = felt.max(error / by_spline);
+                    felt = maximum(felt, error / by_spline);
                 }
             }
             println!("{path:?}: {felt:e} {worst:e}");

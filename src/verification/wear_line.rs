@@ -1,5 +1,6 @@
 //! The wearing contact line: relaxation, stability bound of explicit steps, order in time.
 
+use crate::numerics::factorization;
 use super::contact_line::deviation;
 use super::{Problem, known};
 use crate::contact::{ContactState, Normal, Tilt, pair_operators};
@@ -105,7 +106,8 @@ fn eigenvalues(count: usize) -> Result<Vec<f64>, String> {
     let energy = unit.dot(&image);
     matrix -= &image * unit.transpose() + &unit * image.transpose();
     matrix += &unit * unit.transpose() * energy;
-    let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
+    let eigen = factorization::symmetric_eigen(matrix).map_err(text)?;
+    let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
     values.sort_by(|a, b| b.total_cmp(a));
     Ok(values)
 }

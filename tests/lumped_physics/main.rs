@@ -9,6 +9,7 @@ mod bristle;
 mod derivatives;
 mod drive;
 mod geometry;
+mod hostile;
 mod limits;
 mod rates;
 mod standstill;

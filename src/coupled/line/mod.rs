@@ -18,6 +18,7 @@ mod step;
 mod take_over;
 mod wear_rates;
 
+use crate::numerics::maximum::maximum;
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt, WorkCounter};
 use crate::coupled::lumped::conditions::Tunables;
@@ -424,7 +425,7 @@ impl Line {
     /// Limits and validity after a step.
     fn watch(&mut self) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
-        let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, f64::max);
+        let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, maximum);
         self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;
         if let Some(heat) = &self.state.heat {
             let lowest = heat.lowest() + self.mean.state().reference;

@@ -1,5 +1,6 @@
 //! Outputs and profiles of the line level, by value reference: the mean's, with what the contact line knows better.
 
+use crate::numerics::maximum::maximum;
 use super::Line;
 use super::operators::Operators;
 use super::path::Moment;
@@ -109,7 +110,7 @@ impl Line {
         let total: f64 = operators.weights.iter().sum();
         let load: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
         value!(values, "pressure_mean") = load / total;
-        value!(values, "pressure_max") = pressure.iter().copied().fold(0.0, f64::max);
+        value!(values, "pressure_max") = pressure.iter().copied().fold(0.0, maximum);
         value!(values, "contact_fraction") = (carrying / (2.0 * operators.cells.half_width())).min(1.0);
         value!(values, "tilt") = shown.tilt;
         value!(values, "approach") = shown.approach;
@@ -150,7 +151,7 @@ impl Line {
         value!(values, "wear_volume_punch") = state.volume[0] * all;
         value!(values, "wear_volume_strip") = state.volume[1] * all;
         let life = |depth: &[f64], body: &crate::scene::Body| {
-            let deepest = depth.iter().copied().fold(0.0, f64::max) + body.initial_wear;
+            let deepest = depth.iter().copied().fold(0.0, maximum) + body.initial_wear;
             if body.wear_limit > 0.0 { (1.0 - deepest / body.wear_limit).clamp(0.0, 1.0) } else { 1.0 }
         };
         value!(values, "remaining_life") = life(&state.punch, &scene.punch).min(life(&state.strip, &scene.strip));

@@ -11,6 +11,7 @@
 //!
 //! The embedded first-order solution bounds the error; the piece is cut into 2^n equal parts as it asks.
 
+use crate::numerics::maximum::maximum;
 use super::Line;
 use super::operators::{Operators, StripWear};
 use super::path::{Moment, Path};
@@ -356,7 +357,7 @@ impl Line {
         }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         // Contact that opens or closes is an event of heat: short steps go over it.
-        Outcome::Tried(if resolved { wear.max(self.heat_error(bound)) } else { wear })
+        Outcome::Tried(if resolved { maximum(wear, self.heat_error(bound)) } else { wear })
     }
 
     /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.

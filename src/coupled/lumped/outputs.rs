@@ -1,5 +1,6 @@
 //! Outputs and profiles of the lumped level, by value reference.
 
+use crate::numerics::maximum::maximum;
 use super::Lumped;
 use super::conditions::Conditions;
 use super::limit;
@@ -289,7 +290,7 @@ impl Lumped {
             .iter()
             .filter_map(|body| body.heat.as_ref())
             .map(|heat| heat.error)
-            .fold(0.0, f64::max);
+            .fold(0.0, maximum);
         REPORTED * (reduction + self.state.error)
     }
 

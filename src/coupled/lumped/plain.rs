@@ -4,6 +4,7 @@
 //! The same equations as [`super::stages`], whose general form costs three times as much here. Nothing is solved
 //! differently. A test runs both side by side.
 
+use crate::numerics::maximum::maximum;
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
 use super::operators::{BodyOperators, Operators};
@@ -121,7 +122,7 @@ impl Surface {
     fn left(&self, body: &BodyOperators, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
         let (t, flux, gain) = (self.temperature(into), self.flux(into), strip.gain[COOLING][2]);
         let left = |i: usize| ((cooling_flux(body, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
-        left(0).max(left(1))
+        maximum(left(0), left(1))
     }
 }
 
@@ -310,7 +311,7 @@ impl Stepper<'_> {
                 let exchange = jump.abs() / (resistance * allowance);
                 error = if CONSTANT { exchange + other_heat } else { 2.0 * exchange + 4.0 * other_heat } / allowed;
                 if !CONSTANT && operators.flash.is_some() {
-                    error = error.max(self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));
+                    error = maximum(error, self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));
                 }
                 if error.is_nan() || error > 1.0 {
                     return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
@@ -319,13 +320,13 @@ impl Stepper<'_> {
         }
         if cools && operators.strip.emissivity > 0.0 {
             let left = surface.left(&operators.strip, &strip.contact, reference, into_strip, forced);
-            if left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
+            if left.is_nan() || left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
                 return None;
             }
         }
         let punch_surface = sum(punch_level, apply(&punch_gain, into_punch));
         let strip_surface = sum(strip_level, apply(&strip_gain, into_strip));
-        let hottest = punch_surface[1].max(strip_surface[1]);
+        let hottest = maximum(punch_surface[1], strip_surface[1]);
         if !hottest.is_finite() {
             return None;
         }
@@ -347,8 +348,8 @@ impl Stepper<'_> {
             }
         }
         if !CONSTANT && closed {
-            error = error.max(wearing.error(self, &operators.punch, &rates[0], state.peak_wear));
-            error = error.max(wearing.error(self, &operators.strip, &rates[1], state.peak_wear));
+            error = maximum(error, wearing.error(self, &operators.punch, &rates[0], state.peak_wear));
+            error = maximum(error, wearing.error(self, &operators.strip, &rates[1], state.peak_wear));
         }
         if error.is_nan() || error > 1.0 {
             return error.is_finite().then_some(Attempt { error, hottest });

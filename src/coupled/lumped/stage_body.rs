@@ -1,5 +1,6 @@
 //! What one body contributes to the equations of a step.
 
+use crate::numerics::maximum::maximum;
 use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
@@ -117,7 +118,7 @@ impl<'a> StageBody<'a> {
             let slope = cooling_slope(self.body, reference, t, forced[stage]);
             let step = (wanted - self.flux[cooling][stage]) / (1.0 + slope * gain);
             self.flux[cooling][stage] += step;
-            change = change.max((step * propagator.contact.gain[cooling][2][stage]).abs());
+            change = maximum(change, (step * propagator.contact.gain[cooling][2][stage]).abs());
         }
         change
     }

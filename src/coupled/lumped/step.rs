@@ -6,6 +6,7 @@
 //! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
 //! is the error estimate.
 
+use crate::numerics::maximum::maximum;
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, Operators};
@@ -112,7 +113,7 @@ impl Stepper<'_> {
             let mut change = stages.solve(self, &mut punch, &mut strip);
             for body in [&mut punch, &mut strip] {
                 if body.active[Port::Cooling as usize] {
-                    change = change.max(body.cool(state.reference, ambient, forced));
+                    change = maximum(change, body.cool(state.reference, ambient, forced));
                 }
             }
             if change <= enough {

@@ -3,6 +3,7 @@
 //! The pattern depends on the mesh alone: a [`Pattern`] is built once, with the symbolic factorisation, and serves every
 //! matrix on that mesh. Columns follow the mesh's nested-dissection numbers, so no further ordering is needed.
 
+use crate::numerics::factorization;
 use super::element::CondensedElement;
 use super::mesh::{ENTITIES_PER_ELEMENT, Mesh};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -153,6 +154,7 @@ impl Pattern {
             let (column, row) = mesh.column_and_row(element);
             self.scatter(mesh, mesh.element_entities(column, row), matrix, column_starts, values);
         }
+        factorization::check(values, values.len()).map_err(|_| FactorizationError::NotPositiveDefinite)?;
         let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), values);
         factor.values.fill(0.0);
         self.symbolic_factor

@@ -4,6 +4,7 @@
 //! exact one-dimensional matrices. Local order: the skeleton functions entity by entity (see `mesh`), then the interior
 //! ones (a, b >= 2); the components of a vector field alternate.
 
+use crate::numerics::factorization;
 use super::lobatto::ReferenceMatrices;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -153,7 +154,7 @@ impl CondensedElement {
                 block = DMatrix::zeros(interior, interior);
             }
             block.copy_from(&matrix.view((skeleton, skeleton), (interior, interior)));
-            let Some(factor) = Cholesky::new(block) else { return false };
+            let Ok(factor) = factorization::cholesky(block) else { return false };
             self.interior_factor = factor.unpack_dirty();
             solve_lower_triangular_in_place(view(&self.interior_factor), view_mut(&mut self.coupling), Par::Seq);
             self.skeleton.gemm_tr(-1.0, &self.coupling, &self.coupling, 1.0);

@@ -12,6 +12,7 @@
 //! Exact on whatever cells are in contact, at N^3 for each such set: a steady state is found once. The step, which goes on
 //! with what it has, keeps operators of its own ([`crate::coupled::line::heat::split`]).
 
+use crate::numerics::factorization;
 use crate::heat::line::Gains;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
@@ -80,7 +81,11 @@ impl Split {
         let part =
             |matrix: &DMatrix<f64>| DMatrix::from_fn(m, m, |row, column| matrix[(indices[row], indices[column])]);
         let own = part(&strip.temperature);
-        let factors = (part(&punch.temperature) + &own + DMatrix::from_diagonal_element(m, m, resistance)).lu();
+        let across = part(&punch.temperature) + &own + DMatrix::from_diagonal_element(m, m, resistance);
+        let Ok(factors) = factorization::lu(across) else {
+            self.shares = DMatrix::from_element(m, m, f64::NAN);
+            return;
+        };
         self.shares = own + DMatrix::from_diagonal_element(m, m, 0.5 * resistance);
         factors.solve_mut(&mut self.shares);
         self.factors = Some(factors);

@@ -12,6 +12,7 @@
 //!
 //! b and g come from a cycle of the bodies alone under a unit of flux into every cell.
 
+use crate::numerics::factorization;
 use crate::coupled::line::Line;
 use crate::heat::line::Surroundings;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
@@ -98,7 +99,7 @@ impl Exchange {
             system[(i, i)] += self.resistance;
         }
         let small = DMatrix::from_fn(cells.len(), cells.len(), |a, b| system[(cells[a], cells[b])]);
-        let factors = small.lu();
+        let factors = factorization::lu(small).ok()?;
         factors.is_invertible().then_some(ExchangeSolver { factors, cells })
     }
 

@@ -6,6 +6,7 @@
 //! `f = G(x) - x` and their differences the next x is the one whose residual would be least if G were affine (Anderson 1965, of small
 //! depth): the few modes are solved for, the others fall as before.
 
+use crate::numerics::maximum::maximum;
 use crate::contact::dense;
 
 /// Differences that are kept.
@@ -93,7 +94,7 @@ impl Acceleration {
             let change: f64 = factors.iter().zip(&self.values).map(|(factor, values)| factor * values[i]).sum();
             *value -= change;
             if i < count {
-                most = most.max(change.abs());
+                most = maximum(most, change.abs());
             }
         }
         Some(most)

@@ -1,5 +1,6 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
+use crate::numerics::maximum::maximum;
 use crate::coupled::lumped::operators::moving_source;
 use crate::coupled::lumped::shares::{Share, shares};
 use crate::elastic::scene::relative_radii;
@@ -119,7 +120,7 @@ impl Bodies {
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.fading()));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
-        let error = of_the_mean.zip(shares).map(|(error, share)| share.felt * error).fold(0.0, f64::max);
+        let error = of_the_mean.zip(shares).map(|(error, share)| share.felt * error).fold(0.0, maximum);
         Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,

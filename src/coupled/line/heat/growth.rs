@@ -21,6 +21,7 @@
 //! below 0.3/h. This is about what rests in the punch; waves that rest in the strip pass by in a stage's matrix, and are bounded
 //! by the first rule alone.
 
+use crate::numerics::maximum::maximum;
 use super::Heat;
 use crate::coupled::instability::driving_body;
 use crate::coupled::line::Line;
@@ -239,7 +240,7 @@ impl Heat {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
                     value += weights[i] * self.definiteness.slopes[i];
-                    largest = largest.max(value.abs() / (weights[i] * weights[i]));
+                    largest = maximum(largest, value.abs() / (weights[i] * weights[i]));
                 }
                 self.matrix[j * count + i] = value;
             }

@@ -7,6 +7,7 @@
 //! layer bonded at its top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its waves along
 //! the radius are Bessel functions, which a layer answers like plane waves of the same number.
 
+use crate::numerics::factorization::{self, Unfactorable};
 use super::across::Across;
 use super::assembly::{Assembly, Mode};
 use super::depth::Shape;
@@ -244,7 +245,11 @@ impl LayerDilatation {
             -(u + kappa) * e,
             u - kappa,
         );
-        let solution = matrix.lu().solve(&Vector4::new(-1.0, 0.0, 0.0, 0.0)).unwrap_or_else(Vector4::zeros);
+        let solution = match factorization::solve(&matrix, &Vector4::new(-1.0, 0.0, 0.0, 0.0)) {
+            Ok(solution) => solution,
+            Err(Unfactorable::NotFinite { .. }) => Vector4::from_element(f64::NAN),
+            Err(_) => Vector4::zeros(),
+        };
         Self { wave_number, height, falling: -solution[2], rising: solution[3] }
     }
 

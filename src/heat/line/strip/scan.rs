@@ -1,5 +1,6 @@
 //! Exact answers of every wave at some frequencies, against which reductions are judged.
 
+use crate::numerics::maximum::maximum;
 use super::depth::DepthModes;
 use super::operators::Resolution;
 use super::waves::{Shapes, Wave};
@@ -72,7 +73,7 @@ impl Scan {
                 error += (modes.impedance(s) - self.exact[row * count + index * step])
                     * (self.weights[index * step] * step as f64);
             }
-            largest = largest.max(error.norm_sqr().sqrt() / self.scale);
+            largest = maximum(largest, error.norm_sqr().sqrt() / self.scale);
         }
         largest
     }
