@@ -15,10 +15,9 @@
 //! The states come from H at a few real frequencies by the symmetric Loewner pencil (a rational
 //! Krylov reduction that needs only values of H), so their rates and residues are positive.
 
-use crate::numerics::maximum::maximum;
 use crate::numerics::factorization;
 use super::moving_source::{MovingSource, Part};
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Most states of the flash part, and of the track part.
 pub const MAX_FLASH_STATES: usize = 8;
@@ -328,9 +327,9 @@ mod tests {
                 let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
                 let (by_spline, by_cubic) = (table.by_spline(speed).0, table.rate(speed));
                 let error = (by_cubic - by_spline).abs();
-                worst = maximum(worst, error / (by_spline + slowest));
+                worst = worst.max(error / (by_spline + slowest));
                 if by_spline > 1e-3 {
-                    felt = maximum(felt, error / by_spline);
+                    felt = felt.max(error / by_spline);
                 }
             }
             println!("{path:?}: {felt:e} {worst:e}");

@@ -7,7 +7,6 @@ use sliding_contact::variables::{COUNT, Causality, STARTS, lookup};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 const CONVECTING: f64 = super::drive::CONVECTING;
-const INSULATED: f64 = super::drive::INSULATED;
 
 /// What a case must come to.
 #[derive(Clone, Copy)]

@@ -12,6 +12,7 @@ mod geometry;
 mod hostile;
 mod limits;
 mod rates;
+mod replay;
 mod standstill;
 mod steps;
 mod stroke;

@@ -424,6 +424,11 @@ impl Line {
 
     /// Limits and validity after a step.
     fn watch(&mut self) -> Result<(), StepFailure> {
+        if let Some(name) = self.state.not_finite() {
+            return Err(StepFailure(format!(
+                "{name} along the contact line is no finite number after the step: no solution was found"
+            )));
+        }
         let scene = &self.operators.scene;
         let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, maximum);
         self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;

@@ -11,7 +11,7 @@ use super::operators::{BodyOperators, Operators};
 use super::point::{cooling_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
 
-use super::state::State;
+use super::state::{NewHeat, NewState, State};
 use super::step::{Attempt, Stepper};
 use crate::heat::reduced::Port;
 
@@ -331,7 +331,8 @@ impl Stepper<'_> {
             return None;
         }
         let rises = [0.5 * (punch_surface[0] + strip_surface[0]), 0.5 * (punch_surface[1] + strip_surface[1])];
-        if rises.iter().any(|rise| !fade.holds(rise + reference)) {
+        // Below 0 K the general form decides as well.
+        if rises.iter().any(|rise| rise + reference < 0.0 || !fade.holds(rise + reference)) {
             return None;
         }
         let faded = rises.map(|rise| self.friction.coefficient * fade.factor(rise + reference));
@@ -362,24 +363,34 @@ impl Stepper<'_> {
             return None;
         }
 
-        punch.advance_surface(&mut state.punch.heat, punch_count, into_punch, None);
-        let air_flux = cools.then(|| surface.flux(into_strip));
-        strip.advance_surface(&mut state.strip.heat, strip_count, into_strip, air_flux);
-        if operators.flash.is_some() {
-            self.flash.advance(&mut state.flash, into_strip);
-        }
-        state.punch.received[0] += mean(into_punch);
-        state.strip.received[0] += mean(into_strip);
-        if let Some(air_flux) = air_flux {
-            state.strip.received[COOLING] += mean(air_flux);
-        }
         let travel = if CONSTANT { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
-        state.dissipated += mean(heat);
-        state.distance += travel.abs();
-        state.wear(operators, worn, travel);
+        let mut new = NewState {
+            punch: NewHeat { heat: state.punch.heat, received: state.punch.received },
+            strip: NewHeat { heat: state.strip.heat, received: state.strip.received },
+            flash: match operators.flash {
+                Some(_) => self.flash.advanced(&state.flash, into_strip),
+                None => state.flash,
+            },
+            travel,
+            dissipated: state.dissipated + mean(heat),
+            distance: state.distance + travel.abs(),
+            worn,
+            end_temperature: rises[1],
+            end_force: faded[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure,
+        };
+        punch.advance_surface(&mut new.punch.heat, punch_count, into_punch, None);
+        let air_flux = cools.then(|| surface.flux(into_strip));
+        strip.advance_surface(&mut new.strip.heat, strip_count, into_strip, air_flux);
+        new.punch.received[0] += mean(into_punch);
+        new.strip.received[0] += mean(into_strip);
+        if let Some(air_flux) = air_flux {
+            new.strip.received[COOLING] += mean(air_flux);
+        }
+        if !new.is_finite() {
+            return None;
+        }
+        new.commit(operators, state);
         state.far = [0.0; 2];
-        state.end_temperature = rises[1];
-        state.end_force = faded[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
         state.peak_rise = state.peak_rise.max(rises[0].abs()).max(rises[1].abs());
         state.peak_flux = state.peak_flux.max(heat[0]).max(heat[1]);
         state.peak_wear = state.peak_wear.max(rates[0][1].max(rates[1][1]));

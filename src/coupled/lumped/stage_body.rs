@@ -4,7 +4,7 @@ use crate::numerics::maximum::maximum;
 use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
-use super::state::BodyState;
+use super::state::{BodyState, NewHeat};
 use crate::heat::reduced::{PORTS, Port};
 
 /// What one body contributes to the stage equations.
@@ -123,15 +123,18 @@ impl<'a> StageBody<'a> {
         change
     }
 
-    pub fn commit(&self, state: &mut BodyState, step: f64) {
+    /// Heat at the end of the step, and what the ports have received by then.
+    pub fn advanced(&self, state: &BodyState, step: f64) -> NewHeat {
+        let mut new = NewHeat { heat: state.heat, received: state.received };
         if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
-            propagator.advance(&mut state.heat, heat.count, &self.flux, self.active);
+            propagator.advance(&mut new.heat, heat.count, &self.flux, self.active);
             for port in 0..PORTS {
                 if port == 0 || self.active[port] {
-                    state.received[port] +=
+                    new.received[port] +=
                         step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
                 }
             }
         }
+        new
     }
 }

@@ -10,7 +10,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
 /// Pairs (a, b) of one-dimensional functions in the local order, and how many of them belong to the skeleton.
 pub fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, usize)>, usize) {

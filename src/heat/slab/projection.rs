@@ -3,7 +3,7 @@
 use crate::numerics::factorization;
 use super::{Base, CoolingPort, Slab};
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.
 pub(super) struct Grid {

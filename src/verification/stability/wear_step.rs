@@ -24,7 +24,7 @@ use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
 use crate::contact::{ContactState, Normal, Tilt};
 use crate::elastic::{Cells, ElasticBody, HalfPlane, Material};
 use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, StepError, WearingContact, explicit_limit};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::E;
 
 /// What the map is about.

@@ -10,7 +10,7 @@
 //! `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
 
 use crate::numerics::factorization;
-use nalgebra::{Complex, DMatrix, SymmetricEigen};
+use nalgebra::{Complex, DMatrix};
 
 /// Condition at the top of the punch.
 #[derive(Clone, Copy, Debug, PartialEq)]

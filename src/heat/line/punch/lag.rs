@@ -21,7 +21,7 @@ use crate::numerics::maximum::{self, maximum};
 use super::across::Wave;
 use super::assembly::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
-use nalgebra::{Complex, DMatrix, DVectorView, SymmetricEigen};
+use nalgebra::{Complex, DMatrix, DVectorView};
 
 /// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
 const SMALLEST: f64 = 1e-10;

@@ -18,7 +18,7 @@
 use crate::numerics::factorization::{self, Unfactorable};
 use crate::elastic::{self, Material};
 use crate::heat::slab::{Base, Slab, principal_root};
-use nalgebra::{Complex, DMatrix, Matrix4, SymmetricEigen, Vector4};
+use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 
 /// What makes the surface move under heat.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -4,7 +4,6 @@
 //! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
 //! of its number alone, whoever asks first.
 
-use crate::numerics::maximum::maximum;
 use super::blocks::Blocks;
 use super::remainder::{Integrals, Remainder, Room};
 use crate::contact::dense;
@@ -274,7 +273,7 @@ mod tests {
             warm.unfold(&table.widths, 0.0, turned, &mut exact[1]);
             for (worst, [left, right]) in worst.iter_mut().zip([[&between, &exact[1]], [&exact[0], &exact[1]]]) {
                 let error = largest(uniform(left).iter().zip(uniform(right)).map(|(left, right)| left - right));
-                *worst = maximum(*worst, error / whole);
+                *worst = worst.max(error / whole);
             }
         }
         worst
