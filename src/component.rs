@@ -369,7 +369,9 @@ impl Component {
             let value = self.get(index as ValueReference);
             if !value.is_finite() {
                 let name = lookup(index as ValueReference).map_or_else(String::new, |(row, at)| row.element_name(at));
-                return Err(format!("{name} = {value} after initialisation: the model of these parameters has no numbers"));
+                return Err(format!(
+                    "{name} = {value} after initialisation: the model of these parameters has no numbers"
+                ));
             }
         }
         Ok(())

@@ -4,12 +4,12 @@ mod active_set;
 mod balance;
 mod fallback;
 
-use crate::numerics::maximum::maximum;
 use super::dense;
 use super::factors::{Factors, Reduction};
 use super::lemke::Pivoting;
 use super::problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};
 use crate::elastic::{Cells, Compliance};
+use crate::numerics::maximum::maximum;
 use balance::Balance;
 use nalgebra::DMatrix;
 

@@ -1,8 +1,8 @@
 //! Elastic strip of finite height.
 
-use crate::numerics::factorization;
 use super::half_plane::scale_columns;
 use super::{Base, Cells, Compliance, ElasticBody, Material, OutOfRange, StripKernel, fill, mean_logarithm};
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 

@@ -15,8 +15,8 @@
 //! The states come from H at a few real frequencies by the symmetric Loewner pencil (a rational
 //! Krylov reduction that needs only values of H), so their rates and residues are positive.
 
-use crate::numerics::factorization;
 use super::moving_source::{MovingSource, Part};
+use crate::numerics::factorization;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Most states of the flash part, and of the track part.

@@ -22,8 +22,8 @@
 
 mod projection;
 
-use crate::numerics::maximum::maximum;
 use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
+use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 use projection::{Basis, Eigen, Grid};
 

@@ -93,10 +93,7 @@ where
     Const<N>: DimMin<Const<N>, Output = Const<N>>,
 {
     check(matrix.as_slice(), N)?;
-    LU::new(*matrix)
-        .solve(right)
-        .filter(|solution| all_finite(solution.as_slice()))
-        .ok_or(Unfactorable::Singular)
+    LU::new(*matrix).solve(right).filter(|solution| all_finite(solution.as_slice())).ok_or(Unfactorable::Singular)
 }
 
 /// Inverse.

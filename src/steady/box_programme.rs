@@ -1,7 +1,7 @@
 //! Convex quadratic programme with bounds on every unknown and a few linear constraints.
 
-use crate::numerics::factorization;
 use crate::contact::lemke;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
 

@@ -1,9 +1,9 @@
 //! Steady to-and-fro sliding for any wear law and unequal half-strokes.
 
-use crate::numerics::maximum::maximum;
-use crate::numerics::factorization;
 use super::{SteadyError, not_negative, positive};
 use crate::elastic::{Cells, Compliance};
+use crate::numerics::factorization;
+use crate::numerics::maximum::maximum;
 use crate::wear::line::CellRate;
 use nalgebra::{DMatrix, DVector};
 

@@ -1,12 +1,12 @@
 //! What is neglected when wear and sliding velocity are taken from rigid motion alone.
 
-use crate::numerics::maximum::maximum;
-use crate::numerics::factorization;
 use super::scene::{SteadyState, SteadyStroke};
 use crate::contact::pair_compliance;
 use crate::elastic::scene::{BodyError, load_weights};
 use crate::elastic::tangential::{TangentialCompliance, tangential_compliances};
 use crate::elastic::{Cells, Compliance};
+use crate::numerics::factorization;
+use crate::numerics::maximum::maximum;
 use crate::scene::{Constraint, Geometry, Scene};
 use nalgebra::{DMatrix, DVector};
 

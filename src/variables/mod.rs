@@ -319,7 +319,9 @@ pub fn check_parameter(reference: ValueReference, value: f64) -> Result<(), Refu
     match row.bounds() {
         (Some(min), _) if value < min => limited("below the minimum", min),
         (_, Some(max)) if value > max => limited("above the maximum", max),
-        _ if value != 0.0 && value < row.least_chosen => limited("below the least value other than 0,", row.least_chosen),
+        _ if value != 0.0 && value < row.least_chosen => {
+            limited("below the least value other than 0,", row.least_chosen)
+        }
         _ => Ok(()),
     }
 }

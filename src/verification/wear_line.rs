@@ -1,11 +1,11 @@
 //! The wearing contact line: relaxation, stability bound of explicit steps, order in time.
 
-use crate::numerics::factorization;
 use super::contact_line::deviation;
 use super::{Problem, known};
 use crate::contact::{ContactState, Normal, Tilt, pair_operators};
 use crate::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
 use crate::exact::{GalinRelaxation, winkler_relaxation_rate, worn_cylinder_half_width};
+use crate::numerics::factorization;
 use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, WearingContact, explicit_limit};
 use nalgebra::{DMatrix, DVector};
 

@@ -1,12 +1,10 @@
 //! Hostile numbers: every step ends in finite outputs or in an error that names what is wrong, and a failed step leaves
 //! everything as it was.
 
-use super::drive::{Drive, EXTERNAL, reference, scene};
-use sliding_contact::component::{Component, Snapshot};
+use super::drive::{Drive, EXTERNAL};
+use sliding_contact::component::Component;
 use sliding_contact::variables::{COUNT, Causality, STARTS, lookup};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-const CONVECTING: f64 = super::drive::CONVECTING;
 
 /// What a case must come to.
 #[derive(Clone, Copy)]
@@ -112,7 +110,8 @@ const CASES: &[Case] = &[
                 ("contact.stick_stiffness", 3631.2),
                 ("solver.tolerance", 0.0284834),
             ],
-            Finite,
+            // Friction falls with the heat of the bristle's own release, which ends in no time.
+            Refused("no finite solution"),
         )
     },
     case(
@@ -146,12 +145,92 @@ const CASES: &[Case] = &[
             FiniteOrRefused,
         )
     },
+    Case {
+        inputs: &[("sliding_velocity", 10.0), ("normal_load", 5e3), ("ambient_temperature_offset", 1e5)],
+        ..case("a cold radiating punch in surroundings of 1e5 K", &[("punch.emissivity", 0.6)], FiniteOrRefused)
+    },
     case(
         "a thin punch with a cooled area of 1000 m2",
         &[("punch.width", 0.00187), ("punch.top_thermal", 1.0), ("punch.cooled_area", 1000.0)],
         FiniteOrRefused,
     ),
+    Case {
+        inputs: &[("sliding_velocity", 1e61), ("normal_load", 5e3)],
+        ..case("a velocity beyond the limit", &[], Refused("sliding_velocity = 1"))
+    },
+    Case {
+        inputs: &[("sliding_velocity", 10.0), ("normal_load", 2e12)],
+        ..case("a load beyond the limit", &[], Refused("beyond 1e12 N"))
+    },
+    Case {
+        slopes: &[("normal_load", 1e15)],
+        ..case("a load that passes the limit in the step", &[], Refused("at the end of the step is beyond 1e12 N"))
+    },
+    Case {
+        inputs: &[("sliding_velocity", 10.0), ("normal_load", f64::NAN)],
+        ..case("a load that is no number", &[], Refused("normal_load = NaN is not a finite number"))
+    },
+    Case {
+        slopes: &[("sliding_velocity", f64::INFINITY)],
+        ..case("an infinite derivative", &[], Refused("the derivative of sliding_velocity = inf"))
+    },
+    Case {
+        inputs: &[("sliding_velocity", 1e12), ("normal_load", 1e12)],
+        ..case(
+            "velocity and load at the limit",
+            &[("punch.emissivity", 0.6), ("strip.emissivity", 0.6)],
+            FiniteOrRefused,
+        )
+    },
+    Case {
+        inputs: &[("sliding_velocity", 10.0), ("normal_load", 5e3), ("ambient_temperature_offset", -300.0)],
+        ..case("ambient below 0 K", &[], Refused("ambient_temperature_offset = -300 K"))
+    },
+    Case {
+        slopes: &[("ambient_temperature_offset", -1e5)],
+        ..case("ambient that falls below 0 K in the step", &[], Refused("must be above 0 K"))
+    },
+    case(
+        "ambient below 0 K at initialisation",
+        &[("ambient_temperature_offset", -300.0)],
+        Refused("must be above 0 K"),
+    ),
+    case("an external temperature that is not given", &[("punch.top_thermal", EXTERNAL)], Refused("must be above 0 K")),
+    Case {
+        slopes: &[("punch.external_temperature", -1e5)],
+        ..case(
+            "an external temperature that falls below 0 K in the step",
+            &[("punch.top_thermal", EXTERNAL), ("punch.external_temperature", 300.0)],
+            Refused("punch.external_temperature = -700 K must be above 0 K"),
+        )
+    },
+    Case { step: 1e-310, ..case("a step of 1e-310 s", &[], Refused("shorter than 1e-24 s")) },
+    Case { step: 1e-24, ..case("the shortest step", &[], Finite) },
+    Case { step: 1e-17, ..case("a step of rounding", &[], Finite) },
+    Case { step: 1e-12, ..case("a tiny step", &[], Finite) },
+    Case { step: 1e-12, slopes: &[("sliding_velocity", 1e9)], ..case("a tiny step with a slope", &[], Finite) },
+    Case { step: 1e-24, ..case("the shortest step on cells", ON_CELLS, Finite) },
+    Case { step: 1e-12, ..case("a tiny step on cells", ON_CELLS, Finite) },
+    Case {
+        inputs: &[("sliding_velocity", 1e12), ("normal_load", 1e12)],
+        ..case("velocity and load at the limit on cells", ON_CELLS, FiniteOrRefused)
+    },
+    Case { step: 1e300, ..case("a step of 1e300 s", &[], FiniteOrRefused) },
+    case(
+        "a run-in periodic contact without a solution",
+        &[
+            ("solver.fidelity", 3.0),
+            ("solver.cells", 17.0),
+            ("contact.geometry", 3.0),
+            ("strip.length", 0.095),
+            ("contact.mean_radius", 0.01512),
+            ("contact.initial_shape", 3.0),
+        ],
+        Refused("no steady state"),
+    ),
 ];
+
+const ON_CELLS: &[(&str, f64)] = &[("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 0.01)];
 
 #[test]
 fn every_hostile_case_ends_in_numbers_or_in_an_error_that_says_why() {

@@ -18,12 +18,12 @@ mod step;
 mod take_over;
 mod wear_rates;
 
-use crate::numerics::maximum::maximum;
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactState, Normal, Tilt, WorkCounter};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::{self, Lumped, limit};
 use crate::coupled::{INPUTS, StepFailure};
+use crate::numerics::maximum::maximum;
 use crate::scene::Geometry;
 use crate::wear::line::{Conditions, WearingContact};
 use heat::Heat as LineHeat;

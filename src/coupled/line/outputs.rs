@@ -1,6 +1,5 @@
 //! Outputs and profiles of the line level, by value reference: the mean's, with what the contact line knows better.
 
-use crate::numerics::maximum::maximum;
 use super::Line;
 use super::operators::Operators;
 use super::path::Moment;
@@ -8,6 +7,7 @@ use crate::contact::Normal;
 use crate::coupled::REPORTED;
 use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs};
+use crate::numerics::maximum::maximum;
 use crate::scene::{Geometry, STATIONS, value};
 use crate::variables::{COUNT, reference};
 use crate::wear::line::Disturbance;

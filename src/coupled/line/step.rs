@@ -11,7 +11,6 @@
 //!
 //! The embedded first-order solution bounds the error; the piece is cut into 2^n equal parts as it asks.
 
-use crate::numerics::maximum::maximum;
 use super::Line;
 use super::operators::{Operators, StripWear};
 use super::path::{Moment, Path};
@@ -19,6 +18,7 @@ use crate::contact::{ContactState, Normal};
 use crate::coupled::StepFailure;
 use crate::coupled::lumped;
 use crate::heat::line::{GAMMA, Stage};
+use crate::numerics::maximum::maximum;
 use crate::scene::Scheme;
 use crate::wear::law::REFERENCE_PRESSURE;
 use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status};

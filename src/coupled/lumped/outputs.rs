@@ -1,6 +1,5 @@
 //! Outputs and profiles of the lumped level, by value reference.
 
-use crate::numerics::maximum::maximum;
 use super::Lumped;
 use super::conditions::Conditions;
 use super::limit;
@@ -10,6 +9,7 @@ use super::state::BodyState;
 use crate::coupled::REPORTED;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
+use crate::numerics::maximum::maximum;
 use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, ValueReference, reference};
 

@@ -4,12 +4,12 @@
 //! The same equations as [`super::stages`], whose general form costs three times as much here. Nothing is solved
 //! differently. A test runs both side by side.
 
-use crate::numerics::maximum::maximum;
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
 use super::operators::{BodyOperators, Operators};
 use super::point::{cooling_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
+use crate::numerics::maximum::maximum;
 
 use super::state::{NewHeat, NewState, State};
 use super::step::{Attempt, Stepper};

@@ -1,11 +1,11 @@
 //! What one body contributes to the equations of a step.
 
-use crate::numerics::maximum::maximum;
 use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
 use super::state::{BodyState, NewHeat};
 use crate::heat::reduced::{PORTS, Port};
+use crate::numerics::maximum::maximum;
 
 /// What one body contributes to the stage equations.
 pub struct StageBody<'a> {

@@ -1,6 +1,5 @@
 //! The unknowns of both stages of a step: heat, its split, friction, pressure and wear.
 
-use crate::numerics::maximum::maximum;
 use super::bristle::{Bristle, Line, Moved};
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
@@ -11,6 +10,7 @@ use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
 use super::state::{BodyState, State};
 use super::step::Stepper;
+use crate::numerics::maximum::maximum;
 
 /// Unknowns of the two stages.
 pub struct Stages {

@@ -6,7 +6,6 @@
 //! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
 //! is the error estimate.
 
-use crate::numerics::maximum::{all_finite, maximum};
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, Operators};
@@ -18,6 +17,7 @@ use super::state::{NewState, State};
 use crate::contact::friction::FrictionLaw;
 use crate::heat::flash::MAX_FLASH_STATES;
 use crate::heat::reduced::Port;
+use crate::numerics::maximum::{all_finite, maximum};
 
 /// Both bodies over one step size.
 #[derive(Clone, Debug)]
@@ -116,7 +116,6 @@ impl Stepper<'_> {
                     change = maximum(change, body.cool(state.reference, ambient, forced));
                 }
             }
-            if std::env::var("DBG").is_ok() { eprintln!("step {step:e} change {change:e} T {:?} heat {:?} faded {:?} cool {:?} flux {:?} deflection {:e}", stages.temperature, stages.heat, stages.faded, punch.flux[1], punch.flux[0], stages.moved.deflection); }
             if change <= enough {
                 converged = true;
                 break;

@@ -3,9 +3,9 @@
 //! The pattern depends on the mesh alone: a [`Pattern`] is built once, with the symbolic factorisation, and serves every
 //! matrix on that mesh. Columns follow the mesh's nested-dissection numbers, so no further ordering is needed.
 
-use crate::numerics::factorization;
 use super::element::CondensedElement;
 use super::mesh::{ENTITIES_PER_ELEMENT, Mesh};
+use crate::numerics::factorization;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{

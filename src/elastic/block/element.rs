@@ -4,8 +4,8 @@
 //! exact one-dimensional matrices. Local order: the skeleton functions entity by entity (see `mesh`), then the interior
 //! ones (a, b >= 2); the components of a vector field alternate.
 
-use crate::numerics::factorization;
 use super::lobatto::ReferenceMatrices;
+use crate::numerics::factorization;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};

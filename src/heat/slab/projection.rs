@@ -1,8 +1,8 @@
 //! Galerkin projection of the slab: trial functions, their products, and the modes they give.
 
-use crate::numerics::factorization;
 use super::{Base, CoolingPort, Slab};
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
+use crate::numerics::factorization;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.

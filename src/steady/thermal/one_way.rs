@@ -6,7 +6,6 @@
 //! under a punch that does not, the pressure is that of the contact with this compliance. Tables over the temperature,
 //! radiation and moving air make it an iteration over the cells' temperatures.
 
-use crate::numerics::maximum::maximum;
 use super::split::Split;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::contact::friction::FrictionLaw;
@@ -17,6 +16,7 @@ use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
 use crate::heat::STEFAN_BOLTZMANN;
 use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::numerics::maximum::maximum;
 use crate::scene::{Body, Geometry, Path, Scene};
 use crate::steady::acceleration::Acceleration;
 use crate::steady::scene::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};

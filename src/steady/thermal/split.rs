@@ -12,8 +12,8 @@
 //! Exact on whatever cells are in contact, at N^3 for each such set: a steady state is found once. The step, which goes on
 //! with what it has, keeps operators of its own ([`crate::coupled::line::heat::split`]).
 
-use crate::numerics::factorization;
 use crate::heat::line::Gains;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// See the module.

@@ -1,8 +1,8 @@
 //! Parameters. The start values are those of a car's front disc brake, so that the stock FMU runs
 //! as it is.
 
-use super::super::{EnumerationType, TOLERANCES};
 use super::super::units::*;
+use super::super::{EnumerationType, TOLERANCES};
 use super::{Row, boolean, choice, integer, real};
 
 pub static MECHANICAL_BODY: EnumerationType = EnumerationType {
@@ -470,9 +470,14 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
         .within(0.0, 1e4),
     choice("solver.fidelity", &FIDELITY, 1, "How much is modelled"),
     integer("solver.cells", 0, 1025, 0, "Cells of the contact line; 0: chosen"),
-    real("solver.tolerance", &ONE, 1e-3, "Relative tolerance, at least 1e-10; 0: the importer's if it gives one, else 1e-3")
-        .within(0.0, *TOLERANCES.end())
-        .zero_or_from(*TOLERANCES.start()),
+    real(
+        "solver.tolerance",
+        &ONE,
+        1e-3,
+        "Relative tolerance, at least 1e-10; 0: the importer's if it gives one, else 1e-3",
+    )
+    .within(0.0, *TOLERANCES.end())
+    .zero_or_from(*TOLERANCES.start()),
     choice("solver.scheme", &SCHEME, 1, "Time stepping"),
     choice("solver.escalation", &ESCALATION, 2, "What happens when a run leaves what was planned for"),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")

@@ -19,10 +19,10 @@
 //! Explicit Euler multiplies a part by `1 - h/Lambda` per step: stable while `h < 2 Lambda_min`, and Lambda_min goes with the
 //! width of the edge cells, like 1/N^2.
 
-use crate::numerics::factorization;
 use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
 use crate::contact::{ContactState, Normal, Tilt};
 use crate::elastic::{Cells, ElasticBody, HalfPlane, Material};
+use crate::numerics::factorization;
 use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, StepError, WearingContact, explicit_limit};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::E;

@@ -16,10 +16,10 @@
 //! last change and that ratio. D is part of the [`Status`](super::Status), so that what comes out never depends on which
 //! factors happen to be kept.
 
-use crate::numerics::maximum::maximum;
 use super::contact::stroke;
 use super::{Conditions, StageError, WearingContact};
 use crate::contact::{ContactState, Normal, Tilt};
+use crate::numerics::maximum::maximum;
 
 const NEWTON_LIMIT: usize = 60;
 /// Change, relative to the largest local displacement, below which an iteration that no longer halves it has reached the rounding of

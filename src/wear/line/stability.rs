@@ -1,8 +1,8 @@
 //! Stability bound of explicit wear steps.
 
-use crate::numerics::factorization;
 use super::{Conditions, WearingContact};
 use crate::contact::Tilt;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 
 /// Longest explicit Euler step, in the unit of time of the rate, that does not amplify a disturbance of the shape.

@@ -12,9 +12,9 @@
 //!
 //! b and g come from a cycle of the bodies alone under a unit of flux into every cell.
 
-use crate::numerics::factorization;
 use crate::coupled::line::Line;
 use crate::heat::line::Surroundings;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// b and g of both bodies.

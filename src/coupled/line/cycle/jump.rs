@@ -18,10 +18,10 @@
 //! second-order one. The contact settles: errors of earlier jumps fade, and the sum of the estimates bounds the error.
 //! Where a jump would pass only a few cycles, they are computed one by one.
 
-use crate::numerics::maximum::maximum;
 use super::map::{CycleError, CycleMap, Passage, Totals};
 use super::solve::{Equation, SolveOptions};
 use crate::heat::line::GAMMA;
+use crate::numerics::maximum::maximum;
 
 /// Shorter jumps are computed cycle by cycle.
 const SHORTEST: f64 = 6.0;

@@ -12,10 +12,10 @@
 //! A cell that opens between two steps of a cycle stops exchanging heat at once, so that the cycle jumps by a little as a function of its
 //! start. Where a jump stands in the way of the steady cycle, the iteration ends beside it.
 
-use crate::numerics::maximum::maximum;
 use super::map::{CycleError, CycleMap, Passage};
 use super::solve::{Equation, Newton, Solution, SolveOptions};
 use crate::coupled::line::state::State;
+use crate::numerics::maximum::maximum;
 use crate::steady::krylov::gmres;
 
 /// Change of the memory, in the units of [`CycleMap::weights_of_both`], by which a derivative is taken: pressures are repeated to 1e-8.

@@ -10,10 +10,10 @@
 //! wear follows the gap by the matrix J of [`super::tangent`]. What this leaves out - the pressure's feedback on the heat, cells that open or close - is found by
 //! [acceleration](crate::steady::acceleration), and for the steady cycle, where that does not find it, by [`super::newton`].
 
-use crate::numerics::maximum::maximum;
 use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};
 use super::tangent::Tangent;
+use crate::numerics::maximum::maximum;
 use crate::steady::acceleration::Acceleration;
 use nalgebra::{DVector, Dyn, LU};
 

@@ -7,10 +7,10 @@
 //! J = - sum over the half-strokes of (duration) diag(df/dp) K
 //! ```
 
-use crate::numerics::factorization;
 use crate::contact::{Normal, Tilt};
 use crate::coupled::StepFailure;
 use crate::coupled::line::Line;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// J of both bodies, and the cells in contact in either half-stroke.

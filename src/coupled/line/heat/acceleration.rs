@@ -6,8 +6,8 @@
 //! `f = G(x) - x` and their differences the next x is the one whose residual would be least if G were affine (Anderson 1965, of small
 //! depth): the few modes are solved for, the others fall as before.
 
-use crate::numerics::maximum::maximum;
 use crate::contact::dense;
+use crate::numerics::maximum::maximum;
 
 /// Differences that are kept.
 const DEPTH: usize = 4;

@@ -1,11 +1,11 @@
 //! The error of a step with heat, and what the state takes from one that is accepted.
 
-use crate::numerics::maximum::maximum;
 use super::evaluation::largest;
 use super::stage::weighted;
 use crate::contact::dense;
 use crate::coupled::line::Line;
 use crate::heat::line::{GAMMA, Stage};
+use crate::numerics::maximum::maximum;
 
 /// Part by which the fade may differ from the reference.
 const ZONE: f64 = 0.1;

@@ -1,6 +1,5 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
-use crate::numerics::maximum::maximum;
 use crate::coupled::lumped::operators::moving_source;
 use crate::coupled::lumped::shares::{Share, shares};
 use crate::elastic::scene::relative_radii;
@@ -11,6 +10,7 @@ use crate::heat::line::merged::MergedHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
+use crate::numerics::maximum::maximum;
 use crate::scene::{self, Body, Fidelity, Geometry, HeatAlongContact, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 

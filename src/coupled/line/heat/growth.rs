@@ -21,7 +21,6 @@
 //! below 0.3/h. This is about what rests in the punch; waves that rest in the strip pass by in a stage's matrix, and are bounded
 //! by the first rule alone.
 
-use crate::numerics::maximum::maximum;
 use super::Heat;
 use crate::coupled::instability::driving_body;
 use crate::coupled::line::Line;
@@ -29,6 +28,7 @@ use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::limit;
 use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::line::{GAMMA, Stage};
+use crate::numerics::maximum::maximum;
 use crate::scene::Fidelity;
 use std::fmt::{self, Write};
 

@@ -1,11 +1,11 @@
 //! A stage of the step with heat: pressure, heat split, wear and rigid motion at once.
 
-use crate::numerics::maximum::maximum;
 use super::Heat;
 use super::evaluation::largest;
 use crate::coupled::line::Line;
 use crate::coupled::line::path::Moment;
 use crate::heat::line::Stage;
+use crate::numerics::maximum::maximum;
 use crate::wear::line::{Coefficient, StageError, WearTerm};
 
 /// Repetitions until contact and temperature agree; then a shorter step has to help.

@@ -1,8 +1,8 @@
 //! What heat along the contact line leaves behind; part of a saved state.
 
-use crate::numerics::maximum::all_finite;
 use super::bodies::Bodies;
 use crate::heat::line::{Account, LineHeat};
+use crate::numerics::maximum::all_finite;
 
 /// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
 #[derive(Clone, PartialEq, Debug)]

@@ -7,7 +7,6 @@
 //! layer bonded at its top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its waves along
 //! the radius are Bessel functions, which a layer answers like plane waves of the same number.
 
-use crate::numerics::factorization::{self, Unfactorable};
 use super::across::Across;
 use super::assembly::{Assembly, Mode};
 use super::depth::Shape;
@@ -17,6 +16,7 @@ use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization, 
 use crate::elastic::{Base, Cells};
 use crate::heat::line::reduced::{Operators, PORTS};
 use crate::heat::line::strip::dilatation;
+use crate::numerics::factorization::{self, Unfactorable};
 use crate::scene::{Body, Geometry, MechanicalBody, Scene};
 use nalgebra::{DMatrix, Matrix4, Vector4};
 

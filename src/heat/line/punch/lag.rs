@@ -16,11 +16,11 @@
 //! Steady answers are those of the waves. The temperature takes 2/3 of the time of the distortion, so 2/3 of it comes with the
 //! shapes and the rest at once: both symmetric, neither gives back more than it takes.
 
-use crate::numerics::factorization;
-use crate::numerics::maximum::{self, maximum};
 use super::across::Wave;
 use super::assembly::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
+use crate::numerics::factorization;
+use crate::numerics::maximum::{self, maximum};
 use nalgebra::{Complex, DMatrix, DVectorView};
 
 /// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
@@ -87,7 +87,9 @@ impl Assembly<'_> {
         let (all, all_moments) = (scaled(&steady), scaled(&moment));
         // Shapes of nearly the same time come even and odd where the cells are symmetric, not mixed.
         let found: Vec<_> = (parities(&all).into_iter())
-            .map(|(sign, basis)| (sign, factorization::symmetric_eigen_or_nan(basis.transpose() * &all * &basis), basis))
+            .map(|(sign, basis)| {
+                (sign, factorization::symmetric_eigen_or_nan(basis.transpose() * &all * &basis), basis)
+            })
             .collect();
         let largest = found.iter().flat_map(|(_, own, _)| own.eigenvalues.iter()).copied();
         let largest = maximum::largest(largest.map(|value| maximum(value, 0.0)));

@@ -12,10 +12,10 @@
 //! to a uniform flux at 1/duration, the rise of the whole duration. The worst mode gets one more response to a real rate
 //! (rational Krylov) until the error is met: a greedy choice of the rates.
 
-use crate::numerics::maximum::maximum;
 use super::across::{Across, Sides, Wave};
 use super::depth::{Basis, Depth, Points};
 use crate::heat::slab::principal_root;
+use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 

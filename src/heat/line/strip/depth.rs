@@ -15,9 +15,9 @@
 //! of Z and D alone (symmetric Loewner pencil), so the reduced rates are real, positive and bounded below by those of the
 //! layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
 
-use crate::numerics::factorization::{self, Unfactorable};
 use crate::elastic::{self, Material};
 use crate::heat::slab::{Base, Slab, principal_root};
+use crate::numerics::factorization::{self, Unfactorable};
 use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 
 /// What makes the surface move under heat.

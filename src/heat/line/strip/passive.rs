@@ -1,8 +1,8 @@
 //! Symmetric matrices without their negative eigenvalues.
 
+use crate::contact::dense;
 use crate::numerics::factorization;
 use crate::numerics::maximum::maximum;
-use crate::contact::dense;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Col, Mat, Par};

@@ -1,12 +1,12 @@
 //! Exact answers of every wave at some frequencies, against which reductions are judged.
 
-use crate::numerics::maximum::maximum;
 use super::depth::DepthModes;
 use super::operators::Resolution;
 use super::waves::{Shapes, Wave};
 use crate::elastic::Cells;
 use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::Slab;
+use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 
 /// See the module.

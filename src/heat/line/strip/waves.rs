@@ -6,8 +6,8 @@
 //! taken by the Gauss rule of the counting measure (its orthogonal polynomials are those of Gram), which is exact
 //! for polynomials of twice its order and equals the plain sum when it has as many nodes as there are harmonics.
 
-use crate::numerics::factorization;
 use crate::elastic::Cells;
+use crate::numerics::factorization;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
