@@ -88,7 +88,7 @@ fn a_step_of_0_uses_up_the_derivatives_and_moves_nothing() {
 #[test]
 fn random_calls_replay_to_the_last_bit() {
     let mut random = Random(16);
-    for _ in 0..60 {
+    for _ in 0..20 {
         let changes = [("solver.tolerance", 10_f64.powf(random.between(-4.0, -1.0)))];
         let mut drive = Drive::stock(&changes);
         for _ in 0..12 {

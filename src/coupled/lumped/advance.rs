@@ -281,7 +281,7 @@ impl Lumped {
             if level >= FINEST {
                 let last = course.at(start + step);
                 return Err(StepFailure(format!(
-                    "no finite solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
+                    "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
                      contact temperature {} K, sliding velocity {} m/s, normal load {} N",
                     attempt.hottest + self.state.reference,
                     last.velocity,
