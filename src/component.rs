@@ -3,11 +3,13 @@
 //! This is what the C interface, the native host and the tests drive. It knows the variable table
 //! but not FMI: phases, status codes and times are the importer's side.
 
+mod inputs;
 mod messages;
 mod plan_watch;
 mod rates;
 mod snapshot;
 
+pub use inputs::{LARGEST_INPUT, SHORTEST_STEP};
 pub use messages::Messages;
 pub use snapshot::Snapshot;
 
@@ -16,8 +18,8 @@ use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::limit;
 use crate::coupled::model::{Model, Operators};
 use crate::plan::prepared::Prepared;
-use crate::scene::{Scene, ThermalBoundary, value};
-use crate::variables::{COUNT, ValueReference, lookup, reference};
+use crate::scene::{Scene, value};
+use crate::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
 use std::sync::Arc;
 
 /// Subject of a log message; the FMI categories are made from it.
@@ -130,10 +132,10 @@ enum Phase {
 pub struct Component {
     starts: Arc<Values>,
     values: Box<Values>,
-    /// An input may be no finite number.
+    /// An input may be one that no step can be taken with.
     suspect: bool,
     slopes: [f64; INPUTS],
-    /// A derivative may differ from 0.
+    /// A derivative differs from 0: always what `slopes` say, kept because every step asks.
     sloped: bool,
     phase: Phase,
     model: Option<Model>,
@@ -276,6 +278,8 @@ impl Component {
     /// Stores a parameter that [`crate::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
     pub fn set_parameter(&mut self, reference: ValueReference, value: f64) {
         self.values[reference as usize] = value;
+        // The ambient temperature and its offset belong together.
+        self.suspect = true;
         self.current = 0;
         self.at_end = false;
         self.stale = true;
@@ -293,10 +297,11 @@ impl Component {
         let index = reference as usize;
         if self.sloped {
             self.slopes[index] = 0.0;
+            self.sloped = is_sloped(&self.slopes);
         }
         if self.values[index].to_bits() != value.to_bits() {
             self.values[index] = value;
-            self.suspect |= !value.is_finite();
+            self.suspect |= inputs::needs_check(index, value);
             self.current &= group::ACCOUNT;
             self.at_end = false;
             self.stale = true;
@@ -306,7 +311,7 @@ impl Component {
     /// Stores the time derivative of an input for the next step.
     pub fn set_input_derivative(&mut self, reference: ValueReference, value: f64) {
         self.slopes[reference as usize] = value;
-        self.sloped = true;
+        self.sloped = is_sloped(&self.slopes);
     }
 
     /// The tolerance that the importer gives for the run, which outputs while initialising are for too.
@@ -327,10 +332,10 @@ impl Component {
     /// A text that names the variables, their values and the limit; the component is unchanged.
     pub fn initialise(&mut self, tolerance: Option<f64>) -> Result<(), String> {
         self.tolerance = tolerance;
-        self.check_inputs()?;
+        self.check_inputs(0.0)?;
         let scene = Scene::new(&self.values, self.outer_tolerance()).map_err(|broken| broken.to_string())?;
-        self.check_external(&scene)?;
         self.build(&scene)?;
+        self.check_outputs()?;
         self.phase = Phase::Running;
         self.announce(&scene);
         self.messages.reserve();
@@ -345,6 +350,18 @@ impl Component {
             (false, None, Some(_)) => "the scene's DefaultExperiment",
             (false, None, None) => "the default",
         };
+        if let (false, Some(given)) = (own, self.tolerance)
+            && given != scene.tolerance
+        {
+            let (least, largest) = (TOLERANCES.start(), TOLERANCES.end());
+            self.messages.add(
+                Subject::Warning,
+                format_args!(
+                    "the importer's tolerance {given:e} is outside {least:e} to {largest}: {:e} is taken",
+                    scene.tolerance
+                ),
+            );
+        }
         let prepared = self.prepared.as_ref().expect("built just before");
         let mut lines = prepared.lines().into_iter();
         let first = lines.next().unwrap_or_default();
@@ -358,27 +375,15 @@ impl Component {
         }
     }
 
-    fn check_inputs(&self) -> Result<(), String> {
-        for index in 0..INPUTS {
-            for (what, number) in [("", self.values[index]), ("the derivative of ", self.slopes[index])] {
-                if !number.is_finite() {
-                    let name = lookup(index as ValueReference).map_or("an input", |(row, _)| row.name);
-                    return Err(format!("{what}{name} = {number} is not a finite number"));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn check_external(&self, scene: &Scene) -> Result<(), String> {
-        let sides = [
-            (&scene.strip, "strip", "base", value!(self.values, "strip.external_temperature")),
-            (&scene.punch, "punch", "top", value!(self.values, "punch.external_temperature")),
-        ];
-        for (body, name, face, temperature) in sides {
-            if body.far_thermal == ThermalBoundary::External && temperature <= 0.0 {
+    /// Tests that every output is a finite number when initialisation ends.
+    fn check_outputs(&mut self) -> Result<(), String> {
+        self.stale = false;
+        for index in FIRST_OUTPUT..FIRST_PARAMETER {
+            let value = self.get(index as ValueReference);
+            if !value.is_finite() {
+                let name = lookup(index as ValueReference).map_or_else(String::new, |(row, at)| row.element_name(at));
                 return Err(format!(
-                    "{name}.external_temperature = {temperature} K must be above 0 K, because {name}.{face}_thermal = external"
+                    "{name} = {value} after initialisation: the model of these parameters has no numbers"
                 ));
             }
         }
@@ -391,18 +396,17 @@ impl Component {
     /// A text that names what is wrong; everything is then as before the step.
     pub fn step(&mut self, step: f64) -> Result<(), String> {
         if step == 0.0 {
+            // Derivatives hold for one step, also for this one.
+            self.slopes = [0.0; INPUTS];
+            self.sloped = false;
             return Ok(());
         }
-        if self.suspect || self.sloped {
-            self.check_inputs()?;
-            self.suspect = false;
+        if step < SHORTEST_STEP {
+            return Err(format!("the step of {step} s is shorter than {SHORTEST_STEP:e} s and not 0"));
         }
-        let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
-        let scene = model.scene();
-        if scene.strip.far_thermal == ThermalBoundary::External || scene.punch.far_thermal == ThermalBoundary::External
-        {
-            let operators = model.operators();
-            self.check_external(operators.scene())?;
+        if self.suspect || self.sloped {
+            self.check_inputs(step)?;
+            self.suspect = false;
         }
         let Some(model) = &mut self.model else { return Err("the component is not initialised".into()) };
         let inputs = self.values.first_chunk().expect("the inputs are the first variables");
@@ -417,8 +421,6 @@ impl Component {
                 *slope = 0.0;
             }
             self.sloped = false;
-            // They may have left the range of numbers.
-            self.suspect = true;
         }
         self.current = 0;
         if self.at_end {
@@ -531,6 +533,11 @@ impl Component {
     pub fn has_messages(&self) -> bool {
         !self.messages.is_empty()
     }
+}
+
+/// Whether a derivative differs from 0.
+fn is_sloped(slopes: &[f64; INPUTS]) -> bool {
+    slopes.iter().any(|slope| *slope != 0.0)
 }
 
 fn inputs_of(values: &Values) -> [f64; INPUTS] {

@@ -12,6 +12,7 @@ pub mod elastic;
 pub mod exact;
 pub mod fmi2;
 pub mod heat;
+pub mod numerics;
 pub mod plan;
 pub mod scene;
 pub mod slot;

@@ -1,6 +1,9 @@
 //! Where the project's files are.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
 
 /// Root of the source tree: that of the running `cargo fmu`, so that a moved clone is found.
 pub fn root() -> PathBuf {
@@ -14,5 +17,46 @@ pub fn target() -> PathBuf {
     match std::env::var_os("CARGO_TARGET_DIR") {
         Some(folder) => root().join(folder),
         None => root().join("target"),
+    }
+}
+
+/// The file that is replaced where `path` is written anew: what a link leads to, so that the link stays.
+///
+/// # Errors
+/// A folder, a device, a pipe: a file beside it would take its place.
+pub fn replaceable(path: &Path) -> Result<PathBuf> {
+    let Ok(known) = fs::metadata(path) else {
+        if fs::symlink_metadata(path).is_ok() {
+            bail!("{} is a link that leads nowhere; name a file", path.display());
+        }
+        return Ok(path.to_owned());
+    };
+    if !known.is_file() {
+        bail!("{} is no regular file and would be replaced by one; name a file", path.display());
+    }
+    fs::canonicalize(path).with_context(|| format!("following {}", path.display()))
+}
+
+#[cfg(test)]
+mod replaceable_tests {
+    use super::replaceable;
+    use std::fs;
+
+    #[test]
+    #[cfg(unix)]
+    fn links_are_followed_and_devices_refused() {
+        let folder = std::env::temp_dir().join(format!("replaceable-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let (file, link, open) = (folder.join("file"), folder.join("link"), folder.join("open"));
+        assert_eq!(replaceable(&file).unwrap(), file);
+        fs::write(&file, "").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        std::os::unix::fs::symlink(folder.join("nothing"), &open).unwrap();
+        assert_eq!(replaceable(&link).unwrap(), fs::canonicalize(&file).unwrap());
+        for refused in ["/dev/null".as_ref(), folder.as_path(), open.as_path()] {
+            let text = replaceable(refused).unwrap_err().to_string();
+            assert!(text.contains(&refused.display().to_string()) && text.contains("name a file"), "{text}");
+        }
+        fs::remove_dir_all(&folder).unwrap();
     }
 }

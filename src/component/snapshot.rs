@@ -117,7 +117,7 @@ impl Component {
         self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
         self.suspect = true;
         self.slopes = from.slopes;
-        self.sloped = from.slopes != [0.0; INPUTS];
+        self.sloped = super::is_sloped(&from.slopes);
         self.phase = match from.phase {
             0 => Phase::Instantiated,
             1 => Phase::Initializing,

@@ -9,6 +9,7 @@ use super::factors::{Factors, Reduction};
 use super::lemke::Pivoting;
 use super::problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};
 use crate::elastic::{Cells, Compliance};
+use crate::numerics::maximum::maximum;
 use balance::Balance;
 use nalgebra::DMatrix;
 
@@ -319,7 +320,7 @@ impl ContactSolver {
         let mut largest: f64 = 0.0;
         for i in 0..count {
             memory.worn[i] = own[i] * memory.pressure[i];
-            largest = largest.max(memory.worn[i].abs()).max(memory.open_gap[i].abs());
+            largest = maximum(largest, maximum(memory.worn[i].abs(), memory.open_gap[i].abs()));
         }
         let tolerance = SIGN_TOLERANCE * largest;
         let mut changed = false;

@@ -2,6 +2,7 @@
 
 use super::half_plane::scale_columns;
 use super::{Base, Cells, Compliance, ElasticBody, Material, OutOfRange, StripKernel, fill, mean_logarithm};
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -217,7 +218,7 @@ fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
         jacobi[(k - 1, k)] = entry;
         jacobi[(k, k - 1)] = entry;
     }
-    let eigen = jacobi.symmetric_eigen();
+    let eigen = factorization::symmetric_eigen(jacobi).expect("a function of the number of nodes alone");
     let first: DVector<f64> = eigen.eigenvectors.row(0).transpose();
     eigen.eigenvalues.iter().zip(first.iter()).map(|(&node, &v)| (node, 2.0 * v * v)).collect()
 }

@@ -1,5 +1,6 @@
 //! Relaxation of a wearing flat punch on the half-plane.
 
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
@@ -100,7 +101,7 @@ fn eigen(polynomials: usize, first: usize) -> (Vec<f64>, DMatrix<f64>) {
         let kernel = 16.0 / PI / ((1.0 - (m - n).powi(2)) * (m + n) * (m + n + 2.0));
         kernel * norm(first + 2 * i) * norm(first + 2 * j)
     });
-    let eigen = matrix.symmetric_eigen();
+    let eigen = factorization::symmetric_eigen(matrix).expect("a function of the number of polynomials alone");
     let mut order: Vec<usize> = (0..polynomials).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[b].total_cmp(&eigen.eigenvalues[a]));
     (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))

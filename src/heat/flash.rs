@@ -16,7 +16,8 @@
 //! Krylov reduction that needs only values of H), so their rates and residues are positive.
 
 use super::moving_source::{MovingSource, Part};
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use crate::numerics::factorization;
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Most states of the flash part, and of the track part.
 pub const MAX_FLASH_STATES: usize = 8;
@@ -70,13 +71,13 @@ impl Decays {
         let mass = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).0);
         let stiffness = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).1);
         let load = DVector::from_fn(count, |i, _| scale[i] * values[used[i]].0);
-        let factor = mass.cholesky()?.l();
+        let factor = factorization::cholesky(mass).ok()?.l();
         if factor.diagonal().min() < 1e-6 {
             return if count > 1 { None } else { Some(Decays::single(&values[used[0]], shifts[used[0]])) };
         }
         let half = factor.solve_lower_triangular(&stiffness)?;
         let reduced = factor.solve_lower_triangular(&half.transpose())?;
-        let eigen = SymmetricEigen::new(0.5 * (&reduced + reduced.transpose()));
+        let eigen = factorization::symmetric_eigen(0.5 * (&reduced + reduced.transpose())).ok()?;
         let weights = eigen.eigenvectors.transpose() * factor.solve_lower_triangular(&load)?;
         let mut pairs: Vec<(f64, f64)> =
             eigen.eigenvalues.iter().zip(weights.iter()).map(|(&rate, &weight)| (rate, weight * weight)).collect();

@@ -23,6 +23,7 @@
 mod projection;
 
 use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
+use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 use projection::{Basis, Eigen, Grid};
 
@@ -213,7 +214,7 @@ impl Scan {
     }
 
     fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
-        self.exact.iter().map(|&(s, exact)| (response(s) - exact).norm() / self.scale).fold(0.0, f64::max)
+        self.exact.iter().map(|&(s, exact)| (response(s) - exact).norm() / self.scale).fold(0.0, maximum)
     }
 }
 

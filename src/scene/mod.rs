@@ -11,7 +11,7 @@ mod warnings;
 pub use fade::FadeTable;
 pub use rules::Broken;
 
-use crate::variables::{COUNT, reference};
+use crate::variables::{COUNT, TOLERANCES, reference};
 
 /// Value of the row called `$name` in `$values`; an unknown name does not compile.
 macro_rules! value {
@@ -55,6 +55,18 @@ pub enum ThermalBoundary {
     Insulated,
     /// Temperature of an input.
     External,
+}
+
+impl ThermalBoundary {
+    /// The condition of an item of the enumeration.
+    pub fn from_item(item: f64) -> ThermalBoundary {
+        match item as i32 {
+            1 => ThermalBoundary::Held,
+            2 => ThermalBoundary::Convecting,
+            3 => ThermalBoundary::Insulated,
+            _ => ThermalBoundary::External,
+        }
+    }
 }
 
 /// Geometry of the contact.
@@ -249,12 +261,7 @@ macro_rules! body {
             convection_forced: value!($v, concat!($body, ".convection_forced")),
             emissivity: value!($v, concat!($body, ".emissivity")),
             cooled_area: value!($v, concat!($body, ".cooled_area")),
-            far_thermal: match value!($v, $far) as i32 {
-                1 => ThermalBoundary::Held,
-                2 => ThermalBoundary::Convecting,
-                3 => ThermalBoundary::Insulated,
-                _ => ThermalBoundary::External,
-            },
+            far_thermal: ThermalBoundary::from_item(value!($v, $far)),
             far_temperature: value!($v, $far_temperature),
         }
     };
@@ -338,7 +345,7 @@ impl Scene {
                 2 => Scheme::Staggered,
                 _ => Scheme::Explicit,
             },
-            tolerance: tolerance.clamp(1e-10, 0.5),
+            tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
             wear_acceleration: value!(v, "wear_acceleration"),
         };
         rules::check(&scene)?;

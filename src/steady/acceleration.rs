@@ -4,6 +4,7 @@
 //! damping (type II): the next iterate is the combination of the last ones whose step d, taken linear in between, is
 //! shortest, and that step. For linear d it is as good as GMRES.
 
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 
 /// Iterates that are looked back on.
@@ -65,7 +66,7 @@ impl Acceleration {
         let between = |a: usize, b: usize| dot(&self.turned[a], &self.turned[b]) / (lengths[a] * lengths[b]);
         let normal = DMatrix::from_fn(depth, depth, between);
         let projected = DVector::from_fn(depth, |a, _| dot(&self.turned[a], step) / lengths[a]);
-        let shares = normal.svd(true, true).solve(&projected, REPETITION).ok()?;
+        let shares = factorization::least_squares(normal, &projected, REPETITION).ok()?;
         Some(shares.iter().zip(lengths).map(|(share, length)| share / length).collect())
     }
 }

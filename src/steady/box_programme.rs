@@ -1,6 +1,7 @@
 //! Convex quadratic programme with bounds on every unknown and a few linear constraints.
 
 use crate::contact::lemke;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
 
@@ -108,7 +109,7 @@ impl BoxProgramme {
             right[a] = -bound[i] / scale;
         }
         right.rows_mut(n, m).copy_from(&balance);
-        if n < m || !system.lu().solve_mut(&mut right) || right.iter().any(|v| !v.is_finite()) {
+        if n < m || factorization::solve_mut(system, &mut right).is_err() {
             return None;
         }
         for (a, &i) in free.iter().enumerate() {

@@ -2,6 +2,8 @@
 
 use super::{SteadyError, not_negative, positive};
 use crate::elastic::{Cells, Compliance};
+use crate::numerics::factorization;
+use crate::numerics::maximum::maximum;
 use crate::wear::line::CellRate;
 use nalgebra::{DMatrix, DVector};
 
@@ -159,15 +161,15 @@ impl CycleProblem<'_> {
                 right[n + k] = targets[0][k] - integral(&difference);
                 right[n + free + k] = targets[1][k] - integral(&sum);
             }
-            let size = (0..2 * free).map(|k| right[n + k].abs()).fold(0.0, f64::max) / self.load;
-            if !system.lu().solve_mut(&mut right) || right.iter().any(|v| !v.is_finite()) {
+            let size = (0..2 * free).map(|k| right[n + k].abs()).fold(0.0, maximum) / self.load;
+            if factorization::solve_mut(system, &mut right).is_err() {
                 return Err(self.not_found());
             }
             // Steps no longer than the depth per cycle stays positive with.
             let change = |i: usize| (0..free).map(|k| right[n + k] * shift(k, i)).sum::<f64>();
             let share =
                 (0..count).filter(|&i| change(i) < 0.0).map(|i| -0.8 * depth_at(i) / change(i)).fold(1.0, f64::min);
-            let step = both.iter().enumerate().map(|(a, _)| right[a].abs()).fold(0.0, f64::max) / mean;
+            let step = both.iter().enumerate().map(|(a, _)| right[a].abs()).fold(0.0, maximum) / mean;
             // Cells whose inequality is violated join again; those driven past an end of the curve leave, in `cell`.
             let mut changed = false;
             for i in 0..count {

@@ -3,6 +3,7 @@
 //! Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems, SIAM
 //! J. Sci. Stat. Comput. 7 (1986) 856: among the combinations of `r, A r, A^2 r, ...` the one that leaves the shortest residual.
 
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 
 /// A solution.
@@ -10,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 pub struct Solved {
     /// x.
     pub solution: Vec<f64>,
-    /// `|r - A x| / |r|`.
+    /// `|r - A x| / |r|`; NaN, as the solution is, where a product was not finite.
     pub residual: f64,
     /// Products with A.
     pub products: usize,
@@ -54,7 +55,10 @@ pub fn gmres<E>(
         let small = hessenberg.view((0, 0), (k + 2, k + 1)).into_owned();
         let mut first = DVector::zeros(k + 2);
         first[0] = 1.0;
-        let Ok(found) = small.clone().svd(true, true).solve(&first, 1e-14) else { break };
+        let Ok(found) = factorization::least_squares(small.clone(), &first, 1e-14) else {
+            // A product that is not finite: there is no solution.
+            return Ok(Solved { solution: vec![f64::NAN; right.len()], residual: f64::NAN, ..solved });
+        };
         solved.residual = (first - small * &found).norm();
         shares = found;
         if rest <= 1e-14 * hessenberg.column(k).norm() {

@@ -5,6 +5,8 @@ use crate::contact::pair_compliance;
 use crate::elastic::scene::{BodyError, load_weights};
 use crate::elastic::tangential::{TangentialCompliance, tangential_compliances};
 use crate::elastic::{Cells, Compliance};
+use crate::numerics::factorization;
+use crate::numerics::maximum::maximum;
 use crate::scene::{Constraint, Geometry, Scene};
 use nalgebra::{DMatrix, DVector};
 
@@ -89,7 +91,7 @@ fn elastic(
         let matrix = pair_compliance(&compliances[0], &compliances[1], stroke.friction);
         let change = pressure_change(scene, cells, &matrix, stroke);
         let speed = stroke.velocity.abs();
-        within_stroke = within_stroke.max((&both * &change).amax() / speed);
+        within_stroke = maximum(within_stroke, (&both * &change).amax() / speed);
         normal_within_stroke = normal_within_stroke.max((&matrix * &change).amax() / speed);
         relative.push(both * pressure);
     }
@@ -137,7 +139,7 @@ fn pressure_change(scene: &Scene, cells: &Cells, matrix: &DMatrix<f64>, stroke: 
             system[(n + k, a)] = row * weights[i] / cells.half_width();
         }
     }
-    if system.lu().solve_mut(&mut right) {
+    if factorization::solve_mut(system, &mut right).is_ok() {
         active.iter().enumerate().for_each(|(a, &i)| change[i] = right[a]);
     }
     change

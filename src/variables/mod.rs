@@ -135,6 +135,8 @@ pub struct Row {
     pub elements: u32,
     /// Direct dependence of an output.
     pub depends: Depends,
+    /// Least value of a parameter whose 0 means that it is chosen; 0: no other than the bounds say.
+    pub least_chosen: f64,
 }
 
 impl Row {
@@ -181,6 +183,9 @@ impl Row {
         }
     }
 }
+
+/// Relative tolerances that a scene may have.
+pub const TOLERANCES: std::ops::RangeInclusive<f64> = 1e-10..=0.5;
 
 /// Number of scalar variables; value references run from 0 to `COUNT - 1`.
 pub const COUNT: usize = {
@@ -314,6 +319,9 @@ pub fn check_parameter(reference: ValueReference, value: f64) -> Result<(), Refu
     match row.bounds() {
         (Some(min), _) if value < min => limited("below the minimum", min),
         (_, Some(max)) if value > max => limited("above the maximum", max),
+        _ if value != 0.0 && value < row.least_chosen => {
+            limited("below the least value other than 0,", row.least_chosen)
+        }
         _ => Ok(()),
     }
 }

@@ -5,6 +5,7 @@ use super::{Problem, known};
 use crate::contact::{ContactState, Normal, Tilt, pair_operators};
 use crate::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
 use crate::exact::{GalinRelaxation, winkler_relaxation_rate, worn_cylinder_half_width};
+use crate::numerics::factorization;
 use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, WearingContact, explicit_limit};
 use nalgebra::{DMatrix, DVector};
 
@@ -105,7 +106,8 @@ fn eigenvalues(count: usize) -> Result<Vec<f64>, String> {
     let energy = unit.dot(&image);
     matrix -= &image * unit.transpose() + &unit * image.transpose();
     matrix += &unit * unit.transpose() * energy;
-    let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
+    let eigen = factorization::symmetric_eigen(matrix).map_err(text)?;
+    let mut values: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
     values.sort_by(|a, b| b.total_cmp(a));
     Ok(values)
 }

@@ -1,6 +1,7 @@
 //! Results of a batch: kept row by row as they come, in order and whole at the end.
 
 use super::worker::{Answer, OK};
+use crate::project;
 use anyhow::{Context, Result, bail};
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -49,6 +50,7 @@ impl Results {
     /// # Errors
     /// Where what is there belongs to another batch, or a file cannot be read or written.
     pub fn open(output: &Path, header: &[String], fingerprint: &str) -> Result<Self> {
+        let output = &project::replaceable(output)?;
         let mut name = output.as_os_str().to_owned();
         name.push(".partial");
         let partial = PathBuf::from(name);

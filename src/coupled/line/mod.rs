@@ -23,6 +23,7 @@ use crate::coupled::events::edges;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::{self, Lumped, limit};
 use crate::coupled::{INPUTS, StepFailure};
+use crate::numerics::maximum::maximum;
 use crate::scene::Geometry;
 use crate::wear::line::{Conditions, WearingContact};
 use heat::Heat as LineHeat;
@@ -424,8 +425,13 @@ impl Line {
 
     /// Limits and validity after a step.
     fn watch(&mut self) -> Result<(), StepFailure> {
+        if let Some(name) = self.state.not_finite() {
+            return Err(StepFailure(format!(
+                "{name} along the contact line is no finite number after the step: no solution was found"
+            )));
+        }
         let scene = &self.operators.scene;
-        let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, f64::max);
+        let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, maximum);
         self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;
         if let Some(heat) = &self.state.heat {
             let lowest = heat.lowest() + self.mean.state().reference;

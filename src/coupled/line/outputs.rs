@@ -6,6 +6,7 @@ use super::path::Moment;
 use crate::contact::Normal;
 use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs};
+use crate::numerics::maximum::maximum;
 use crate::scene::{Geometry, STATIONS, value};
 use crate::variables::{COUNT, reference};
 use crate::wear::line::Disturbance;
@@ -109,7 +110,7 @@ impl Line {
         let total: f64 = operators.weights.iter().sum();
         let load: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
         value!(values, "pressure_mean") = load / total;
-        value!(values, "pressure_max") = pressure.iter().copied().fold(0.0, f64::max);
+        value!(values, "pressure_max") = pressure.iter().copied().fold(0.0, maximum);
         value!(values, "contact_fraction") = (carrying / (2.0 * operators.cells.half_width())).min(1.0);
         value!(values, "tilt") = shown.tilt;
         value!(values, "approach") = shown.approach;
@@ -150,7 +151,7 @@ impl Line {
         value!(values, "wear_volume_punch") = state.volume[0] * all;
         value!(values, "wear_volume_strip") = state.volume[1] * all;
         let life = |depth: &[f64], body: &crate::scene::Body| {
-            let deepest = depth.iter().copied().fold(0.0, f64::max) + body.initial_wear;
+            let deepest = depth.iter().copied().fold(0.0, maximum) + body.initial_wear;
             if body.wear_limit > 0.0 { (1.0 - deepest / body.wear_limit).clamp(0.0, 1.0) } else { 1.0 }
         };
         value!(values, "remaining_life") = life(&state.punch, &scene.punch).min(life(&state.strip, &scene.strip));

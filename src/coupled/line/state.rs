@@ -3,6 +3,7 @@
 use super::heat::state::HeatState;
 use super::operators::{Operators, StripWear};
 use crate::coupled::INPUTS;
+use crate::numerics::maximum::all_finite;
 use crate::wear::line::{LineTrack, Status};
 
 /// See the module. Vectors have N values, one per cell.
@@ -80,5 +81,18 @@ impl State {
             steps: 0,
             rejected: 0,
         }
+    }
+
+    /// What is not all finite numbers, if anything.
+    pub fn not_finite(&self) -> Option<&'static str> {
+        let contact = [self.approach, self.tilt, self.carried, self.position, self.volume[0], self.volume[1]];
+        let rows = [
+            ("the pressure", &self.pressure[..]),
+            ("the worn depth of the punch", &self.punch),
+            ("the worn depth of the strip", &self.strip),
+            ("approach, tilt, load, position or worn volume", &contact),
+        ];
+        let own = rows.into_iter().find(|(_, numbers)| !all_finite(numbers)).map(|(name, _)| name);
+        own.or_else(|| self.heat.as_ref().and_then(HeatState::not_finite))
     }
 }

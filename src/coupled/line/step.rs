@@ -19,6 +19,7 @@ use crate::coupled::StepFailure;
 use crate::coupled::budget::Budget;
 use crate::coupled::lumped;
 use crate::heat::line::{GAMMA, Stage};
+use crate::numerics::maximum::maximum;
 use crate::scene::Scheme;
 use crate::wear::law::REFERENCE_PRESSURE;
 use crate::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, WearingContact};
@@ -376,7 +377,7 @@ impl Line {
         }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
         // Contact that opens or closes is an event of heat: short steps go over it.
-        Outcome::Tried(if resolved { wear.max(self.heat_error(bound)) } else { wear })
+        Outcome::Tried(if resolved { maximum(wear, self.heat_error(bound)) } else { wear })
     }
 
     /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.

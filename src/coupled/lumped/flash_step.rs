@@ -292,15 +292,15 @@ impl FlashStep {
         [self.homogeneous(0, states), self.homogeneous(2, states)]
     }
 
-    /// Carries the states over the step under the stage fluxes `flux` into the strip.
+    /// The states at the end of the step under the stage fluxes `flux` into the strip.
     #[inline(always)]
-    pub fn advance(&self, states: &mut Row, flux: [f64; 2]) {
+    pub fn advanced(&self, states: &Row, flux: [f64; 2]) -> Row {
         let (start, rise) = (1.5 * flux[0] - 0.5 * flux[1], 1.5 * (flux[1] - flux[0]));
         let ([flat, ramp], decay, mut new) = (self.update, self.decay[2], *states);
         for k in 0..MAX_FLASH_STATES {
             new[k] = decay[k] * new[k] + flat[k] * start + ramp[k] * rise;
         }
-        *states = new;
+        new
     }
 }
 
@@ -375,7 +375,7 @@ mod tests {
                         states[k] = states[k] * decay + flash.residues[k] * driven * now;
                     }
                 }
-                made.advance(&mut followed, flux);
+                followed = made.advanced(&followed, flux);
                 let (exact, computed) = (total(&states), total(&followed));
                 let error = (computed / exact - 1.0).abs();
                 println!("{step} {first} {last}: {error:.1e} within {:.1e}", made.unsteadiness);

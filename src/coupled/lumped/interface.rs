@@ -77,12 +77,11 @@ pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
     if fade.flat || gain.value() == 0.0 {
         return level + gain * (friction.coefficient * fade.factor[0]);
     }
-    let mut segment = fade.temperature.iter().position(|knot| level.value() < *knot).unwrap_or(8);
-    loop {
+    let first = fade.temperature.iter().position(|knot| level.value() < *knot).unwrap_or(8);
+    for segment in first..8 {
         // mu = a + b T on the segment that ends at temperature[segment].
         let (a, b) = match segment {
             0 => (fade.factor[0], 0.0),
-            8 => (fade.factor[7], 0.0),
             _ => {
                 let (left, right) = (fade.temperature[segment - 1], fade.temperature[segment]);
                 let slope = (fade.factor[segment] - fade.factor[segment - 1]) / (right - left);
@@ -93,12 +92,13 @@ pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
         let denominator = S::from(1.0) - gain * b;
         if denominator.value() > 0.0 {
             let temperature = (level + gain * a) / denominator;
-            if segment == 8 || temperature.value() <= fade.temperature[segment] {
+            if temperature.value() <= fade.temperature[segment] {
                 return temperature;
             }
         }
-        segment += 1;
     }
+    // Beyond the table the factor is constant; a level that is no number ends here as well.
+    level + gain * (friction.coefficient * fade.factor[7])
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use super::point::{self, Point};
 use super::state::BodyState;
 use crate::coupled::scalar::{Dual, Scalar};
 use crate::coupled::{INPUTS, Inputs};
+use crate::numerics::maximum::maximum;
 use crate::scene::{STATIONS, value};
 use crate::variables::{COUNT, ValueReference, reference};
 
@@ -288,7 +289,7 @@ impl Lumped {
             .iter()
             .filter_map(|body| body.heat.as_ref())
             .map(|heat| heat.error)
-            .fold(0.0, f64::max);
+            .fold(0.0, maximum);
         reduction + self.state.error
     }
 

@@ -9,6 +9,7 @@ use super::estimate::layer_allowance;
 use super::operators::{BodyOperators, Operators};
 use super::point::{cooling_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
+use crate::numerics::maximum::{all_finite, maximum};
 
 use super::state::State;
 use super::step::{Attempt, Stepper};
@@ -121,7 +122,7 @@ impl Surface {
     fn left(&self, body: &BodyOperators, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
         let (t, flux, gain) = (self.temperature(into), self.flux(into), strip.gain[COOLING][2]);
         let left = |i: usize| ((cooling_flux(body, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
-        left(0).max(left(1))
+        maximum(left(0), left(1))
     }
 }
 
@@ -310,7 +311,7 @@ impl Stepper<'_> {
                 let exchange = jump.abs() / (resistance * allowance);
                 error = if CONSTANT { exchange + other_heat } else { 2.0 * exchange + 4.0 * other_heat } / allowed;
                 if !CONSTANT && operators.flash.is_some() {
-                    error = error.max(self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));
+                    error = maximum(error, self.flash.error(into_strip, operators.scene.tolerance, state.peak_rise));
                 }
                 if error.is_nan() || error > 1.0 {
                     return error.is_finite().then_some(Attempt { error, hottest: strip_level[1] });
@@ -319,18 +320,19 @@ impl Stepper<'_> {
         }
         if cools && operators.strip.emissivity > 0.0 {
             let left = surface.left(&operators.strip, &strip.contact, reference, into_strip, forced);
-            if left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
+            if left.is_nan() || left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
                 return None;
             }
         }
         let punch_surface = sum(punch_level, apply(&punch_gain, into_punch));
         let strip_surface = sum(strip_level, apply(&strip_gain, into_strip));
-        let hottest = punch_surface[1].max(strip_surface[1]);
+        let hottest = maximum(punch_surface[1], strip_surface[1]);
         if !hottest.is_finite() {
             return None;
         }
         let rises = [0.5 * (punch_surface[0] + strip_surface[0]), 0.5 * (punch_surface[1] + strip_surface[1])];
-        if rises.iter().any(|rise| !fade.holds(rise + reference)) {
+        // Below 0 K the general form decides as well.
+        if rises.iter().any(|rise| rise + reference < 0.0 || !fade.holds(rise + reference)) {
             return None;
         }
         let faded = rises.map(|rise| self.friction.coefficient * fade.factor(rise + reference));
@@ -347,8 +349,8 @@ impl Stepper<'_> {
             }
         }
         if !CONSTANT && closed {
-            error = error.max(wearing.error(self, &operators.punch, &rates[0], state.peak_wear));
-            error = error.max(wearing.error(self, &operators.strip, &rates[1], state.peak_wear));
+            error = maximum(error, wearing.error(self, &operators.punch, &rates[0], state.peak_wear));
+            error = maximum(error, wearing.error(self, &operators.strip, &rates[1], state.peak_wear));
         }
         if error.is_nan() || error > 1.0 {
             return error.is_finite().then_some(Attempt { error, hottest });
@@ -361,24 +363,31 @@ impl Stepper<'_> {
             return None;
         }
 
+        let travel = if CONSTANT { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
+        let end_force = faded[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
+        // The states are part of the temperatures tested above; what they become is linear in them and in these fluxes.
+        // Without a branch for every number, and without a copy of the states, which would cost a quarter of the step.
+        let fluxes = [into_punch[0], into_punch[1], into_strip[0], into_strip[1], heat[0], heat[1], rises[0], rises[1]];
+        if !all_finite(&fluxes) || !all_finite(&[worn[0], worn[1], travel, end_force]) {
+            return None;
+        }
         punch.advance_surface(&mut state.punch.heat, punch_count, into_punch, None);
         let air_flux = cools.then(|| surface.flux(into_strip));
         strip.advance_surface(&mut state.strip.heat, strip_count, into_strip, air_flux);
         if operators.flash.is_some() {
-            self.flash.advance(&mut state.flash, into_strip);
+            state.flash = self.flash.advanced(&state.flash, into_strip);
         }
         state.punch.received[0] += mean(into_punch);
         state.strip.received[0] += mean(into_strip);
         if let Some(air_flux) = air_flux {
             state.strip.received[COOLING] += mean(air_flux);
         }
-        let travel = if CONSTANT { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
         state.dissipated += mean(heat);
         state.distance += travel.abs();
         state.wear(operators, worn, travel);
-        state.far = [0.0; 2];
         state.end_temperature = rises[1];
-        state.end_force = faded[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
+        state.end_force = end_force;
+        state.far = [0.0; 2];
         state.peak_rise = state.peak_rise.max(rises[0].abs()).max(rises[1].abs());
         state.peak_flux = state.peak_flux.max(heat[0]).max(heat[1]);
         state.peak_wear = state.peak_wear.max(rates[0][1].max(rates[1][1]));

@@ -98,9 +98,11 @@ pub struct Point<S = f64> {
 pub fn cooling_flux<S: Scalar>(body: &BodyOperators, reference: f64, t: S, ambient: S, forced: S) -> S {
     let mut flux = (ambient - t) * forced * body.forced;
     if body.emissivity > 0.0 {
+        // Nothing radiates below 0 K, where only an iteration goes: the flux then falls with the temperature everywhere,
+        // and [`cooling_slope`] is its derivative.
         let fourth = |t: S| {
-            let square = (t + S::from(reference)) * (t + S::from(reference));
-            square * square
+            let absolute = (t + S::from(reference)).positive();
+            (absolute * absolute) * (absolute * absolute)
         };
         flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * body.emissivity);
     }

@@ -3,8 +3,9 @@
 use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
-use super::state::BodyState;
+use super::state::{BodyState, NewHeat};
 use crate::heat::reduced::{PORTS, Port};
+use crate::numerics::maximum::maximum;
 
 /// What one body contributes to the stage equations.
 pub struct StageBody<'a> {
@@ -117,20 +118,23 @@ impl<'a> StageBody<'a> {
             let slope = cooling_slope(self.body, reference, t, forced[stage]);
             let step = (wanted - self.flux[cooling][stage]) / (1.0 + slope * gain);
             self.flux[cooling][stage] += step;
-            change = change.max((step * propagator.contact.gain[cooling][2][stage]).abs());
+            change = maximum(change, (step * propagator.contact.gain[cooling][2][stage]).abs());
         }
         change
     }
 
-    pub fn commit(&self, state: &mut BodyState, step: f64) {
+    /// Heat at the end of the step, and what the ports have received by then.
+    pub fn advanced(&self, state: &BodyState, step: f64) -> NewHeat {
+        let mut new = NewHeat { heat: state.heat, received: state.received };
         if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
-            propagator.advance(&mut state.heat, heat.count, &self.flux, self.active);
+            propagator.advance(&mut new.heat, heat.count, &self.flux, self.active);
             for port in 0..PORTS {
                 if port == 0 || self.active[port] {
-                    state.received[port] +=
+                    new.received[port] +=
                         step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
                 }
             }
         }
+        new
     }
 }

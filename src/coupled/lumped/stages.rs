@@ -10,6 +10,7 @@ use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
 use super::state::{BodyState, State};
 use super::step::Stepper;
+use crate::numerics::maximum::maximum;
 
 /// Unknowns of the two stages.
 pub struct Stages {
@@ -174,7 +175,7 @@ impl Stages {
         if !feeds_back {
             return 0.0;
         }
-        (0..2).map(|stage| (self.temperature[stage] - before[stage]).abs()).fold(0.0, f64::max)
+        maximum((self.temperature[0] - before[0]).abs(), (self.temperature[1] - before[1]).abs())
     }
 
     /// The bristle over the whole step, with its limit on the line through both stages: sliding all along, it then
@@ -269,14 +270,14 @@ impl Stages {
             split
         };
         let defect = 0.5 * (exchange + heat);
-        if defect > 0.0 { defect / (2.0 * operators.scene.tolerance * scale) } else { 0.0 }
+        defect / (2.0 * operators.scene.tolerance * scale)
     }
 
     /// Flux that errors are measured against, W/m2.
     fn flux_scale(&self, stepper: &Stepper, state: &State, punch: &StageBody) -> f64 {
-        let heat = self.heat[0].abs().max(self.heat[1].abs());
-        let exchanged = 0.1 * punch.flux[0][0].abs().max(punch.flux[0][1].abs());
-        heat.max(exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
+        let heat = maximum(self.heat[0].abs(), self.heat[1].abs());
+        let exchanged = 0.1 * maximum(punch.flux[0][0].abs(), punch.flux[0][1].abs());
+        maximum(heat, exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
     }
 
     /// Error of the step in units of the tolerance, from the contact conditions at the point 2/3.
@@ -336,16 +337,16 @@ impl Stages {
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
         // What changes during the step is not over when the step is.
         let defect = if constant { exchange + defect } else { 2.0 * exchange + 4.0 * defect };
-        let mut error = if defect > 0.0 { defect / (2.0 * tolerance * scale) } else { 0.0 };
+        let mut error = defect / (2.0 * tolerance * scale);
         if !constant && operators.flash.is_some() {
-            error = error.max(stepper.flash.error(strip.flux[0], tolerance, state.peak_rise));
+            error = maximum(error, stepper.flash.error(strip.flux[0], tolerance, state.peak_rise));
         }
         // At constant conditions only the temperature can make the wear rate change.
         let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
         if self.bristle.is_some() || changes {
             for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&self.rates) {
                 if body.wear.active() {
-                    error = error.max(self.wear_error(stepper, conditions, body, rates, state.peak_wear));
+                    error = maximum(error, self.wear_error(stepper, conditions, body, rates, state.peak_wear));
                 }
             }
         }
@@ -396,7 +397,7 @@ impl Stages {
         let strip_temperature = strip.contact_level(2)
             + self.strip_gain[2][0] * strip.flux[0][0]
             + self.strip_gain[2][1] * strip.flux[0][1];
-        punch.contact(2).max(strip_temperature)
+        maximum(punch.contact(2), strip_temperature)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::operators::Operators;
 use crate::heat::flash::MAX_FLASH_STATES;
 use crate::heat::reduced::MAX_STATES;
+use crate::numerics::maximum::all_finite;
 use crate::wear::track::Track;
 
 /// Heat and wear of one body.
@@ -59,6 +60,54 @@ pub struct State {
     pub steps: u64,
     /// Rejected steps.
     pub rejected: u64,
+}
+
+/// Heat of a body at the end of a step, before the step is accepted: see [`BodyState`].
+pub struct NewHeat {
+    pub heat: [f64; MAX_STATES],
+    pub received: [f64; 4],
+}
+
+/// What a step makes of a [`State`], before it is accepted.
+pub struct NewState {
+    pub punch: NewHeat,
+    pub strip: NewHeat,
+    pub flash: [f64; MAX_FLASH_STATES],
+    /// Way of the punch, m.
+    pub travel: f64,
+    pub dissipated: f64,
+    pub distance: f64,
+    /// Depths worn off (punch, strip), m.
+    pub worn: [f64; 2],
+    pub end_temperature: f64,
+    pub end_force: f64,
+}
+
+impl NewState {
+    /// Whether every number is finite.
+    #[inline(always)]
+    pub fn is_finite(&self) -> bool {
+        let NewState { punch, strip, flash, travel, dissipated, distance, worn, end_temperature, end_force } = self;
+        // What is beyond the last state is 0.
+        let numbers = [*travel, *dissipated, *distance, worn[0], worn[1], *end_temperature, *end_force, 0.0];
+        all_finite(&punch.heat)
+            & all_finite(&strip.heat)
+            & all_finite(&punch.received)
+            & all_finite(&strip.received)
+            & all_finite(flash)
+            & all_finite(&numbers)
+    }
+
+    /// Carries `state` over.
+    #[inline(always)]
+    pub fn commit(self, operators: &Operators, state: &mut State) {
+        (state.punch.heat, state.punch.received) = (self.punch.heat, self.punch.received);
+        (state.strip.heat, state.strip.received) = (self.strip.heat, self.strip.received);
+        state.flash = self.flash;
+        (state.dissipated, state.distance) = (self.dissipated, self.distance);
+        state.wear(operators, self.worn, self.travel);
+        (state.end_temperature, state.end_force) = (self.end_temperature, self.end_force);
+    }
 }
 
 impl State {

@@ -13,10 +13,11 @@ use super::point::strip_entry;
 use super::stage::{Propagator, QUADRATURE};
 use super::stage_body::StageBody;
 use super::stages::Stages;
-use super::state::State;
+use super::state::{NewState, State};
 use crate::contact::friction::FrictionLaw;
 use crate::heat::flash::MAX_FLASH_STATES;
 use crate::heat::reduced::Port;
+use crate::numerics::maximum::{all_finite, maximum};
 
 /// Both bodies over one step size.
 #[derive(Clone, Debug)]
@@ -112,7 +113,7 @@ impl Stepper<'_> {
             let mut change = stages.solve(self, &mut punch, &mut strip);
             for body in [&mut punch, &mut strip] {
                 if body.active[Port::Cooling as usize] {
-                    change = change.max(body.cool(state.reference, ambient, forced));
+                    change = maximum(change, body.cool(state.reference, ambient, forced));
                 }
             }
             if change <= enough {
@@ -121,14 +122,15 @@ impl Stepper<'_> {
             }
         }
         let hottest = stages.hottest(&punch, &strip);
-        if !converged || !hottest.is_finite() {
+        let is_absolute = stages.temperature.iter().all(|rise| rise + state.reference >= 0.0);
+        if !converged || !hottest.is_finite() || !is_absolute {
             return Attempt { error: f64::INFINITY, hottest };
         }
         if operators.series_stiffness == 0.0 {
             stages.wear(self);
         }
         let mut error = stages.bound(self, state, constant, &punch);
-        if error > 1.0 || state.refinement > 0 {
+        if error.is_nan() || error > 1.0 || state.refinement > 0 {
             self.flash.prepare_middle(operators);
             punch.level[1] = punch.middle_level(&state.punch);
             strip.level[1] = strip.middle_level(&state.strip) + entry;
@@ -138,25 +140,32 @@ impl Stepper<'_> {
             }
             error = stages.error(self, state, conditions, &punch, &strip, constant);
         }
-        if error > 1.0 {
+        if error.is_nan() || error > 1.0 {
             return Attempt { error, hottest };
         }
-        // Accepted: carry everything over.
-        punch.commit(&mut state.punch, step);
-        if operators.flash.is_some() {
-            self.flash.advance(&mut state.flash, strip.flux[0]);
-        }
-        strip.commit(&mut state.strip, step);
         let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);
         let mean = |values: [f64; 2]| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
-        state.dissipated += step * mean(stages.heat);
-        state.distance += if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() };
-        let worn = [step * mean(stages.rates[0]), step * mean(stages.rates[1])];
-        state.wear(operators, worn, travel);
+        let new = NewState {
+            punch: punch.advanced(&state.punch, step),
+            strip: strip.advanced(&state.strip, step),
+            flash: match operators.flash {
+                Some(_) => self.flash.advanced(&state.flash, strip.flux[0]),
+                None => state.flash,
+            },
+            travel,
+            dissipated: state.dissipated + step * mean(stages.heat),
+            distance: state.distance + if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() },
+            worn: [step * mean(stages.rates[0]), step * mean(stages.rates[1])],
+            end_temperature: stages.temperature[1],
+            end_force: stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure,
+        };
+        if !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far]) {
+            return Attempt { error: f64::INFINITY, hottest };
+        }
+        // Accepted: carry everything over.
+        new.commit(operators, state);
         state.bristle = stages.moved.deflection;
         state.far = [last.punch_far, last.strip_far];
-        state.end_temperature = stages.temperature[1];
-        state.end_force = stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure;
         for rise in stages.temperature {
             state.peak_rise = state.peak_rise.max(rise.abs());
         }

@@ -5,6 +5,7 @@
 
 use super::element::CondensedElement;
 use super::mesh::{ENTITIES_PER_ELEMENT, Mesh};
+use crate::numerics::factorization;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
@@ -153,6 +154,7 @@ impl Pattern {
             let (column, row) = mesh.column_and_row(element);
             self.scatter(mesh, mesh.element_entities(column, row), matrix, column_starts, values);
         }
+        factorization::check(values, values.len()).map_err(|_| FactorizationError::NotPositiveDefinite)?;
         let matrix = SparseColMatRef::new(self.symbolic_matrix.as_ref(), values);
         factor.values.fill(0.0);
         self.symbolic_factor

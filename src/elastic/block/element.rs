@@ -5,11 +5,12 @@
 //! ones (a, b >= 2); the components of a vector field alternate.
 
 use super::lobatto::ReferenceMatrices;
+use crate::numerics::factorization;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::reborrow::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par};
-use nalgebra::{Cholesky, DMatrix};
+use nalgebra::DMatrix;
 
 /// Pairs (a, b) of one-dimensional functions in the local order, and how many of them belong to the skeleton.
 pub fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, usize)>, usize) {
@@ -153,7 +154,7 @@ impl CondensedElement {
                 block = DMatrix::zeros(interior, interior);
             }
             block.copy_from(&matrix.view((skeleton, skeleton), (interior, interior)));
-            let Some(factor) = Cholesky::new(block) else { return false };
+            let Ok(factor) = factorization::cholesky(block) else { return false };
             self.interior_factor = factor.unpack_dirty();
             solve_lower_triangular_in_place(view(&self.interior_factor), view_mut(&mut self.coupling), Par::Seq);
             self.skeleton.gemm_tr(-1.0, &self.coupling, &self.coupling, 1.0);

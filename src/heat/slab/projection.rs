@@ -2,7 +2,8 @@
 
 use super::{Base, CoolingPort, Slab};
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
-use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
+use crate::numerics::factorization;
+use nalgebra::{Complex, DMatrix, DVector};
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.
 pub(super) struct Grid {
@@ -239,7 +240,7 @@ impl<'a> Basis<'a> {
                 stiffness[(j, i)] = stiffness[(i, j)];
             }
         }
-        let eigen = SymmetricEigen::new(stiffness);
+        let eigen = factorization::symmetric_eigen_or_nan(stiffness);
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
         Eigen { rates: eigen.eigenvalues, vectors: eigen.eigenvectors, order }
@@ -381,6 +382,9 @@ impl ReducedBody {
     }
 }
 
+/// Height over the decay length of lateral cooling below which the stationary field is a straight line to rounding.
+const THIN: f64 = 1e-6;
+
 /// Stationary temperature field per unit temperature prescribed at the base; zero for other bases.
 struct BaseLift {
     kappa: f64,
@@ -399,27 +403,33 @@ impl BaseLift {
         }
     }
 
+    /// `cosh(kappa z) + (beta/kappa) sinh(kappa z)` over its value at the base, in exponentials that do not overflow.
     fn at(&self, z: f64) -> f64 {
         if !self.held {
             return 0.0;
         }
-        let profile = |z: f64| {
-            if self.kappa * self.height < 1e-6 {
-                1.0 + self.beta * z
-            } else {
-                let u = self.kappa * z;
-                u.cosh() + self.beta / self.kappa * u.sinh()
-            }
-        };
-        profile(z) / profile(self.height)
+        let (u, whole) = (self.kappa * z, self.kappa * self.height);
+        if whole < THIN {
+            return (1.0 + self.beta * z) / (1.0 + self.beta * self.height);
+        }
+        let ratio = self.beta / self.kappa;
+        let scaled = |u: f64| (1.0 + ratio) * (u - whole).exp() + (1.0 - ratio) * (-u - whole).exp();
+        scaled(u) / scaled(whole)
     }
 
+    /// Mean of [`BaseLift::at`] over the height.
     fn mean(&self) -> f64 {
-        // Gauss-Legendre over a smooth profile.
-        GAUSS
-            .iter()
-            .flat_map(|&(node, weight)| [(0.5 + 0.5 * node, 0.5 * weight), (0.5 - 0.5 * node, 0.5 * weight)])
-            .map(|(x, weight)| weight * self.at(x * self.height))
-            .sum()
+        if !self.held {
+            return 0.0;
+        }
+        let whole = self.kappa * self.height;
+        if whole < THIN {
+            return (1.0 + 0.5 * self.beta * self.height) / (1.0 + self.beta * self.height);
+        }
+        let ratio = self.beta / self.kappa;
+        // Twice exp(-whole) times sinh(whole) + ratio (cosh(whole) - 1), and times the profile at the base.
+        let integral = -(-2.0 * whole).exp_m1() + ratio * (-whole).exp_m1().powi(2);
+        let at_base = (1.0 + ratio) + (1.0 - ratio) * (-2.0 * whole).exp();
+        integral / (whole * at_base)
     }
 }

@@ -186,7 +186,7 @@ impl<'text> Reader<'text> {
         if !named {
             self.problem(0, "name", "is missing: a letter, then letters, digits and underscores".into());
         }
-        let description = self.take("description", text_of).unwrap_or_default();
+        let description = self.take("description", xml_text_of).unwrap_or_default();
         let mut starts = STARTS;
         let mut given = Vec::new();
         for body in ["punch", "strip"] {
@@ -298,6 +298,19 @@ fn text_of(value: &DeValue) -> Result<String, String> {
     match value {
         DeValue::String(text) => Ok(text.to_string()),
         other => Err(format!("is {}, but must be a string", quantity::type_of(other))),
+    }
+}
+
+/// A text that the modelDescription can hold: XML 1.0 has no control characters but tab and line ends.
+fn xml_text_of(value: &DeValue) -> Result<String, String> {
+    let text = text_of(value)?;
+    let refused = |c: &char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
+    match text.chars().find(refused) {
+        Some(found) => Err(format!(
+            "has the character U+{:04X}, which XML cannot hold; of the control characters only tab and line ends are allowed",
+            u32::from(found)
+        )),
+        None => Ok(text),
     }
 }
 

@@ -155,6 +155,9 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
             "contact.friction_fade.factor = [1, 1, 1, 1, -1, 1, 1, 1]",
             &["contact.friction_fade.factor[5]: -1 is outside", "from 0 to 1000"],
         ),
+        // Texts.
+        ("description = \"a\\u0001b\"", &["description: has the character U+0001", "XML"]),
+        ("description = \"a\\uFFFFb\"", &["description: has the character U+FFFF"]),
         // Materials.
         ("punch.material = \"wood\"", &["punch.material", "\"wood\"", "grey_cast_iron", "ptfe"]),
         ("strip.material = 1", &["strip.material: is the number 1, but must be a string"]),

@@ -16,6 +16,7 @@ use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
 use crate::heat::STEFAN_BOLTZMANN;
 use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::numerics::maximum::maximum;
 use crate::scene::{Body, Geometry, Path, Scene};
 use crate::steady::acceleration::Acceleration;
 use crate::steady::scene::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
@@ -102,7 +103,10 @@ pub(super) fn solve(
         let touching: Vec<bool> = found.pressure.iter().map(|p| *p > 0.0).collect();
         let step: Vec<f64> = answer.iter().zip(&iterate).map(|(new, old)| new - old).collect();
         let largest = step.iter().zip(&weights).map(|(change, weight)| (change * weight).abs());
-        change = largest.fold(0.0, f64::max);
+        change = largest.fold(0.0, maximum);
+        if !change.is_finite() {
+            return Err(SteadyError::NotSettled { iterations, change });
+        }
         if touching == closed && change <= AGREEMENT * (1.0 + peak(&found)) {
             let accuracy = Accuracy { iterations, shape: 0.0, heat: change / (1.0 + peak(&found)), speed_ratio: 0.0 };
             return Ok(problem.assembled(found, accuracy));
@@ -254,7 +258,7 @@ impl Problem<'_> {
         let (body, part) = if side == 0 { (&scene.punch, 1.0) } else { (&scene.strip, cooled_part(scene)) };
         let forced = body.convection_forced * self.velocity().abs().powf(0.8);
         let radiation = STEFAN_BOLTZMANN * body.emissivity;
-        let (ambient, hot) = (scene.ambient_temperature, scene.ambient_temperature + t);
+        let (ambient, hot) = (scene.ambient_temperature, (scene.ambient_temperature + t).max(0.0));
         let flux = -forced * t + radiation * (ambient.powi(4) - hot.powi(4));
         (part * flux, part * (forced + 4.0 * radiation * hot.powi(3)))
     }

@@ -13,6 +13,7 @@
 //! with what it has, keeps operators of its own ([`crate::coupled::line::heat::split`]).
 
 use crate::heat::line::Gains;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// See the module.
@@ -80,7 +81,11 @@ impl Split {
         let part =
             |matrix: &DMatrix<f64>| DMatrix::from_fn(m, m, |row, column| matrix[(indices[row], indices[column])]);
         let own = part(&strip.temperature);
-        let factors = (part(&punch.temperature) + &own + DMatrix::from_diagonal_element(m, m, resistance)).lu();
+        let across = part(&punch.temperature) + &own + DMatrix::from_diagonal_element(m, m, resistance);
+        let Ok(factors) = factorization::lu(across) else {
+            self.shares = DMatrix::from_element(m, m, f64::NAN);
+            return;
+        };
         self.shares = own + DMatrix::from_diagonal_element(m, m, 0.5 * resistance);
         factors.solve_mut(&mut self.shares);
         self.factors = Some(factors);

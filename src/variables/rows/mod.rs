@@ -56,6 +56,7 @@ const fn real(name: &'static str, unit: &'static Unit, nominal: f64, description
         start: Start::Uniform(0.0),
         elements: 0,
         depends: Depends::OnStates,
+        least_chosen: 0.0,
     }
 }
 
@@ -90,6 +91,11 @@ impl Row {
             }
             _ => panic!("only a Real has bounds of this kind"),
         }
+    }
+
+    /// 0, or a value from `least` on.
+    const fn zero_or_from(self, least: f64) -> Row {
+        Row { least_chosen: least, ..self }
     }
 
     const fn start(self, value: f64) -> Row {

@@ -1,8 +1,8 @@
 //! Parameters. The start values are those of a car's front disc brake, so that the stock FMU runs
 //! as it is.
 
-use super::super::EnumerationType;
 use super::super::units::*;
+use super::super::{EnumerationType, TOLERANCES};
 use super::{Row, boolean, choice, integer, real};
 
 pub static MECHANICAL_BODY: EnumerationType = EnumerationType {
@@ -465,9 +465,10 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
         "solver.tolerance",
         &ONE,
         1e-3,
-        "Relative tolerance; 0: the importer's if it gives one, else that of the scene's DefaultExperiment",
+        "Relative tolerance, at least 1e-10; 0: the importer's if it gives one, else that of the scene's DefaultExperiment",
     )
-    .within(0.0, 0.5),
+    .within(0.0, *TOLERANCES.end())
+    .zero_or_from(*TOLERANCES.start()),
     choice("solver.scheme", &SCHEME, 1, "Time stepping"),
     real("wear_acceleration", &ONE, 1.0, "Multiplies wear only; not time, energy or distance")
         .within(1.0, 1e9)

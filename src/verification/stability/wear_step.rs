@@ -22,8 +22,9 @@
 use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
 use crate::contact::{ContactState, Normal, Tilt};
 use crate::elastic::{Cells, ElasticBody, HalfPlane, Material};
+use crate::numerics::factorization;
 use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, StepError, WearingContact, explicit_limit};
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 use std::f64::consts::E;
 
 /// What the map is about.
@@ -100,13 +101,14 @@ impl Relaxation {
         let energy = root.dot(&image);
         let projected =
             &scaled - &image * root.transpose() - &root * image.transpose() + &root * root.transpose() * energy;
-        let eigen = SymmetricEigen::new(projected);
+        let eigen = factorization::symmetric_eigen(projected).map_err(|error| error.to_string())?;
         let mut order: Vec<usize> =
             (0..count).filter(|&k| eigen.eigenvectors.column(k).dot(&root).abs() < 0.5).collect();
         order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
         let parts = eigen.eigenvectors.select_columns(&order);
         let lengths = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
-        let singular = scaled.lu().solve(&root).ok_or("the compliance is singular")?;
+        let factors = factorization::lu(scaled).map_err(|error| error.to_string())?;
+        let singular = factors.solve(&root).ok_or("the compliance is singular")?;
         let elastic = &singular / singular.dot(&root);
         let start = parts.transpose() * (elastic - &root);
         Ok(Self { cells, compliance, root, parts, lengths, start })

@@ -235,7 +235,7 @@ impl Integrator {
                 Err(StepError::Stage(StageError::NotConverged { .. })) => f64::INFINITY,
                 Err(failure) => return Err(failure),
             };
-            if error > bound {
+            if error.is_nan() || error > bound {
                 worn.copy_from_slice(&self.before);
                 rejected += 1;
                 if level == DEEPEST {

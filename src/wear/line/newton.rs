@@ -19,6 +19,7 @@
 use super::contact::stroke;
 use super::{Conditions, StageError, WearingContact};
 use crate::contact::{ContactState, Normal, Tilt};
+use crate::numerics::maximum::maximum;
 
 const NEWTON_LIMIT: usize = 60;
 /// Change, relative to the largest local displacement, that Newton's method may leave.
@@ -106,7 +107,7 @@ impl WearingContact {
             for i in 0..count {
                 let local = self.own_compliance[i] + self.diagonal[i];
                 largest = largest.max(local * state.pressure[i]);
-                change = change.max(local * (state.pressure[i] - self.kept[i]).abs());
+                change = maximum(change, local * (state.pressure[i] - self.kept[i]).abs());
                 touched_down |= self.kept[i] == 0.0 && state.pressure[i] > 0.0;
             }
             if touched_down && concave {
@@ -152,7 +153,7 @@ impl WearingContact {
             // A cell that touches down under a rate with an infinite slope ends the iteration anyway.
             if self.kept[i] > 0.0 || slope.is_finite() {
                 let scale = self.own_compliance[i] + self.slope[i].min(diagonal[i]);
-                deviation = deviation.max((self.slope[i] - diagonal[i]).abs() / scale);
+                deviation = maximum(deviation, (self.slope[i] - diagonal[i]).abs() / scale);
             }
         }
         deviation
@@ -208,7 +209,7 @@ impl WearingContact {
                     widest = widest.max(gap[i].abs());
                 }
                 largest = largest.max(t);
-                change = change.max((t - self.local[i].displacement).abs());
+                change = maximum(change, (t - self.local[i].displacement).abs());
                 state.pressure[i] = rate.invert(i, alpha, tau, t);
             }
             self.status.strokes[side].pressure.copy_from_slice(&state.pressure);

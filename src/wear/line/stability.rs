@@ -2,6 +2,7 @@
 
 use super::{Conditions, WearingContact};
 use crate::contact::Tilt;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 
 /// Longest explicit Euler step, in the unit of time of the rate, that does not amplify a disturbance of the shape.
@@ -10,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 /// contact restricted to pressures that load and moment balance allow, and grows by the eigenvalues `1 - h mu` of
 /// `I - h f' R`: stable while `h < 2 Re mu/|mu|^2` for all of them. For b = 1 and without friction this is
 /// `k ds < 2 lambda_min` of the compliance on the zero-mean space. Infinite where nothing wears or nothing is in
-/// contact. Cost: the eigenvalues of an N x N matrix.
+/// contact; 0 where the response is not finite, so that no step passes. Cost: the eigenvalues of an N x N matrix.
 pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pressure: &[f64]) -> f64 {
     let active: Vec<usize> = (0..pressure.len()).filter(|&i| pressure[i] > 0.0).collect();
     let compliance = contact.compliance(conditions.signed_friction);
@@ -48,7 +49,7 @@ pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pre
             bordered[(m + c, k)] = row * contact.weights()[i] / total;
         }
     }
-    let Some(inverse) = bordered.try_inverse() else { return 0.0 };
+    let Ok(inverse) = factorization::inverse(bordered) else { return 0.0 };
     let response = inverse.view((0, 0), (m, m)) / scale;
     let slopes = DVector::from_iterator(m, active.iter().map(|&i| conditions.rate.slope(i, pressure[i])));
     // Similar to f' R, and symmetric where the compliance is: D = sqrt(f' w).
@@ -57,11 +58,12 @@ pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pre
         DMatrix::from_fn(m, m, |i, j| response[(i, j)] * root[i] * (slopes[j] / contact.weights()[active[j]]).sqrt());
     let asymmetry = (&symmetrised - symmetrised.transpose()).amax();
     if asymmetry < 1e-9 * symmetrised.amax() {
-        let largest = symmetrised.symmetric_eigenvalues().max();
+        let Ok(eigen) = factorization::symmetric_eigen(symmetrised) else { return 0.0 };
+        let largest = eigen.eigenvalues.max();
         return if largest > 0.0 { 2.0 / largest } else { f64::INFINITY };
     }
-    symmetrised
-        .complex_eigenvalues()
+    let Ok(eigenvalues) = factorization::eigenvalues(symmetrised) else { return 0.0 };
+    eigenvalues
         .iter()
         .filter(|value| value.norm_sqr() > 0.0)
         .map(|value| if value.re > 0.0 { 2.0 * value.re / value.norm_sqr() } else { f64::INFINITY })

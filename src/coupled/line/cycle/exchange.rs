@@ -14,6 +14,7 @@
 
 use crate::coupled::line::Line;
 use crate::heat::line::Surroundings;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// b and g of both bodies.
@@ -98,7 +99,7 @@ impl Exchange {
             system[(i, i)] += self.resistance;
         }
         let small = DMatrix::from_fn(cells.len(), cells.len(), |a, b| system[(cells[a], cells[b])]);
-        let factors = small.lu();
+        let factors = factorization::lu(small).ok()?;
         factors.is_invertible().then_some(ExchangeSolver { factors, cells })
     }
 

@@ -21,6 +21,7 @@
 use super::map::{CycleError, CycleMap, Passage, Totals};
 use super::solve::{Equation, SolveOptions};
 use crate::heat::line::GAMMA;
+use crate::numerics::maximum::maximum;
 
 /// Shorter jumps are computed cycle by cycle.
 const SHORTEST: f64 = 6.0;
@@ -191,7 +192,7 @@ impl<'a> Jumps<'a> {
         let estimate = self.error_of(&error, &memory, &end_slope, length);
         let factor = (0.8 * self.options.tolerance / estimate).sqrt();
         self.length = length * factor.clamp(0.2, GROWTH);
-        if estimate > self.options.tolerance {
+        if estimate.is_nan() || estimate > self.options.tolerance {
             // What the stages have learnt of the slope holds at the start as well as before.
             self.slope = Some(slope);
             return Ok(None);
@@ -236,9 +237,9 @@ impl<'a> Jumps<'a> {
             let mean = |values: &[f64]| values[range.clone()].iter().zip(widths).map(|(v, c)| v * c).sum::<f64>();
             let worn = length * mean(slope);
             if worn > 0.0 {
-                wear = wear.max((mean(error) / worn).abs());
+                wear = maximum(wear, (mean(error) / worn).abs());
             }
         }
-        shape.max(heat).max(wear)
+        maximum(maximum(shape, heat), wear)
     }
 }

@@ -15,6 +15,7 @@
 use super::map::{CycleError, CycleMap, Passage};
 use super::solve::{Equation, Newton, Solution, SolveOptions};
 use crate::coupled::line::state::State;
+use crate::numerics::maximum::maximum;
 use crate::steady::krylov::gmres;
 
 /// Change of the memory, in the units of [`CycleMap::weights_of_both`], by which a derivative is taken: pressures are repeated to 1e-8.
@@ -54,17 +55,17 @@ impl CycleMap {
         while cycles < options.most_cycles {
             let passage = self.pass_from(&here.before, &here.memory)?;
             cycles += 1;
-            let newton = self.newton(&passage, equation);
+            let newton = self.newton(&passage, equation)?;
             let step = self.newton_step(&newton, &here.memory, &passage, equation);
             residual = self.sizes(&step, &here.memory, tilts);
             let weights = self.weights_of_both(&here.memory, &step);
-            let left = residual[0].max(residual[1]);
+            let left = maximum(residual[0], residual[1]);
             let least = best.as_ref().map_or(f64::INFINITY, |best| best.residual[0].max(best.residual[1]));
             beside = if left < 0.5 * least { 0 } else { beside + 1 };
             if left < least {
                 best = Some(Solution { memory: here.memory.clone(), passage, cycles, residual });
             }
-            if left > ASTRAY * least {
+            if left.is_nan() || left > ASTRAY * least {
                 break;
             }
             if left <= options.tolerance || (left.min(least) <= JUMP && beside >= MOST_BESIDE) {
@@ -89,7 +90,7 @@ impl CycleMap {
     fn warmed(&mut self, start: &[f64]) -> Result<(Iterate, usize), CycleError> {
         let passage = self.pass(start)?;
         let before = self.line.state.clone();
-        let newton = self.newton(&passage, Equation::Steady);
+        let newton = self.newton(&passage, Equation::Steady)?;
         let memory = sum(start, 1.0, &self.newton_step(&newton, start, &passage, Equation::Steady));
         Ok(match self.pass(&memory) {
             Ok(_) => (Iterate { memory, before: self.line.state.clone() }, 2),
@@ -138,7 +139,7 @@ impl CycleMap {
             *cycles += 1;
             if let Ok(passage) = self.pass_from(&here.before, &memory) {
                 let left = length(&self.newton_step(newton, &memory, &passage, Equation::Steady));
-                if best.as_ref().is_none_or(|(least, _)| left < *least) {
+                if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
                     best = Some((left, Iterate { memory, before: self.line.state.clone() }));
                 }
                 if left <= (1.0 - 0.25 * part) * before {

@@ -13,6 +13,7 @@
 use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};
 use super::tangent::Tangent;
+use crate::numerics::maximum::maximum;
 use crate::steady::acceleration::Acceleration;
 use nalgebra::{DVector, Dyn, LU};
 
@@ -125,7 +126,10 @@ impl CycleMap {
                 acceleration.forget();
             }
             let current = current.filter(|newton| changed(newton) == 0);
-            let current = current.unwrap_or_else(|| self.newton(&passage, equation));
+            let current = match current {
+                Some(current) => current,
+                None => self.newton(&passage, equation)?,
+            };
             let step = self.newton_step(&current, &memory, &passage, equation);
             let tilts = matches!(equation, Equation::Steady) && self.operators().rotates;
             residual = self.sizes(&step, &memory, tilts);
@@ -137,7 +141,10 @@ impl CycleMap {
                 return Ok(Solution { memory, passage, cycles, residual });
             }
             newton = Some(current);
-            let size = residual[0].max(residual[1]);
+            let size = maximum(residual[0], residual[1]);
+            if !size.is_finite() {
+                return Err(CycleError::NotConverged { cycles, shape: residual[0], heat: residual[1] });
+            }
             if size < best.0 {
                 best = (size, memory.iter().zip(&step).map(|(value, step)| value + step).collect());
             } else if size > ASTRAY * best.0 {
@@ -152,12 +159,12 @@ impl CycleMap {
         Err(CycleError::NotConverged { cycles: options.most_cycles, shape: residual[0], heat: residual[1] })
     }
 
-    pub(super) fn newton(&self, passage: &Passage, equation: Equation) -> Newton {
+    pub(super) fn newton(&self, passage: &Passage, equation: Equation) -> Result<Newton, CycleError> {
         let cells = &self.operators().cells;
         let tangent = passage.tangent.clone();
         let factors = match equation {
-            Equation::Steady => tangent.steady(cells.centres(), cells.widths()),
-            Equation::Stage { cycles, .. } => tangent.implicit(cycles),
+            Equation::Steady => tangent.steady(cells.centres(), cells.widths())?,
+            Equation::Stage { cycles, .. } => tangent.implicit(cycles)?,
         };
         let made: Vec<f64> = (0..self.heat_entries())
             .map(|k| {
@@ -177,7 +184,8 @@ impl CycleMap {
             self.surface(side, &faded)
         };
         let exchange = self.exchange.as_ref().and_then(|exchange| exchange.solver(&made, &tangent.touching, surface));
-        Newton { touching: tangent.touching.clone(), balances: tangent.balances(), tangent, factors, made, exchange }
+        let (touching, balances) = (tangent.touching.clone(), tangent.balances());
+        Ok(Newton { touching, balances, tangent, factors, made, exchange })
     }
 
     /// Mean over a cycle of what is left of entry k of the heat.
@@ -296,8 +304,8 @@ impl CycleMap {
         let mut heat: f64 = 0.0;
         for range in self.heat_ranges() {
             let (size, step) = (norm(&memory[range.clone()]), norm(&change[range]));
-            if step > 0.0 {
-                heat = heat.max(step / size.max(step));
+            if step != 0.0 {
+                heat = maximum(heat, step / size.max(step));
             }
         }
         [shape, heat]

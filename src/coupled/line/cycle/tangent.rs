@@ -10,6 +10,7 @@
 use crate::contact::{Normal, Tilt};
 use crate::coupled::StepFailure;
 use crate::coupled::line::Line;
+use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// J of both bodies, and the cells in contact in either half-stroke.
@@ -68,9 +69,9 @@ impl Tangent {
         }
         // Displacements in units of the scale: a spring gives way by its stiffness times them.
         system[(m, m)] = stiffness * scale;
-        let Some(inverse) = system.try_inverse() else {
-            return Err(StepFailure(format!("cycle: the {m} cells in contact do not determine the pressure")));
-        };
+        let inverse = factorization::inverse(system).map_err(|reason| {
+            StepFailure(format!("cycle: the {m} cells in contact do not determine the pressure: {reason}"))
+        })?;
         for body in 0..2 {
             if !operators.reshapes(body) {
                 continue;
@@ -113,13 +114,19 @@ impl Tangent {
     }
 
     /// Solver of `(I + h J) g = r`.
-    pub fn implicit(&self, jump: f64) -> LU<f64, Dyn, Dyn> {
+    ///
+    /// # Errors
+    /// A wear Jacobian that is not finite.
+    pub fn implicit(&self, jump: f64) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
         let total = self.total();
-        (DMatrix::identity(total.nrows(), total.nrows()) + total * jump).lu()
+        factors(DMatrix::identity(total.nrows(), total.nrows()) + total * jump)
     }
 
     /// Solver of `J g + lambda0 (+ lambda1 x) = r`, g without a rigid motion: the unknowns and r are followed by lambda.
-    pub fn steady(&self, x: &[f64], widths: &[f64]) -> LU<f64, Dyn, Dyn> {
+    ///
+    /// # Errors
+    /// A wear Jacobian that is not finite.
+    pub fn steady(&self, x: &[f64], widths: &[f64]) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
         let total = self.total();
         let (count, free) = (total.nrows(), self.balances());
         let half_width = 0.5 * widths.iter().sum::<f64>();
@@ -133,6 +140,10 @@ impl Tangent {
                 system[(count + k, i)] = scale * shift * widths[i] / half_width;
             }
         }
-        system.lu()
+        factors(system)
     }
+}
+
+fn factors(system: DMatrix<f64>) -> Result<LU<f64, Dyn, Dyn>, StepFailure> {
+    factorization::lu(system).map_err(|reason| StepFailure(format!("cycle: the wear by the gap is unknown: {reason}")))
 }

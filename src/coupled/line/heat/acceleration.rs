@@ -7,6 +7,7 @@
 //! depth): the few modes are solved for, the others fall as before.
 
 use crate::contact::dense;
+use crate::numerics::maximum::maximum;
 
 /// Differences that are kept.
 const DEPTH: usize = 4;
@@ -93,7 +94,7 @@ impl Acceleration {
             let change: f64 = factors.iter().zip(&self.values).map(|(factor, values)| factor * values[i]).sum();
             *value -= change;
             if i < count {
-                most = most.max(change.abs());
+                most = maximum(most, change.abs());
             }
         }
         Some(most)

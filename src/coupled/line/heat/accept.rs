@@ -5,6 +5,7 @@ use super::stage::weighted;
 use crate::contact::dense;
 use crate::coupled::line::Line;
 use crate::heat::line::{GAMMA, Stage};
+use crate::numerics::maximum::maximum;
 
 /// Part by which the fade may differ from the reference.
 const ZONE: f64 = 0.1;
@@ -31,12 +32,12 @@ impl Line {
             let square = dense::dot(&heat.difference, &heat.sums[0]);
             let change = (square / (2.0 * cells.half_width())).sqrt();
             moved += of_distortion * change;
-            warmed = warmed.max(of_temperature * change);
+            warmed = maximum(warmed, of_temperature * change);
             rise = rise.max(largest(&heat.temperature[1][side]));
         }
         let known = heat.reference.exact || heat.renewed[1];
         let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
-        (share * moved / bound).max(share * warmed / (self.operators.scene.tolerance * rise))
+        maximum(share * moved / bound, share * warmed / (self.operators.scene.tolerance * rise))
     }
 
     /// Error of temperature and distortion by fluxes that are not linear over the step, in units of the tolerance; `bound` in
@@ -66,7 +67,7 @@ impl Line {
                 dense::multiply_add(gains.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
             }
             let square: f64 = heat.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
-            warmed = warmed.max((square / width).sqrt());
+            warmed = maximum(warmed, (square / width).sqrt());
             rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
         }
         // A uniform displacement changes no pressure under a given load.

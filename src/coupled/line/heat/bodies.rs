@@ -9,6 +9,7 @@ use crate::heat::line::disc::DiscHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
+use crate::numerics::maximum::maximum;
 use crate::scene::{self, Body, Fidelity, Geometry, HeatAlongContact, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 
@@ -115,7 +116,7 @@ impl Bodies {
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
         let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.fading()));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
-        let error = of_the_mean.zip(shares).map(|(error, share)| share.felt * error).fold(0.0, f64::max);
+        let error = of_the_mean.zip(shares).map(|(error, share)| share.felt * error).fold(0.0, maximum);
         Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,

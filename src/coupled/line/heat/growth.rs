@@ -28,6 +28,7 @@ use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::limit;
 use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::line::{GAMMA, Stage};
+use crate::numerics::maximum::maximum;
 use crate::scene::Fidelity;
 use std::fmt::{self, Write};
 
@@ -239,7 +240,7 @@ impl Heat {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
                     value += weights[i] * self.definiteness.slopes[i];
-                    largest = largest.max(value.abs() / (weights[i] * weights[i]));
+                    largest = maximum(largest, value.abs() / (weights[i] * weights[i]));
                 }
                 self.matrix[j * count + i] = value;
             }

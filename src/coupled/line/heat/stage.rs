@@ -5,6 +5,7 @@ use super::evaluation::largest;
 use crate::coupled::line::Line;
 use crate::coupled::line::path::Moment;
 use crate::heat::line::Stage;
+use crate::numerics::maximum::maximum;
 use crate::wear::line::{Coefficient, StageError, WearTerm};
 
 /// Repetitions until contact and temperature agree; then a shorter step has to help.
@@ -193,7 +194,7 @@ impl Line {
                 for i in 0..count {
                     let [punch, strip] = &heat.temperature[s];
                     let felt = 0.5 * (punch[i] + strip[i]) + reference;
-                    unlike = unlike.max((felt - heat.felt[i]).abs() / felt.abs().max(1.0));
+                    unlike = maximum(unlike, (felt - heat.felt[i]).abs() / felt.abs().max(1.0));
                     heat.felt[i] = felt;
                     heat.faded[i] = self.friction.faded(felt);
                 }
@@ -202,7 +203,7 @@ impl Line {
             let of_series = [pressures.left(change), temperatures.left(lacking)];
             // What an accelerated repetition changes follows no series.
             let [left, unlike_surfaces] = lacks.map_or(of_series, |lacks| [lacks.max(1.0) * change, lacking]);
-            let left = left.max(unlike_surfaces / TEMPERATURE);
+            let left = maximum(left, unlike_surfaces / TEMPERATURE);
             if settled && unlike <= AGREEMENT && (heat.exact[s] || left <= enough) {
                 heat.repetitions = heat.repetitions.max(repetition);
                 self.finish_stage(heat, stage);

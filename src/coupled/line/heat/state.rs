@@ -2,6 +2,7 @@
 
 use super::bodies::Bodies;
 use crate::heat::line::{Account, LineHeat};
+use crate::numerics::maximum::all_finite;
 
 /// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
 #[derive(Clone, PartialEq, Debug)]
@@ -167,6 +168,22 @@ impl HeatState {
     pub fn lowest(&self) -> f64 {
         let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
         self.extreme(f64::INFINITY, lower)
+    }
+
+    /// What is not all finite numbers, if anything.
+    pub fn not_finite(&self) -> Option<&'static str> {
+        let others = [self.faded, self.dissipated, self.cooling[0], self.cooling[1]];
+        let rows = [
+            ("heat in the punch", &self.bodies[0][..]),
+            ("heat in the strip", &self.bodies[1]),
+            ("the flux into the punch", &self.flux[0]),
+            ("the flux into the strip", &self.flux[1]),
+            ("the temperature of the punch", &self.temperature[0]),
+            ("the temperature of the strip", &self.temperature[1]),
+            ("the distortion", &self.distortion),
+            ("friction, its heat or cooling", &others),
+        ];
+        rows.into_iter().find(|(_, numbers)| !all_finite(numbers)).map(|(name, _)| name)
     }
 
     /// Highest temperature of either surface.

@@ -9,7 +9,8 @@
 //! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`. A face that loses H Z(0) as well takes
 //! `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
 
-use nalgebra::{Complex, DMatrix, SymmetricEigen};
+use crate::numerics::factorization;
+use nalgebra::{Complex, DMatrix};
 
 /// Condition at the top of the punch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -387,7 +388,7 @@ impl Basis {
             (self.rates, self.vectors) = (vec![0.0], DMatrix::identity(1, 1));
             return;
         }
-        let eigen = SymmetricEigen::new(rest.clone());
+        let eigen = factorization::symmetric_eigen_or_nan(rest.clone());
         let mut order: Vec<usize> = (0..last + 1 - apart).collect();
         order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
         let slowest = order.first().map(|&i| eigen.eigenvectors.column(i).into_owned());
@@ -404,7 +405,7 @@ impl Basis {
         }
         // Rounding of the fastest rates must not spoil the slowest one: an inverse iteration restores its digits.
         if let Some(slowest) = slowest
-            && let Some(factor) = rest.cholesky()
+            && let Ok(factor) = factorization::cholesky(rest)
         {
             let solved = factor.solve(&slowest);
             self.rates[apart] = slowest.dot(&slowest) / slowest.dot(&solved);

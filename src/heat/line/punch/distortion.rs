@@ -16,6 +16,7 @@ use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization, 
 use crate::elastic::{Base, Cells};
 use crate::heat::line::reduced::{Operators, PORTS};
 use crate::heat::line::strip::dilatation;
+use crate::numerics::factorization::{self, Unfactorable};
 use crate::scene::{Body, Geometry, MechanicalBody, Scene};
 use nalgebra::{DMatrix, Matrix4, Vector4};
 
@@ -240,7 +241,11 @@ impl LayerDilatation {
             -(u + kappa) * e,
             u - kappa,
         );
-        let solution = matrix.lu().solve(&Vector4::new(-1.0, 0.0, 0.0, 0.0)).unwrap_or_else(Vector4::zeros);
+        let solution = match factorization::solve(&matrix, &Vector4::new(-1.0, 0.0, 0.0, 0.0)) {
+            Ok(solution) => solution,
+            Err(Unfactorable::NotFinite { .. }) => Vector4::from_element(f64::NAN),
+            Err(_) => Vector4::zeros(),
+        };
         Self { wave_number, height, falling: -solution[2], rising: solution[3] }
     }
 

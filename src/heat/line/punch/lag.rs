@@ -22,7 +22,9 @@ use super::across::Wave;
 use super::SUMMED_MODES;
 use super::assembly::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
-use nalgebra::{Complex, DMatrix, DVectorView, SymmetricEigen};
+use crate::numerics::factorization;
+use crate::numerics::maximum::{self, maximum};
+use nalgebra::{Complex, DMatrix, DVectorView};
 
 /// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
 const SMALLEST: f64 = 1e-10;
@@ -85,9 +87,12 @@ impl Assembly<'_> {
         let (all, all_moments) = (scaled(&steady), scaled(&moment));
         // Shapes of nearly the same time come even and odd where the cells are symmetric, not mixed.
         let found: Vec<_> = (parities(&all).into_iter())
-            .map(|(sign, basis)| (sign, SymmetricEigen::new(basis.transpose() * &all * &basis), basis))
+            .map(|(sign, basis)| {
+                (sign, factorization::symmetric_eigen_or_nan(basis.transpose() * &all * &basis), basis)
+            })
             .collect();
-        let largest = found.iter().flat_map(|(_, own, _)| own.eigenvalues.iter()).copied().fold(0.0, f64::max);
+        let largest = found.iter().flat_map(|(_, own, _)| own.eigenvalues.iter()).copied();
+        let largest = maximum::largest(largest.map(|value| maximum(value, 0.0)));
         let (mut shapes, mut times) = (DMatrix::zeros(count, 0), Vec::new());
         for (sign, own, basis) in found {
             let kept: Vec<usize> = (0..basis.ncols()).filter(|&k| own.eigenvalues[k] > SMALLEST * largest).collect();
@@ -95,7 +100,7 @@ impl Assembly<'_> {
                 * DMatrix::from_fn(own.eigenvectors.nrows(), kept.len(), |i, k| {
                     own.eigenvectors[(i, kept[k])] / own.eigenvalues[kept[k]].sqrt()
                 });
-            let own = SymmetricEigen::new(whitened.transpose() * &all_moments * &whitened);
+            let own = factorization::symmetric_eigen_or_nan(whitened.transpose() * &all_moments * &whitened);
             let first = shapes.ncols();
             shapes = shapes.insert_columns(first, kept.len(), 0.0);
             shapes.columns_mut(first, kept.len()).copy_from(&(whitened * own.eigenvectors));

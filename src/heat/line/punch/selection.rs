@@ -15,6 +15,7 @@
 use super::across::{Across, Sides, Wave};
 use super::depth::{Basis, Depth, Points};
 use crate::heat::slab::principal_root;
+use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
@@ -164,7 +165,7 @@ impl Mode {
 
     /// The error, and whether the fastest shape can do without a state.
     fn judge(&mut self) {
-        let largest = |errors: Vec<f64>| errors.into_iter().fold(0.0, f64::max);
+        let largest = |errors: Vec<f64>| errors.into_iter().fold(0.0, maximum);
         self.fastest_is_steady = false;
         self.error = largest(self.errors(false));
         let uniform_alone = !self.steady && self.basis.count() == 1;
@@ -235,9 +236,9 @@ impl Selection {
             modes[worst].improve(points);
             states += modes[worst].states();
         }
-        let error = modes.iter().map(|mode| mode.error).fold(0.0, f64::max);
+        let error = modes.iter().map(|mode| mode.error).fold(0.0, maximum);
         let part = |m: usize| 1.0 / (m.max(1) as f64).powi(2);
-        let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.error * part(m)).fold(0.0, f64::max);
+        let mean_error = modes.iter().enumerate().map(|(m, mode)| mode.error * part(m)).fold(0.0, maximum);
         Selection { modes, error, mean_error }
     }
 }

@@ -17,7 +17,8 @@
 
 use crate::elastic::{self, Material};
 use crate::heat::slab::{Base, Slab, principal_root};
-use nalgebra::{Complex, DMatrix, Matrix4, SymmetricEigen, Vector4};
+use crate::numerics::factorization::{self, Unfactorable};
+use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 
 /// What makes the surface move under heat.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -188,7 +189,7 @@ impl Depth {
             DMatrix::from_fn(count, count, |i, j| scale[kept[i]] * scale[kept[j]] * entry(kept[i], kept[j]).1);
         let solve = |matrix: &DMatrix<f64>| factor.solve_lower_triangular(matrix).expect("pivots are positive");
         let reduced = solve(&solve(&stiffness).transpose());
-        let eigen = SymmetricEigen::new(0.5 * (&reduced + reduced.transpose()));
+        let eigen = factorization::symmetric_eigen_or_nan(0.5 * (&reduced + reduced.transpose()));
         let loads = DMatrix::from_fn(count, 2, |i, part| {
             let (temperature, _, distortion) = values[kept[i]];
             scale[kept[i]] * if part == 0 { temperature } else { distortion }
@@ -284,9 +285,12 @@ pub fn dilatation(base: elastic::Base, nu: f64, u: f64) -> (f64, f64) {
             matrix[(3, pair + k)] = bottom[k][1];
         }
     }
-    let solved = matrix.lu().solve(&Vector4::new(-1.0, 0.0, 0.0, 0.0));
     // The dilatation of the second and fourth is (1 - kappa) exp(..); a half-plane's is -(1-2nu).
-    solved.map_or((1.0, 0.0), |c| (2.0 * c[1], 2.0 * c[3]))
+    match factorization::solve(&matrix, &Vector4::new(-1.0, 0.0, 0.0, 0.0)) {
+        Ok(c) => (2.0 * c[1], 2.0 * c[3]),
+        Err(Unfactorable::NotFinite { .. }) => (f64::NAN, f64::NAN),
+        Err(_) => (1.0, 0.0),
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Symmetric matrices without their negative eigenvalues.
 
 use crate::contact::dense;
+use crate::numerics::factorization;
+use crate::numerics::maximum::maximum;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Col, Mat, Par};
@@ -51,7 +53,7 @@ impl Passive {
     pub fn is_passive(&mut self, values: &[f64], size: usize) -> bool {
         self.set(values, size);
         let matrix = &mut self.matrix;
-        let shift = 1e-12 * (0..size).map(|i| matrix[(i, i)].abs()).fold(0.0, f64::max);
+        let shift = 1e-12 * (0..size).map(|i| matrix[(i, i)].abs()).fold(0.0, maximum);
         for k in 0..size {
             let mut pivot = matrix[(k, k)] + shift;
             for i in 0..k {
@@ -99,12 +101,15 @@ impl Passive {
     pub fn project(&mut self, values: &mut [f64], size: usize, uniform: &[f64]) {
         self.set(values, size);
         let share = if uniform.is_empty() { 0.0 } else { self.split_uniform(uniform) };
+        if factorization::check(values, size).is_err() {
+            return;
+        }
         let stack = MemStack::new(&mut self.stack);
         let (diagonal, vectors) = (self.values.as_diagonal_mut(), self.vectors.as_mut());
         let found =
             self_adjoint_evd(self.matrix.as_ref(), diagonal, Some(vectors), Par::Seq, stack, Default::default());
         if found.is_err() {
-            // Of numbers that are none.
+            // The iteration did not end: the matrix stays.
             return;
         }
         values.fill(0.0);

@@ -6,6 +6,7 @@ use super::waves::{Shapes, Wave};
 use crate::elastic::Cells;
 use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::Slab;
+use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 
 /// See the module.
@@ -72,7 +73,7 @@ impl Scan {
                 error += (modes.impedance(s) - self.exact[row * count + index * step])
                     * (self.weights[index * step] * step as f64);
             }
-            largest = largest.max(error.norm_sqr().sqrt() / self.scale);
+            largest = maximum(largest, error.norm_sqr().sqrt() / self.scale);
         }
         largest
     }

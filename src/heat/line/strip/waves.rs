@@ -7,6 +7,7 @@
 //! for polynomials of twice its order and equals the plain sum when it has as many nodes as there are harmonics.
 
 use crate::elastic::Cells;
+use crate::numerics::factorization;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
@@ -75,7 +76,7 @@ fn golub_welsch(nodes: usize, off_diagonal: impl Fn(usize) -> f64) -> Vec<(f64, 
         jacobi[(k - 1, k)] = off_diagonal(k);
         jacobi[(k, k - 1)] = jacobi[(k - 1, k)];
     }
-    let eigen = jacobi.symmetric_eigen();
+    let eigen = factorization::symmetric_eigen(jacobi).expect("a function of the number of nodes alone");
     let mut rule: Vec<(f64, f64)> =
         eigen.eigenvalues.iter().zip(eigen.eigenvectors.row(0).iter()).map(|(&node, &v)| (node, v * v)).collect();
     rule.sort_by(|left, right| left.0.total_cmp(&right.0));

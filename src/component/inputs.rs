@@ -1,0 +1,93 @@
+//! What the inputs of a step must satisfy. They are stored as they come; the step that would use them refuses them.
+
+use super::Component;
+use crate::coupled::INPUTS;
+use crate::scene::{ThermalBoundary, value};
+use crate::variables::{Kind, ValueReference, lookup, reference};
+
+/// Largest magnitude of an input, in its SI unit. What follows from inputs within it (their products, the powers of the
+/// wear law, the fourth power of a temperature) stays far within the range of numbers.
+pub const LARGEST_INPUT: f64 = 1e12;
+
+/// Shortest step above 0, s: far below what is left when times of any simulation are subtracted, and far above where
+/// reciprocals of a step leave the range of numbers.
+pub const SHORTEST_STEP: f64 = 1e-24;
+
+/// Inputs from here on are checked whenever they change: the temperatures and the cooling velocity.
+const FIRST_TEMPERATURE: usize = reference("ambient_temperature_offset") as usize;
+
+/// Whether a new `value` of the input `index` has to be looked at before the next step.
+#[inline(always)]
+pub(super) fn needs_check(index: usize, value: f64) -> bool {
+    // A comparison with NaN is false.
+    let within = value.abs() <= LARGEST_INPUT;
+    !within | (index >= FIRST_TEMPERATURE)
+}
+
+/// Name and unit of an input.
+fn name_of(index: usize) -> (&'static str, &'static str) {
+    lookup(index as ValueReference).map_or(("an input", ""), |(row, _)| {
+        let unit = match row.kind {
+            Kind::Real { unit, .. } => unit.name,
+            _ => "",
+        };
+        (row.name, unit)
+    })
+}
+
+impl Component {
+    /// Tests the inputs at the beginning and at the end of a step of `step` s.
+    ///
+    /// # Errors
+    /// A text that names the variable, its value and the limit.
+    pub(super) fn check_inputs(&self, step: f64) -> Result<(), String> {
+        for index in 0..INPUTS {
+            let (name, unit) = name_of(index);
+            let (value, slope) = (self.values[index], self.slopes[index]);
+            for (what, number) in [("", value), ("the derivative of ", slope)] {
+                if !number.is_finite() {
+                    return Err(format!("{what}{name} = {number} is not a finite number"));
+                }
+            }
+            for (when, number) in [("", value), (" at the end of the step", value + slope * step)] {
+                let within = number.abs() <= LARGEST_INPUT;
+                if !within {
+                    return Err(format!("{name} = {number} {unit}{when} is beyond {LARGEST_INPUT:e} {unit}"));
+                }
+            }
+        }
+        self.check_temperatures(step)
+    }
+
+    /// Temperatures from outside are above 0 K.
+    fn check_temperatures(&self, step: f64) -> Result<(), String> {
+        let at_both = |index: usize| [self.values[index], self.values[index] + self.slopes[index] * step];
+        let ambient = value!(self.values, "ambient_temperature");
+        for offset in at_both(FIRST_TEMPERATURE) {
+            if ambient + offset <= 0.0 {
+                return Err(format!(
+                    "ambient_temperature_offset = {offset} K makes an ambient temperature of {} K; ambient_temperature = \
+                     {ambient} K, and the sum must be above 0 K",
+                    ambient + offset
+                ));
+            }
+        }
+        const STRIP: usize = reference("strip.external_temperature") as usize;
+        const PUNCH: usize = reference("punch.external_temperature") as usize;
+        let sides = [
+            (value!(self.values, "strip.base_thermal"), "strip.external_temperature", "strip.base_thermal", STRIP),
+            (value!(self.values, "punch.top_thermal"), "punch.external_temperature", "punch.top_thermal", PUNCH),
+        ];
+        for (boundary, name, face, index) in sides {
+            if ThermalBoundary::from_item(boundary) != ThermalBoundary::External {
+                continue;
+            }
+            for temperature in at_both(index) {
+                if temperature <= 0.0 {
+                    return Err(format!("{name} = {temperature} K must be above 0 K, because {face} = external"));
+                }
+            }
+        }
+        Ok(())
+    }
+}

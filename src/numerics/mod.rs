@@ -1,0 +1,4 @@
+//! Numerical tools that every part of the physics shares.
+
+pub mod factorization;
+pub mod maximum;
