@@ -186,6 +186,21 @@ pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Resu
     Ok(run)
 }
 
+/// Largest speed of a course over the critical one of thermoelastic instability; 0 where there is none.
+///
+/// # Errors
+/// What initialisation refuses.
+pub fn speed_ratio(application: &Application) -> Result<f64, String> {
+    let mut component = Component::new(Arc::new(Setting::Lumped.apply(&application.starts, 1e-2)));
+    let [fastest, most] = [1, 2].map(|input| largest(application.course.iter().map(|point| point[input])));
+    component.set_input(reference("sliding_velocity"), fastest);
+    component.set_input(reference("normal_load"), most);
+    component.enter_initialization();
+    component.initialise(None)?;
+    let critical = component.get(reference("critical_speed"));
+    Ok(if critical > 0.0 { fastest / critical } else { 0.0 })
+}
+
 /// Scales of the errors: the most worn, the peak rise of the temperature and the peak of the force.
 pub fn scales(truth: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
