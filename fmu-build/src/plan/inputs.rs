@@ -322,7 +322,7 @@ mod tests {
         let levels = compare(&drive, 1e-2).unwrap();
         assert!(levels.are_known(), "{levels:?}");
         let cheapest = levels.cheapest().unwrap();
-        let truth = run(&drive, Setting::Line(97), 2e-4).unwrap();
+        let truth = run(&drive, Setting::Line(49), 5e-4).unwrap();
         let chosen = run(&drive, cheapest.setting, 1e-2).unwrap();
         let error = largest(errors(&chosen.main, &truth.main));
         let estimated = largest(cheapest.errors);

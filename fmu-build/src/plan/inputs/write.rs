@@ -33,6 +33,7 @@ fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
     let mut document: DocumentMut = text.parse()?;
     let solver = document.entry("solver").or_insert_with(|| Item::Table(Table::new()));
     let Some(solver) = solver.as_table_like_mut() else { bail!("solver is no table") };
+    let has_cells = solver.contains_key("cells");
     let mut set = |key: &str, value: Value| match solver.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
             // A comment behind the value belongs to its line.
@@ -46,8 +47,10 @@ fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
     };
     let (fidelity, cells) = level(setting);
     set("fidelity", fidelity.into());
-    // 0 cells: of a line that the level is none of.
-    set("cells", i64::try_from(cells.unwrap_or(0)).unwrap_or(0).into());
+    // Cells of a line that the scene had before: 0 is none.
+    if has_cells || cells.is_some() {
+        set("cells", i64::try_from(cells.unwrap_or(0))?.into());
+    }
     set("tolerance", tolerance.into());
     let changed = document.to_string();
     file::parse(&changed).context("the changed scene")?;
