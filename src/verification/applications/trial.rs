@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub const OUTPUTS: [&str; 3] = ["wear_depth", "contact_temperature", "friction_force"];
 
 /// Processor time after which a run ends, s.
-const LONGEST: f64 = 60.0;
+const LONGEST: f64 = 20.0;
 
 /// The level that a run is made at.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
