@@ -2,6 +2,7 @@
 
 mod campaign;
 mod field;
+mod inputs;
 
 use std::path::PathBuf;
 
@@ -22,12 +23,21 @@ pub struct Arguments {
     /// Give a variable another value, as KEY=VALUE.
     #[arg(short, long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Tolerance of the importer, where `solver.tolerance` is 0.
+    /// Tolerance of the importer, where `solver.tolerance` is 0; with --inputs that of the levels, before the scene's own.
     #[arg(long, value_parser = scenes::tolerance)]
     tolerance: Option<f64>,
     /// Print JSON instead of a table.
     #[arg(long)]
     json: bool,
+    /// Run every level on these inputs, print its error and cost, and name the cheapest that meets the tolerance.
+    ///
+    /// CSV with the columns time [s] and inputs with their units, as sliding_velocity [m/s] and normal_load [N]; linear between rows,
+    /// each of which is a communication point.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["campaign", "against_field"])]
+    inputs: Option<PathBuf>,
+    /// Write the named level with its tolerance into the scene's file.
+    #[arg(long, requires = "inputs", conflicts_with = "set")]
+    write: bool,
     /// Try auto on scenes as users build them, beside every fixed setting and a far finer run as the truth.
     ///
     /// Every third scene is held out. Truths and runs at fixed settings are kept in cargo's target folder.
@@ -84,6 +94,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::assign(&mut file, assignment)?;
     }
     scenes::warn(&file);
+    if let Some(inputs) = &arguments.inputs {
+        return inputs::execute(&inputs::Request {
+            file: arguments.scene.as_deref().map(scenes::locate).transpose()?,
+            scene: file,
+            inputs,
+            tolerance: arguments.tolerance,
+            write: arguments.write,
+            json: arguments.json,
+        });
+    }
     let starts = &file.packaged.starts;
     let importer = arguments.tolerance.or(Some(file.packaged.experiment.tolerance));
     let mut scene = Scene::new(starts, importer).map_err(|broken| anyhow!("{broken}"))?;

@@ -70,7 +70,11 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-fn locate(scene: &str) -> Result<PathBuf> {
+/// File of the scene of this name or path.
+///
+/// # Errors
+/// Where there is no such scene.
+pub fn locate(scene: &str) -> Result<PathBuf> {
     let given = Path::new(scene);
     if given.is_file() || given.components().count() > 1 || given.extension().is_some_and(|kind| kind == "toml") {
         return Ok(given.to_owned());

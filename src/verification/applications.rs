@@ -12,7 +12,7 @@ pub mod trial;
 
 use crate::component::Values;
 use crate::scene::file;
-use crate::variables::find;
+use crate::variables::{ValueReference, find, reference};
 use courses::Point;
 
 /// Scenes of one kind.
@@ -35,6 +35,17 @@ pub struct Application {
     pub starts: Box<Values>,
     /// Inputs at the communication points.
     pub course: Vec<Point>,
+    /// Other inputs there.
+    pub others: Vec<(ValueReference, Vec<f64>)>,
+}
+
+impl Application {
+    /// Every input that changes, at the communication points.
+    pub fn inputs(&self) -> Vec<(ValueReference, Vec<f64>)> {
+        let column = |at: usize| self.course.iter().map(|point| point[at]).collect();
+        let own = [(reference("sliding_velocity"), column(1)), (reference("normal_load"), column(2))];
+        own.into_iter().chain(self.others.iter().cloned()).collect()
+    }
 }
 
 impl Family {
@@ -58,7 +69,7 @@ impl Family {
                 .find(|(column, _)| **column == wanted)
                 .map_or(f64::NAN, |(_, number)| *number)
         };
-        Ok(Application { name, starts, course: (self.course)(&of) })
+        Ok(Application { name, starts, course: (self.course)(&of), others: Vec::new() })
     }
 }
 

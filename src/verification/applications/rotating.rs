@@ -48,7 +48,12 @@ pub(super) static FAMILIES: &[Family] = &[
             "nominal.velocity",
             "nominal.duration",
         ],
-        rows: &[&[0.2, 0.3, 20.0, 300.0, 300.0, 0.3, 20.0]],
+        rows: &[
+            &[0.2, 0.19, 25.0, 300.0, 300.0, 0.2, 25.0],
+            &[0.12, 0.75, 12.0, 500.0, 450.0, 0.8, 12.0],
+            &[0.3, 0.55, 8.0, 150.0, 200.0, 0.5, 8.0],
+            &[0.25, 1.0, 2.0, 400.0, 350.0, 1.0, 3.0],
+        ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
     // Sintered pads on discs, from a third of the critical speed to twice it.
@@ -68,7 +73,12 @@ pub(super) static FAMILIES: &[Family] = &[
             "nominal.velocity",
             "nominal.duration",
         ],
-        rows: &[&[0.06, 0.04, 0.12, 0.4, 0.011, 10.0, 5.0, 1500.0, 1500.0, 10.0, 5.0]],
+        rows: &[
+            &[0.06, 0.04, 0.12, 0.4, 0.011, 1.5, 4.0, 1500.0, 1500.0, 1.5, 4.0],
+            &[0.04, 0.03, 0.1, 0.35, 0.008, 3.0, 2.0, 900.0, 1000.0, 3.0, 2.0],
+            &[0.09, 0.05, 0.16, 0.3, 0.012, 6.0, 1.5, 2500.0, 2500.0, 6.0, 1.5],
+            &[0.05, 0.04, 0.13, 0.42, 0.01, 9.0, 0.6, 1200.0, 600.0, 9.0, 0.6],
+        ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
 ];
@@ -142,8 +152,9 @@ name = "unstable"
 depth = "40 mm"
 [punch]
 height = "11 mm"
-material = "sintered_lining"
-wear_coefficient = "2e-6 mm3/(N.m)"
+material = "brake_lining"
+youngs_modulus = "1.5 GPa"
+wear_coefficient = "8e-6 mm3/(N.m)"
 top_thermal = "convecting"
 convection = 8.0
 [strip]

@@ -16,6 +16,9 @@ use std::sync::Arc;
 /// Names of the judged outputs.
 pub const OUTPUTS: [&str; 3] = ["wear_depth", "contact_temperature", "friction_force"];
 
+/// Processor time after which a run ends, s.
+const LONGEST: f64 = 20.0;
+
 /// The level that a run is made at.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Setting {
@@ -80,12 +83,9 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
     let begin = processor_seconds();
     let starts = setting.apply(&application.starts, tolerance);
     let mut component = Component::new(Arc::new(starts));
-    let inputs = [reference("sliding_velocity"), reference("normal_load")];
-    let course = &application.course;
+    let (inputs, course) = (application.inputs(), &application.course);
     let set = |component: &mut Component, point: usize| {
-        for (input, value) in inputs.into_iter().zip(&course[point][1..]) {
-            component.set_input(input, *value);
-        }
+        inputs.iter().for_each(|(input, values)| component.set_input(*input, values[point]));
     };
     set(&mut component, 0);
     component.enter_initialization();
@@ -101,16 +101,19 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
     for point in 1..course.len() {
         let step = course[point][0] - course[point - 1][0];
         set(&mut component, point - 1);
-        for (index, input) in inputs.into_iter().enumerate() {
-            let slope = (course[point][1 + index] - course[point - 1][1 + index]) / step;
+        for (input, values) in &inputs {
+            let slope = (values[point] - values[point - 1]) / step;
             if slope != 0.0 {
-                component.set_input_derivative(input, slope);
+                component.set_input_derivative(*input, slope);
             }
         }
         component.step(step).map_err(|text| format!("at {} s: {text}", course[point - 1][0]))?;
         run.main.push(OUTPUTS.map(|name| component.get(reference(name))));
         run.estimated.push(component.get(reference("estimated_error")));
         component.messages().for_each(drop);
+        if processor_seconds() - begin > LONGEST {
+            return Err(format!("at {} s: {LONGEST} s of processor time are used up", course[point][0]));
+        }
         let (accepted, rejected) = component.work();
         let steps = accepted + rejected;
         // A level that takes over may count anew.
@@ -184,6 +187,21 @@ pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Resu
     Ok(run)
 }
 
+/// Largest speed of a course over the critical one of thermoelastic instability; 0 where there is none.
+///
+/// # Errors
+/// What initialisation refuses.
+pub fn speed_ratio(application: &Application) -> Result<f64, String> {
+    let mut component = Component::new(Arc::new(Setting::Lumped.apply(&application.starts, 1e-2)));
+    let [fastest, most] = [1, 2].map(|input| largest(application.course.iter().map(|point| point[input])));
+    component.set_input(reference("sliding_velocity"), fastest);
+    component.set_input(reference("normal_load"), most);
+    component.enter_initialization();
+    component.initialise(None)?;
+    let critical = component.get(reference("critical_speed"));
+    Ok(if critical > 0.0 { fastest / critical } else { 0.0 })
+}
+
 /// Scales of the errors: the most worn, the peak rise of the temperature and the peak of the force.
 pub fn scales(truth: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
@@ -211,6 +229,15 @@ pub fn errors(run: &[[f64; 3]], truth: &[[f64; 3]]) -> [f64; 3] {
     errors_so_far(run, truth).last().copied().unwrap_or_default()
 }
 
+/// What is left of the errors of a run whose distance from the next coarser one is `apart`, after a distance of `last` between the two
+/// before: differences go on as a geometric series. Their ratio counts between 1.2, below which nothing converges, and 4, of second order.
+pub fn remaining(last: Option<[f64; 3]>, apart: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|output| match last {
+        Some(last) => apart[output] / (last[output] / apart[output].max(1e-300) - 1.0).clamp(0.2, 3.0),
+        None => apart[output],
+    })
+}
+
 /// Largest magnitude; what is no number counts as infinite.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most: f64, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
@@ -231,6 +258,14 @@ mod tests {
         assert!(so_far.windows(2).all(|pair| (0..3).all(|output| pair[1][output] >= pair[0][output])));
         let [wear, temperature, force] = errors(&run, &truth);
         assert!((wear - 0.1).abs() < 1e-12 && (temperature - 0.1).abs() < 1e-12 && (force - 0.1).abs() < 1e-12);
+        // First order, second order, and one that does not converge.
+        assert_eq!(remaining(None, [1e-3, 0.0, 2.0]), [1e-3, 0.0, 2.0]);
+        let [first, second, none] = remaining(Some([2e-3, 4e-3, 1e-3]), [1e-3; 3]);
+        assert!(
+            (first / 1e-3 - 1.0).abs() < 1e-12
+                && (second * 3e3 - 1.0).abs() < 1e-12
+                && (none / 5e-3 - 1.0).abs() < 1e-12
+        );
         assert_eq!(errors(&[[f64::NAN, 300.0, 0.0], run[1], run[2]], &truth)[0], f64::INFINITY);
     }
 }

@@ -6,6 +6,7 @@
 mod cache;
 mod report;
 
+use crate::output::print_line;
 use std::fs;
 use std::path::PathBuf;
 
@@ -80,26 +81,23 @@ pub struct Outcome {
 pub struct Tried {
     pub index: usize,
     pub name: String,
-    /// Cells of the truth and how far the next coarser run is from it.
+    /// Largest speed over the critical one of thermoelastic instability; 0 where there is none.
+    pub speed_ratio: f64,
+    /// Cells of the truth, and its own errors.
     pub cells: usize,
     pub truth_errors: [f64; 3],
     pub trials: Vec<Trial>,
 }
 
 impl Trial {
-    /// Whether the truth is no judge of the whole scene at any tolerance.
-    pub fn has_a_judge(&self) -> bool {
-        self.judged.contains(&true)
-    }
-
-    /// The largest of the errors that the truth can judge.
-    pub fn largest_error(&self, errors: &[f64; 3]) -> f64 {
-        largest(errors.iter().zip(self.judged).filter(|(_, judged)| *judged).map(|(error, _)| *error))
+    /// Whether the truth is good enough for all outputs.
+    pub fn is_judged(&self) -> bool {
+        self.judged == [true; 3]
     }
 
     /// Cheapest fixed setting that meets the tolerance.
     pub fn cheapest(&self) -> Option<&Fixed> {
-        let good = self.fixed.iter().filter(|fixed| self.largest_error(&fixed.errors) <= self.tolerance);
+        let good = self.fixed.iter().filter(|fixed| largest(fixed.errors) <= self.tolerance);
         good.min_by(|one, other| one.work.total_cmp(&other.work))
     }
 }
@@ -136,7 +134,7 @@ pub fn execute(request: &Request) -> Result<()> {
         match try_scene(index, &scene, request.fresh) {
             Ok(one) => {
                 if !request.json {
-                    bar.suspend(|| report::lines(&one).iter().for_each(|line| println!("{line}")));
+                    bar.suspend(|| report::lines(&one).iter().for_each(|line| print_line!("{line}")));
                 }
                 tried.push(one);
             }
@@ -151,10 +149,10 @@ pub fn execute(request: &Request) -> Result<()> {
     bar.finish_and_clear();
     let summary = report::summary(&tried);
     if request.json {
-        println!("{:#}", report::record(&tried, &left_out, &summary));
+        print_line!("{:#}", report::record(&tried, &left_out, &summary));
     } else {
-        left_out.iter().for_each(|reason| println!("left out: {reason}"));
-        summary.iter().for_each(|line| println!("{line}"));
+        left_out.iter().for_each(|reason| print_line!("left out: {reason}"));
+        summary.iter().for_each(|line| print_line!("{line}"));
     }
     Ok(())
 }
@@ -189,5 +187,13 @@ fn try_scene(index: usize, scene: &Application, fresh: bool) -> Result<Tried, St
             fixed: fixed.iter().filter(|fixed| fixed.tolerance == tolerance).cloned().collect(),
         }
     });
-    Ok(Tried { index, name: scene.name.clone(), cells: *cells, truth_errors: *truth_errors, trials: trials.into() })
+    let speed_ratio = trial::speed_ratio(scene)?;
+    Ok(Tried {
+        index,
+        name: scene.name.clone(),
+        speed_ratio,
+        cells: *cells,
+        truth_errors: *truth_errors,
+        trials: trials.into(),
+    })
 }

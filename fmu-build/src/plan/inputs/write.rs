@@ -1,0 +1,98 @@
+//! Settings in a scene file: what else stands there, comments too, stays as it is.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use sliding_contact::scene::file;
+use sliding_contact::verification::applications::trial::Setting;
+use toml_edit::{DocumentMut, Item, Table, Value};
+
+/// Value of `solver.fidelity`, and of `solver.cells` on a line.
+pub fn level(setting: Setting) -> (&'static str, Option<usize>) {
+    match setting {
+        Setting::Auto => ("auto", None),
+        Setting::Lumped => ("lumped", None),
+        Setting::Line(cells) => ("line", Some(cells)),
+    }
+}
+
+/// Puts a level and its tolerance into a scene file.
+///
+/// # Errors
+/// Where the file cannot be read, is no scene before or after, or cannot be written.
+pub fn settings(path: &Path, setting: Setting, tolerance: f64) -> Result<()> {
+    let named = || format!("{}", path.display());
+    let text = fs::read_to_string(path).with_context(named)?;
+    let changed = changed(&text, setting, tolerance).with_context(named)?;
+    fs::write(path, changed).with_context(named)
+}
+
+fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
+    file::parse(text)?;
+    let mut document: DocumentMut = text.parse()?;
+    let solver = document.entry("solver").or_insert_with(|| Item::Table(Table::new()));
+    let Some(solver) = solver.as_table_like_mut() else { bail!("solver is no table") };
+    let has_cells = solver.contains_key("cells");
+    let mut set = |key: &str, value: Value| match solver.get_mut(key).and_then(Item::as_value_mut) {
+        Some(old) => {
+            // A comment behind the value belongs to its line.
+            let decoration = old.decor().clone();
+            *old = value;
+            *old.decor_mut() = decoration;
+        }
+        None => {
+            solver.insert(key, Item::Value(value));
+        }
+    };
+    let (fidelity, cells) = level(setting);
+    set("fidelity", fidelity.into());
+    // Cells of a line that the scene had before: 0 is none.
+    if has_cells || cells.is_some() {
+        set("cells", i64::try_from(cells.unwrap_or(0))?.into());
+    }
+    set("tolerance", tolerance.into());
+    let changed = document.to_string();
+    file::parse(&changed).context("the changed scene")?;
+    Ok(changed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sliding_contact::variables::find;
+
+    fn of(text: &str, name: &str) -> f64 {
+        file::parse(text).unwrap().packaged.starts[find(name).unwrap() as usize]
+    }
+
+    #[test]
+    fn the_level_is_written_and_everything_else_stays() {
+        let text = "# A brake.\nname = \"a\"\n\n[solver]\n# Why lumped.\nfidelity = \"lumped\"  # so far\n\n[punch]\nwidth = \"60 mm\" # wide\n";
+        let line = changed(text, Setting::Line(17), 1e-2).unwrap();
+        assert_eq!(
+            [of(&line, "solver.fidelity"), of(&line, "solver.cells"), of(&line, "solver.tolerance")],
+            [3.0, 17.0, 0.01]
+        );
+        for kept in ["# A brake.\n", "# Why lumped.\n", "\"line\"  # so far", "[punch]\nwidth = \"60 mm\" # wide\n"] {
+            assert!(line.contains(kept), "{line}\nlacks {kept}");
+        }
+        // Back to the lumped level: no cells are left.
+        let lumped = changed(&line, Setting::Lumped, 1e-2).unwrap();
+        assert_eq!([of(&lumped, "solver.fidelity"), of(&lumped, "solver.cells")], [2.0, 0.0]);
+    }
+
+    #[test]
+    fn a_scene_without_the_table_gets_one_and_dotted_keys_stay_dotted() {
+        let bare = changed("name = \"a\"\n[punch]\nwidth = 0.06\n", Setting::Line(9), 1e-3).unwrap();
+        assert_eq!([of(&bare, "solver.cells"), of(&bare, "punch.width")], [9.0, 0.06]);
+        let dotted = changed("name = \"a\"\nsolver.cells = 5\npunch.width = 0.06\n", Setting::Line(9), 1e-3).unwrap();
+        assert_eq!([of(&dotted, "solver.cells"), of(&dotted, "punch.width")], [9.0, 0.06]);
+        assert!(dotted.contains("solver.cells = 9"), "{dotted}");
+    }
+
+    #[test]
+    fn what_is_no_scene_is_not_touched() {
+        assert!(changed("name = \"a\"\npunch.widht = 1\n", Setting::Lumped, 1e-3).is_err());
+    }
+}
