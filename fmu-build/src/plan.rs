@@ -6,12 +6,12 @@ mod inputs;
 
 use std::path::PathBuf;
 
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
 use serde_json::{Value, json};
 use sliding_contact::plan::{self, Plan};
 use sliding_contact::scene::{Fidelity, Scene};
 
-use crate::output::{self, print_line, print_text};
+use crate::output::{self, print_line};
 use crate::scenes;
 
 /// Print what `solver.fidelity = auto` takes for a scene: effects with the number that decided, kept or dropped, and
