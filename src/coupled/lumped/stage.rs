@@ -10,6 +10,7 @@
 //! without error at any r h. [`Propagator`] holds these weights for one step size at the three points
 //! at which the contact is solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
 
+use super::air::FACES;
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
@@ -111,8 +112,8 @@ type Decay = [[f64; MAX_STATES]; 3];
 pub struct Propagator {
     /// Temperature of the contact surface.
     pub contact: Observed,
-    /// Mean temperature of the cooled surface.
-    pub cooled: Observed,
+    /// Temperatures of the faces that the air cools: beside the contact, far face.
+    pub cooled: [Observed; FACES],
     /// Mean temperature of the body.
     pub mean: Observed,
     decay: [f64; MAX_STATES],
@@ -179,7 +180,8 @@ impl Propagator {
         });
         Propagator {
             contact,
-            cooled: Observed::new(body, &body.cooled_temperature, &decay, step),
+            cooled: [&body.cooled_temperature, &body.base_temperature]
+                .map(|observation| Observed::new(body, observation, &decay, step)),
             mean: Observed::new(body, &body.mean_temperature, &decay, step),
             decay: decay[2],
             update,

@@ -16,7 +16,6 @@ use super::stages::Stages;
 use super::state::State;
 use crate::contact::friction::FrictionLaw;
 use crate::heat::flash::MAX_FLASH_STATES;
-use crate::heat::reduced::Port;
 
 /// Both bodies over one step size.
 #[derive(Clone, Debug)]
@@ -103,7 +102,7 @@ impl Stepper<'_> {
         let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
         for body in [&mut punch, &mut strip] {
-            if body.active[Port::Cooling as usize] {
+            if body.cools() {
                 body.cool(state.reference, ambient, forced);
             }
         }
@@ -111,7 +110,7 @@ impl Stepper<'_> {
             stages.loads(self, state, &punch, &strip);
             let mut change = stages.solve(self, &mut punch, &mut strip);
             for body in [&mut punch, &mut strip] {
-                if body.active[Port::Cooling as usize] {
+                if body.cools() {
                     change = change.max(body.cool(state.reference, ambient, forced));
                 }
             }

@@ -3,7 +3,7 @@
 //! With the flux of a group on all its cells (P) and the mean over its cells weighted with their widths (R) the answer of the
 //! body is `R G P`: exactly what cells of that size would get. States and account are those of the body itself.
 
-use super::{Account, CooledAhead, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::Merging;
 use nalgebra::DMatrix;
 use std::cell::RefCell;
@@ -125,7 +125,7 @@ impl LineHeat for MergedHeat {
         self.merging.means_into(moved, distortion);
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
         let [fluxes, ..] = &mut *self.scratch.borrow_mut();
         self.merging.spread(flux, fluxes);
         self.body.cooled_temperature(state, surroundings, fluxes)

@@ -508,7 +508,8 @@ impl Watch {
 /// Heat transfer by radiation and moving air over the heat capacity per area, 1/s.
 fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
     let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
-    (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
+    let faces = if body.far_thermal == ThermalBoundary::Convecting { 2.0 } else { 1.0 };
+    faces * (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
 }
 
 /// Inputs of steady sliding: air and faces with a temperature from outside are at the ambient temperature.

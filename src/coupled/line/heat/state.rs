@@ -1,7 +1,7 @@
 //! What heat along the contact line leaves behind; part of a saved state.
 
 use super::bodies::Bodies;
-use crate::heat::line::{Account, LineHeat};
+use crate::heat::line::{Account, FACES, LineHeat};
 
 /// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
 #[derive(Clone, PartialEq, Debug)]
@@ -24,8 +24,8 @@ pub struct HeatState {
     pub faded: f64,
     /// Friction heat of all steps, J per m of depth.
     pub dissipated: f64,
-    /// Heat flux into the cooled surfaces beyond the constant heat transfer at the end of the last step, W/m2.
-    pub cooling: [f64; 2],
+    /// Heat fluxes into the cooled faces of both bodies beyond the constant heat transfer at the end of the last step, W/m2.
+    pub cooling: [[f64; FACES]; 2],
     /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at the start of the last step, K.
     pub lagging: [f64; 2],
     /// Length of the last step, s (0: none yet).
@@ -119,7 +119,7 @@ impl HeatState {
             reference: Place::none(),
             faded,
             dissipated: 0.0,
-            cooling: [0.0; 2],
+            cooling: [[0.0; FACES]; 2],
             lagging: [0.0; 2],
             last_step: 0.0,
             outgrown: [0.0; 2],
@@ -211,7 +211,7 @@ impl HeatState {
             .chain(pressure_slope)
             .chain(distortion)
             .chain([velocity, last, fade, narrow, faded, dissipated, last_step])
-            .chain(cooling)
+            .chain(cooling.iter_mut().flatten())
             .chain(lagging)
             .chain(outgrown)
             .chain(start.iter_mut().flatten())

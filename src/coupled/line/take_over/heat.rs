@@ -128,7 +128,7 @@ impl Line {
         state.jump();
         state.reference = Place::none();
         (state.dissipated, state.faded) = (dissipated, faded);
-        (state.cooling, state.lagging, state.last_step) = ([0.0; 2], [0.0; 2], 0.0);
+        (state.cooling, state.lagging, state.last_step) = (Default::default(), [0.0; 2], 0.0);
     }
 
     /// Gives a body the heat and the surface temperature that the lower rung knows.

@@ -32,6 +32,44 @@ pub(super) struct Depth {
     pub top: Top,
     /// H, heat transfer coefficient beside the contact as a mean over the contact's face, W/(m2 K).
     pub face: f64,
+    /// Fluxes into the top are not only those of its constant heat transfer: the space holds what they do.
+    pub driven_top: bool,
+}
+
+/// Rates at which the space holds what a flux into the top does, over k/(C h^2).
+const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
+
+/// Steady field of a unit flux into a top that is not held.
+pub(super) struct FromTop {
+    decay: f64,
+    height: f64,
+    /// H/k of the face at the contact, 1/m.
+    face: f64,
+    /// Value at the contact over exp(-decay h), K m2/W.
+    scale: f64,
+}
+
+impl FromTop {
+    /// exp(-decay h) cosh(decay z) and exp(-decay h) sinh(decay z)/decay.
+    fn waves(decay: f64, height: f64, z: f64) -> (f64, f64) {
+        let (back, twice) = ((-decay * (height - z)).exp(), 2.0 * decay * z);
+        let sine = if twice < 1e-9 { z } else { -(-twice).exp_m1() / (2.0 * decay) };
+        (0.5 * back * (1.0 + (-twice).exp()), back * sine)
+    }
+
+    /// Z and dZ/dz at `z`, K m2/W.
+    pub fn at(&self, z: f64) -> (f64, f64) {
+        let (cosine, sine) = Self::waves(self.decay, self.height, z);
+        let slope = self.decay * self.decay * sine + self.face * cosine;
+        (self.scale * (cosine + self.face * sine), self.scale * slope)
+    }
+
+    /// Integral of Z over the height, K m3/W.
+    pub fn integral(&self) -> f64 {
+        let (_, sine) = Self::waves(self.decay, self.height, self.height);
+        let (_, half) = Self::waves(self.decay, 0.5 * self.height, 0.5 * self.height);
+        self.scale * (sine + 2.0 * self.face * half * half)
+    }
 }
 
 impl Depth {
@@ -136,6 +174,15 @@ impl Depth {
             return self.height / self.face;
         }
         self.kept(self.closed_profile(decay)(0.0).0) * self.sourced(decay, 0.0)
+    }
+
+    /// Steady field of a unit flux into the top, which is not held, where there is one.
+    pub fn from_top(&self, decay: f64) -> FromTop {
+        let (k, h) = (self.conductivity, self.height);
+        let (face, top) = (self.face / k, self.top_ratio().unwrap_or(0.0));
+        let (cosine, sine) = FromTop::waves(decay, h, h);
+        let flux = k * (decay * decay * sine + face * cosine + top * (cosine + face * sine));
+        FromTop { decay, height: h, face, scale: 1.0 / flux }
     }
 
     /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), without loss at the face, K m3/W.
@@ -332,6 +379,21 @@ impl Basis {
             // What a constant flux settles to while the mean rises for ever.
             self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
         }
+        if self.depth.driven_top {
+            if self.depth.has_steady_state(self.decay) {
+                self.add_from_top(points, self.decay);
+            } else {
+                self.add(points, Function::new(h, points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
+            }
+            for rate in TOP_RATES {
+                self.add_from_top(points, (self.decay * self.decay + rate / (h * h)).sqrt());
+            }
+        }
+    }
+
+    fn add_from_top(&mut self, points: &Points, kappa: f64) {
+        let field = self.depth.from_top(kappa);
+        self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
     }
 
     /// Adds the response to the contact at the real rate `rate`, 1/s; false if the space has it already.
@@ -461,7 +523,7 @@ mod tests {
     #[test]
     fn steady_profiles_satisfy_their_equations() {
         for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
-            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0 };
+            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0, driven_top: false };
             for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0] {
                 if !depth.has_steady_state(decay) {
                     continue;
@@ -494,7 +556,7 @@ mod tests {
     #[test]
     fn slowest_rate_keeps_its_digits() {
         // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
-        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6), face: 0.0 };
+        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6), face: 0.0, driven_top: false };
         let points = Points::new(0.1, 1e5, &[]);
         let mut basis = Basis::new(depth, 0.0);
         basis.add_means(&points);

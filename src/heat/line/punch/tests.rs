@@ -166,7 +166,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
     exact.heat.prepare(1e12, [0.0; 2]);
     let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
-    let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 7800.0 * 460.0, top: Top::Held, face: 0.0 };
+    let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 7800.0 * 460.0, top: Top::Held, face: 0.0, driven_top: false };
     let expected = steady::steady_beyond(&across, &depth, &cells, &waves::Waves::new(&across, &cells, 256), 0);
     let error = (&exact.heat.gains(Stage::End).temperature - &expected).amax() / expected.amax();
     assert!(error < 1e-8, "{error:e}");
