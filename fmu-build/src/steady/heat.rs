@@ -43,12 +43,11 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
     let off = difference(&solved.cells, &hot.state, &solved.state) / solved.mean_pressure();
     let celsius = |kelvin: f64| number(kelvin - 273.15);
     let [least, mean, most] = heat.contact_temperature;
-    let hottest = heat.range[1].iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
     lines.extend([
         ("  difference of the pressures, rms over the mean".into(), number(off)),
         ("  contact temperature, degC".into(), celsius(mean)),
         ("  its range in a cycle, K".into(), number(most - least)),
-        ("  highest surface temperature, degC".into(), celsius(hottest)),
+        ("  highest surface temperature, degC".into(), celsius(heat.highest)),
         ("  range of the punch's shape, um".into(), number(1e6 * range(&hot.state.shape))),
         ("  friction heat, W".into(), number(flows.friction)),
         ("  into punch, strip, W".into(), format!("{}, {}", number(flows.punch), number(flows.strip))),

@@ -3,7 +3,7 @@
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
 use super::conditions::{Conditions, Tunables};
-use super::interface::{Side, Split, agree, split};
+use super::interface::{Side, Split, agree, apart, split};
 use super::operators::{BodyOperators, Operators};
 use super::state::{BodyState, State};
 use crate::contact::friction::FrictionLaw;
@@ -201,16 +201,7 @@ pub fn evaluate<S: Scalar>(
     // Heat per unit of the faded friction coefficient.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
-        if closed {
-            split(sides.0, sides.1, flux, scene.conductance)
-        } else {
-            Split {
-                punch: S::from(0.0),
-                strip: S::from(0.0),
-                punch_temperature: sides.0.level,
-                strip_temperature: sides.1.level,
-            }
-        }
+        if closed { split(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
     };
     let mean = |split: &Split<S>| (split.punch_temperature + split.strip_temperature) * 0.5;
     let reference = S::from(state.reference);
@@ -257,10 +248,11 @@ pub fn evaluate<S: Scalar>(
     let split = solve(flux);
     // The cooled surface feels the contact's heat; what its flux then changes at the contact, through a static
     // remainder once more, is left out.
-    let recool = |operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], far: S, into: S| match &operators.heat {
-        Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
-        None => before,
-    };
+    let recool =
+        |operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], far: S, into: S| match &operators.heat {
+            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
+            None => before,
+        };
     let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, split.punch);
     let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, split.strip);
     let contact_temperature = mean(&split);

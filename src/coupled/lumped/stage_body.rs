@@ -1,7 +1,7 @@
 //! What one body contributes to the equations of a step.
 
-use super::operators::BodyOperators;
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
+use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
 use super::state::BodyState;

@@ -255,7 +255,8 @@ impl LineHeat for FieldHeat {
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; FACES] {
-        let mean = |operators: &Operators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
+        let mean =
+            |operators: &Operators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
         self.of_state(state, surroundings, mean)
     }
 

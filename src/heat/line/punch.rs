@@ -120,7 +120,8 @@ pub fn reduce_with_mean(
         face: 0.0,
         driven_top: driven_top(body),
     };
-    let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
+    let cooled =
+        Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
     let distortion = Distortion::new(scene, cells)?;
     project(across, depth, cooled, distortion, cells, &Wanted::new(scene, tolerances, duration)).map(Some)
 }

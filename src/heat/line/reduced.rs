@@ -191,7 +191,8 @@ impl ReducedHeat {
     fn carry(&self, scratch: &mut Scratch, state: &[f64], until: &Surroundings, stage: Stage, known: &[f64]) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
         modes::decay(state, weights, &operators.input, &until.ports(), &mut scratch.values);
-        for (input, fall) in [(&operators.input[COOLING], until.cooling_fall), (&operators.input[FAR], until.far_fall)] {
+        for (input, fall) in [(&operators.input[COOLING], until.cooling_fall), (&operators.input[FAR], until.far_fall)]
+        {
             if fall != 0.0 {
                 let values = scratch.values.iter_mut().zip(weights.falling.iter().zip(input));
                 values.for_each(|(value, (falling, input))| *value += falling * input * fall);

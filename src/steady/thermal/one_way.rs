@@ -13,6 +13,7 @@ use crate::contact::{ContactSolver, Normal};
 use crate::coupled::instability::CriticalSpeed;
 use crate::coupled::line::heat::air::cooling;
 use crate::coupled::line::heat::bodies::{Bodies, cooled_part};
+use crate::coupled::line::hottest::Hottest;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
 use crate::heat::line::{BESIDE, FACES, FAR, LineHeat, Stage, Surroundings};
@@ -304,7 +305,8 @@ impl Problem<'_> {
                     matrix[(other, face)] += resistance * slope[face];
                 }
             }
-            let lack = nalgebra::Vector2::from_fn(|face, _| if slope[face] > 0.0 { found_at[face] - used[face] } else { 0.0 });
+            let lack =
+                nalgebra::Vector2::from_fn(|face, _| if slope[face] > 0.0 { found_at[face] - used[face] } else { 0.0 });
             for face in (0..FACES).filter(|&face| slope[face] == 0.0) {
                 // What nothing follows from is not looked for.
                 (0..FACES).for_each(|other| matrix[(face, other)] = f64::from(u8::from(face == other)));
@@ -358,6 +360,8 @@ impl Problem<'_> {
         if critical > 0.0 {
             accuracy.speed_ratio = self.velocity().abs() / critical;
         }
+        let hottest = Hottest::new(contact.cells, scene.geometry == Geometry::Periodic);
+        let highest = hottest.of(&temperature);
         HotState {
             state,
             heat: SteadyHeat {
@@ -368,6 +372,7 @@ impl Problem<'_> {
                     pressure_at: [found.pressure.clone(), found.pressure],
                 }],
                 contact_temperature: [mean; 3],
+                highest,
                 flows,
                 accuracy,
             },

@@ -48,7 +48,7 @@ impl Line {
             }
         }
         value!(values, "contact_temperature") = state.mean(areas) + absolute;
-        value!(values, "contact_temperature_max") = state.highest() + absolute;
+        value!(values, "contact_temperature_max") = operators.hottest.of(&state.temperature) + absolute;
         value!(values, "heat_flow_punch") = into(0);
         value!(values, "heat_flow_strip") = into(1);
         value!(values, "heat_flow_punch_top") = far[0];

@@ -166,27 +166,17 @@ impl HeatState {
     /// Lowest temperature of either surface; not a number where one is not.
     pub fn lowest(&self) -> f64 {
         let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
-        self.extreme(f64::INFINITY, lower)
-    }
-
-    /// Highest temperature of either surface.
-    pub fn highest(&self) -> f64 {
-        self.extreme(f64::NEG_INFINITY, |most: f64, t: f64| if t > most { t } else { most })
-    }
-
-    /// The last of all temperatures that `choose` prefers to the ones before.
-    fn extreme(&self, start: f64, choose: impl Fn(f64, f64) -> f64) -> f64 {
-        let mut found = [start; ABREAST];
+        let mut found = [f64::INFINITY; ABREAST];
         for side in &self.temperature {
             let (groups, rest) = side.as_chunks::<ABREAST>();
             for group in groups {
                 for k in 0..ABREAST {
-                    found[k] = choose(found[k], group[k]);
+                    found[k] = lower(found[k], group[k]);
                 }
             }
-            found[0] = rest.iter().copied().fold(found[0], &choose);
+            found[0] = rest.iter().copied().fold(found[0], lower);
         }
-        found.into_iter().fold(start, choose)
+        found.into_iter().fold(f64::INFINITY, lower)
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {

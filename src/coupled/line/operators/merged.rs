@@ -1,8 +1,10 @@
 //! A contact line with its cells merged in pairs: what the cells of a plan are judged by, at the price of no new body.
 
 use super::Operators;
+use crate::coupled::line::hottest::Hottest;
 use crate::coupled::line::profile::Profile;
 use crate::elastic::Merging;
+use crate::scene::Geometry;
 
 impl Operators {
     /// The same contact on about half as many cells, with all matrices from these.
@@ -26,6 +28,7 @@ impl Operators {
             wear: self.wear.clone(),
             strip_wear: self.strip_wear,
             profile: Profile::new(&cells),
+            hottest: Hottest::new(&cells, scene.geometry == Geometry::Periodic),
             shared_depth: self.shared_depth,
             pivot: self.pivot,
             rotates: self.rotates,

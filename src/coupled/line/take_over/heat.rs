@@ -199,6 +199,14 @@ impl Line {
             body.held_distortion(&bodies[side], &around[side], &flux[side], velocity, &mut heat.difference);
             distortion.iter_mut().zip(&heat.difference).for_each(|(sum, moved)| *sum += moved);
         }
+        if let [true, false] | [false, true] = heat.bodies.each_ref().map(Option::is_some) {
+            // An insulator shows the temperature of the surface it lies on.
+            let [punch, strip] = &mut state.temperature;
+            match heat.bodies[0].is_some() {
+                true => strip.copy_from_slice(punch),
+                false => punch.copy_from_slice(strip),
+            }
+        }
         self.tell_friction();
     }
 }

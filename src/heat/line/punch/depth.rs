@@ -556,7 +556,14 @@ mod tests {
     #[test]
     fn slowest_rate_keeps_its_digits() {
         // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
-        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6), face: 0.0, driven_top: false };
+        let depth = Depth {
+            height: 0.1,
+            conductivity: 55.0,
+            capacity: 3.6e6,
+            top: Top::Transfer(1e-6),
+            face: 0.0,
+            driven_top: false,
+        };
         let points = Points::new(0.1, 1e5, &[]);
         let mut basis = Basis::new(depth, 0.0);
         basis.add_means(&points);

@@ -46,7 +46,13 @@ impl Operators {
             own: states(),
             gains: Gains { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
         };
-        Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()], cooled_rise: [[0.0; FACES]; FACES] }
+        Weights {
+            step: f64::NAN,
+            euler: false,
+            last_used: 0,
+            stages: [stage(), stage()],
+            cooled_rise: [[0.0; FACES]; FACES],
+        }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {

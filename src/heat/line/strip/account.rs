@@ -47,9 +47,7 @@ impl StripHeat {
             }
         }
         ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * cooling)
-            + step
-                * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient
-                    + mean.ambient_flow.direct[BASE] * far);
+            + step * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient + mean.ambient_flow.direct[BASE] * far);
         let lost = operators.period * (ambient - step * cooling) - returned;
         let tail = state.len() - TAIL;
         state[tail + 3] = surroundings.far;
