@@ -1,14 +1,8 @@
 //! Faces of a body that the air cools, and what it takes beyond their constant heat transfer.
 
+pub use crate::heat::line::{BESIDE, FACES, FAR};
 use crate::heat::reduced::Port;
 use crate::scene::{Body, ThermalBoundary};
-
-/// Number of such faces: the free surface beside the contact, and the face opposite to the contact where it is convecting.
-pub const FACES: usize = 2;
-
-/// Index of either.
-pub const BESIDE: usize = 0;
-pub const FAR: usize = 1;
 
 /// Ports through which the heat of the faces enters.
 pub const PORTS_OF_FACES: [usize; FACES] = [Port::Cooling as usize, Port::Base as usize];

@@ -6,6 +6,7 @@
 //! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
 //! is the error estimate.
 
+use super::air::Air;
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, Operators};
@@ -31,7 +32,10 @@ pub struct Propagators {
 impl Propagators {
     /// Weights for the step `step` (s).
     pub fn new(operators: &Operators, step: f64) -> Propagators {
-        let of = |body: &BodyOperators| body.heat.as_ref().map(|heat| Propagator::new(heat, step));
+        let of = |body: &BodyOperators| {
+            let cools = body.air.each_ref().map(Air::acts);
+            body.heat.as_ref().map(|heat| Propagator::new(heat, step, cools))
+        };
         let flash = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
         Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), flash }
     }
