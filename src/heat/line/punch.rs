@@ -26,6 +26,7 @@ mod assembly;
 mod cylinder;
 mod depth;
 mod distortion;
+mod from_top;
 mod lag;
 pub mod mate;
 mod radial;

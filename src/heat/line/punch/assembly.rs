@@ -164,7 +164,7 @@ impl<'a> Assembly<'a> {
                 return Some(steady);
             }
             steady.top[AMBIENT] = wave.integral;
-            let from_top = depth.from_top(decay);
+            let from_top = depth.driven_from_top(decay);
             let (at_contact, entering) = (from_top.at(0.0).0, self.top_exposure(wave));
             let seen = match self.cooled.by {
                 By::Sides => from_top.integral(),

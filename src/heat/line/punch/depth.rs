@@ -39,46 +39,13 @@ pub(super) struct Depth {
 /// Rates at which the space holds what a flux into the top does, over k/(C h^2).
 const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
 
-/// Steady field of a unit flux into a top that is not held.
-pub(super) struct FromTop {
-    decay: f64,
-    height: f64,
-    /// H/k of the face at the contact, 1/m.
-    face: f64,
-    /// Value at the contact over exp(-decay h), K m2/W.
-    scale: f64,
-}
-
-impl FromTop {
-    /// exp(-decay h) cosh(decay z) and exp(-decay h) sinh(decay z)/decay.
-    fn waves(decay: f64, height: f64, z: f64) -> (f64, f64) {
-        let (back, twice) = ((-decay * (height - z)).exp(), 2.0 * decay * z);
-        let sine = if twice < 1e-9 { z } else { -(-twice).exp_m1() / (2.0 * decay) };
-        (0.5 * back * (1.0 + (-twice).exp()), back * sine)
-    }
-
-    /// Z and dZ/dz at `z`, K m2/W.
-    pub fn at(&self, z: f64) -> (f64, f64) {
-        let (cosine, sine) = Self::waves(self.decay, self.height, z);
-        let slope = self.decay * self.decay * sine + self.face * cosine;
-        (self.scale * (cosine + self.face * sine), self.scale * slope)
-    }
-
-    /// Integral of Z over the height, K m3/W.
-    pub fn integral(&self) -> f64 {
-        let (_, sine) = Self::waves(self.decay, self.height, self.height);
-        let (_, half) = Self::waves(self.decay, 0.5 * self.height, 0.5 * self.height);
-        self.scale * (sine + 2.0 * self.face * half * half)
-    }
-}
-
 impl Depth {
     pub fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity
     }
 
     /// h_top/k, 1/m; None where the top is held.
-    fn top_ratio(&self) -> Option<f64> {
+    pub(super) fn top_ratio(&self) -> Option<f64> {
         match self.top {
             Top::Held => None,
             Top::Transfer(transfer) => Some(transfer / self.conductivity),
@@ -174,15 +141,6 @@ impl Depth {
             return self.height / self.face;
         }
         self.kept(self.closed_profile(decay)(0.0).0) * self.sourced(decay, 0.0)
-    }
-
-    /// Steady field of a unit flux into the top, which is not held, where there is one.
-    pub fn from_top(&self, decay: f64) -> FromTop {
-        let (k, h) = (self.conductivity, self.height);
-        let (face, top) = (self.face / k, self.top_ratio().unwrap_or(0.0));
-        let (cosine, sine) = FromTop::waves(decay, h, h);
-        let flux = k * (decay * decay * sine + face * cosine + top * (cosine + face * sine));
-        FromTop { decay, height: h, face, scale: 1.0 / flux }
     }
 
     /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), without loss at the face, K m3/W.
@@ -392,7 +350,7 @@ impl Basis {
     }
 
     fn add_from_top(&mut self, points: &Points, kappa: f64) {
-        let field = self.depth.from_top(kappa);
+        let field = self.depth.driven_from_top(kappa);
         self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
     }
 

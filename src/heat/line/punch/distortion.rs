@@ -310,7 +310,7 @@ impl Assembly<'_> {
             });
             let driven = self.top_exposure(wave);
             if driven != 0.0 {
-                let from_top = depth.from_top(wave.decay);
+                let from_top = depth.driven_from_top(wave.decay);
                 by_port.push((fields.len(), FAR, driven));
                 let profile = positions.iter().map(|&z| from_top.at(z).0).collect();
                 fields.push(Field { mode: m, integral: from_top.integral(), profile });
