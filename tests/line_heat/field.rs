@@ -1,6 +1,6 @@
 //! The reference level: the punch by finite elements, unreduced, against the reduced one.
 
-use crate::drive::{CONVECTING, Drive, reference, scene};
+use crate::drive::{Drive, reference, scene};
 use sliding_contact::component::Snapshot;
 
 const LINE: f64 = 3.0;
@@ -62,37 +62,6 @@ fn the_reduced_punch_follows_the_unreduced_one() {
     let (imbalance, error) = (field.imbalance(), line.get("estimated_error"));
     println!("rise {rise} K, imbalance {imbalance:e}, estimated {error:e}");
     assert!(imbalance < 1e-9, "{imbalance:e}");
-}
-
-/// Moving air and radiation at the top and at the sides: the two punches lose the same heat, each face its part.
-#[test]
-fn the_air_takes_the_same_from_both() {
-    for still in [0.0, 30.0] {
-        let changes = [
-            ("solver.tolerance", 2e-4),
-            ("nominal.velocity", 0.05),
-            ("nominal.stroke", 0.015),
-            ("nominal.duration", 20.0),
-            ("punch.top_thermal", CONVECTING),
-            ("punch.convection", still),
-            ("punch.convection_forced", 300.0),
-            ("punch.emissivity", 0.9),
-            ("punch.initial_temperature", 400.0),
-            ("strip.initial_temperature", 400.0),
-        ];
-        let [mut line, mut field] = [LINE, FIELD].map(|level| scene_on(level, 9.0, &changes));
-        for drive in [&mut line, &mut field] {
-            drive.set("cooling_velocity", 4.0);
-            to_and_fro(drive, 4);
-        }
-        for name in ["heat_lost_punch_top", "heat_lost_ambient", "heat_flow_punch_top", "heat_flow_ambient"] {
-            let (one, other) = (line.get(name), field.get(name));
-            println!("{still} {name}: {one} {other}");
-            assert!(other > 0.0 && (one / other - 1.0).abs() < 2e-3, "{still} {name}: {one} {other}");
-        }
-        let (imbalance, other) = (field.imbalance(), line.imbalance());
-        assert!(imbalance < 1e-9 && other < 1e-9, "{imbalance:e} {other:e}");
-    }
 }
 
 #[test]
