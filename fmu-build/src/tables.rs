@@ -62,7 +62,14 @@ pub fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
 }
 
 fn body(body: &BodyOperators) -> Value {
-    let mut value = json!({ "area": body.area, "forced": body.forced, "emissivity": body.emissivity });
+    let [beside, far] = &body.air;
+    let mut value = json!({
+        "area": body.area,
+        "forced": beside.forced,
+        "emissivity": beside.emissivity,
+        "base_forced": far.forced,
+        "base_emissivity": far.emissivity,
+    });
     if let (Some(heat), Some(fields)) = (&body.heat, value.as_object_mut()) {
         fields.extend(conduction(heat));
     }
@@ -79,6 +86,7 @@ fn conduction(heat: &ReducedBody) -> serde_json::Map<String, Value> {
         "input": inputs,
         "contact_temperature": observation(&heat.contact_temperature),
         "cooled_temperature": observation(&heat.cooled_temperature),
+        "base_temperature": observation(&heat.base_temperature),
         "mean_temperature": observation(&heat.mean_temperature),
         "stored": observation(&heat.stored),
         "ambient_flow": observation(&heat.ambient_flow),

@@ -25,7 +25,8 @@ pub enum Port {
     Cooling = 1,
     /// Ambient temperature, K relative to the reference.
     Ambient = 2,
-    /// Temperature of the face opposite to the contact where it is prescribed, K relative to the reference.
+    /// What is prescribed at the face opposite to the contact: its temperature where that is held, K relative to the reference;
+    /// elsewhere the heat flux into it beyond its constant heat transfer, W/m2 of reference area.
     Base = 3,
 }
 
@@ -73,13 +74,15 @@ pub struct ReducedBody {
     pub contact_temperature: Observation,
     /// Mean temperature of the cooled surface, K.
     pub cooled_temperature: Observation,
+    /// Temperature of the face opposite to the contact, K.
+    pub base_temperature: Observation,
     /// Mean temperature of the body, K.
     pub mean_temperature: Observation,
     /// Heat stored, J/m2 of reference area.
     pub stored: Observation,
     /// Heat flow to ambient by the constant heat transfer, W/m2 of reference area.
     pub ambient_flow: Observation,
-    /// Heat flow out of the face opposite to the contact, W/m2 of reference area.
+    /// Heat flow out of the face opposite to the contact, all that passes it, W/m2 of reference area.
     pub base_flow: Observation,
     /// Largest relative error of the contact impedance on the resolved frequencies.
     pub error: f64,

@@ -5,7 +5,7 @@
 //! ```text
 //! C dT/dt = K T'' - B (T - T_ambient),                     0 < z < h, contact at z = 0
 //! -K T'(0) = q_contact + q_cooling - H0 (T(0) - T_ambient)  (cooling here: strip)
-//! -K T'(h) = Hb (T(h) - T_ambient), or T(h) = T_base
+//! -K T'(h) = Hb (T(h) - T_ambient) - q_base, or T(h) = T_base
 //! ```
 //!
 //! with capacity C (J/(m3 K)), conductivity K (W/(m K)), loss to air by volume B (W/(m3 K), the fin

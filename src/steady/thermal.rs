@@ -38,6 +38,8 @@ pub struct SteadyHeat {
     pub range: [[Vec<f64>; 2]; 2],
     /// Least, mean and largest value in the cycle of the contact's mean temperature.
     pub contact_temperature: [f64; 3],
+    /// Largest `contact_temperature_max` in the cycle, see [`Hottest`](crate::coupled::line::hottest::Hottest).
+    pub highest: f64,
     /// Means over the cycle, all punches and faces.
     pub flows: HeatFlows,
     /// How it was found.

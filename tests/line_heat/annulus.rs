@@ -171,7 +171,9 @@ fn stepping_ends_in_the_steady_state_found_directly() {
         ("punch.thermal_expansion", 1e-7),
         ("strip.thermal_expansion", 1e-7),
     ];
-    for changes in [&[][..], &PADS] {
+    let radiating = [("strip.emissivity", 0.9), ("punch.emissivity", 0.6), ("punch.top_thermal", CONVECTING)];
+    let hotter = [&PADS[..], &radiating, &[("strip.convection", 10.0), ("punch.convection_forced", 20.0)]].concat();
+    for changes in [&[][..], &PADS, &hotter] {
         let changes = [&steady[..], changes].concat();
         let (_, hot) = found_directly(&changes, &Sliding::OneWay { velocity: 2.0 });
         let mut drive = clutch(&changes);
@@ -188,6 +190,17 @@ fn stepping_ends_in_the_steady_state_found_directly() {
         assert!((highest / drive.get("pressure_max") - 1.0).abs() < 1e-3, "{highest}");
         assert!((drive.get("friction_power") / flows.friction - 1.0).abs() < 1e-3);
         assert!((drive.get("heat_flow_punch") - flows.punch).abs() < 1e-3 * flows.friction);
+        // All of it leaves, each face its part.
+        let lost = flows.punch_top + flows.strip_base + flows.ambient;
+        assert!((lost / flows.friction - 1.0).abs() < 1e-4, "{changes:?}: {flows:?}");
+        for (name, flow) in [
+            ("heat_flow_punch_top", flows.punch_top),
+            ("heat_flow_strip_base", flows.strip_base),
+            ("heat_flow_ambient", flows.ambient),
+        ] {
+            assert!((drive.get(name) - flow).abs() < 2e-3 * flows.friction, "{changes:?} {name}: {}", drive.get(name));
+        }
+        assert!((drive.get("contact_temperature_max") - hot.heat.highest).abs() < 1e-3 * rise, "{}", hot.heat.highest);
     }
 }
 

@@ -14,6 +14,7 @@ mod cycles;
 mod extremes;
 mod field;
 mod growth;
+mod hottest;
 mod plans;
 mod split;
 mod steps;

@@ -85,7 +85,7 @@ pub fn lines(solved: &Solved) -> Vec<(String, String)> {
         ("  difference of the pressures, rms over the mean".into(), number(off)),
         ("  contact temperature, degC".into(), celsius(mean)),
         ("  its range in a cycle, K".into(), number(most - least)),
-        ("  highest surface temperature, degC".into(), celsius(hottest(hot))),
+        ("  highest surface temperature, degC".into(), celsius(heat.highest)),
         ("  contact.temperature_limit, degC".into(), limit(solved, hot)),
         ("  range of the punch's shape, um".into(), number(1e6 * range(&hot.state.shape))),
         ("  friction heat, W".into(), number(flows.friction)),

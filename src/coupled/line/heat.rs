@@ -12,6 +12,7 @@
 
 mod acceleration;
 mod accept;
+pub mod air;
 pub mod bodies;
 mod evaluation;
 mod fading;

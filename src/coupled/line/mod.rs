@@ -8,6 +8,7 @@
 pub mod cycle;
 mod explicit;
 pub mod heat;
+pub mod hottest;
 pub mod operators;
 mod outputs;
 mod path;
@@ -76,6 +77,12 @@ impl Line {
             let reference = mean.state().reference;
             let rise = [&scene.punch, &scene.strip]
                 .map(|body| if body.initial_temperature > 0.0 { body.initial_temperature - reference } else { 0.0 });
+            // An insulator has no temperature but that of the surface it lies on.
+            let rise = match [scene.punch.conductivity > 0.0, scene.strip.conductivity > 0.0] {
+                [true, false] => [rise[0]; 2],
+                [false, true] => [rise[1]; 2],
+                _ => rise,
+            };
             let faded = friction.faded(reference + 0.5 * (rise[0] + rise[1]));
             mean.set_friction_coefficient(faded);
             state.heat = Some(HeatState::new(bodies, operators.count(), rise, faded));
@@ -442,7 +449,8 @@ impl Line {
                     scene.punch.conductivity, scene.strip.conductivity
                 )));
             }
-            self.state.limits |= lumped::limits_of_temperature(scene, heat.highest() + self.mean.state().reference);
+            let highest = self.operators.hottest.of(&heat.temperature) + self.mean.state().reference;
+            self.state.limits |= lumped::limits_of_temperature(scene, highest);
         }
         if self.state.track.as_ref().is_some_and(|track| track.revisited()) {
             self.state.limits |= limit::VALIDITY;

@@ -1,6 +1,7 @@
 //! What the contact line is made of, built once from the scene and shared by every state.
 
 use super::heat::bodies::{Bodies, on_the_cells};
+use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::contact::{ContactState, Normal, Tilt, check_operators};
 use crate::coupled::lumped;
@@ -77,6 +78,8 @@ pub struct Operators {
     pub strip_wear: StripWear,
     /// Stations of the profiles.
     pub profile: Profile,
+    /// The highest temperature of the contact.
+    pub hottest: Hottest,
     /// Length by which a load per face is shared: depth times number of punches, m.
     pub shared_depth: f64,
     /// Pivot height where the punch can rotate and friction turns it, m.
@@ -157,6 +160,7 @@ impl Operators {
         let operators = Operators {
             heat,
             profile: Profile::new(&cells),
+            hottest: Hottest::new(&cells, scene.geometry == Geometry::Periodic),
             wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
             shared_depth: scene.depth * scene.count,
             pivot: (rotates && scene.geometry == Geometry::Line).then_some(scene.pivot_height),
@@ -250,6 +254,7 @@ impl Operators {
             wear: self.wear.clone(),
             strip_wear: self.strip_wear,
             profile: self.profile.clone(),
+            hottest: self.hottest.clone(),
             shared_depth: self.shared_depth,
             pivot: self.pivot,
             rotates: self.rotates,

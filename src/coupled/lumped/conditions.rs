@@ -53,7 +53,8 @@ impl<S: Scalar> Conditions<S> {
             ThermalBoundary::External => external - S::from(reference),
             ThermalBoundary::Convecting | ThermalBoundary::Insulated => S::from(0.0),
         };
-        let cools = operators.punch.forced > 0.0 || operators.strip.forced > 0.0;
+        let mut faces = operators.punch.air.iter().chain(&operators.strip.air);
+        let cools = faces.any(|face| face.forced > 0.0);
         let forced = if cools {
             let air = (velocity.abs() + inputs.cooling_velocity).positive();
             if air.value() > 0.0 { air.four_fifths() } else { S::from(0.0) }

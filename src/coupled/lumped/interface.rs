@@ -27,8 +27,8 @@ pub struct Split<S> {
 
 /// Solves `q1 + q2 = q`, `T1 - T2 = (q2 - q1)/(2 h_c)` for the friction heat `q` (W/m2) and the contact
 /// conductance `conductance` (W/(m2 K)): derived by writing both temperatures as level + gain q_i.
-/// An insulator takes no heat; its surface then follows from the same second law. The conductance must
-/// be positive where one body is an insulator and q is not 0.
+/// An insulator takes no heat; its surface then follows from the same second law, and without conductance shows the
+/// temperature of the other.
 #[inline]
 pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> Split<S> {
     match (punch.gain, strip.gain) {
@@ -50,13 +50,23 @@ pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) 
         }
         (Some(gain), None) => {
             let temperature = punch.level + q * gain;
-            let other = if conductance > 0.0 { temperature + q * (0.5 / conductance) } else { strip.level };
-            Split { punch: q, strip: S::from(0.0), punch_temperature: temperature, strip_temperature: other }
+            let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
+            Split {
+                punch: q,
+                strip: S::from(0.0),
+                punch_temperature: temperature,
+                strip_temperature: temperature + jump,
+            }
         }
         (None, Some(gain)) => {
             let temperature = strip.level + q * gain;
-            let other = if conductance > 0.0 { temperature + q * (0.5 / conductance) } else { punch.level };
-            Split { punch: S::from(0.0), strip: q, punch_temperature: other, strip_temperature: temperature }
+            let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
+            Split {
+                punch: S::from(0.0),
+                strip: q,
+                punch_temperature: temperature + jump,
+                strip_temperature: temperature,
+            }
         }
         (None, None) => Split {
             punch: S::from(0.0),
@@ -65,6 +75,18 @@ pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) 
             strip_temperature: strip.level,
         },
     }
+}
+
+/// The same where the surfaces do not touch: no heat passes. An insulator has no temperature of its own and shows the other's.
+#[inline]
+pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> Split<S> {
+    let levels = match (punch.gain, strip.gain) {
+        (Some(_), None) => [punch.level; 2],
+        (None, Some(_)) => [strip.level; 2],
+        _ => [punch.level, strip.level],
+    };
+    let [punch_temperature, strip_temperature] = levels;
+    Split { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
 }
 
 /// Contact temperature (K, absolute) that satisfies `T = level + gain mu(T)`, with `level` in K, absolute,

@@ -1,6 +1,7 @@
 //! The lumped level: uniform pressure, a few thermal states per body, a moving source.
 
 mod advance;
+pub mod air;
 pub mod bristle;
 pub mod conditions;
 mod estimate;

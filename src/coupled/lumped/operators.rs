@@ -1,5 +1,6 @@
 //! What the lumped level is made of, built once from the scene and shared by every state.
 
+use super::air::{Air, FACES};
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::instability::CriticalSpeed;
 use crate::elastic::mean::mean_compliance;
@@ -19,12 +20,8 @@ pub struct BodyOperators {
     pub coverage: f64,
     /// Reference area of the conduction problem per face, m2.
     pub area: f64,
-    /// Forced heat transfer coefficient at 1 m/s per reference area, W/(m2 K).
-    pub forced: f64,
-    /// Emissivity per reference area.
-    pub emissivity: f64,
-    /// Whether cooling beyond the constant heat transfer acts.
-    pub variable_cooling: bool,
+    /// Cooling beyond the constant heat transfer, beside the contact and at the far face.
+    pub air: [Air; FACES],
     /// The cooled surface is observed as the contact surface is.
     pub cooled_is_contact: bool,
     /// Condition of the face opposite to the contact.
@@ -46,6 +43,13 @@ pub struct BodyOperators {
     pub wear_limit: f64,
     /// Mean outward displacement per kelvin of mean temperature, m/K.
     pub expansion: f64,
+}
+
+impl BodyOperators {
+    /// Whether cooling beyond the constant heat transfer acts anywhere.
+    pub fn is_cooled_variably(&self) -> bool {
+        self.air.iter().any(Air::acts)
+    }
 }
 
 /// Bounds within which a step has nothing to report and cannot fail by wear.
@@ -250,8 +254,8 @@ fn stroke_cell(scene: &Scene) -> f64 {
 fn base_of(body: &Body) -> Base {
     match body.far_thermal {
         ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
-        ThermalBoundary::Convecting => Base::Convecting(body.convection),
-        ThermalBoundary::Insulated => Base::Insulated,
+        ThermalBoundary::Convecting if body.convection > 0.0 => Base::Convecting(body.convection),
+        ThermalBoundary::Convecting | ThermalBoundary::Insulated => Base::Insulated,
     }
 }
 
@@ -261,11 +265,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         heat: None,
         coverage,
         area,
-        forced: body.convection_forced * cooled_part,
-        emissivity: body.emissivity * cooled_part,
-        variable_cooling: body.conductivity > 0.0
-            && cooled_part > 0.0
-            && (body.convection_forced > 0.0 || body.emissivity > 0.0),
+        air: Air::of(body, cooled_part),
         cooled_is_contact: false,
         far: body.far_thermal,
         far_temperature: body.far_temperature,
@@ -382,6 +382,7 @@ fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<Re
     for observation in [
         &mut heat.contact_temperature,
         &mut heat.cooled_temperature,
+        &mut heat.base_temperature,
         &mut heat.mean_temperature,
         &mut heat.ambient_flow,
         &mut heat.base_flow,

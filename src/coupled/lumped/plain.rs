@@ -4,6 +4,7 @@
 //! The same equations as [`super::stages`], whose general form costs three times as much here. Nothing is solved
 //! differently. A test runs both side by side.
 
+use super::air::{Air, BESIDE, FAR};
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
 use super::operators::{BodyOperators, Operators};
@@ -25,8 +26,9 @@ pub fn possible(operators: &Operators) -> bool {
         && scene.conductance > 0.0
         && operators.series_stiffness == 0.0
         && operators.bristle().is_none()
-        && !operators.punch.variable_cooling
-        && (!operators.strip.variable_cooling || operators.strip.cooled_is_contact)
+        && !operators.punch.is_cooled_variably()
+        && !operators.strip.air[FAR].acts()
+        && (!operators.strip.air[BESIDE].acts() || operators.strip.cooled_is_contact)
 }
 
 type Pair = [f64; 2];
@@ -83,16 +85,16 @@ impl Surface {
     /// A surface of the temperatures `level` without contact and cooling flux; `forced` as in [`Conditions`].
     /// Radiation is made straight at the temperatures that the heat `guess` gives; forced convection is.
     #[inline(always)]
-    fn new(body: &BodyOperators, strip: &Observed, reference: f64, level: Pair, guess: Pair, forced: Pair) -> Surface {
+    fn new(air_law: &Air, strip: &Observed, reference: f64, level: Pair, guess: Pair, forced: Pair) -> Surface {
         let (contact, air) = (gain_at_stages(strip, 0), gain_at_stages(strip, COOLING));
         let mut surface =
-            Surface { level, gain: contact, offset: [0.0; 2], slope: forced.map(|forced| forced * body.forced) };
-        if body.emissivity > 0.0 {
+            Surface { level, gain: contact, offset: [0.0; 2], slope: forced.map(|forced| forced * air_law.forced) };
+        if air_law.emissivity > 0.0 {
             let heated = apply(&contact, guess);
             for i in 0..2 {
                 let t = level[i] + heated[i];
-                surface.slope[i] = cooling_slope(body, reference, t, forced[i]);
-                surface.offset[i] = cooling_flux(body, reference, t, 0.0, forced[i]) + surface.slope[i] * t;
+                surface.slope[i] = cooling_slope(air_law, reference, t, forced[i]);
+                surface.offset[i] = cooling_flux(air_law, reference, t, 0.0, forced[i]) + surface.slope[i] * t;
             }
             surface.level = sum(level, apply(&air, surface.offset));
         }
@@ -119,9 +121,9 @@ impl Surface {
 
     /// The most that the straight law leaves of the true one at either stage, as the temperature (K) that it makes at the
     /// end of the step.
-    fn left(&self, body: &BodyOperators, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
+    fn left(&self, air: &Air, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
         let (t, flux, gain) = (self.temperature(into), self.flux(into), strip.gain[COOLING][2]);
-        let left = |i: usize| ((cooling_flux(body, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
+        let left = |i: usize| ((cooling_flux(air, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
         maximum(left(0), left(1))
     }
 }
@@ -209,12 +211,12 @@ impl Stepper<'_> {
         let punch_level = punch.contact_at_stages(&state.punch.heat, punch_count);
         let punch_gain = gain_at_stages(&punch.contact, 0);
         let uncooled = strip.contact_at_stages(&state.strip.heat, strip_count);
-        let cools = operators.strip.variable_cooling;
+        let cools = operators.strip.air[BESIDE].acts();
         let surface = if cools {
             // Nearly all of the heat enters the better conductor.
             let factor = fade.factor(state.end_temperature + reference);
             let guess = driver.map(|driver| driver * factor);
-            Surface::new(&operators.strip, &strip.contact, reference, uncooled, guess, forced)
+            Surface::new(&operators.strip.air[BESIDE], &strip.contact, reference, uncooled, guess, forced)
         } else {
             let gain = gain_at_stages(&strip.contact, 0);
             Surface { level: uncooled, gain, offset: [0.0; 2], slope: [0.0; 2] }
@@ -318,8 +320,8 @@ impl Stepper<'_> {
                 }
             }
         }
-        if cools && operators.strip.emissivity > 0.0 {
-            let left = surface.left(&operators.strip, &strip.contact, reference, into_strip, forced);
+        if cools && operators.strip.air[BESIDE].emissivity > 0.0 {
+            let left = surface.left(&operators.strip.air[BESIDE], &strip.contact, reference, into_strip, forced);
             if left.is_nan() || left > 1e-3 * operators.scene.tolerance * (1e-3 + state.peak_rise) {
                 return None;
             }

@@ -1,8 +1,9 @@
 //! The contact at one instant with all states held: what outputs and directional derivatives come from.
 
+use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
 use super::conditions::{Conditions, Tunables};
-use super::interface::{Side, Split, agree, split};
+use super::interface::{Side, Split, agree, apart, split};
 use super::operators::{BodyOperators, Operators};
 use super::state::{BodyState, State};
 use crate::contact::friction::FrictionLaw;
@@ -23,7 +24,8 @@ pub struct Frozen {
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct FrozenBody {
     contact: f64,
-    cooled: f64,
+    /// Of the faces that the air cools.
+    cooled: [f64; FACES],
     ambient_flow: f64,
     base_flow: f64,
 }
@@ -34,7 +36,7 @@ impl FrozenBody {
         let of = |observation: &Observation| observation.of_states(&state.heat, heat.count);
         FrozenBody {
             contact: of(&heat.contact_temperature),
-            cooled: of(&heat.cooled_temperature),
+            cooled: cooled_faces(heat).map(of),
             ambient_flow: of(&heat.ambient_flow),
             base_flow: of(&heat.base_flow),
         }
@@ -93,26 +95,26 @@ pub struct Point<S = f64> {
     pub wear_rate: [S; 2],
 }
 
-/// Flux into the cooled surface (W/m2 of reference area) at the temperature `t`, K above the reference.
+/// Flux into a cooled face (W/m2 of reference area) at the temperature `t`, K above the reference.
 #[inline]
-pub fn cooling_flux<S: Scalar>(body: &BodyOperators, reference: f64, t: S, ambient: S, forced: S) -> S {
-    let mut flux = (ambient - t) * forced * body.forced;
-    if body.emissivity > 0.0 {
+pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
+    let mut flux = (ambient - t) * forced * air.forced;
+    if air.emissivity > 0.0 {
         // Nothing radiates below 0 K, where only an iteration goes: the flux then falls with the temperature everywhere,
         // and [`cooling_slope`] is its derivative.
         let fourth = |t: S| {
             let absolute = (t + S::from(reference)).positive();
             (absolute * absolute) * (absolute * absolute)
         };
-        flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * body.emissivity);
+        flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * air.emissivity);
     }
     flux
 }
 
 /// Derivative of the outgoing cooling flux by the surface temperature, W/(m2 K), for implicit solves.
 #[inline]
-pub fn cooling_slope(body: &BodyOperators, reference: f64, t: f64, forced: f64) -> f64 {
-    forced * body.forced + 4.0 * STEFAN_BOLTZMANN * body.emissivity * (t + reference).max(0.0).powi(3)
+pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
+    forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3)
 }
 
 /// Levels that prescribed temperatures add to an observation.
@@ -121,7 +123,12 @@ fn prescribed<S: Scalar>(observation: &Observation, ambient: S, far: S) -> S {
     ambient * observation.direct[Port::Ambient as usize] + far * observation.direct[Port::Base as usize]
 }
 
-/// Cooling flux of a body with its states held: the surface follows the flux only by its static remainder.
+/// Temperatures of the faces that the air cools.
+fn cooled_faces(heat: &ReducedBody) -> [&Observation; FACES] {
+    [&heat.cooled_temperature, &heat.base_temperature]
+}
+
+/// Cooling fluxes of a body with its states held: a face follows the fluxes only by its static remainders.
 fn held_cooling<S: Scalar>(
     body: &BodyOperators,
     heat: &ReducedBody,
@@ -130,21 +137,34 @@ fn held_cooling<S: Scalar>(
     conditions: &Conditions<S>,
     far: S,
     into: S,
-) -> S {
-    if !body.variable_cooling {
-        return S::from(0.0);
+) -> [S; FACES] {
+    let mut flux = [S::from(0.0); FACES];
+    if !body.is_cooled_variably() {
+        return flux;
     }
-    let level = prescribed(&heat.cooled_temperature, conditions.ambient, far)
-        + into * heat.cooled_temperature.direct[Port::Contact as usize]
-        + S::from(frozen.cooled);
-    let own = heat.cooled_temperature.direct[Port::Cooling as usize];
-    let mut t = level;
-    // The remainder is tiny against the resistance of the air: the iteration contracts by their ratio.
-    for _ in 0..4 {
-        let flux = cooling_flux(body, reference, t, conditions.ambient, conditions.forced);
-        t = level + flux * own;
+    let faces = cooled_faces(heat);
+    let level: [S; FACES] = std::array::from_fn(|face| {
+        prescribed(faces[face], conditions.ambient, far)
+            + into * faces[face].direct[Port::Contact as usize]
+            + S::from(frozen.cooled[face])
+    });
+    // The remainders are tiny against the resistance of the air: the iteration contracts by their ratio.
+    for _ in 0..5 {
+        for face in 0..FACES {
+            if body.air[face].acts() {
+                let t = level[face] + raised(faces[face], &flux);
+                flux[face] = cooling_flux(&body.air[face], reference, t, conditions.ambient, conditions.forced);
+            }
+        }
     }
-    cooling_flux(body, reference, t, conditions.ambient, conditions.forced)
+    flux
+}
+
+/// What cooling fluxes add to an observation at once.
+#[inline]
+fn raised<S: Scalar>(observation: &Observation, cooling: &[S; FACES]) -> S {
+    cooling[BESIDE] * observation.direct[PORTS_OF_FACES[BESIDE]]
+        + cooling[FAR] * observation.direct[PORTS_OF_FACES[FAR]]
 }
 
 /// Evaluates the contact with the states held.
@@ -168,11 +188,11 @@ pub fn evaluate<S: Scalar>(
         Some(heat) => {
             let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far, S::from(0.0));
             let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
-                + cooling * heat.contact_temperature.direct[Port::Cooling as usize]
+                + raised(&heat.contact_temperature, &cooling)
                 + S::from(frozen.contact + extra);
             (Side { level, gain: Some(heat.contact_temperature.direct[Port::Contact as usize]) }, cooling)
         }
-        None => (Side { level: conditions.ambient, gain: None }, S::from(0.0)),
+        None => (Side { level: conditions.ambient, gain: None }, [S::from(0.0); FACES]),
     };
     let entry = strip_entry(operators, state);
     let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, conditions.punch_far);
@@ -183,16 +203,7 @@ pub fn evaluate<S: Scalar>(
     // Heat per unit of the faded friction coefficient.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
-        if closed {
-            split(sides.0, sides.1, flux, scene.conductance)
-        } else {
-            Split {
-                punch: S::from(0.0),
-                strip: S::from(0.0),
-                punch_temperature: sides.0.level,
-                strip_temperature: sides.1.level,
-            }
-        }
+        if closed { split(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
     };
     let mean = |split: &Split<S>| (split.punch_temperature + split.strip_temperature) * 0.5;
     let reference = S::from(state.reference);
@@ -239,24 +250,25 @@ pub fn evaluate<S: Scalar>(
     let split = solve(flux);
     // The cooled surface feels the contact's heat; what its flux then changes at the contact, through a static
     // remainder once more, is left out.
-    let recool = |operators: &BodyOperators, frozen: &FrozenBody, before: S, far: S, into: S| match &operators.heat {
-        Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
-        None => before,
-    };
+    let recool =
+        |operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], far: S, into: S| match &operators.heat {
+            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
+            None => before,
+        };
     let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, split.punch);
     let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, split.strip);
     let contact_temperature = mean(&split);
-    let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: S, far: S| match &body.heat {
+    let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
         Some(heat) => {
             let observe = |observation: &Observation, states: f64| {
                 (S::from(states)
                     + into * observation.direct[Port::Contact as usize]
-                    + cooling * observation.direct[Port::Cooling as usize]
+                    + raised(observation, &cooling)
                     + prescribed(observation, conditions.ambient, far))
                     * (body.area * faces)
             };
             (
-                observe(&heat.ambient_flow, frozen.ambient_flow) - cooling * (body.area * faces),
+                observe(&heat.ambient_flow, frozen.ambient_flow) - cooling[BESIDE] * (body.area * faces),
                 observe(&heat.base_flow, frozen.base_flow),
             )
         }

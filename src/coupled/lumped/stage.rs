@@ -10,6 +10,7 @@
 //! without error at any r h. [`Propagator`] holds these weights for one step size at the three points
 //! at which the contact is solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
 
+use super::air::{BESIDE, FACES, FAR};
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 
 /// Points of the step at which the contact is solved (0 and 2) or checked (1).
@@ -69,8 +70,12 @@ pub struct Observed {
 }
 
 impl Observed {
+    fn none() -> Observed {
+        Observed { homogeneous: [[0.0; MAX_STATES]; 3], gain: [[[0.0; 2]; 3]; PORTS] }
+    }
+
     fn new(body: &ReducedBody, observation: &Observation, decay: &Decay, step: f64) -> Observed {
-        let mut observed = Observed { homogeneous: [[0.0; MAX_STATES]; 3], gain: [[[0.0; 2]; 3]; PORTS] };
+        let mut observed = Observed::none();
         for point in 0..3 {
             for k in 0..body.count {
                 observed.homogeneous[point][k] = observation.states[k] * decay[point][k];
@@ -111,8 +116,8 @@ type Decay = [[f64; MAX_STATES]; 3];
 pub struct Propagator {
     /// Temperature of the contact surface.
     pub contact: Observed,
-    /// Mean temperature of the cooled surface.
-    pub cooled: Observed,
+    /// Temperatures of the faces that the air cools: beside the contact, far face.
+    pub cooled: [Observed; FACES],
     /// Mean temperature of the body.
     pub mean: Observed,
     decay: [f64; MAX_STATES],
@@ -150,8 +155,8 @@ fn total(sum: [f64; LANES]) -> f64 {
 }
 
 impl Propagator {
-    /// The propagator of `body` over the step `h` (s).
-    pub fn new(body: &ReducedBody, step: f64) -> Propagator {
+    /// The propagator of `body` over the step `step` (s); `cools`: the faces whose temperature is asked for.
+    pub fn new(body: &ReducedBody, step: f64, cools: [bool; FACES]) -> Propagator {
         let mut decay = [[1.0; MAX_STATES]; 3];
         for (point, row) in decay.iter_mut().enumerate() {
             for (value, rate) in row.iter_mut().zip(&body.rate[..body.count]) {
@@ -179,7 +184,12 @@ impl Propagator {
         });
         Propagator {
             contact,
-            cooled: Observed::new(body, &body.cooled_temperature, &decay, step),
+            cooled: [(&body.cooled_temperature, cools[BESIDE]), (&body.base_temperature, cools[FAR])].map(
+                |(observation, asked)| match asked {
+                    true => Observed::new(body, observation, &decay, step),
+                    false => Observed::none(),
+                },
+            ),
             mean: Observed::new(body, &body.mean_temperature, &decay, step),
             decay: decay[2],
             update,

@@ -1,5 +1,6 @@
 //! What one body contributes to the equations of a step.
 
+use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::operators::BodyOperators;
 use super::point::{cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
@@ -13,11 +14,13 @@ pub struct StageBody<'a> {
     pub propagator: Option<&'a Propagator>,
     /// Contact temperature at the three points without contact and cooling flux.
     pub level: [f64; 3],
-    /// Temperature of the cooled surface likewise.
-    pub cooled: [f64; 3],
+    /// Temperatures of the cooled faces at both stages likewise.
+    pub cooled: [[f64; 2]; FACES],
     /// Stage fluxes through every port.
     pub flux: [[f64; 2]; PORTS],
     pub active: [bool; PORTS],
+    /// Faces whose flux follows from their temperature.
+    cools: [bool; FACES],
 }
 
 impl<'a> StageBody<'a> {
@@ -32,22 +35,28 @@ impl<'a> StageBody<'a> {
             body,
             propagator,
             level: [ambient[0], 0.0, ambient[1]],
-            cooled: [0.0; 3],
+            cooled: [[0.0; 2]; FACES],
             flux: [[0.0; 2]; PORTS],
-            active: [true, body.variable_cooling, ambient != [0.0; 2], far != [0.0; 2]],
+            active: [true, false, ambient != [0.0; 2], far != [0.0; 2]],
+            cools: body.air.each_ref().map(|face| face.acts()),
         };
         stage.flux[Port::Ambient as usize] = ambient;
         stage.flux[Port::Base as usize] = far;
         if let (Some(propagator), Some(heat)) = (propagator, &body.heat) {
             for point in [0, 2] {
                 stage.level[point] = stage.observe(&propagator.contact, point, state, heat.count);
-                if body.variable_cooling {
-                    stage.cooled[point] = if body.cooled_is_contact {
-                        stage.level[point]
-                    } else {
-                        stage.observe(&propagator.cooled, point, state, heat.count)
-                    };
+                for face in 0..FACES {
+                    if stage.cools[face] {
+                        stage.cooled[face][point / 2] = if face == BESIDE && body.cooled_is_contact {
+                            stage.level[point]
+                        } else {
+                            stage.observe(&propagator.cooled[face], point, state, heat.count)
+                        };
+                    }
                 }
+            }
+            for (port, cools) in PORTS_OF_FACES.into_iter().zip(stage.cools) {
+                stage.active[port] |= cools;
             }
         }
         stage
@@ -57,8 +66,8 @@ impl<'a> StageBody<'a> {
     #[inline]
     fn observe(&self, observed: &Observed, point: usize, state: &BodyState, count: usize) -> f64 {
         let mut sum = observed.of_states(point, &state.heat, count);
-        for port in [Port::Ambient as usize, Port::Base as usize] {
-            if self.active[port] {
+        for (port, found) in [(Port::Ambient as usize, false), (Port::Base as usize, self.cools[FAR])] {
+            if self.active[port] && !found {
                 sum += observed.of_flux(port, point, self.flux[port]);
             }
         }
@@ -80,22 +89,31 @@ impl<'a> StageBody<'a> {
 
     /// Contact temperature at `point` without contact flux.
     pub fn contact_level(&self, point: usize) -> f64 {
-        let cooling = Port::Cooling as usize;
         match self.propagator {
-            Some(propagator) if self.active[cooling] => {
-                self.level[point] + propagator.contact.of_flux(cooling, point, self.flux[cooling])
-            }
-            _ => self.level[point],
+            Some(propagator) => self.add_cooling(self.level[point], &propagator.contact, point),
+            None => self.level[point],
         }
     }
 
+    /// Whether the air takes heat that follows from temperatures still to be found.
+    pub fn cools(&self) -> bool {
+        self.cools.contains(&true)
+    }
+
+    /// What contact and cooling add to an observation at `point`.
     pub fn add(&self, of: impl Fn(&Propagator) -> &Observed, point: usize) -> f64 {
-        let Some(propagator) = self.propagator else { return 0.0 };
-        let observed = of(propagator);
-        let mut sum = observed.of_flux(0, point, self.flux[0]);
-        let cooling = Port::Cooling as usize;
-        if self.active[cooling] {
-            sum += observed.of_flux(cooling, point, self.flux[cooling]);
+        self.propagator.map_or(0.0, |propagator| self.add_to(of(propagator), point))
+    }
+
+    fn add_to(&self, observed: &Observed, point: usize) -> f64 {
+        self.add_cooling(observed.of_flux(0, point, self.flux[0]), observed, point)
+    }
+
+    fn add_cooling(&self, mut sum: f64, observed: &Observed, point: usize) -> f64 {
+        for (port, cools) in PORTS_OF_FACES.into_iter().zip(self.cools) {
+            if cools {
+                sum += observed.of_flux(port, point, self.flux[port]);
+            }
         }
         sum
     }
@@ -104,21 +122,36 @@ impl<'a> StageBody<'a> {
         self.propagator.map_or([0.0; 2], |propagator| propagator.contact.gain[0][point])
     }
 
-    /// Updates the cooling fluxes from the present temperatures, linearised in the own flux; returns the
-    /// largest change of temperature that this makes.
+    /// Updates the cooling fluxes from the present temperatures, linearised in the fluxes of both faces at the same stage;
+    /// returns the largest change of temperature that this makes.
     pub fn cool(&mut self, reference: f64, ambient: [f64; 2], forced: [f64; 2]) -> f64 {
-        let cooling = Port::Cooling as usize;
         let Some(propagator) = self.propagator else { return 0.0 };
         let mut change: f64 = 0.0;
         for stage in 0..2 {
             let point = 2 * stage;
-            let t = self.cooled[point] + self.add(|propagator| &propagator.cooled, point);
-            let wanted = cooling_flux(self.body, reference, t, ambient[stage], forced[stage]);
-            let gain = propagator.cooled.gain[cooling][point][stage];
-            let slope = cooling_slope(self.body, reference, t, forced[stage]);
-            let step = (wanted - self.flux[cooling][stage]) / (1.0 + slope * gain);
-            self.flux[cooling][stage] += step;
-            change = maximum(change, (step * propagator.contact.gain[cooling][2][stage]).abs());
+            // What the law asks for more at each face, and by how much each face's loss rises with either flux.
+            let (mut lack, mut matrix) = ([0.0; FACES], [[1.0, 0.0], [0.0, 1.0]]);
+            for face in 0..FACES {
+                if !self.cools[face] {
+                    continue;
+                }
+                let (air, observed) = (&self.body.air[face], &propagator.cooled[face]);
+                let t = self.cooled[face][stage] + self.add_to(observed, point);
+                let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage]);
+                let slope = cooling_slope(air, reference, t, forced[stage]);
+                lack[face] = wanted - self.flux[PORTS_OF_FACES[face]][stage];
+                for (entry, port) in matrix[face].iter_mut().zip(PORTS_OF_FACES) {
+                    *entry += slope * observed.gain[port][point][stage];
+                }
+            }
+            let step = solve(&matrix, lack);
+            for (port, step) in PORTS_OF_FACES.into_iter().zip(step) {
+                // Also what is no number.
+                if step != 0.0 {
+                    self.flux[port][stage] += step;
+                    change = maximum(change, (step * propagator.contact.gain[port][2][stage]).abs());
+                }
+            }
         }
         change
     }
@@ -137,4 +170,13 @@ impl<'a> StageBody<'a> {
         }
         new
     }
+}
+
+/// Solves two equations.
+fn solve(matrix: &[[f64; 2]; 2], right: [f64; 2]) -> [f64; 2] {
+    let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
+    [
+        (right[0] * matrix[1][1] - matrix[0][1] * right[1]) / determinant,
+        (matrix[0][0] * right[1] - matrix[1][0] * right[0]) / determinant,
+    ]
 }

@@ -303,7 +303,11 @@ impl Stages {
         let strip_temperature = strip.contact_level(1)
             + self.strip_gain[1][0] * strip.flux[0][0]
             + self.strip_gain[1][1] * strip.flux[0][1];
-        let temperature = 0.5 * (punch_temperature + strip_temperature);
+        let temperature = {
+            let surfaces = [punch_temperature, strip_temperature];
+            let [punch, strip] = self.split.beside_insulator(surfaces, (into_punch, into_strip));
+            0.5 * (punch + strip)
+        };
         let scale = self.flux_scale(stepper, state, punch);
         let (mut exchange, mut defect) = (0.0, 0.0);
         let conductance = operators.scene.conductance;
@@ -397,7 +401,9 @@ impl Stages {
         let strip_temperature = strip.contact_level(2)
             + self.strip_gain[2][0] * strip.flux[0][0]
             + self.strip_gain[2][1] * strip.flux[0][1];
-        maximum(punch.contact(2), strip_temperature)
+        let into = (punch.flux[0][1], strip.flux[0][1]);
+        let [punch, strip] = self.split.beside_insulator([punch.contact(2), strip_temperature], into);
+        maximum(punch, strip)
     }
 }
 
@@ -490,18 +496,24 @@ impl Splitting {
     /// Contact temperatures at both stages, K above the reference.
     fn temperatures(&self, fluxes: &[(f64, f64); 2]) -> [f64; 2] {
         [0, 1].map(|i| {
-            let mut punch =
-                self.punch_level[i] + self.punch_gain[i][0] * fluxes[0].0 + self.punch_gain[i][1] * fluxes[1].0;
-            let mut strip =
-                self.strip_level[i] + self.strip_gain[i][0] * fluxes[0].1 + self.strip_gain[i][1] * fluxes[1].1;
-            if self.closed && self.conductance > 0.0 {
-                match self.conducts {
-                    (true, false) => strip = punch + self.half_resistance * fluxes[i].0,
-                    (false, true) => punch = strip + self.half_resistance * fluxes[i].1,
-                    _ => {}
-                }
-            }
+            let [punch, strip] = self.surfaces(i, fluxes);
             0.5 * (punch + strip)
         })
+    }
+
+    /// Temperatures of punch and strip at a stage, K above the reference.
+    fn surfaces(&self, i: usize, fluxes: &[(f64, f64); 2]) -> [f64; 2] {
+        let punch = self.punch_level[i] + self.punch_gain[i][0] * fluxes[0].0 + self.punch_gain[i][1] * fluxes[1].0;
+        let strip = self.strip_level[i] + self.strip_gain[i][0] * fluxes[0].1 + self.strip_gain[i][1] * fluxes[1].1;
+        self.beside_insulator([punch, strip], fluxes[i])
+    }
+
+    /// An insulator has no temperature of its own: that of the other surface, and the jump that the contact's resistance makes.
+    fn beside_insulator(&self, [punch, strip]: [f64; 2], into: (f64, f64)) -> [f64; 2] {
+        match self.conducts {
+            (true, false) => [punch, punch + self.half_resistance * into.0],
+            (false, true) => [strip + self.half_resistance * into.1, strip],
+            _ => [punch, strip],
+        }
     }
 }

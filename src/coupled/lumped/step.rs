@@ -6,6 +6,7 @@
 //! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
 //! is the error estimate.
 
+use super::air::Air;
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, Operators};
@@ -16,7 +17,6 @@ use super::stages::Stages;
 use super::state::{NewState, State};
 use crate::contact::friction::FrictionLaw;
 use crate::heat::flash::MAX_FLASH_STATES;
-use crate::heat::reduced::Port;
 use crate::numerics::maximum::{all_finite, maximum};
 
 /// Both bodies over one step size.
@@ -33,7 +33,10 @@ pub struct Propagators {
 impl Propagators {
     /// Weights for the step `step` (s).
     pub fn new(operators: &Operators, step: f64) -> Propagators {
-        let of = |body: &BodyOperators| body.heat.as_ref().map(|heat| Propagator::new(heat, step));
+        let of = |body: &BodyOperators| {
+            let cools = body.air.each_ref().map(Air::acts);
+            body.heat.as_ref().map(|heat| Propagator::new(heat, step, cools))
+        };
         let flash = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
         Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), flash }
     }
@@ -104,7 +107,7 @@ impl Stepper<'_> {
         let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
         for body in [&mut punch, &mut strip] {
-            if body.active[Port::Cooling as usize] {
+            if body.cools() {
                 body.cool(state.reference, ambient, forced);
             }
         }
@@ -112,7 +115,7 @@ impl Stepper<'_> {
             stages.loads(self, state, &punch, &strip);
             let mut change = stages.solve(self, &mut punch, &mut strip);
             for body in [&mut punch, &mut strip] {
-                if body.active[Port::Cooling as usize] {
+                if body.cools() {
                     change = maximum(change, body.cool(state.reference, ambient, forced));
                 }
             }

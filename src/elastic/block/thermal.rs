@@ -162,8 +162,17 @@ impl ThermalBlock {
 
     /// f_top: heat per unit depth and unit outside temperature through a convecting top [W/(m K)]; 0 for a held one.
     pub fn top_load(&self) -> Mat<f64> {
+        self.over_top(self.properties.top_convection())
+    }
+
+    /// int_top v [m]: heat per unit depth and unit flux into a top that is not held; 0 for a held one.
+    pub fn top_integrals(&self) -> Mat<f64> {
+        self.over_top(1.0)
+    }
+
+    fn over_top(&self, coefficient: f64) -> Mat<f64> {
         let mut load = Mat::zeros(self.degrees(), 1);
-        if let TopCondition::Convecting(coefficient) = self.properties.top {
+        if self.properties.top != TopCondition::Held {
             for column in 0..self.mesh.x.intervals() {
                 // Integrals over an edge: half its size for each vertex, -sqrt(2/3) of that for the quadratic function.
                 let integrals = [1.0, 1.0, -(2.0f64 / 3.0).sqrt()];

@@ -19,7 +19,7 @@
 //! while it is not, and the mean of that over the contact is the mean over the circle.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
-use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -272,7 +272,7 @@ impl LineHeat for DiscHeat {
         self.ring.held_distortion(self.split(state).0, surroundings, flux, velocity, distortion);
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
         self.ring.cooled_temperature(self.split(state).0, surroundings, flux)
     }
 

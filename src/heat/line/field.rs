@@ -22,7 +22,7 @@
 
 mod operators;
 
-use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, GAMMA, Gains, LineHeat, Stage, Surroundings};
 use crate::elastic::Cells;
 use crate::elastic::block::{
     Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
@@ -100,6 +100,7 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
         capacity: vector(&block.uniform_capacity()),
         sides: vector(&block.side_integrals()),
         top: vector(&block.top_load()),
+        far_face: vector(&block.top_integrals()),
         outflow: block.top_outflow().map(|outflow| (vector(&outflow.by_field), outflow.by_outside)),
         properties,
         cooled,
@@ -228,7 +229,9 @@ impl LineHeat for FieldHeat {
         tallies[1] += lost;
         // The top takes what the balance leaves; an insulated one nothing, and rounding goes to the sides.
         let rest = received - gained - lost;
-        tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest;
+        let through_top = step * operators.top_width() * surroundings.mean_far();
+        tallies[2] -= through_top;
+        tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest + through_top;
     }
 
     fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
@@ -251,8 +254,10 @@ impl LineHeat for FieldHeat {
         self.of_state(state, surroundings, |operators, field, origin| operators.distort(field, origin, distortion));
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> f64 {
-        self.of_state(state, surroundings, |operators, field, origin| operators.cooled_mean(field) + origin)
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; FACES] {
+        let mean =
+            |operators: &Operators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
+        self.of_state(state, surroundings, mean)
     }
 
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
@@ -261,7 +266,7 @@ impl LineHeat for FieldHeat {
         let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         operators.field(state, origin, start);
         operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [early, late]);
-        let temperature = operators.cooled_mean(late) + origin;
+        let temperature = operators.cooled_means(late).map(|mean| mean + origin);
         CooledAhead { temperature, rise: prepared.cooled_rise, lagging: 0.0 }
     }
 
@@ -275,7 +280,7 @@ impl LineHeat for FieldHeat {
                 }
                 (None, TopCondition::Held) => 0.0,
             };
-            [operators.ambient_flow(field, surroundings), far]
+            [operators.ambient_flow(field, surroundings), far - operators.top_width() * surroundings.far]
         })
     }
 

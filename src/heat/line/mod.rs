@@ -53,18 +53,27 @@ pub enum Stage {
     End,
 }
 
-/// What acts on a body besides the contact: constant over a step but for the cooling, which is linear.
+/// Faces that the air cools beyond their constant heat transfer: the free surface beside the contact, and the far face (punch
+/// top, strip base) where its temperature is not prescribed.
+pub const FACES: usize = 2;
+pub const BESIDE: usize = 0;
+pub const FAR: usize = 1;
+
+/// What acts on a body besides the contact: constant over a step but for the fluxes by the air, which are linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Surroundings {
-    /// Flux into the cooled surface beyond its constant convection (forced part, radiation) at the end of the step, W/m2 of
-    /// cooled area.
+    /// Flux into the surface beside the contact beyond its constant convection (forced part, radiation) at the end of the step,
+    /// W/m2 of cooled area.
     pub cooling: f64,
     /// By how much it falls over the step.
     pub cooling_fall: f64,
     /// Temperature of the air.
     pub ambient: f64,
-    /// Prescribed temperature of the far face (punch top, strip base), where it is held or external.
+    /// What is prescribed at the far face at the end of the step: its temperature where it is held or external; where the air takes
+    /// more than by its constant convection, the flux into it by that, W/m2.
     pub far: f64,
+    /// By how much it falls over the step; 0 of a temperature.
+    pub far_fall: f64,
 }
 
 impl Surroundings {
@@ -74,6 +83,8 @@ impl Surroundings {
             Stage::First => Surroundings {
                 cooling: self.cooling + (1.0 - GAMMA) * self.cooling_fall,
                 cooling_fall: GAMMA * self.cooling_fall,
+                far: self.far + (1.0 - GAMMA) * self.far_fall,
+                far_fall: GAMMA * self.far_fall,
                 ..*self
             },
             Stage::End => *self,
@@ -84,16 +95,32 @@ impl Surroundings {
     fn mean_cooling(&self) -> f64 {
         self.cooling + 0.5 * self.cooling_fall
     }
+
+    /// Mean of what is prescribed at the far face over the step.
+    fn mean_far(&self) -> f64 {
+        self.far + 0.5 * self.far_fall
+    }
+
+    /// The fluxes by the air at the end of the step; `held`: the far face has a temperature.
+    pub fn by_air(&self, held: bool) -> [f64; FACES] {
+        [self.cooling, if held { 0.0 } else { self.far }]
+    }
+
+    /// The same surroundings with these fluxes by the air, constant over the step; `held` as above.
+    pub fn with_air(&self, flux: [f64; FACES], held: bool) -> Surroundings {
+        let far = if held { self.far } else { flux[FAR] };
+        Surroundings { cooling: flux[BESIDE], cooling_fall: 0.0, far, far_fall: 0.0, ..*self }
+    }
 }
 
-/// What is to be expected of the cooled surface at the end of the prepared step.
+/// What is to be expected of the cooled faces at the end of the prepared step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CooledAhead {
-    /// Its mean temperature there.
-    pub temperature: f64,
-    /// By how much that rises with the cooling there, the cooling at the start held, K m2/W.
-    pub rise: f64,
-    /// What is in `temperature` as it is at the start of the step: the part that is not looked ahead for.
+    /// Their mean temperatures there.
+    pub temperature: [f64; FACES],
+    /// By how much those (rows) rise with the fluxes by the air there (columns), the fluxes at the start held, K m2/W.
+    pub rise: [[f64; FACES]; FACES],
+    /// What is in the first of `temperature` as it is at the start of the step: the part that is not looked ahead for.
     pub lagging: f64,
 }
 
@@ -214,13 +241,14 @@ pub trait LineHeat: Debug + Send {
         distortion: &mut [f64],
     );
 
-    /// Mean temperature of the cooled surface, with the state held.
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64;
+    /// Mean temperatures of the cooled faces, with the state held.
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES];
 
-    /// The cooled surface at the end of the prepared step, for the fluxes that are expected into the cells at both stages.
+    /// The cooled faces at the end of the prepared step, for the fluxes that are expected into the cells at both stages.
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead;
 
-    /// Heat flows with the state held, W/m: to the air (without the flux `cooling`) and out of the far face.
+    /// Heat flows with the state held, W/m: to the air beside the contact (without the flux `cooling`) and out of the far face, all
+    /// that passes it.
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2];
 
     /// Mean temperature of the whole body.

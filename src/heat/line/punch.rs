@@ -5,7 +5,8 @@
 //!
 //! ```text
 //! C dT/dt = k (T_xx + T_zz)
-//! -k T_z = q (contact)     -k T_n = H (T - T_ambient) - cooling (sides)     -k T_z = H_top (T - T_ambient), or T = T_far (top)
+//! -k T_z = q (contact)     -k T_n = H (T - T_ambient) - cooling (sides)
+//! -k T_z = H_top (T - T_ambient) - far, or T = far (top)
 //! ```
 //!
 //! Conduction in a rectangle separates, so no mesh is needed: across the width the modes are exact ([`across`]), and
@@ -25,6 +26,7 @@ mod assembly;
 mod cylinder;
 mod depth;
 mod distortion;
+mod from_top;
 mod lag;
 pub mod mate;
 mod radial;
@@ -37,7 +39,7 @@ mod waves;
 use super::reduced::ReducedHeat;
 use crate::elastic::Cells;
 use crate::elastic::block::BlockError;
-use crate::scene::{Geometry, Scene, ThermalBoundary};
+use crate::scene::{Body, Geometry, Scene, ThermalBoundary};
 use across::{Across, Sides};
 use assembly::Assembly;
 use depth::{Depth, Points, Top};
@@ -111,8 +113,10 @@ pub fn reduce_with_mean(
             ThermalBoundary::Insulated => Top::Transfer(0.0),
         },
         face: 0.0,
+        driven_top: driven_top(body),
     };
-    let cooled = Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer };
+    let cooled =
+        Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
     let distortion = Distortion::new(scene, cells)?;
     project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration }).map(Some)
 }
@@ -161,6 +165,14 @@ struct Cooled {
     length: f64,
     /// Constant heat transfer coefficient, W/(m2 K).
     transfer: f64,
+    /// Area of the far face over that of the contact.
+    top_area: f64,
+}
+
+/// Whether the air takes more at the far face than by its constant heat transfer.
+fn driven_top(body: &Body) -> bool {
+    let varies = body.convection_forced > 0.0 || body.emissivity > 0.0;
+    body.far_thermal == ThermalBoundary::Convecting && varies
 }
 
 /// Where it is.

@@ -16,7 +16,7 @@ mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
-use super::{Account, CooledAhead, GAMMA, Gains, LineHeat, Stage, Surroundings, kept_steps};
+use super::{Account, CooledAhead, FACES, GAMMA, Gains, LineHeat, Stage, Surroundings, kept_steps};
 use crate::contact::dense;
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -27,6 +27,10 @@ use weights::{StageWeights, Weights};
 
 /// Number of inputs besides the fluxes.
 pub(super) const PORTS: usize = 3;
+
+/// Places of the fluxes by the air among them.
+const COOLING: usize = 0;
+const FAR: usize = 2;
 
 impl Surroundings {
     /// Cooling (at the end), ambient, far: the order of all ports.
@@ -85,11 +89,12 @@ pub(super) struct Operators {
     /// The same for the distortion, m3/W and m per unit of the port.
     pub distortion_by_flux: DMatrix<f64>,
     pub distortion_by_port: [Vec<f64>; PORTS],
-    /// Mean temperature of the cooled surface.
+    /// Mean temperature of the surface beside the contact that is cooled, and of the far face.
     pub cooled: Observation,
+    pub far_face: Observation,
     /// Heat flow to the air by the constant convection, W/m.
     pub ambient_flow: Observation,
-    /// Heat flow out of the far face, W/m.
+    /// Heat flow out of the far face, all that passes it, W/m.
     pub far_flow: Observation,
     /// Of ambient and far flow, see `Operators::passed`.
     pub passed: [Observation; 2],
@@ -172,10 +177,12 @@ impl ReducedHeat {
     fn carry(&self, scratch: &mut Scratch, state: &[f64], until: &Surroundings, stage: Stage, known: &[f64]) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
         modes::decay(state, weights, &operators.input, &until.ports(), &mut scratch.values);
-        if until.cooling_fall != 0.0 {
-            let inputs = weights.falling.iter().zip(&operators.input[0]);
-            let values = scratch.values.iter_mut().zip(inputs);
-            values.for_each(|(value, (falling, input))| *value += falling * input * until.cooling_fall);
+        for (input, fall) in [(&operators.input[COOLING], until.cooling_fall), (&operators.input[FAR], until.far_fall)]
+        {
+            if fall != 0.0 {
+                let values = scratch.values.iter_mut().zip(weights.falling.iter().zip(input));
+                values.for_each(|(value, (falling, input))| *value += falling * input * fall);
+            }
         }
         self.modes.heat(known, scratch);
         self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
@@ -219,6 +226,11 @@ const TALLIES: usize = 4;
 impl Operators {
     fn states(&self) -> usize {
         self.rate.len()
+    }
+
+    /// Mean temperatures of the faces that the air cools.
+    fn faces(&self) -> [&Observation; FACES] {
+        [&self.cooled, &self.far_face]
     }
 
     /// What a flow passes on of its inputs without ever giving it to the states, and the weights of the states in its
@@ -293,8 +305,7 @@ impl LineHeat for ReducedHeat {
 
     fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let (operators, step) = (&*self.operators, self.kept[self.current].step);
-        let [_, ambient, far] = surroundings.ports();
-        let ports = [surroundings.mean_cooling(), ambient, far];
+        let ports = [surroundings.mean_cooling(), surroundings.ambient, surroundings.mean_far()];
         let (states, tallies) = state.split_at_mut(operators.states());
         // The last base asked for has left what the states are without the last flux.
         let scratch = &mut *self.scratch.borrow_mut();
@@ -335,8 +346,9 @@ impl LineHeat for ReducedHeat {
         }
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
-        self.operators.cooled.of(&state[..self.operators.states()], flux, &surroundings.ports())
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
+        let (operators, ports) = (&*self.operators, surroundings.ports());
+        operators.faces().map(|face| face.of(&state[..operators.states()], flux, &ports))
     }
 
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
@@ -345,7 +357,7 @@ impl LineHeat for ReducedHeat {
         self.modes.heat(end, scratch);
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
         CooledAhead {
-            temperature: self.operators.cooled.of(&scratch.values, end, &surroundings.ports()),
+            temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),
             rise: self.kept[self.current].cooled_rise,
             lagging: 0.0,
         }

@@ -48,7 +48,7 @@ pub use depth::Expansion;
 pub(super) use depth::dilatation;
 pub use operators::{Path, Resolution, StripProperties};
 
-use super::{Account, CooledAhead, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, BESIDE, CooledAhead, FACES, Gains, LineHeat, Stage, Surroundings};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
@@ -182,7 +182,8 @@ impl StripHeat {
             *value = weights.mean_factor[k] * state[k]
                 + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
                 + whole * constant
-                + falling * mean.input[CONTACT][k] * surroundings.cooling_fall;
+                + falling * mean.input[CONTACT][k] * surroundings.cooling_fall
+                + falling * mean.input[BASE][k] * surroundings.far_fall;
         }
         states
     }
@@ -391,20 +392,23 @@ impl LineHeat for StripHeat {
         operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
     }
 
-    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> f64 {
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
         let operators = &*self.operators;
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
-        let everywhere = self.held_observation(&operators.mean.contact_temperature, state, surroundings, entering);
+        let mean = &operators.mean;
+        let everywhere = self.held_observation(&mean.contact_temperature, state, surroundings, entering);
+        let base = self.held_observation(&mean.base_temperature, state, surroundings, entering);
         let free = operators.free_length;
         if operators.fresh {
-            return everywhere;
+            return [everywhere, base];
         }
         // The waves' mean over the period is 0: what they have under the contact they lack beside it.
-        if free > 1e-9 * operators.period {
+        let beside = if free > 1e-9 * operators.period {
             everywhere - self.held_mean(state) * (operators.period - free) / free
         } else {
             everywhere
-        }
+        };
+        [beside, base]
     }
 
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
@@ -417,20 +421,29 @@ impl LineHeat for StripHeat {
             [(first, Stage::First), (end, Stage::End)].map(|(flux, stage)| self.mean_flux(flux, covered(stage)));
         // Of the whole strip, also where the contact does not see what it leaves behind.
         let states = self.mean_states(state, surroundings, weights, fluxes);
-        let observed = &mean.contact_temperature;
-        let level = observed.of_states(&states, mean.count)
-            + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
-            + observed.direct[AMBIENT] * surroundings.ambient
-            + observed.direct[BASE] * surroundings.far;
-        let mut rise = observed.direct[CONTACT];
-        for k in 0..mean.count {
-            let [known, own] = weights.mean_weight[k];
-            rise += observed.states[k] * mean.input[CONTACT][k] * (known + own - weights.falling(known));
-        }
+        let faces = [&mean.contact_temperature, &mean.base_temperature];
+        let mut temperature = faces.map(|observed| {
+            observed.of_states(&states, mean.count)
+                + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
+                + observed.direct[AMBIENT] * surroundings.ambient
+                + observed.direct[BASE] * surroundings.far
+        });
+        // The free surface takes its part of the mean wave's surface.
+        let rise = faces.map(|observed| {
+            [(CONTACT, free), (BASE, 1.0)].map(|(port, part)| {
+                let mut rise = observed.direct[port];
+                for k in 0..mean.count {
+                    let [known, own] = weights.mean_weight[k];
+                    rise += observed.states[k] * mean.input[port][k] * (known + own - weights.falling(known));
+                }
+                part * rise
+            })
+        });
         // What the waves have under the contact they lack beside it: see `cooled_temperature`.
         let lacking = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
         let lagging = -lacking * self.held_mean(state);
-        CooledAhead { temperature: level + lagging, rise: free * rise, lagging }
+        temperature[BESIDE] += lagging;
+        CooledAhead { temperature, rise, lagging }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

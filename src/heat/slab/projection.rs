@@ -202,7 +202,7 @@ impl<'a> Basis<'a> {
         }
     }
 
-    /// Loads of the four ports on a function: contact, cooling, ambient, base.
+    /// Loads of the four ports on a function: contact, cooling, ambient, flux into a base that is not held.
     fn loads(&self, function: &Function) -> [f64; PORTS] {
         let slab = self.slab;
         let integral: f64 = self.grid.weight.iter().zip(function.value.iter()).map(|(w, v)| w * v).sum();
@@ -215,7 +215,8 @@ impl<'a> Basis<'a> {
             Base::Held | Base::Insulated => 0.0,
         };
         let ambient = slab.surface_transfer * function.contact + slab.volume_transfer * integral + through_base;
-        [function.contact, cooling, ambient, 0.0]
+        let base = if slab.base == Base::Held { 0.0 } else { function.base };
+        [function.contact, cooling, ambient, base]
     }
 
     fn stiffness(&self, left: &Function, right: &Function) -> f64 {
@@ -302,6 +303,7 @@ impl<'a> Basis<'a> {
             input: [[0.0; MAX_STATES]; PORTS],
             contact_temperature: Observation::NONE,
             cooled_temperature: Observation::NONE,
+            base_temperature: Observation::NONE,
             mean_temperature: Observation::NONE,
             stored: Observation::NONE,
             ambient_flow: Observation::NONE,
@@ -312,6 +314,7 @@ impl<'a> Basis<'a> {
         let ambient = Port::Ambient as usize;
         // What the stationary base temperature gives directly, before the states take their part.
         body.contact_temperature.direct[base] = lift.at(0.0);
+        body.base_temperature.direct[base] = lift.at(slab.height);
         body.mean_temperature.direct[base] = lift.mean();
         body.cooled_temperature.direct[base] = match slab.cooling {
             CoolingPort::Surface => lift.at(0.0),
@@ -332,11 +335,14 @@ impl<'a> Basis<'a> {
                     .zip(mode.value.iter())
                     .map(|((&z, w), v)| w * v * lift.at(z))
                     .sum::<f64>();
-            loads[base] = rate * projection;
+            if lift.held {
+                loads[base] = rate * projection;
+            }
             let flow = slab.surface_transfer * mode.contact + slab.volume_transfer * slab.height * mean;
             let observed = [
                 (&mut body.contact_temperature, mode.contact),
                 (&mut body.cooled_temperature, loads[Port::Cooling as usize]),
+                (&mut body.base_temperature, mode.base),
                 (&mut body.mean_temperature, mean),
                 (&mut body.ambient_flow, flow),
             ];
@@ -346,8 +352,9 @@ impl<'a> Basis<'a> {
                     // The states carry the base's stationary field from here on.
                     observation.direct[base] -= weight * projection;
                 } else {
-                    for port in [Port::Contact, Port::Cooling, Port::Ambient] {
-                        observation.direct[port as usize] += weight * loads[port as usize] / rate;
+                    // A held base acts through its stationary field alone.
+                    for (port, load) in loads.iter().enumerate().take(if lift.held { base } else { PORTS }) {
+                        observation.direct[port] += weight * load / rate;
                     }
                 }
             }
@@ -362,14 +369,16 @@ impl<'a> Basis<'a> {
         body.close_balance();
         // Heat of the stationary field that the states do not hold: it enters and leaves with the base temperature
         // itself, through the base, so it is no part of the flow that the balance closes.
-        body.stored.direct[base] = areal * body.mean_temperature.direct[base];
+        if lift.held {
+            body.stored.direct[base] = areal * body.mean_temperature.direct[base];
+        }
         body
     }
 }
 
 impl ReducedBody {
     /// The flow out of the base is what the balance leaves: input - stored' - flow to ambient. For a
-    /// convecting base this equals `Hb (T(h) - T_ambient)` of the reduced field.
+    /// convecting base this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there.
     pub fn close_balance(&mut self) {
         for k in 0..self.count {
             self.base_flow.states[k] = self.stored.states[k] * self.rate[k] - self.ambient_flow.states[k];

@@ -33,10 +33,10 @@ fn transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
     body.convection + body.convection_forced * speed.powf(0.8) + radiation
 }
 
-fn through_far_face(body: &Body) -> bool {
+fn through_far_face(body: &Body, scene: &Scene, speed: f64) -> bool {
     match body.far_thermal {
         ThermalBoundary::Held | ThermalBoundary::External => true,
-        ThermalBoundary::Convecting => body.convection > 0.0,
+        ThermalBoundary::Convecting => transfer(body, scene, speed) > 0.0,
         ThermalBoundary::Insulated => false,
     }
 }
@@ -44,13 +44,13 @@ fn through_far_face(body: &Body) -> bool {
 fn leaves_punch(scene: &Scene, speed: f64) -> bool {
     let body = &scene.punch;
     let sides = scene.geometry != Geometry::Periodic || body.cooled_area > 0.0;
-    body.conductivity > 0.0 && (through_far_face(body) || sides && transfer(body, scene, speed) > 0.0)
+    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || sides && transfer(body, scene, speed) > 0.0)
 }
 
 fn leaves_strip(scene: &Scene, speed: f64) -> bool {
     let body = &scene.strip;
     let free = scene.geometry != Geometry::Periodic;
-    body.conductivity > 0.0 && (through_far_face(body) || free && transfer(body, scene, speed) > 0.0)
+    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || free && transfer(body, scene, speed) > 0.0)
 }
 
 /// The scene with a nominal duration for which reduced bodies are good until they are steady; cold, and under a dead load.

@@ -11,13 +11,14 @@ use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactSolver, Normal};
 use crate::coupled::instability::CriticalSpeed;
+use crate::coupled::line::heat::air::cooling;
 use crate::coupled::line::heat::bodies::{Bodies, cooled_part};
+use crate::coupled::line::hottest::Hottest;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
-use crate::heat::STEFAN_BOLTZMANN;
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{BESIDE, FACES, FAR, LineHeat, Stage, Surroundings};
 use crate::numerics::maximum::maximum;
-use crate::scene::{Body, Geometry, Path, Scene};
+use crate::scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 use crate::steady::acceleration::Acceleration;
 use crate::steady::scene::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::steady::{SteadyError, groove, punch_run_in};
@@ -50,6 +51,8 @@ struct Problem<'a> {
     contact: Contact<'a>,
     kind: SteadyKind,
     bodies: Heat,
+    /// Cooled lengths beside the contact, m.
+    cooled_length: [f64; 2],
     step: f64,
     split: Split,
     half_resistance: f64,
@@ -77,6 +80,7 @@ pub(super) fn solve(
         contact: Contact::new(scene, cells, compliances, sliding),
         kind: cold.kind,
         bodies,
+        cooled_length: made.cooled_length,
         step,
         split: Split::new(cells.count(), scene.conductance),
         half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
@@ -86,12 +90,13 @@ pub(super) fn solve(
         radii: relative_radii(scene, cells),
     };
     let count = cells.count();
-    // Temperatures of the cells that friction and wear follow, and of the cooled surfaces, K above the ambient; the
+    // Temperatures of the cells that friction and wear follow, and of the cooled faces, K above the ambient; the
     // pressure, over its mean, for the mean of the friction coefficient.
     let mean = problem.contact.load / problem.contact.weights.iter().sum::<f64>();
-    let mut iterate = vec![0.0; 2 * count + 2];
+    let size = 2 * count + 2 * FACES;
+    let mut iterate = vec![0.0; size];
     iterate.iter_mut().zip(&cold.strokes[0].pressure).for_each(|(value, p)| *value = p / mean);
-    let weights: Vec<f64> = (0..2 * count + 2).map(|k| if k < count { 100.0 } else { 1.0 }).collect();
+    let weights: Vec<f64> = (0..size).map(|k| if k < count { 100.0 } else { 1.0 }).collect();
     let mut acceleration = Acceleration::default();
     let mut closed = vec![true; count];
     let mut change = f64::INFINITY;
@@ -252,46 +257,70 @@ impl Problem<'_> {
         })
     }
 
-    /// Flux into a cooled surface of `t` (K above the ambient) beyond its convection, and how it falls with t.
-    fn cooling(&self, side: usize, t: f64) -> (f64, f64) {
+    /// Flux into a cooled face of `t` (K above the ambient) beyond its convection, and how it falls with t.
+    fn cooling(&self, side: usize, face: usize, t: f64) -> [f64; 2] {
         let scene = self.scene();
-        let (body, part) = if side == 0 { (&scene.punch, 1.0) } else { (&scene.strip, cooled_part(scene)) };
-        let forced = body.convection_forced * self.velocity().abs().powf(0.8);
-        let radiation = STEFAN_BOLTZMANN * body.emissivity;
-        let (ambient, hot) = (scene.ambient_temperature, (scene.ambient_temperature + t).max(0.0));
-        let flux = -forced * t + radiation * (ambient.powi(4) - hot.powi(4));
-        (part * flux, part * (forced + 4.0 * radiation * hot.powi(3)))
+        let body = if side == 0 { &scene.punch } else { &scene.strip };
+        let part = match (side, face) {
+            (_, FAR) if body.far_thermal != ThermalBoundary::Convecting => 0.0,
+            (1, BESIDE) => cooled_part(scene),
+            _ => 1.0,
+        };
+        let forced = self.velocity().abs().powf(0.8);
+        cooling(body, scene.ambient_temperature, t, 0.0, forced).map(|value| part * value)
     }
 
+    /// `cooled` are the temperatures of the cooled faces, punch first.
     fn surroundings(&self, cooled: &[f64]) -> [Surroundings; 2] {
         let scene = self.scene();
         std::array::from_fn(|side| {
             let body = if side == 0 { &scene.punch } else { &scene.strip };
-            let held = body.far_thermal == crate::scene::ThermalBoundary::Held && body.far_temperature > 0.0;
+            let held = body.far_thermal == ThermalBoundary::Held && body.far_temperature > 0.0;
             let far = if held { body.far_temperature - scene.ambient_temperature } else { 0.0 };
-            Surroundings { cooling: self.cooling(side, cooled[side]).0, far, ..Surroundings::default() }
+            let by_air = std::array::from_fn(|face| self.cooling(side, face, cooled[FACES * side + face])[0]);
+            let around = Surroundings { far, ..Surroundings::default() };
+            around.with_air(by_air, body.far_thermal != ThermalBoundary::Convecting)
         })
     }
 
-    /// Temperatures of the cooled surfaces: where the flux that the air takes at them is the one that gives them. `used`
+    /// Temperatures of the cooled faces, punch first: where the fluxes that the air takes at them are those that give them. `used`
     /// are those that the pass took.
-    fn cooled(&self, found: &Found, used: &[f64]) -> [f64; 2] {
-        std::array::from_fn(|side| {
-            let Some(body) = &self.bodies[side] else { return 0.0 };
-            let (_, slope) = self.cooling(side, used[side]);
-            if slope == 0.0 {
-                return 0.0;
-            }
-            let zero = vec![0.0; found.pressure.len()];
+    fn cooled(&self, found: &Found, used: &[f64]) -> [f64; 2 * FACES] {
+        let zero = vec![0.0; found.pressure.len()];
+        let mut temperatures = [0.0; 2 * FACES];
+        for (side, body) in self.bodies.iter().enumerate() {
+            let Some(body) = body else { continue };
+            let far = [&self.scene().punch, &self.scene().strip][side].far_thermal;
+            let held = far != ThermalBoundary::Convecting;
+            let used = &used[FACES * side..FACES * (side + 1)];
+            let slope: [f64; FACES] = std::array::from_fn(|face| self.cooling(side, face, used[face])[1]);
             let found_at = body.cooled_temperature(&found.states[side], &found.surroundings[side], &found.flux[side]);
-            // What a unit of cooling flux does, the fluxes of the contact held.
-            let mut state = vec![0.0; body.states()];
-            let unit = Surroundings { cooling: 1.0, ..Surroundings::default() };
-            body.advance(&mut state, &unit, &zero, &zero);
-            let resistance = body.cooled_temperature(&state, &unit, &zero);
-            // One Newton step for t = found_at + resistance (cooling(t) - cooling(used)).
-            used[side] + (found_at - used[side]) / (1.0 + resistance * slope)
-        })
+            // One Newton step for t = found_at + R (cooling(t) - cooling(used)): (1 + R slope) (t - used) = found_at - used. R: what
+            // unit fluxes do, those of the contact held.
+            let mut matrix = nalgebra::Matrix2::identity();
+            for face in (0..FACES).filter(|&face| slope[face] > 0.0) {
+                let mut flux = [0.0; FACES];
+                flux[face] = 1.0;
+                let unit = Surroundings::default().with_air(flux, held);
+                let mut state = vec![0.0; body.states()];
+                body.advance(&mut state, &unit, &zero, &zero);
+                let resistance = body.cooled_temperature(&state, &unit, &zero);
+                for (other, resistance) in resistance.into_iter().enumerate() {
+                    matrix[(other, face)] += resistance * slope[face];
+                }
+            }
+            let lack =
+                nalgebra::Vector2::from_fn(|face, _| if slope[face] > 0.0 { found_at[face] - used[face] } else { 0.0 });
+            for face in (0..FACES).filter(|&face| slope[face] == 0.0) {
+                // What nothing follows from is not looked for.
+                (0..FACES).for_each(|other| matrix[(face, other)] = f64::from(u8::from(face == other)));
+            }
+            let change = matrix.lu().solve(&lack).unwrap_or_default();
+            for face in (0..FACES).filter(|&face| slope[face] > 0.0) {
+                temperatures[FACES * side + face] = used[face] + change[face];
+            }
+        }
+        temperatures
     }
 
     fn assembled(&self, found: Found, mut accuracy: Accuracy) -> HotState {
@@ -329,12 +358,14 @@ impl Problem<'_> {
             let Some(body) = &self.bodies[side] else { continue };
             let [air, far] = body.flows(&found.states[side], &found.surroundings[side], &found.flux[side]);
             *[&mut flows.punch_top, &mut flows.strip_base][side] = all * far;
-            flows.ambient += all * air;
+            flows.ambient += all * (air - self.cooled_length[side] * found.surroundings[side].cooling);
         }
         let critical = CriticalSpeed::new(scene).at(stroke.friction.abs());
         if critical > 0.0 {
             accuracy.speed_ratio = self.velocity().abs() / critical;
         }
+        let hottest = Hottest::new(contact.cells, scene.geometry == Geometry::Periodic);
+        let highest = hottest.of(&temperature);
         HotState {
             state,
             heat: SteadyHeat {
@@ -345,6 +376,7 @@ impl Problem<'_> {
                     pressure_at: [found.pressure.clone(), found.pressure],
                 }],
                 contact_temperature: [mean; 3],
+                highest,
                 flows,
                 accuracy,
             },

@@ -91,7 +91,7 @@ pub const ROWS: &[Row] = &[
         .shown("um")
         .output(ON_INPUTS),
     // Heat.
-    real("contact_temperature_max", &KELVIN, 400.0, "Highest temperature in the contact zone, on the hotter side")
+    real("contact_temperature_max", &KELVIN, 400.0, "Highest temperature of the contact, on the hotter side: largest mean over a 32nd of the width")
         .shown("degC")
         .output(ON_INPUTS),
     real("heat_flow_punch", &WATT, 1e3, "Friction heat that enters the punches, all faces").shown("kW").output(ON_INPUTS),

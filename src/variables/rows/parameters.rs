@@ -280,7 +280,11 @@ macro_rules! body_rows {
                 concat!($body, ".cooled_area"),
                 &SQUARE_METRE,
                 1e-2,
-                concat!("Area of the free surfaces of the ", $body, " per face; 0: from the geometry"),
+                concat!(
+                    "Cooled area of the ",
+                    $body,
+                    " beside the contact, per face, without top and base; 0: from the geometry"
+                ),
             )
             .shown("cm2")
             .within(0.0, 1e4),

@@ -3,6 +3,8 @@
 use super::exchange::Exchange;
 use super::tangent::Tangent;
 use crate::coupled::line::Line;
+#[cfg(doc)]
+use crate::coupled::line::hottest::Hottest;
 use crate::coupled::line::operators::{Operators, StripWear};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::{INPUTS, StepFailure};
@@ -172,6 +174,8 @@ pub struct Passage {
     pub range: [[Vec<f64>; 2]; 2],
     /// Least, mean and largest value in the cycle of the contact's mean temperature.
     pub contact_temperature: [f64; 3],
+    /// Largest highest temperature in the cycle, see [`Hottest`]; K above the reference.
+    pub highest: f64,
     /// What the cycle adds.
     pub totals: Totals,
     /// How the wear of the cycle follows the gap.
@@ -405,6 +409,7 @@ impl CycleMap {
             strokes: [forward, backward],
             range: watch.range,
             contact_temperature: [watch.contact[0], watch.contact[1] / self.period(), watch.contact[2]],
+            highest: watch.highest,
             totals,
             tangent,
         })
@@ -456,7 +461,7 @@ impl CycleMap {
                         add(&mut passage.flux[side], weight / duration, &own.flux[stage][side]);
                     }
                 }
-                watch.see(&heat.temperature, self.line.operators.cells.widths(), step);
+                watch.see(&heat.temperature, &self.line.operators, step);
             }
         }
         passage.pressure_at[1].copy_from_slice(&self.line.state.pressure);
@@ -475,6 +480,7 @@ struct Watch {
     range: [[Vec<f64>; 2]; 2],
     /// Least, integral over time and largest of the contact's mean.
     contact: [f64; 3],
+    highest: f64,
     last: Option<f64>,
 }
 
@@ -484,11 +490,17 @@ impl Watch {
         Watch {
             range: [all(f64::INFINITY), all(f64::NEG_INFINITY)],
             contact: [f64::INFINITY, 0.0, f64::NEG_INFINITY],
+            highest: f64::NEG_INFINITY,
             last: None,
         }
     }
 
-    fn see(&mut self, temperature: &[Vec<f64>; 2], widths: &[f64], step: f64) {
+    fn see(&mut self, temperature: &[Vec<f64>; 2], operators: &Operators, step: f64) {
+        let widths = operators.cells.widths();
+        let highest = operators.hottest.of(temperature);
+        if highest > self.highest || highest.is_nan() {
+            self.highest = highest;
+        }
         let width: f64 = widths.iter().sum();
         let mut mean = 0.0;
         for (side, values) in temperature.iter().enumerate() {
@@ -508,7 +520,8 @@ impl Watch {
 /// Heat transfer by radiation and moving air over the heat capacity per area, 1/s.
 fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
     let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
-    (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
+    let faces = if body.far_thermal == ThermalBoundary::Convecting { 2.0 } else { 1.0 };
+    faces * (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
 }
 
 /// Inputs of steady sliding: air and faces with a temperature from outside are at the ambient temperature.

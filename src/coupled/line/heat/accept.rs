@@ -6,6 +6,7 @@ use crate::contact::dense;
 use crate::coupled::line::Line;
 use crate::heat::line::{GAMMA, Stage};
 use crate::numerics::maximum::maximum;
+use crate::scene::ThermalBoundary;
 
 /// Part by which the fade may differ from the reference.
 const ZONE: f64 = 0.1;
@@ -117,7 +118,8 @@ impl Line {
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
-            state.cooling[side] = heat.surroundings[side].cooling;
+            let held = [&operators.mean.punch, &operators.mean.strip][side].far != ThermalBoundary::Convecting;
+            state.cooling[side] = heat.surroundings[side].by_air(held);
         }
         (state.lagging, state.last_step) = (heat.lagging, step);
         let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);

@@ -302,15 +302,14 @@ impl Heat {
                 dense::multiply_add(own.gains(stage).temperature.as_slice(), &self.flux[s][side], temperature);
             }
         }
-        // An insulator's surface follows from the second law of the interface.
+        // An insulator's surface follows from the second law of the interface; where it touches nothing it has no temperature of its
+        // own, and shows the other's.
         let conducts = self.conducts();
         if let [true, false] | [false, true] = conducts {
             let own = usize::from(!conducts[1]);
             for i in 0..self.closed.len() {
-                if self.closed[i] && self.half_resistance > 0.0 {
-                    self.temperature[s][own][i] =
-                        self.temperature[s][1 - own][i] + self.friction[s][i] * self.half_resistance;
-                }
+                let apart = if self.closed[i] { self.friction[s][i] * self.half_resistance } else { 0.0 };
+                self.temperature[s][own][i] = self.temperature[s][1 - own][i] + apart;
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs};
 use crate::heat::line::Surroundings;
-use crate::scene::{STATIONS, value};
+use crate::scene::{STATIONS, ThermalBoundary, value};
 use crate::variables::{COUNT, reference};
 
 impl Line {
@@ -15,13 +15,12 @@ impl Line {
         let reference = self.mean.state().reference;
         let inputs = Inputs::from_array(*inputs);
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);
-        let cooling = self.state.heat.as_ref().map_or([0.0; 2], |heat| heat.cooling);
+        let cooling = self.state.heat.as_ref().map_or_else(Default::default, |heat| heat.cooling);
         let far = [conditions.punch_far, conditions.strip_far];
-        std::array::from_fn(|side| Surroundings {
-            cooling: cooling[side],
-            ambient: conditions.ambient,
-            far: far[side],
-            ..Surroundings::default()
+        let bodies = [&self.operators.mean.punch, &self.operators.mean.strip];
+        std::array::from_fn(|side| {
+            let around = Surroundings { ambient: conditions.ambient, far: far[side], ..Surroundings::default() };
+            around.with_air(cooling[side], bodies[side].far != ThermalBoundary::Convecting)
         })
     }
 
@@ -45,7 +44,7 @@ impl Line {
             }
         }
         value!(values, "contact_temperature") = state.mean(areas) + absolute;
-        value!(values, "contact_temperature_max") = state.highest() + absolute;
+        value!(values, "contact_temperature_max") = operators.hottest.of(&state.temperature) + absolute;
         value!(values, "heat_flow_punch") = into(0);
         value!(values, "heat_flow_strip") = into(1);
         value!(values, "heat_flow_punch_top") = far[0];

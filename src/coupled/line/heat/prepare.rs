@@ -1,5 +1,6 @@
 //! Bodies and operators made ready for a step with heat.
 
+use super::air::{balance, cooling};
 use super::bodies::cooled_part;
 use super::{Heat, Reference};
 use crate::coupled::Inputs;
@@ -7,13 +8,8 @@ use crate::coupled::line::Line;
 use crate::coupled::line::path::Path;
 use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::lumped::operators::BodyOperators;
-use crate::heat::STEFAN_BOLTZMANN;
-use crate::heat::line::{GAMMA, Stage, Surroundings};
-use crate::scene::{Body, Scheme};
-
-/// Iterations of Newton's method for the flux into a cooled surface, whose law is convex, and the change at which they end.
-const MOST_ITERATIONS: usize = 20;
-const AGREEMENT: f64 = 1e-12;
+use crate::heat::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
+use crate::scene::{Body, Scheme, ThermalBoundary};
 
 /// Lengths of the last step over which what changed in it is taken to go on: step control doubles a step at most. Where the importer
 /// takes one that is longer by more, after microseconds behind a reversal perhaps, the rate of the last says nothing of its end.
@@ -59,28 +55,41 @@ impl Line {
         let scene = &operators.scene;
         (heat.step, heat.velocity) = (step, velocity);
         let far = [middle.punch_far, middle.strip_far];
-        let each: [(&BodyOperators, &Body, f64); 2] =
-            [(&operators.mean.punch, &scene.punch, 1.0), (&operators.mean.strip, &scene.strip, cooled_part(scene))];
-        for (side, (mean, body, part)) in each.into_iter().enumerate() {
+        let each: [(&BodyOperators, &Body, [f64; FACES]); 2] = [
+            (&operators.mean.punch, &scene.punch, [1.0; FACES]),
+            (&operators.mean.strip, &scene.strip, [cooled_part(scene), 1.0]),
+        ];
+        for (side, (mean, body, parts)) in each.into_iter().enumerate() {
             let ambient = middle.ambient;
-            let mut around = Surroundings { cooling: state.cooling[side], cooling_fall: 0.0, ambient, far: far[side] };
+            let held = mean.far != ThermalBoundary::Convecting;
+            let around = Surroundings { ambient, far: far[side], ..Surroundings::default() };
+            let mut around = around.with_air(state.cooling[side], held);
             if let Some(own) = &mut heat.bodies[side] {
                 match monolithic {
                     true => own.prepare(step, velocity),
                     false => own.prepare_euler(step, velocity),
                 }
-                if mean.variable_cooling {
+                if mean.is_cooled_variably() {
                     let [from, to] = [start, start + step].map(conditions);
-                    let law = |t: f64, at: &Conditions| {
-                        cooling(body, reference, t, at.ambient, at.forced).map(|value| part * value)
+                    let law = |face: usize, t: f64, at: &Conditions| match mean.air[face].acts() {
+                        true => cooling(body, reference, t, at.ambient, at.forced).map(|value| parts[face] * value),
+                        false => [0.0; 2],
                     };
-                    let held = |cooling: f64| {
-                        let around = Surroundings { cooling, ..around };
+                    let with = |flux: [f64; FACES]| {
+                        let around = around.with_air(flux, held);
                         own.cooled_temperature(&state.bodies[side], &around, &state.flux[side])
                     };
-                    let (last, now) = (around.cooling, held(around.cooling));
+                    let last = state.cooling[side];
+                    let now = with(last);
                     // What jumps with the inputs is felt at once, in part.
-                    let begin = balance(last, now, held(last + 1.0) - now, |t| law(t, &from));
+                    let mut at_once = [[0.0; FACES]; FACES];
+                    for face in (0..FACES).filter(|&face| mean.air[face].acts()) {
+                        let mut more = last;
+                        more[face] += 1.0;
+                        let then = with(more);
+                        (0..FACES).for_each(|other| at_once[other][face] = then[other] - now[other]);
+                    }
+                    let begin = balance(last, now, at_once, |face, t| law(face, t, &from));
                     // The contact's fluxes as they have changed so far.
                     let [first, end] = &mut heat.flux;
                     let slopes = state.flux[side].iter().zip(&state.slope[side]);
@@ -88,15 +97,20 @@ impl Line {
                     for ((first, end), (flux, slope)) in expected {
                         (*first, *end) = (flux + GAMMA * step * slope, flux + step * slope);
                     }
-                    around.cooling = begin;
-                    let ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
+                    around = around.with_air(begin, held);
+                    let mut ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
                     let drift = match state.last_step > 0.0 {
                         true => (step / state.last_step).min(FORESEEN) * (ahead.lagging - state.lagging[side]),
                         false => 0.0,
                     };
                     heat.lagging[side] = ahead.lagging;
-                    around.cooling = balance(begin, ahead.temperature + drift, ahead.rise, |t| law(t, &to));
-                    around.cooling_fall = if monolithic { begin - around.cooling } else { 0.0 };
+                    ahead.temperature[BESIDE] += drift;
+                    let end = balance(begin, ahead.temperature, ahead.rise, |face, t| law(face, t, &to));
+                    around = around.with_air(end, held);
+                    if monolithic {
+                        around.cooling_fall = begin[BESIDE] - end[BESIDE];
+                        around.far_fall = if held { 0.0 } else { begin[FAR] - end[FAR] };
+                    }
                 }
             }
             heat.surroundings[side] = around;
@@ -110,27 +124,4 @@ impl Heat {
         let at_once = self.bodies.iter().flatten().map(|own| own.indifference()).fold(f64::INFINITY, f64::min);
         at_once.min(REACH * (self.diffusivity / step).sqrt())
     }
-}
-
-/// The flux into a cooled surface that follows from the temperature that it has with this flux: `t` with the flux `guess`, and by
-/// `rise` more with a unit more. `law` is the flux by the temperature, and how it falls with that.
-fn balance(guess: f64, t: f64, rise: f64, law: impl Fn(f64) -> [f64; 2]) -> f64 {
-    let mut flux = guess;
-    for _ in 0..MOST_ITERATIONS {
-        let [lost, fall] = law(t + rise * (flux - guess));
-        let change = (lost - flux) / (1.0 + rise * fall);
-        flux += change;
-        if change.abs() <= AGREEMENT * flux.abs() {
-            break;
-        }
-    }
-    flux
-}
-
-/// Flux (W/m2 of cooled area) into a surface of the temperature `t` by moving air and radiation, and how it falls with t; K above the
-/// reference.
-fn cooling(body: &Body, reference: f64, t: f64, ambient: f64, forced: f64) -> [f64; 2] {
-    let (hot, air) = ((t + reference).max(0.0), ambient + reference);
-    let (moving, radiation) = (forced * body.convection_forced, STEFAN_BOLTZMANN * body.emissivity);
-    [(ambient - t) * moving + radiation * (air.powi(4) - hot.powi(4)), moving + 4.0 * radiation * hot.powi(3)]
 }

@@ -1,7 +1,7 @@
 //! What heat along the contact line leaves behind; part of a saved state.
 
 use super::bodies::Bodies;
-use crate::heat::line::{Account, LineHeat};
+use crate::heat::line::{Account, FACES, LineHeat};
 use crate::numerics::maximum::all_finite;
 
 /// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
@@ -25,8 +25,8 @@ pub struct HeatState {
     pub faded: f64,
     /// Friction heat of all steps, J per m of depth.
     pub dissipated: f64,
-    /// Heat flux into the cooled surfaces beyond the constant heat transfer at the end of the last step, W/m2.
-    pub cooling: [f64; 2],
+    /// Heat fluxes into the cooled faces of both bodies beyond the constant heat transfer at the end of the last step, W/m2.
+    pub cooling: [[f64; FACES]; 2],
     /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at the start of the last step, K.
     pub lagging: [f64; 2],
     /// Length of the last step, s (0: none yet).
@@ -120,7 +120,7 @@ impl HeatState {
             reference: Place::none(),
             faded,
             dissipated: 0.0,
-            cooling: [0.0; 2],
+            cooling: [[0.0; FACES]; 2],
             lagging: [0.0; 2],
             last_step: 0.0,
             outgrown: [0.0; 2],
@@ -167,43 +167,17 @@ impl HeatState {
     /// Lowest temperature of either surface; not a number where one is not.
     pub fn lowest(&self) -> f64 {
         let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
-        self.extreme(f64::INFINITY, lower)
-    }
-
-    /// What is not all finite numbers, if anything.
-    pub fn not_finite(&self) -> Option<&'static str> {
-        let others = [self.faded, self.dissipated, self.cooling[0], self.cooling[1]];
-        let rows = [
-            ("heat in the punch", &self.bodies[0][..]),
-            ("heat in the strip", &self.bodies[1]),
-            ("the flux into the punch", &self.flux[0]),
-            ("the flux into the strip", &self.flux[1]),
-            ("the temperature of the punch", &self.temperature[0]),
-            ("the temperature of the strip", &self.temperature[1]),
-            ("the distortion", &self.distortion),
-            ("friction, its heat or cooling", &others),
-        ];
-        rows.into_iter().find(|(_, numbers)| !all_finite(numbers)).map(|(name, _)| name)
-    }
-
-    /// Highest temperature of either surface.
-    pub fn highest(&self) -> f64 {
-        self.extreme(f64::NEG_INFINITY, |most: f64, t: f64| if t > most { t } else { most })
-    }
-
-    /// The last of all temperatures that `choose` prefers to the ones before.
-    fn extreme(&self, start: f64, choose: impl Fn(f64, f64) -> f64) -> f64 {
-        let mut found = [start; ABREAST];
+        let mut found = [f64::INFINITY; ABREAST];
         for side in &self.temperature {
             let (groups, rest) = side.as_chunks::<ABREAST>();
             for group in groups {
                 for k in 0..ABREAST {
-                    found[k] = choose(found[k], group[k]);
+                    found[k] = lower(found[k], group[k]);
                 }
             }
-            found[0] = rest.iter().copied().fold(found[0], &choose);
+            found[0] = rest.iter().copied().fold(found[0], lower);
         }
-        found.into_iter().fold(start, choose)
+        found.into_iter().fold(f64::INFINITY, lower)
     }
 
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
@@ -228,7 +202,7 @@ impl HeatState {
             .chain(pressure_slope)
             .chain(distortion)
             .chain([velocity, last, fade, narrow, faded, dissipated, last_step])
-            .chain(cooling)
+            .chain(cooling.iter_mut().flatten())
             .chain(lagging)
             .chain(outgrown)
             .chain(start.iter_mut().flatten())

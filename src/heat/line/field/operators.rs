@@ -3,7 +3,7 @@
 use crate::elastic::block::{
     BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition,
 };
-use crate::heat::line::{GAMMA, Gains, Stage, Surroundings};
+use crate::heat::line::{FACES, GAMMA, Gains, Stage, Surroundings};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::DMatrix;
@@ -26,6 +26,8 @@ pub struct Operators {
     pub capacity: Vec<f64>,
     pub sides: Vec<f64>,
     pub top: Vec<f64>,
+    /// Integrals of the shape functions over the top; nothing of one that is held.
+    pub far_face: Vec<f64>,
     /// Heat flow out of a held top by the unknowns, and by the temperature beside the body; see
     /// [`ThermalBlock::top_outflow`].
     pub outflow: Option<(Vec<f64>, f64)>,
@@ -51,7 +53,7 @@ pub struct Prepared {
     pub factor: ThermalFactor,
     pub gains: Gains,
     /// See [`CooledAhead::rise`](crate::heat::line::CooledAhead::rise).
-    pub cooled_rise: f64,
+    pub cooled_rise: [[f64; FACES]; FACES],
 }
 
 impl Prepared {
@@ -63,7 +65,7 @@ impl Prepared {
             last_used: 0,
             factor: operators.block.empty_factor(),
             gains: Gains { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
-            cooled_rise: 0.0,
+            cooled_rise: [[0.0; FACES]; FACES],
         }
     }
 }
@@ -127,6 +129,9 @@ impl Operators {
         let beside = self.properties.side_convection * outside + self.cooled * surroundings.cooling;
         for ((load, side), top) in load.iter_mut().zip(&self.sides).zip(&self.top) {
             *load = side * beside + top * outside;
+        }
+        if !self.held() && surroundings.far != 0.0 {
+            load.iter_mut().zip(&self.far_face).for_each(|(load, face)| *load += face * surroundings.far);
         }
         if let Some(flux) = flux {
             for (integrals, flux) in self.cells.iter().zip(flux) {
@@ -209,11 +214,19 @@ impl Operators {
         }
         (prepared.step, prepared.euler) = (step, euler);
         let Room { workspace, start, early, late, .. } = room;
-        start.fill(0.0);
         let fall = if euler { 0.0 } else { -1.0 };
-        let rising = Surroundings { cooling: 1.0, cooling_fall: fall, ..Surroundings::default() };
-        self.solve_both(prepared, start, None, &rising, workspace, [early, late]);
-        prepared.cooled_rise = self.cooled_mean(late);
+        let none = Surroundings::default();
+        let rising = [
+            Surroundings { cooling: 1.0, cooling_fall: fall, ..none },
+            Surroundings { far: 1.0, far_fall: fall, ..none },
+        ];
+        for (face, rising) in rising.iter().enumerate().take(if self.held() { 1 } else { FACES }) {
+            start.fill(0.0);
+            self.solve_both(prepared, start, None, rising, workspace, [&mut *early, &mut *late]);
+            for (rises, mean) in prepared.cooled_rise.iter_mut().zip(self.cooled_means(late)) {
+                rises[face] = mean;
+            }
+        }
         Ok(())
     }
 
@@ -236,9 +249,15 @@ impl Operators {
         self.solve(prepared, start, fluxes.map(|[_, end]| end), surroundings, workspace, late);
     }
 
-    /// Mean temperature of the sides, from the origin.
-    pub fn cooled_mean(&self, field: &[f64]) -> f64 {
-        dot(&self.sides, field) / (2.0 * self.properties.height)
+    /// Mean temperatures of the sides and of the top, from the origin.
+    pub fn cooled_means(&self, field: &[f64]) -> [f64; FACES] {
+        let ThermalProperties { width, height, .. } = self.properties;
+        [dot(&self.sides, field) / (2.0 * height), dot(&self.far_face, field) / width]
+    }
+
+    /// Length of the top into which a flux may be prescribed, m.
+    pub fn top_width(&self) -> f64 {
+        if self.held() { 0.0 } else { self.properties.width }
     }
 
     /// The solution of a stage from `start`.

@@ -38,6 +38,9 @@ struct SteadyMode {
     seen: [f64; PORTS],
     /// The same by unit flux.
     seen_by_flux: f64,
+    /// Z at a top that is not held by port, and by unit flux.
+    top: [f64; PORTS],
+    top_by_flux: f64,
 }
 
 impl<'a> Assembly<'a> {
@@ -69,6 +72,11 @@ impl<'a> Assembly<'a> {
         }
     }
 
+    /// What a flux into the far face, per area of its own, gives to a mode across, m^(1/2); 0 where none is prescribed.
+    pub fn top_exposure(&self, wave: &Wave) -> f64 {
+        if self.depth.driven_top { self.cooled.top_area * wave.integral } else { 0.0 }
+    }
+
     /// What it has of a shape through the height.
     fn seen(&self, shape: &Shape) -> f64 {
         match self.cooled.by {
@@ -96,7 +104,11 @@ impl<'a> Assembly<'a> {
     pub fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
-        [cooling, ambient, self.through_held_top(wave, shape)]
+        let far = match self.held() {
+            true => self.through_held_top(wave, shape),
+            false => self.top_exposure(wave) * shape.top,
+        };
+        [cooling, ambient, far]
     }
 
     /// Heat flow of a state through a held top, in W/m over its norm.
@@ -130,7 +142,7 @@ impl<'a> Assembly<'a> {
             By::Sides => (depth.steady_integral(decay), depth.sourced_integral(decay)),
             By::Face => (depth.steady_impedance(decay), depth.steady_impedance(decay)),
         };
-        let mut steady = SteadyMode { contact: [0.0; PORTS], seen: [0.0; PORTS], seen_by_flux };
+        let mut steady = SteadyMode { seen_by_flux, ..SteadyMode::default() };
         steady.contact[COOLING] = exposure * seen_by_flux;
         steady.seen[COOLING] = exposure * seen_by_source;
         let everywhere = match self.cooled.by {
@@ -146,6 +158,22 @@ impl<'a> Assembly<'a> {
             // All that surrounds the body is the air: it takes its temperature.
             steady.contact[AMBIENT] = wave.integral;
             steady.seen[AMBIENT] = everywhere;
+            if !depth.driven_top {
+                return Some(steady);
+            }
+            steady.top[AMBIENT] = wave.integral;
+            let from_top = depth.driven_from_top(decay);
+            let (at_contact, entering) = (from_top.at(0.0).0, self.top_exposure(wave));
+            let seen = match self.cooled.by {
+                By::Sides => from_top.integral(),
+                By::Face => at_contact,
+            };
+            steady.contact[FAR] = entering * at_contact;
+            steady.seen[FAR] = entering * seen;
+            steady.top[FAR] = entering * from_top.at(depth.height).0;
+            // By reciprocity.
+            steady.top[COOLING] = exposure * seen;
+            steady.top_by_flux = at_contact;
         }
         Some(steady)
     }
@@ -166,6 +194,7 @@ impl<'a> Assembly<'a> {
             distortion_by_flux: DMatrix::zeros(cells, cells),
             distortion_by_port: [(); PORTS].map(|()| Vec::new()),
             cooled: Observation::none(count, cells),
+            far_face: Observation::none(count, cells),
             ambient_flow: Observation::none(count, cells),
             far_flow: Observation::none(count, cells),
             passed: Default::default(),
@@ -221,17 +250,20 @@ impl<'a> Assembly<'a> {
             for port in 0..PORTS {
                 left.contact[port] += sign * shape.contact * input[port] / shape.rate;
                 left.seen[port] += sign * self.seen(shape) * input[port] / shape.rate;
+                left.top[port] += sign * shape.top * input[port] / shape.rate;
             }
             left.seen_by_flux += sign * self.seen(shape) * shape.contact / shape.rate;
+            left.top_by_flux += sign * shape.top * shape.contact / shape.rate;
         }
         left
     }
 
-    /// Remainders of the cells' temperatures by the ports, and the temperature of the cooled surface.
+    /// Remainders of the cells' temperatures by the ports, and the temperatures of the cooled faces.
     fn ports(&self, operators: &mut Operators) {
         let length = operators.cooled_length;
         // A surface that has no area is not looked at.
         let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
+        let per_width = if self.depth.driven_top { 0.5 / self.across.half_width } else { 0.0 };
         let mut first = 0;
         for m in 0..SUMMED_MODES.max(self.modes.len()) {
             let mode = self.modes.get(m);
@@ -239,6 +271,7 @@ impl<'a> Assembly<'a> {
             let exposure = self.exposure(wave);
             for shape in mode.map_or(&[][..], |mode| &mode.states[..]) {
                 operators.cooled.states[first] = per_length * exposure * self.seen(shape);
+                operators.far_face.states[first] = per_width * wave.integral * shape.top;
                 first += 1;
             }
             if exposure == 0.0 && wave.integral == 0.0 {
@@ -250,9 +283,11 @@ impl<'a> Assembly<'a> {
                     operators.temperature_by_port[port][i] += left.contact[port] * integral / operators.widths[i];
                 }
                 operators.cooled.fluxes[i] += per_length * exposure * left.seen_by_flux * integral;
+                operators.far_face.fluxes[i] += per_width * wave.integral * left.top_by_flux * integral;
             }
             for port in 0..PORTS {
                 operators.cooled.ports[port] += per_length * exposure * left.seen[port];
+                operators.far_face.ports[port] += per_width * wave.integral * left.top[port];
             }
         }
         if self.across.sides != Sides::Closed && self.cooled.by == By::Sides {
@@ -296,7 +331,8 @@ impl<'a> Assembly<'a> {
                 *flux -= taken * integral;
             }
         }
-        let mut ports = [operators.cooled_length, 0.0, 0.0];
+        let top_length = if self.depth.driven_top { self.cooled.top_area * 2.0 * self.across.half_width } else { 0.0 };
+        let mut ports = [operators.cooled_length, 0.0, top_length];
         for (port, input) in ports.iter_mut().zip(&operators.input) {
             *port -= operators.stored.iter().zip(input).map(|(stored, input)| stored * input).sum::<f64>();
         }
@@ -315,6 +351,8 @@ impl<'a> Assembly<'a> {
         } else if open {
             (far.fluxes, far.ports) = (fluxes, ports);
         }
+        // The flux into the far face passes it inwards.
+        far.ports[FAR] -= top_length;
         if self.held() {
             let projected: f64 = operators.uniform.iter().map(|uniform| uniform * uniform).sum();
             operators.stored_by_far = operators.heat_capacity - projected;

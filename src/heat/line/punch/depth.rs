@@ -33,7 +33,12 @@ pub(super) struct Depth {
     pub top: Top,
     /// H, heat transfer coefficient beside the contact as a mean over the contact's face, W/(m2 K).
     pub face: f64,
+    /// Fluxes into the top are not only those of its constant heat transfer: the space holds what they do.
+    pub driven_top: bool,
 }
+
+/// Rates at which the space holds what a flux into the top does, over k/(C h^2).
+const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
 
 impl Depth {
     pub fn diffusivity(&self) -> f64 {
@@ -41,7 +46,7 @@ impl Depth {
     }
 
     /// h_top/k, 1/m; None where the top is held.
-    fn top_ratio(&self) -> Option<f64> {
+    pub(super) fn top_ratio(&self) -> Option<f64> {
         match self.top {
             Top::Held => None,
             Top::Transfer(transfer) => Some(transfer / self.conductivity),
@@ -333,6 +338,21 @@ impl Basis {
             // What a constant flux settles to while the mean rises for ever.
             self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
         }
+        if self.depth.driven_top {
+            if self.depth.has_steady_state(self.decay) {
+                self.add_from_top(points, self.decay);
+            } else {
+                self.add(points, Function::new(h, points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
+            }
+            for rate in TOP_RATES {
+                self.add_from_top(points, (self.decay * self.decay + rate / (h * h)).sqrt());
+            }
+        }
+    }
+
+    fn add_from_top(&mut self, points: &Points, kappa: f64) {
+        let field = self.depth.driven_from_top(kappa);
+        self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
     }
 
     /// Adds the response to the contact at the real rate `rate`, 1/s; false if the space has it already.
@@ -462,7 +482,7 @@ mod tests {
     #[test]
     fn steady_profiles_satisfy_their_equations() {
         for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
-            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0 };
+            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0, driven_top: false };
             for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0] {
                 if !depth.has_steady_state(decay) {
                     continue;
@@ -495,7 +515,14 @@ mod tests {
     #[test]
     fn slowest_rate_keeps_its_digits() {
         // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
-        let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(1e-6), face: 0.0 };
+        let depth = Depth {
+            height: 0.1,
+            conductivity: 55.0,
+            capacity: 3.6e6,
+            top: Top::Transfer(1e-6),
+            face: 0.0,
+            driven_top: false,
+        };
         let points = Points::new(0.1, 1e5, &[]);
         let mut basis = Basis::new(depth, 0.0);
         basis.add_means(&points);

@@ -309,6 +309,13 @@ impl Assembly<'_> {
                     profile: positions.iter().map(|&z| depth.response(wave.decay, z).0).collect(),
                 },
             });
+            let driven = self.top_exposure(wave);
+            if driven != 0.0 {
+                let from_top = depth.driven_from_top(wave.decay);
+                by_port.push((fields.len(), FAR, driven));
+                let profile = positions.iter().map(|&z| from_top.at(z).0).collect();
+                fields.push(Field { mode: m, integral: from_top.integral(), profile });
+            }
             for (i, shape) in mode.map_or(&[][..], |mode| &mode.states[..]).iter().enumerate() {
                 for (port, input) in self.input(wave, shape).into_iter().enumerate() {
                     by_port.push((first[m] + i, port, -input / shape.rate));

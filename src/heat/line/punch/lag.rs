@@ -147,8 +147,9 @@ impl Assembly<'_> {
             operators.uniform.push(0.0);
             operators.stored.push(0.0);
             operators.input.iter_mut().for_each(|input| input.push(0.0));
-            for flow in [&mut operators.cooled, &mut operators.ambient_flow, &mut operators.far_flow] {
-                flow.states.push(0.0);
+            let Operators { cooled, far_face, ambient_flow, far_flow, .. } = &mut *operators;
+            for observed in [cooled, far_face, ambient_flow, far_flow] {
+                observed.states.push(0.0);
             }
         }
     }

@@ -10,7 +10,7 @@
 use super::across::{Across, Sides};
 use super::depth::{Depth, Top};
 use super::distortion::Distortion;
-use super::{By, Cooled, Wanted, project};
+use super::{By, Cooled, Wanted, driven_top, project};
 use crate::elastic::block::BlockError;
 use crate::elastic::{Base, Cells};
 use crate::heat::line::reduced::ReducedHeat;
@@ -64,8 +64,9 @@ pub fn reduce_mate(
             ThermalBoundary::Insulated => Top::Transfer(0.0),
         },
         face: transfer * length / scene.width,
+        driven_top: driven_top(body),
     };
-    let cooled = Cooled { by: By::Face, length, transfer };
+    let cooled = Cooled { by: By::Face, length, transfer, top_area: spread };
     let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
     let distortion = Distortion::on_base(body, base);
     project(across, depth, cooled, distortion, cells, &Wanted { tolerances: [tolerance; 2], duration }).map(Some)
@@ -150,6 +151,7 @@ mod tests {
                     cooling_fall: 7.0,
                     ambient: 3.0,
                     far: if i % 50 < 25 { -10.0 } else { 4.0 },
+                    far_fall: 0.0,
                 };
                 let step = [1e-3, 0.7, 40.0][i as usize % 3];
                 run.step(step, &first, &end);

@@ -134,7 +134,14 @@ mod tests {
     #[test]
     fn steady_response_is_the_sum_of_all_modes() {
         let cells = Cells::graded(0.03, 7).unwrap();
-        let depth = Depth { height: 0.05, conductivity: 55.0, capacity: 3.6e6, top: Top::Transfer(100.0), face: 0.0 };
+        let depth = Depth {
+            height: 0.05,
+            conductivity: 55.0,
+            capacity: 3.6e6,
+            top: Top::Transfer(100.0),
+            face: 0.0,
+            driven_top: false,
+        };
         for (sides, transfer) in [(Sides::Free, 0.0), (Sides::Free, 4e3), (Sides::Closed, 4e3)] {
             let across = Across { half_width: 0.03, sides, cooled: 2.0, transfer, conductivity: 55.0 };
             let waves = Waves::new(&across, &cells, 256);

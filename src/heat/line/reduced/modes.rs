@@ -91,7 +91,9 @@ pub fn sort(operators: &mut Operators) -> [usize; 2] {
     sorted(&mut operators.stored);
     sorted(&mut operators.uniform);
     operators.input.iter_mut().for_each(sorted);
-    for observed in [&mut operators.cooled, &mut operators.ambient_flow, &mut operators.far_flow] {
+    let observed =
+        [&mut operators.cooled, &mut operators.far_face, &mut operators.ambient_flow, &mut operators.far_flow];
+    for observed in observed {
         sorted(&mut observed.states);
     }
     if !operators.distortion.is_empty() {

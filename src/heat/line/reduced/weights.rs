@@ -1,9 +1,9 @@
 //! Weights of the states for one step: each follows fluxes that are linear over a stage without error.
 
-use super::Operators;
 use super::modes::{Modes, Scratch};
+use super::{COOLING, FAR, Operators};
 use crate::contact::dense;
-use crate::heat::line::{GAMMA, Gains};
+use crate::heat::line::{FACES, GAMMA, Gains};
 
 /// Weights of the states and responses of the cells for one step.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub struct Weights {
     pub last_used: u64,
     pub stages: [StageWeights; 2],
     /// See [`CooledAhead::rise`](crate::heat::line::CooledAhead::rise).
-    pub cooled_rise: f64,
+    pub cooled_rise: [[f64; FACES]; FACES],
 }
 
 /// How a stage's states follow from those at the start of the step.
@@ -46,7 +46,13 @@ impl Operators {
             own: states(),
             gains: Gains { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
         };
-        Weights { step: f64::NAN, euler: false, last_used: 0, stages: [stage(), stage()], cooled_rise: 0.0 }
+        Weights {
+            step: f64::NAN,
+            euler: false,
+            last_used: 0,
+            stages: [stage(), stage()],
+            cooled_rise: [[0.0; FACES]; FACES],
+        }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
@@ -88,12 +94,16 @@ impl Operators {
     }
 
     /// See [`CooledAhead::rise`](crate::heat::line::CooledAhead::rise).
-    fn cooled_rise(&self, end: &StageWeights) -> f64 {
-        let weights = end.constant.iter().zip(&end.falling).zip(&self.input[0]);
-        let states = weights.zip(&self.cooled.states);
-        let by_states: f64 =
-            states.map(|(((constant, falling), input), seen)| seen * (constant - falling) * input).sum();
-        by_states + self.cooled.ports[0]
+    fn cooled_rise(&self, end: &StageWeights) -> [[f64; FACES]; FACES] {
+        self.faces().map(|face| {
+            [COOLING, FAR].map(|port| {
+                let weights = end.constant.iter().zip(&end.falling).zip(&self.input[port]);
+                let states = weights.zip(&face.states);
+                let by_states: f64 =
+                    states.map(|(((constant, falling), input), seen)| seen * (constant - falling) * input).sum();
+                by_states + face.ports[port]
+            })
+        })
     }
 
     fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {

@@ -28,7 +28,8 @@ impl StripHeat {
         let total = over_step([heat(&scratch.first), heat(&scratch.end)]);
         // What the cells got besides the contact: the heat transfer given back, and the cooling that is not there.
         let returned = total - received;
-        let (before, cooling) = (self.account(state).stored, surroundings.mean_cooling());
+        let (cooling, far) = (surroundings.mean_cooling(), surroundings.mean_far());
+        let before = self.account(state).stored;
         let mut ambient = 0.0;
         let carried = self.mean_states(state, surroundings, weights, effective);
         let alone =
@@ -36,7 +37,7 @@ impl StripHeat {
         for k in 0..mean.count {
             let (old, new) = (state[k], carried[k]);
             let source = mean.input[CONTACT][k] * (over_step(effective) + step * cooling)
-                + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * surroundings.far);
+                + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * far);
             if mean.rate[k] > 0.0 {
                 ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
             }
@@ -46,9 +47,7 @@ impl StripHeat {
             }
         }
         ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * cooling)
-            + step
-                * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient
-                    + mean.ambient_flow.direct[BASE] * surroundings.far);
+            + step * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient + mean.ambient_flow.direct[BASE] * far);
         let lost = operators.period * (ambient - step * cooling) - returned;
         let tail = state.len() - TAIL;
         state[tail + 3] = surroundings.far;

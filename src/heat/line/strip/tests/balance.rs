@@ -20,8 +20,9 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
-        let far = if base == Base::Held { 2.0 } else { 0.0 };
-        let air = Surroundings { cooling, cooling_fall: -0.3 * cooling, ambient: 5.0, far };
+        // A temperature, or the flux by moving air.
+        let (far, far_fall) = if base == Base::Held { (2.0, 0.0) } else { (0.4 * cooling, 0.1 * cooling) };
+        let air = Surroundings { cooling, cooling_fall: -0.3 * cooling, ambient: 5.0, far, far_fall };
         let (mut temperature, mut distortion) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut held, mut moved) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut received, mut largest) = (0.0, 0.0f64);
@@ -65,19 +66,35 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let (mut state, zero) = (vec![0.0; body.states()], vec![0.0; 12]);
         body.uniform(20.0, &mut state);
         let mut parts = state.clone();
-        let (step, velocity, fall) = (2.0, [0.01; 2], 3e4);
-        let air = Surroundings { cooling: -4e4, cooling_fall: fall, ambient: 5.0, far: 0.0 };
+        let (step, velocity, fall, far_fall) = (2.0, [0.01; 2], 3e4, -7e3);
+        let air = Surroundings { cooling: -4e4, cooling_fall: fall, ambient: 5.0, far: 9e3, far_fall };
         body.prepare(step, velocity);
         let ahead = body.cooled_ahead(&state, &air, &zero, &zero);
         let more = Surroundings { cooling: air.cooling + 1.0, cooling_fall: fall - 1.0, ..air };
-        let rise = body.cooled_ahead(&state, &more, &zero, &zero).temperature - ahead.temperature;
-        assert!(rise > 0.0 && (ahead.rise - rise).abs() < 1e-7 * rise, "{path:?}: {ahead:?} {rise}");
+        let further = Surroundings { far: air.far + 1.0, far_fall: far_fall - 1.0, ..air };
+        for (flux, more) in [more, further].iter().enumerate() {
+            let then = body.cooled_ahead(&state, more, &zero, &zero).temperature;
+            for face in 0..2 {
+                let (rise, told) = (then[face] - ahead.temperature[face], ahead.rise[face][flux]);
+                assert!(
+                    told > 0.0 && (told - rise).abs() < 1e-7 * ahead.rise[flux][flux],
+                    "{path:?}: {ahead:?} {rise}"
+                );
+            }
+        }
+        let rise = ahead.rise[0][0];
         let [mut early, mut shown, mut moved] = [zero.clone(), zero.clone(), zero.clone()];
         body.base(&state, &air, Stage::First, &zero, &mut early, &mut moved);
         body.advance(&mut state, &air, &zero, &zero);
         for part in [GAMMA, 1.0 - GAMMA] {
             let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
-            let around = Surroundings { cooling: air.cooling + later * fall, cooling_fall: part * fall, ..air };
+            let around = Surroundings {
+                cooling: air.cooling + later * fall,
+                cooling_fall: part * fall,
+                far: air.far + later * far_fall,
+                far_fall: part * far_fall,
+                ..air
+            };
             body.prepare(part * step, velocity);
             body.base(&parts, &around, Stage::End, &zero, &mut shown, &mut moved);
             body.advance(&mut parts, &around, &zero, &zero);
@@ -89,8 +106,13 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         // Up to answers that are interpolated between velocities.
         let lost = body.account(&state).ambient;
         assert!((body.account(&parts).ambient / lost - 1.0).abs() < 1e-9, "{path:?}");
-        let cooled = [&state, &parts].map(|state| body.cooled_temperature(state, &air, &zero));
-        let followed = ahead.temperature - ahead.lagging;
+        let both = [&state, &parts].map(|state| body.cooled_temperature(state, &air, &zero));
+        let (cooled, base) = (both.map(|faces| faces[0]), both.map(|faces| faces[1]));
+        assert!(
+            (base[0] - base[1]).abs() < 1e-9 && (base[0] - ahead.temperature[1]).abs() < 1e-6,
+            "{path:?}: {base:?} {ahead:?}"
+        );
+        let followed = ahead.temperature[0] - ahead.lagging;
         let lagged = cooled[0] - followed;
         assert!((cooled[0] - cooled[1]).abs() < 1e-3 * fall * rise, "{path:?}: {cooled:?}");
         // What lags behind is what the contact lacks of the cooling.
@@ -119,7 +141,7 @@ fn convection_acts_beside_the_contact_only() {
     assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
     let [ambient, far] = body.flows(&state, &air, &flux);
     assert!((ambient / 0.2 - 1.0).abs() < 1e-6 && far.abs() < 1e-6 * 0.2, "{ambient} {far}");
-    let free = body.cooled_temperature(&state, &air, &flux);
+    let [free, _] = body.cooled_temperature(&state, &air, &flux);
     assert!((free * 400.0 * 0.1 / 0.2 - 1.0).abs() < 1e-6, "{free}");
 }
 

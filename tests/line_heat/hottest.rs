@@ -1,0 +1,100 @@
+//! The highest temperature of the contact, and surfaces beside an insulator.
+
+use crate::drive::{Drive, INSULATED};
+
+const CELLS: [f64; 6] = [9.0, 17.0, 33.0, 65.0, 129.0, 257.0];
+
+/// Stock brake without wear: its pressure is singular at the edges, and so is the heat. The highest pressure grows without end on
+/// more and more cells, the highest temperature tends to a number.
+#[test]
+fn the_highest_temperature_converges_with_the_cells() {
+    let found = CELLS.map(|cells| {
+        let mut drive = Drive::stock(&[
+            ("solver.fidelity", 3.0),
+            ("solver.cells", cells),
+            ("solver.tolerance", 1e-3),
+            ("punch.wear_coefficient", 0.0),
+            ("strip.wear_coefficient", 0.0),
+        ]);
+        drive.set("sliding_velocity", 3.0).set("normal_load", 5e3);
+        drive.step(0.25).step(0.25);
+        ["contact_temperature_max", "pressure_max"].map(|name| drive.get(name))
+    });
+    let highest = found.map(|[t, _]| t);
+    let changes: Vec<f64> = highest.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    println!("{found:?} {changes:?}");
+    assert!(changes.windows(2).all(|pair| pair[1] < pair[0]), "{highest:?} {changes:?}");
+    assert!(changes[4] < 2e-4 * (highest[5] - 293.15), "{highest:?} {changes:?}");
+    assert!(found[5][1] > 2.0 * found[3][1], "{found:?}");
+}
+
+/// The limit is that of the same number.
+#[test]
+fn the_temperature_limit_is_that_of_the_highest_temperature() {
+    let run = |limit: f64| {
+        let mut drive = Drive::stock(&[
+            ("solver.fidelity", 3.0),
+            ("solver.cells", 65.0),
+            ("solver.tolerance", 1e-2),
+            ("punch.wear_coefficient", 0.0),
+            ("strip.wear_coefficient", 0.0),
+            ("contact.temperature_limit", limit),
+        ]);
+        drive.set("sliding_velocity", 10.0).set("normal_load", 5e3).step(0.5);
+        (drive.get("contact_temperature_max"), drive.get("limit_reached") as u8 & 2)
+    };
+    let (highest, _) = run(2000.0);
+    assert_eq!(run(highest + 1e-6).1, 0);
+    assert_eq!(run(highest - 1e-6).1, 2);
+}
+
+/// A body of one temperature on an insulator, which it touches in part only or not at all: the contact has its temperature, as the
+/// insulator has none of its own.
+#[test]
+fn beside_an_insulator_open_cells_have_the_temperature_of_the_conductor() {
+    for body in ["punch", "strip"] {
+        let other = if body == "punch" { "strip" } else { "punch" };
+        let insulator = format!("{other}.conductivity");
+        let (own, air) = (format!("{body}.conductivity"), format!("{body}.convection"));
+        for level in [2.0, 3.0] {
+            let mut drive = Drive::stock(&[
+                ("solver.fidelity", level),
+                ("solver.cells", 17.0),
+                (&insulator, 0.0),
+                (&own, 400.0),
+                (&air, 0.0),
+                ("strip.convection_forced", 0.0),
+                ("punch.top_thermal", INSULATED),
+                ("strip.base_thermal", INSULATED),
+                ("strip.length", 0.2),
+                ("punch.height", 0.01),
+                ("contact.initial_shape", 2.0),
+                ("contact.initial_radius", 2.0),
+                ("punch.wear_coefficient", 0.0),
+                ("strip.wear_coefficient", 0.0),
+                ("nominal.duration", 100.0),
+                ("solver.tolerance", 1e-3),
+            ]);
+            drive.set("sliding_velocity", 5.0).set("normal_load", 200.0);
+            (0..10).for_each(|_| {
+                drive.step(1.0);
+            });
+            drive.set("sliding_velocity", 0.0);
+            for load in [200.0, 0.0] {
+                drive.set("normal_load", load);
+                (0..10).for_each(|_| {
+                    drive.step(30.0);
+                });
+                let mean = drive.get(&format!("{body}.mean_temperature"));
+                let (contact, highest) = (drive.get("contact_temperature"), drive.get("contact_temperature_max"));
+                let edge = drive.get("profile.temperature[1]");
+                let open = 1.0 - drive.get("contact_fraction");
+                println!("{body} {level} {load}: open {open}, {mean} {contact} {highest} {edge}");
+                assert!(mean > 294.15 && (level == 2.0 || open > 0.2), "{body} {level} {load}: {mean} {open}");
+                for value in [contact, highest, edge] {
+                    assert!((value - mean).abs() < 5e-3 * (mean - 293.15), "{body} {level} {load}: {value} {mean}");
+                }
+            }
+        }
+    }
+}

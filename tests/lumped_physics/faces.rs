@@ -1,0 +1,166 @@
+//! Convecting tops and bases lose heat as every free face does: by constant and forced convection and by radiation.
+
+use crate::drive::{CONVECTING, Drive, INSULATED};
+use crate::slab::Slab;
+
+const AREA: f64 = 0.1;
+const AMBIENT: f64 = 300.0;
+const CONVECTION: f64 = 12.0;
+const FORCED: f64 = 40.0;
+const EMISSIVITY: f64 = 0.8;
+
+/// Punch and strip cover each other all along: one-dimensional. Their sides are not cooled.
+const COVERED: &[(&str, f64)] = &[
+    ("contact.geometry", 3.0),
+    ("punch.width", 1.0),
+    ("strip.length", 1.0),
+    ("depth", 0.1),
+    ("contact.faces", 1.0),
+    ("contact.friction_coefficient", 1.0),
+    ("contact.conductance", 1e9),
+    ("punch.cooled_area", 1e-12),
+    ("punch.wear_coefficient", 0.0),
+    ("strip.wear_coefficient", 0.0),
+    ("punch.top_thermal", INSULATED),
+    ("strip.base_thermal", INSULATED),
+    ("ambient_temperature", AMBIENT),
+    ("nominal.velocity", 0.0),
+    ("nominal.load", 0.0),
+    ("nominal.duration", 400.0),
+    // Heat is on the cells of the line, and moves nothing.
+    ("punch.thermal_expansion", 1e-10),
+    ("strip.thermal_expansion", 1e-10),
+    ("solver.tolerance", 1e-4),
+];
+
+/// The scene in which only `body` conducts, and the slab that it is: 10 mm of iron, or of a lining through which heat hardly comes.
+fn alone(body: &str, conductivity: f64, more: &[(&str, f64)]) -> (Drive, Slab) {
+    let (other, face) = if body == "punch" { ("strip", "punch.top_thermal") } else { ("punch", "strip.base_thermal") };
+    let mut changes: Vec<(String, f64)> = COVERED.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let own = [
+        ("conductivity", conductivity),
+        ("height", 0.01),
+        ("density", 7200.0),
+        ("specific_heat", 460.0),
+        ("convection", CONVECTION),
+        ("convection_forced", FORCED),
+        ("emissivity", EMISSIVITY),
+    ];
+    changes.extend(own.map(|(name, value)| (format!("{body}.{name}"), value)));
+    changes.extend([(format!("{other}.conductivity"), 0.0), (face.to_owned(), CONVECTING)]);
+    changes.extend(more.iter().map(|(name, value)| ((*name).to_owned(), *value)));
+    let changes: Vec<(&str, f64)> = changes.iter().map(|(name, value)| (name.as_str(), *value)).collect();
+    let slab = Slab {
+        height: 0.01,
+        conductivity,
+        capacity: 7200.0 * 460.0,
+        convection: CONVECTION,
+        convection_forced: FORCED,
+        emissivity: EMISSIVITY,
+        ambient: AMBIENT,
+    };
+    (Drive::stock(&changes), slab)
+}
+
+/// Heats with 3e4 W/m2, blows harder, and lets it cool, in steps of `step` s: contact and mean temperature, heat lost per area.
+fn course(drive: &mut Drive, body: &str, step: f64) -> [f64; 3] {
+    for (velocity, cooling, load) in [(2.0, 0.0, 1.5e3), (2.0, 6.0, 1.5e3), (2.0, 6.0, 0.0)] {
+        drive.set("sliding_velocity", velocity).set("cooling_velocity", cooling).set("normal_load", load);
+        for _ in 0..(100.0 / step) as usize {
+            drive.step(step);
+        }
+    }
+    let lost = if body == "punch" { "heat_lost_punch_top" } else { "heat_lost_strip_base" };
+    ["contact_temperature", &format!("{body}.mean_temperature"), lost].map(|name| drive.get(name))
+}
+
+const PHASES: [(f64, f64, f64); 3] = [(3e4, 2.0, 100.0), (3e4, 8.0, 100.0), (0.0, 8.0, 100.0)];
+
+/// At every level, of either body: temperatures and heat lost are those of finite volumes that know nothing of states and ports.
+#[test]
+fn a_convecting_far_face_cools_as_a_slab_of_finite_volumes() {
+    let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0)];
+    for (level, more) in [("lumped", &[][..]), ("line", &line[..])] {
+        for body in ["punch", "strip"] {
+            for conductivity in [54.0, 1.0] {
+                let (mut drive, slab) = alone(body, conductivity, more);
+                let found = course(&mut drive, body, 1.0);
+                let exact = slab.run(&PHASES);
+                let rise = 3e4 * 100.0 / (slab.capacity * slab.height);
+                println!("{level} {body} {conductivity}: {found:?} {exact:?}");
+                assert!(
+                    (found[0] - exact.face).abs() < 1.5e-3 * rise,
+                    "{level} {body} {conductivity}: {found:?} {exact:?}"
+                );
+                assert!(
+                    (found[1] - exact.mean).abs() < 1e-3 * rise,
+                    "{level} {body} {conductivity}: {found:?} {exact:?}"
+                );
+                assert!((found[2] / AREA / exact.lost - 1.0).abs() < 2e-3, "{level} {body}: {found:?} {exact:?}");
+                assert!(exact.lost > 0.4 * 3e4 * 200.0 * conductivity / 54.0, "{exact:?}");
+                assert!(drive.imbalance() < 1e-9, "{level} {body}: {:e}", drive.imbalance());
+            }
+        }
+    }
+}
+
+/// What enters leaves through the far face at the temperature at which the law of the air gives it, and conduction does the rest.
+#[test]
+fn a_steady_far_face_gives_off_what_enters() {
+    let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0)];
+    for more in [&[][..], &line] {
+        for body in ["punch", "strip"] {
+            let (mut drive, slab) = alone(body, 54.0, more);
+            drive.set("sliding_velocity", 3.0).set("normal_load", 1e3);
+            (0..200).for_each(|_| {
+                drive.step(20.0);
+            });
+            let flux = 3e4;
+            let mut t = AMBIENT;
+            for _ in 0..60 {
+                let [lost, slope] = slab.loss(t, 3.0);
+                t -= (lost - flux) / slope;
+            }
+            let expected = t + flux * slab.height / slab.conductivity;
+            let found = drive.get("contact_temperature");
+            assert!((found - expected).abs() < 1e-4 * (expected - AMBIENT), "{body}: {found} {expected}");
+            let flow = drive.get(if body == "punch" { "heat_flow_punch_top" } else { "heat_flow_strip_base" });
+            let (air, power) = (drive.get("heat_flow_ambient"), drive.get("friction_power"));
+            assert!((flow / power - 1.0).abs() < 1e-4 && air.abs() < 1e-4 * power, "{body}: {flow} {air} {power}");
+            assert!(drive.imbalance() < 1e-9, "{body}: {:e}", drive.imbalance());
+        }
+    }
+}
+
+/// The order of the step in time stays: half the step, a quarter of the error.
+#[test]
+fn cooling_of_the_far_face_is_of_second_order_in_time() {
+    for (body, level) in [("punch", 2.0), ("strip", 2.0), ("punch", 3.0), ("strip", 3.0)] {
+        let run = |parts: u32| {
+            // A tolerance at which no step is cut, and strong cooling.
+            let forced = format!("{body}.convection_forced");
+            let more = [
+                (forced.as_str(), 400.0),
+                ("solver.fidelity", level),
+                ("solver.cells", 9.0),
+                ("solver.tolerance", 0.1),
+            ];
+            let (mut drive, _) = alone(body, 54.0, &more);
+            drive.set("normal_load", 1e3);
+            let (duration, velocity) = (100.0, |time: f64| 3.0 * (time / 100.0_f64).powi(3));
+            let step = duration / f64::from(parts);
+            for part in 0..parts {
+                let time = step * f64::from(part);
+                let (from, to) = (velocity(time), velocity(time + step));
+                drive.set("sliding_velocity", from).slope("sliding_velocity", (to - from) / step);
+                drive.step(step);
+            }
+            drive.get("contact_temperature")
+        };
+        let values = [40, 80, 160, 320].map(run);
+        let changes = [0, 1, 2].map(|k| (values[k + 1] - values[k]).abs());
+        let order = (changes[0] / changes[2]).log2() / 2.0;
+        println!("{body} {level}: order {order}, {values:?}");
+        assert!(order > 1.85 && changes[2] < 1e-2, "{body} {level}: {order} {values:?}");
+    }
+}
