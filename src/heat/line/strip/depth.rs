@@ -53,6 +53,12 @@ impl Depth {
         Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp() }
     }
 
+    /// The layer at the wave number `number` whose dilatation under a unit pressure is given by A and B, multiplied by
+    /// `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
+    pub fn with_dilatation(slab: &Slab, dilatation: Option<(f64, f64)>, number: f64) -> Depth {
+        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp() }
+    }
+
     /// Z(q, s), K m2/W.
     pub fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
         self.slab.impedance(s, self.number)
