@@ -83,6 +83,17 @@ impl CriticalSpeed {
         self.modelled.at(friction)
     }
 
+    /// What grows at this speed, m/s, for a message.
+    pub fn what_grows(&self, friction: f64, speed: f64) -> &'static str {
+        let own = self.modelled(friction);
+        if own > 0.0 && speed > own {
+            "from which on a pressure wave grows"
+        } else {
+            "from which on a wave grows that bends the strip between its two faces; the contact line models one face and does \
+             not show it"
+        }
+    }
+
     /// A speed below which nothing that a contact line models grows at this friction coefficient, m/s: either body taken for
     /// the only one that takes heat up. What the mate takes up besides only raises it.
     pub fn harmless(&self, friction: f64) -> f64 {

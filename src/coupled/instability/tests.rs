@@ -270,7 +270,7 @@ fn half_a_wave_fits_a_guided_punch_and_a_whole_one_a_punch_that_turns() {
 /// The least over all waves lies between those looked at, and the waves of the other face are no part of what is modelled.
 #[test]
 fn two_faces_add_the_waves_that_bend_the_strip() {
-    let mut ring = scene([(PAD, 0.012), (IRON, 0.0055)]);
+    let mut ring = scene([(PAD, 1.0), (IRON, 0.0055)]);
     ring.geometry = crate::scene::Geometry::Periodic;
     ring.width = 0.7383;
     (ring.length, ring.faces, ring.smooth_base) = (ring.width, 1.0, true);

@@ -4,6 +4,7 @@ use crate::coupled::lumped::operators::moving_source;
 use crate::coupled::lumped::shares::{Share, shares};
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material, Merging};
+use crate::heat::lateral::Lateral;
 use crate::heat::line::LineHeat;
 use crate::heat::line::disc::DiscHeat;
 use crate::heat::line::merged::MergedHeat;
@@ -208,6 +209,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         },
         path: path_of(scene),
         expansion,
+        lateral: Lateral::of(scene),
     };
     let way = if scene.is_probe() { scene.nominal_velocity * scene.nominal_duration } else { f64::INFINITY };
     // On a closed path the mean temperature of the strip counts, which levels do not feel alike.

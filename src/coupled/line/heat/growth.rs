@@ -99,11 +99,8 @@ impl Line {
             }
             limit::UNSTABLE => {
                 let (speed, critical) = self.speeds(inputs);
-                write!(
-                    text,
-                    "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, from which on the contact's \
-                     longest pressure wave grows"
-                )
+                let grows = self.operators.mean.critical_speed.what_grows(self.friction_at(inputs), speed);
+                write!(text, "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, {grows}")
             }
             _ => Ok(()),
         }
@@ -112,8 +109,13 @@ impl Line {
     /// Sliding speed and the critical one, m/s; 0: nothing grows.
     fn speeds(&self, inputs: &[f64; INPUTS]) -> (f64, f64) {
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+        (velocity.abs(), self.operators.mean.critical_speed.at(self.friction_at(inputs)))
+    }
+
+    fn friction_at(&self, inputs: &[f64; INPUTS]) -> f64 {
+        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let faded = self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.faded);
-        (velocity.abs(), self.operators.mean.critical_speed.at(faded * self.friction.stribeck(velocity)))
+        faded * self.friction.stribeck(velocity)
     }
 
     /// Notes what a user should know about the step that begins at `inputs`.
@@ -144,7 +146,9 @@ impl Line {
     pub(in crate::coupled::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
         let critical = &self.operators.mean.critical_speed;
-        if speed * friction <= 0.0 || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.modelled(friction)) {
+        if speed * friction <= 0.0
+            || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.modelled(friction))
+        {
             return true;
         }
         if heat.growth.of_body(1, friction, speed) * step > GROWTH {
