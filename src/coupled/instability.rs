@@ -30,7 +30,7 @@
 //! q h = 4 on layers are half-planes, so there the search ends.
 //!
 //! Shear coupling moves the speed by the order of (mu (1-2nu)/(2(1-nu)))^2 and is left out, and so are the edges of the
-//! contact. Sources: R. A. Burton, V. Nerlikar, S. R. Kilaparti, Thermoelastic instability in a seal-like configuration, Wear 24
+//! contact, which hold the longest waves back: a punch of a wave's or half a wave's width may be stable up to twice the speed. Sources: R. A. Burton, V. Nerlikar, S. R. Kilaparti, Thermoelastic instability in a seal-like configuration, Wear 24
 //! (1973) 177-188; K. Lee, J. R. Barber, Frictionally excited thermoelastic instability in automotive disk brakes, J.
 //! Tribology 115 (1993) 607-614.
 

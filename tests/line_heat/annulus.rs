@@ -277,7 +277,8 @@ fn bands_grow_above_the_critical_speed_only() {
         drive.set("sliding_velocity", speed);
         let mut highest = Vec::new();
         for step in 0..60 {
-            drive.step(0.01);
+            // The longest wave takes seconds to grow.
+            drive.step(0.1);
             if step % 20 == 19 {
                 highest.push(drive.get("pressure_max") / drive.get("pressure_mean"));
             }
