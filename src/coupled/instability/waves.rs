@@ -109,7 +109,7 @@ impl Families {
     /// The least Re Z at the sliding speed `speed` of all waves and of those that a contact line models, m/s; infinite:
     /// there is no such wave. Speeds are asked for in ascending order.
     pub fn least(&mut self, speed: f64) -> [f64; 2] {
-        let compare = self.asked % COMPARED == 0;
+        let compare = self.asked.is_multiple_of(COMPARED);
         self.asked += 1;
         let (mut all, mut modelled) = (f64::INFINITY, f64::INFINITY);
         for family in &mut self.families {
