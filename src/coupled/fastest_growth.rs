@@ -24,17 +24,111 @@
 //! therefore short enough for every wave of the mesh. Wear and friction that falls with the temperature only hold growth
 //! back.
 
-use super::instability::{Conductor, Pair};
-use crate::scene::{Geometry, Path, Scene};
+//!
+//! # Layers
+//!
+//! Where a layer is thinner than the wave, a body that is insulated at its base and smooth there takes up less heat and is
+//! lifted more against its stiffness: `1 + Y (Z + rho) >= y [1 + K lambda (Z + rho)]` with `y = min(1, Y/(K lambda))`, and the lift
+//! over the compliance is l times that of half-planes. G times the largest `l/y` over all rates then bounds the growth from
+//! above; in what is stiffer than half-planes G stays.
+
+use super::instability::layer::{FarFace, Layer, half_resistance};
+use crate::elastic::Base;
+use crate::scene::{Body, Geometry, MechanicalBody, Path, Scene};
+use nalgebra::Complex;
 use std::f64::consts::PI;
 
 /// Ratio of the wave numbers looked at: the fastest lies between two of them, a twentieth above them at most.
 const SPACING: f64 = 1.25;
 
+/// Decays into the body over the wave number at which a layer is compared with the half-plane: from at rest in steps of this
+/// ratio, so many.
+const DECAY_RATIO: f64 = 2.0;
+const DECAYS: usize = 10;
+
+/// A conductor of the pair.
+#[derive(Clone, Copy, Debug)]
+struct Conductor {
+    /// K, W/(m K); rho c, J/(m3 K); alpha (1 + nu), 1/K.
+    conductivity: f64,
+    capacity: f64,
+    expansion: f64,
+}
+
+impl Conductor {
+    fn of(body: &Body) -> Conductor {
+        Conductor {
+            conductivity: body.conductivity,
+            capacity: body.density * body.specific_heat,
+            expansion: if body.conductivity > 0.0 { body.thermal_expansion * (1.0 + body.poissons_ratio) } else { 0.0 },
+        }
+    }
+
+    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; an insulator is not entered.
+    fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
+        if self.conductivity == 0.0 {
+            return Complex::new(wave, 0.0);
+        }
+        Complex::new(wave * wave, -wave * speed * self.capacity / self.conductivity).sqrt()
+    }
+}
+
+/// Two bodies as half-planes.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    bodies: [Conductor; 2],
+    /// E*, Pa.
+    modulus: f64,
+    /// 1/(2 h_c), K m2/W.
+    half_resistance: f64,
+}
+
+impl Pair {
+    fn of(scene: &Scene) -> Pair {
+        let compliance = |body: &Body| match body.mechanical {
+            MechanicalBody::Rigid => 0.0,
+            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
+        };
+        Pair {
+            bodies: [Conductor::of(&scene.punch), Conductor::of(&scene.strip)],
+            modulus: 1.0 / (compliance(&scene.punch) + compliance(&scene.strip)),
+            half_resistance: half_resistance(scene),
+        }
+    }
+
+    /// Largest ratio l/y of layers to half-planes for waves that rest in this body, at least 1.
+    fn lift_of_layers(&self, scene: &Scene, body: usize, wave: f64) -> f64 {
+        let own = &self.bodies[body];
+        if own.expansion == 0.0 || !self.modulus.is_finite() {
+            return 1.0;
+        }
+        let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
+        let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
+        let strip = Layer::new(&scene.strip, FarFace::Held(base), wave);
+        // Of half-planes over that of the layers.
+        let stiffness = 2.0 / (self.modulus * wave) / (punch.compliance() + strip.compliance());
+        let layer = if body == 0 { punch } else { strip };
+        let mut largest: f64 = 1.0;
+        let mut decay = wave;
+        for _ in 0..DECAYS {
+            let rate = own.conductivity / own.capacity * (decay * decay - wave * wave);
+            let [uptake, lift] = layer.respond(Complex::from(rate));
+            let lift = lift.re * (decay + wave) / (2.0 * own.expansion);
+            let uptake = (uptake.re / (own.conductivity * decay)).min(1.0);
+            largest = largest.max(lift * stiffness / uptake);
+            decay *= DECAY_RATIO;
+        }
+        largest
+    }
+}
+
 /// The pair of bodies and the waves that its cells resolve.
 #[derive(Clone, Debug)]
 pub struct FastestGrowth {
     pair: Pair,
+    /// Largest lift of layers over that of half-planes for waves that rest in punch and strip, at the wave numbers looked at in
+    /// ascending order, the largest one last.
+    layers: [Vec<f64>; 2],
     /// Smallest and largest wave number, 1/m.
     range: [f64; 2],
     /// Part of the time for which waves at rest in punch and strip are heated; 0: there are none.
@@ -60,7 +154,10 @@ impl FastestGrowth {
             _ => ([1.0; 2], true),
         };
         let range = [PI / width, (PI / smallest).max(PI / width)];
-        FastestGrowth { pair: Pair::of(scene, 2.0 * width), range, heated, free }
+        let pair = Pair::of(scene);
+        let numbers = numbers(range);
+        let layers = [0, 1].map(|body| numbers.clone().map(|wave| pair.lift_of_layers(scene, body, wave)).collect());
+        FastestGrowth { pair, layers, range, heated, free }
     }
 
     /// Fastest growth (1/s) of the waves that rest in the punch (0) or strip (1) at this friction coefficient and sliding
@@ -71,13 +168,8 @@ impl FastestGrowth {
             return 0.0;
         }
         let drive = self.heated[body] * friction * speed * own.expansion * self.pair.modulus;
-        let mut wave = self.range[0];
-        let mut fastest = self.growth(own, mate, self.range[1], drive, speed);
-        while wave < self.range[1] {
-            fastest = fastest.max(self.growth(own, mate, wave, drive, speed));
-            wave *= SPACING;
-        }
-        fastest
+        let waves = numbers(self.range).zip(&self.layers[body]);
+        waves.map(|(wave, layer)| self.growth(own, mate, wave, drive * layer, speed)).fold(0.0, f64::max)
     }
 
     /// b of one wave, 1/s, where it is positive.
@@ -107,6 +199,12 @@ impl FastestGrowth {
     }
 }
 
+/// The wave numbers looked at.
+fn numbers(range: [f64; 2]) -> impl Iterator<Item = f64> + Clone {
+    let below = std::iter::successors(Some(range[0]), |wave| Some(wave * SPACING));
+    below.take_while(move |&wave| wave < range[1]).chain([range[1]])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,8 +214,10 @@ mod tests {
     const INSULATOR: Conductor = Conductor { conductivity: 0.0, capacity: 1e6, expansion: 0.0 };
 
     fn growth(mate: Conductor, conductance: f64, free: bool) -> FastestGrowth {
-        let pair = Pair { bodies: [LINING, mate], wave: 1.0, modulus: 1.056e9, half_resistance: 0.5 / conductance };
-        FastestGrowth { pair, range: [1.0, 1e7], heated: [1.0; 2], free }
+        let pair = Pair { bodies: [LINING, mate], modulus: 1.056e9, half_resistance: 0.5 / conductance };
+        let range = [1.0, 1e7];
+        let layers = [0, 1].map(|_| numbers(range).map(|_| 1.0).collect());
+        FastestGrowth { pair, layers, range, heated: [1.0; 2], free }
     }
 
     #[test]
@@ -153,16 +253,21 @@ mod tests {
 
     #[test]
     fn every_wave_found_solves_the_equation_of_the_critical_speed_where_it_neither_grows_nor_fades() {
-        // At the speed at which Pair's impedance is mu V the rate changes its sign, but for the mate's own lift.
+        // At the speed at which the impedance of half-planes is mu V the rate changes its sign, but for the mate's own lift.
         let mate = Conductor { expansion: 0.0, ..IRON };
-        let pair = Pair { bodies: [LINING, mate], wave: 800.0, modulus: 1.056e9, half_resistance: 25e-6 };
-        let growth = FastestGrowth { pair, range: [800.0, 800.0], heated: [1.0; 2], free: false };
+        let pair = Pair { bodies: [LINING, mate], modulus: 1.056e9, half_resistance: 25e-6 };
+        let layers = [vec![1.0], vec![1.0]];
+        let growth = FastestGrowth { pair, layers, range: [800.0, 800.0], heated: [1.0; 2], free: false };
         let (mut low, mut high) = (1.0, 100.0);
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
             if growth.of_body(0, 0.4, middle) > 0.0 { high = middle } else { low = middle }
         }
-        let exact = pair.impedance([0.0, -high]).re / 0.4;
+        let wave = 800.0;
+        let [own, other] = [LINING.decay(wave, 0.0) * 1.2, mate.decay(wave, -high) * 54.0];
+        let warm = other * 25e-6 + 1.0;
+        let heat = own * warm + other * (own * 25e-6 + 1.0);
+        let exact = (heat / (warm * LINING.expansion / (2.0 * wave) * 1.056e9 * wave)).re / 0.4;
         assert!((high / exact - 1.0).abs() < 0.02, "{high} {exact}");
     }
 }

@@ -4,6 +4,7 @@
 //! the displacement of every cell under a unit traction on every cell. Plane strain; displacement *into* the body
 //! counts positive; tractions are forces per area, `x` runs along the sliding direction from the -x to the +x edge.
 
+pub mod antisymmetric;
 pub mod block;
 mod cells;
 mod half_plane;

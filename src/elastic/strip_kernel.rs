@@ -147,7 +147,7 @@ fn smooth_denominator(u: f64, e: f64) -> f64 {
 }
 
 /// `sinh x - x` by its series, for |x| up to 1.
-fn sinh_less_argument(x: f64) -> f64 {
+pub(super) fn sinh_less_argument(x: f64) -> f64 {
     let square = x * x;
     let (mut term, mut sum) = (x, 0.0);
     for k in 1..12 {

@@ -10,7 +10,7 @@ mod hertz;
 pub mod instability;
 mod pressure_wave;
 mod ring;
-mod special;
+pub(crate) mod special;
 mod wear;
 
 pub use cyclic::{CyclicHalfPlane, HolderKind};

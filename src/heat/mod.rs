@@ -6,6 +6,7 @@
 //! contact, [`flash`] its reduction to a few states whose rates follow the velocity.
 
 pub mod flash;
+pub mod lateral;
 pub mod line;
 pub mod moving_source;
 pub mod reduced;

@@ -15,6 +15,7 @@
 //! Source: J. C. Jaeger, "Moving sources of heat and the temperature at sliding contacts" (1942);
 //! checked against the band on a half-plane. Error of the sums below 1e-6 of the value.
 
+use super::lateral::{Lateral, spread};
 use super::slab::{Base, Slab};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -50,6 +51,8 @@ pub struct MovingSource {
     slab: Slab,
     half_length: f64,
     path: Path,
+    /// Conduction out of the plane.
+    lateral: Option<Lateral>,
     /// Wave number, weight of the moving part, weight of the track's part.
     modes: Vec<(f64, f64, f64)>,
 }
@@ -76,7 +79,7 @@ impl MovingSource {
     /// the contact face is left out: under the contact there is none.
     pub fn new(slab: Slab, half_length: f64, path: Path) -> MovingSource {
         let slab = Slab { surface_transfer: 0.0, volume_transfer: 0.0, ..slab };
-        let mut source = MovingSource { slab, half_length, path, modes: Vec::new() };
+        let mut source = MovingSource { slab, half_length, path, lateral: None, modes: Vec::new() };
         match path {
             Path::Closed(length) => source.periodic(length, 0.0),
             Path::Stroke { stroke, cell } => source.periodic(cell, stroke),
@@ -164,8 +167,22 @@ impl MovingSource {
         }
     }
 
+    /// The source on a layer that goes on beside it.
+    pub fn spreading(self, lateral: Option<Lateral>) -> MovingSource {
+        MovingSource { lateral, ..self }
+    }
+
+    /// Whether heat spreads out of the plane.
+    pub fn spreads(&self) -> bool {
+        self.lateral.is_some()
+    }
+
     /// R(s; v), K m2/W: mean temperature over the contact per uniform flux.
     pub fn response(&self, part: Part, s: Complex<f64>, velocity: f64) -> Complex<f64> {
+        spread(self.lateral.as_ref(), s, |s| self.response_in_plane(part, s, velocity))
+    }
+
+    fn response_in_plane(&self, part: Part, s: Complex<f64>, velocity: f64) -> Complex<f64> {
         let mut sum = Complex::from(0.0);
         for &(q, flash, track) in &self.modes {
             let weight = if part == Part::Flash { flash } else { track };
@@ -175,7 +192,8 @@ impl MovingSource {
                 sum += 0.5 * weight * (self.slab.impedance(s + turning, q) + self.slab.impedance(s - turning, q));
             }
         }
-        if part == Part::Flash && self.path == Path::Endless && self.slab.base == Base::Insulated && velocity > 0.0 {
+        let steady = self.lateral.is_none() && velocity > 0.0;
+        if part == Part::Flash && self.path == Path::Endless && self.slab.base == Base::Insulated && steady {
             // The mean heating left behind: half of it is reached under the contact. It is the
             // residue at q = 0 that the integral's principal value leaves out.
             sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
@@ -185,6 +203,15 @@ impl MovingSource {
 
     /// Quasi-steady R(0; v) for v > 0, real by symmetry.
     pub fn resistance(&self, velocity: f64) -> f64 {
+        if let Some(lateral) = &self.lateral {
+            // With a frequency the integral of the endless path has no pole at q = 0.
+            return lateral.spread(Complex::from(0.0), |s| {
+                let part = |&(q, weight, _): &(f64, f64, f64)| {
+                    weight * self.slab.impedance(s + Complex::new(0.0, q * velocity), q).re
+                };
+                self.modes.iter().map(part).sum::<f64>()
+            });
+        }
         let mut sum = 0.0;
         for &(q, weight, _) in &self.modes {
             sum += weight * self.slab.impedance(Complex::new(0.0, q * velocity), q).re;

@@ -65,7 +65,7 @@ impl Groups {
                 * scene.wear_acceleration
         };
         let depths = [worn(&scene.punch), worn(&scene.strip) * covered];
-        let critical = CriticalSpeed::new(scene).at(scene.friction_coefficient);
+        let critical = CriticalSpeed::new(scene).modelled(scene.friction_coefficient);
         let rotates = scene.constraint == crate::scene::Constraint::TranslateAndRotate
             && scene.geometry == crate::scene::Geometry::Line;
         let hot = scene.ambient_temperature + rise;

@@ -1,8 +1,9 @@
 //! The strip along the contact line: moving bands cell by cell against Jaeger, image sums and plain Fourier sums.
 
-use super::reference::{ClosedPath, LayerBase, band_maximum, band_mean};
+use super::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
 use super::{Problem, known};
 use crate::elastic::{self, Cells, Material};
+use crate::heat::lateral::Lateral;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{LineHeat, Stage, Surroundings};
 use crate::heat::slab::Base;
@@ -18,7 +19,16 @@ fn refused(error: impl std::fmt::Display) -> String {
 
 /// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
 fn unit(height: f64, base: Base, path: Path) -> StripProperties {
-    StripProperties { height, conductivity: 1.0, capacity: 1.0, convection: 0.0, base, path, expansion: None }
+    StripProperties {
+        height,
+        conductivity: 1.0,
+        capacity: 1.0,
+        convection: 0.0,
+        base,
+        path,
+        expansion: None,
+        lateral: None,
+    }
 }
 
 fn base_of(base: LayerBase) -> Base {
@@ -63,6 +73,7 @@ pub(super) fn problems() -> Vec<Problem> {
     between_knots(&mut all);
     closed_paths(&mut all);
     oscillating(&mut all);
+    squares(&mut all);
     distortion(&mut all);
     all
 }
@@ -89,6 +100,29 @@ fn jaeger(all: &mut Vec<Problem>) {
                 steady(&unit(height, base_of(base), Path::OneWay), cells, 1.0, resolution, 2.0 * peclet)
             });
         }
+    }
+}
+
+/// A square on a half-space, whose heat spreads to both sides, against the history integral of what every instant has left under it.
+fn squares(all: &mut Vec<Problem>) {
+    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+    for (peclet, height, cells, path, resolution) in
+        [(1.0, 30.0, 33, Path::OneWay, fast), (10.0, 4.0, 33, Path::OneWay, fast)]
+    {
+        all.push(Problem {
+            name: format!("moving square by cells, half-space, {path:?}, Pe = {peclet}"),
+            quantity: "mean T k/(q l)",
+            exact: Box::new(move || Ok(square_mean(peclet))),
+            scale: None,
+            compute: Box::new(move || {
+                let lateral = Some(Lateral::new(2.0, 1.0));
+                let properties = StripProperties { lateral, ..unit(height, Base::Held, path) };
+                let (cells, values) = steady(&properties, cells, 1.0, resolution, 2.0 * peclet)?;
+                Ok(mean(&cells, &values))
+            }),
+            bound: 5e-3,
+            reason: "eleven decays for what spreads to both sides",
+        });
     }
 }
 
@@ -231,6 +265,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
                     base: Base::Held,
                     path: Path::Closed(path.length),
                     expansion: None,
+                    lateral: None,
                 };
                 let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3, way: f64::INFINITY };
                 let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
@@ -292,6 +327,7 @@ fn distortion(all: &mut Vec<Problem>) {
                 base: Base::Held,
                 path: Path::Stroke { stroke: 0.01, length: 0.0 },
                 expansion: Some(expansion),
+                lateral: None,
             };
             let cells = Cells::graded(0.1, 33).map_err(refused)?;
             let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };

@@ -12,7 +12,54 @@ pub(super) fn problems() -> Vec<Problem> {
     growth(&mut all);
     threshold(&mut all);
     slab(&mut all);
+    disc(&mut all);
     all
+}
+
+/// A disc of 11 mm between two thick pads (K. Lee, J. R. Barber, J. Tribology 115 (1993) 607-614), one wave of 80 1/m round it: the speed
+/// from which it grows bent, and that of two thick bodies. Known values by Simpson's rule through the depth on the stress
+/// function of the bent layer, and bisection.
+fn disc(all: &mut Vec<Problem>) {
+    for (name, half_thickness, exact) in [("11 mm", 5.5e-3, 8.9107), ("1 m", 0.5, 178.53)] {
+        all.push(Problem {
+            name: format!("critical speed of a cast iron disc of {name} between two pads, waves of 80 1/m"),
+            quantity: "speed, m/s",
+            exact: known(exact),
+            scale: None,
+            compute: Box::new(move || {
+                let length = 2.0 * std::f64::consts::PI / 80.0;
+                let mut driven = Driven::new(&[
+                    ("contact.geometry", 3.0),
+                    ("contact.faces", 2.0),
+                    ("contact.friction_coefficient", 0.4),
+                    ("contact.conductance", 1e12),
+                    ("strip.path", 2.0),
+                    ("strip.length", length),
+                    ("punch.width", length),
+                    ("strip.body", 4.0),
+                    ("strip.base_thermal", 3.0),
+                    ("strip.height", half_thickness),
+                    ("strip.youngs_modulus", 125e9),
+                    ("strip.poissons_ratio", 0.25),
+                    ("strip.conductivity", 54.0),
+                    ("strip.density", 7200.0),
+                    ("strip.specific_heat", 54.0 / 12.98e-6 / 7200.0),
+                    ("strip.thermal_expansion", 12e-6),
+                    ("punch.body", 4.0),
+                    ("punch.height", 0.5),
+                    ("punch.youngs_modulus", 0.53e9),
+                    ("punch.poissons_ratio", 0.25),
+                    ("punch.conductivity", 0.5),
+                    ("punch.density", 2000.0),
+                    ("punch.specific_heat", 0.5 / 0.269e-6 / 2000.0),
+                    ("punch.thermal_expansion", 10e-6),
+                ])?;
+                driven.get("critical_speed")
+            }),
+            bound: 5e-3,
+            reason: "interpolation between the speeds of the table",
+        });
+    }
 }
 
 /// Growth rates in full periodic contact of a conducting half-plane on a rigid insulator.

@@ -1,5 +1,6 @@
 //! Exact and independently converged values: quadratures and sums that share no code with the model.
 
+use crate::exact::special::complementary_error;
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
@@ -157,6 +158,30 @@ impl ClosedPath {
             })
             .sum()
     }
+}
+
+/// Mean of T K/(q a) over a square 2a x 2a that slides along a side on a half-space at the Peclet number V a/(2 kd): the integral over
+/// the history of the parts of every instant's heat that are still under the square, along and across.
+pub fn square_mean(peclet: f64) -> f64 {
+    let (steps, low, high) = (4000, 1e-8_f64.ln(), 1e8_f64.ln());
+    let step = (high - low) / f64::from(steps);
+    let part = |time: f64| {
+        let root = 2.0 * time.sqrt();
+        // Second antiderivative of the spread of a point.
+        let primitive = |u: f64| {
+            let z = u / root;
+            let tail = 0.5 * complementary_error(z.abs());
+            u * if z < 0.0 { tail } else { 1.0 - tail } + 0.5 * root / PI.sqrt() * (-z * z).exp()
+        };
+        let overlap = |shift: f64| 0.5 * (primitive(shift + 2.0) - 2.0 * primitive(shift) + primitive(shift - 2.0));
+        overlap(2.0 * peclet * time) * overlap(0.0)
+    };
+    (0..steps)
+        .map(|k| {
+            let time = (low + step * (f64::from(k) + 0.5)).exp();
+            part(time) * (time / PI).sqrt() * step
+        })
+        .sum()
 }
 
 /// Smallest root x in (low, high) of an increasing function, by bisection to rounding.

@@ -289,8 +289,9 @@ fn bands_grow_above_the_critical_speed_only() {
         let speed = ratio * drive.get("critical_speed");
         drive.set("sliding_velocity", speed);
         let mut highest = Vec::new();
-        for step in 0..60 {
-            drive.step(0.01);
+        for step in 0..80 {
+            // The longest wave takes seconds to grow.
+            drive.step(0.1);
             if step % 20 == 19 {
                 highest.push(drive.get("pressure_max") / drive.get("pressure_mean"));
             }
@@ -299,7 +300,7 @@ fn bands_grow_above_the_critical_speed_only() {
         (highest, drive.get("contact_fraction"), drive.imbalance())
     };
     let (below, above) = (unevenness(0.3), unevenness(3.0));
-    assert!(below.1 == 1.0 && below.0[2] < 1.05 * below.0[0], "{below:?}");
-    assert!(above.1 < 0.9 && above.0[2] > 2.0 * below.0[2], "{above:?}");
+    assert!(below.1 == 1.0 && below.0[3] < 1.05 * below.0[0], "{below:?}");
+    assert!(above.1 < 0.9 && above.0[3] > 2.0 * below.0[3], "{above:?}");
     assert!(above.2 < 1e-9, "{above:?}");
 }

@@ -375,7 +375,8 @@ fn the_steps_of_a_cycle_are_short_enough() {
 fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     let light = [("punch.specific_heat", 4.6), ("strip.specific_heat", 4.6)];
     let mut map = map(&[&light[..], &[("nominal.velocity", 0.2)]].concat(), true);
-    assert!((0.6..0.8).contains(&map.speed_ratio()), "{}", map.speed_ratio());
+    // Half a wave across a punch without edges; the edges of this one hold it back.
+    assert!((1.3..1.5).contains(&map.speed_ratio()), "{}", map.speed_ratio());
     let start = map.start();
     let direct = map.steady(&start, &SolveOptions::default()).unwrap();
     println!("{} cycles, {:?}", direct.cycles, direct.residual);

@@ -361,9 +361,9 @@ impl Operators {
         }
         let critical = self.mean.critical_speed.at(scene.friction_coefficient);
         if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
+            let grows = self.mean.critical_speed.what_grows(scene.friction_coefficient, scene.nominal_velocity);
             warnings.push(format!(
-                "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, from which on the contact's \
-                 longest pressure wave grows",
+                "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, {grows}",
                 scene.nominal_velocity
             ));
         }

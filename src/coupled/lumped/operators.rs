@@ -5,6 +5,7 @@ use crate::contact::friction::FrictionLaw;
 use crate::coupled::instability::CriticalSpeed;
 use crate::elastic::mean::mean_compliance;
 use crate::heat::flash::Flash;
+use crate::heat::lateral::Lateral;
 use crate::heat::moving_source::{self, MovingSource};
 use crate::heat::reduced::{Observation, ReducedBody};
 use crate::heat::slab::{Base, CoolingPort, Slab};
@@ -214,7 +215,7 @@ pub fn moving_source(scene: &Scene) -> Option<Flash> {
 
 fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flash> {
     (scene.coverage() < 1.0 - 1e-9).then(|| {
-        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path);
+        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path).spreading(Lateral::of(scene));
         Flash::new(&source, scene.nominal_duration, reduction_tolerance(scene))
     })
 }

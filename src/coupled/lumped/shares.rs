@@ -25,6 +25,7 @@
 //! that is small beside the contact's.
 
 use super::operators::{path_of, punch_slab, strip_slab};
+use crate::heat::lateral::Lateral;
 use crate::heat::moving_source::{MovingSource, Part, Path};
 use crate::scene::Scene;
 use nalgebra::Complex;
@@ -62,7 +63,8 @@ pub fn shares(scene: &Scene) -> [Share; 2] {
     let endless = path == Path::Endless;
     let punch = punch_slab(scene, area);
     let (strip, coverage) = strip_slab(scene, area, length, endless);
-    let source = (scene.coverage() < 1.0 - 1e-9).then(|| MovingSource::new(strip, 0.5 * scene.sliding_extent(), path));
+    let source = (scene.coverage() < 1.0 - 1e-9)
+        .then(|| MovingSource::new(strip, 0.5 * scene.sliding_extent(), path).spreading(Lateral::of(scene)));
     let resistance = if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 };
     let impedances = |frequency: f64| {
         let s = Complex::from(frequency);

@@ -44,8 +44,8 @@ pub(super) mod tests;
 mod velocity_table;
 mod waves;
 
-pub use depth::Expansion;
-pub(super) use depth::dilatation;
+pub(crate) use depth::dilatation;
+pub use depth::{Depth, Expansion};
 pub use operators::{Path, Resolution, StripProperties};
 
 use super::{Account, BESIDE, CooledAhead, FACES, Gains, LineHeat, Stage, Surroundings};

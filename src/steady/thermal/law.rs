@@ -178,7 +178,7 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
         durations: [1.0; 2],
     };
     let hot = problem.solve().map_err(|reason| {
-        let critical = CriticalSpeed::new(&scene).at(scene.friction_coefficient);
+        let critical = CriticalSpeed::new(&scene).modelled(scene.friction_coefficient);
         if critical == 0.0 || speed <= critical {
             return reason;
         }

@@ -360,7 +360,7 @@ impl Problem<'_> {
             *[&mut flows.punch_top, &mut flows.strip_base][side] = all * far;
             flows.ambient += all * (air - self.cooled_length[side] * found.surroundings[side].cooling);
         }
-        let critical = CriticalSpeed::new(scene).at(stroke.friction.abs());
+        let critical = CriticalSpeed::new(scene).modelled(stroke.friction.abs());
         if critical > 0.0 {
             accuracy.speed_ratio = self.velocity().abs() / critical;
         }

@@ -15,7 +15,8 @@ const YOUNGS_MODULUS: f64 = 200e9;
 const POISSONS_RATIO: f64 = 0.3;
 const CONDUCTIVITY: f64 = 50.0;
 const CAPACITY: f64 = 7800.0 * 460.0;
-const HEIGHT: f64 = 5e-3;
+/// Lower than the pin is deep: a track as deep as the pin, out of which no heat spreads.
+const HEIGHT: f64 = 1.9e-3;
 const CONDUCTANCE: f64 = 1e6;
 const DURATION: f64 = 10.0;
 
@@ -60,7 +61,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
     Ok(DriveProblem {
         name: "one_way_pin",
         title: "One-way pin: a flat rigid pin wears on a track of steel",
-        data: "2 x 2 mm, 100 N, 0.5 m/s for 10 s, mu 0.3, wear 4.5e-6 mm3/(N m), track 5 mm high on a held base, Peclet number 18",
+        data: "2 x 2 mm, 100 N, 0.5 m/s for 10 s, mu 0.3, wear 4.5e-6 mm3/(N m), track 1.9 mm high on a held base, Peclet number 18",
         starts,
         inputs: Box::new(|_| [VELOCITY, LOAD]),
         step: 0.1,

@@ -383,7 +383,7 @@ fn holder(group: Group, frame: &Frame, random: &mut Random, draft: &mut Draft) {
 /// Expansion is reduced where the nominal speed would be near the critical one.
 fn stay_stable(random: &mut Random, draft: &mut Draft) {
     let Ok(scene) = Scene::new(&draft.values, None) else { return };
-    let critical = CriticalSpeed::new(&scene).at(scene.friction_coefficient);
+    let critical = CriticalSpeed::new(&scene).modelled(scene.friction_coefficient);
     let wanted = random.scaled(0.02, 0.6);
     if critical > 0.0 && scene.nominal_velocity > wanted * critical {
         let factor = wanted * critical / scene.nominal_velocity;

@@ -41,7 +41,9 @@ pub fn balance(
 /// Flux (W/m2 of cooled area) into a face of the temperature `t` by moving air and radiation, and how it falls with t; K above the
 /// reference. `forced` is (v_c/v_0)^0.8.
 pub fn cooling(body: &Body, reference: f64, t: f64, ambient: f64, forced: f64) -> [f64; 2] {
-    let (hot, air) = ((t + reference).max(0.0), ambient + reference);
+    // Nothing radiates below 0 K, where only an iteration goes; what is no number stays none.
+    let absolute = t + reference;
+    let (hot, air) = (if absolute < 0.0 { 0.0 } else { absolute }, ambient + reference);
     let (moving, radiation) = (forced * body.convection_forced, STEFAN_BOLTZMANN * body.emissivity);
     [(ambient - t) * moving + radiation * (air.powi(4) - hot.powi(4)), moving + 4.0 * radiation * hot.powi(3)]
 }

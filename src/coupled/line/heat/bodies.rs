@@ -4,6 +4,7 @@ use crate::coupled::lumped::operators::moving_source;
 use crate::coupled::lumped::shares::{Share, shares};
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material};
+use crate::heat::lateral::Lateral;
 use crate::heat::line::LineHeat;
 use crate::heat::line::disc::DiscHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
@@ -195,6 +196,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         },
         path: path_of(scene),
         expansion,
+        lateral: Lateral::of(scene),
     };
     let (duration, way) = (scene.nominal_duration, f64::INFINITY);
     let mut resolution = Resolution { duration, shortest: shortest(scene), tolerance, way };

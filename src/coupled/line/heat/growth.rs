@@ -3,7 +3,7 @@
 //! Above the critical speed friction heat makes pressure waves grow. An L-stable step that is too long damps them instead,
 //! and says nothing. So the step h must follow the fastest growth b, `b h <= 0.3`.
 //!
-//! Where [`FastestGrowth`] bounds b well enough for that, there is nothing to do. It knows half-planes without wear; where it
+//! Where [`FastestGrowth`] bounds b well enough for that, there is nothing to do. It knows layers without wear; where it
 //! does not let the step pass, the matrix of a stage tells more. Let the pressure at t follow from the distortion by what was
 //! heated before, `p(t) = integral k(s) p(t - s) ds`, k >= 0 and falling, as heat fades. Growth at b means
 //!
@@ -39,8 +39,8 @@ const GROWTH: f64 = 0.3;
 const UNNOTICED_WEAR: f64 = 0.05;
 const LARGEST_WEAR: f64 = 0.5;
 
-/// Part of the critical speed below which nothing grows, whatever the half-planes of its formula leave out: a factor of two
-/// for edges, and for bodies thinner than the wave.
+/// Part of the critical speed of what the line models below which nothing grows, whatever the layers of its formula leave out: a
+/// factor of two for edges.
 const SURELY_STABLE: f64 = 0.5;
 
 /// Penalty on a change of the load against the largest diagonal entry.
@@ -100,11 +100,8 @@ impl Line {
             }
             limit::UNSTABLE => {
                 let (speed, critical) = self.speeds(inputs);
-                write!(
-                    text,
-                    "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, from which on the contact's \
-                     longest pressure wave grows"
-                )
+                let grows = self.operators.mean.critical_speed.what_grows(self.friction_at(inputs), speed);
+                write!(text, "thermoelastically unstable: sliding at {speed} m/s is above {critical} m/s, {grows}")
             }
             _ => Ok(()),
         }
@@ -113,8 +110,13 @@ impl Line {
     /// Sliding speed and the critical one, m/s; 0: nothing grows.
     fn speeds(&self, inputs: &[f64; INPUTS]) -> (f64, f64) {
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+        (velocity.abs(), self.operators.mean.critical_speed.at(self.friction_at(inputs)))
+    }
+
+    fn friction_at(&self, inputs: &[f64; INPUTS]) -> f64 {
+        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let faded = self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.faded);
-        (velocity.abs(), self.operators.mean.critical_speed.at(faded * self.friction.stribeck(velocity)))
+        faded * self.friction.stribeck(velocity)
     }
 
     /// Notes what a user should know about the step that begins at `inputs`.
@@ -145,7 +147,9 @@ impl Line {
     pub(in crate::coupled::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
         let critical = &self.operators.mean.critical_speed;
-        if speed * friction <= 0.0 || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.at(friction)) {
+        if speed * friction <= 0.0
+            || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.modelled(friction))
+        {
             return true;
         }
         if heat.growth.of_body(1, friction, speed) * step > GROWTH {

@@ -180,6 +180,23 @@ impl HeatState {
         found.into_iter().fold(f64::INFINITY, lower)
     }
 
+    /// What is not all finite numbers, if anything.
+    pub fn not_finite(&self) -> Option<&'static str> {
+        let [[a, b], [c, d]] = self.cooling;
+        let others = [self.faded, self.dissipated, a, b, c, d];
+        let rows = [
+            ("heat in the punch", &self.bodies[0][..]),
+            ("heat in the strip", &self.bodies[1]),
+            ("the flux into the punch", &self.flux[0]),
+            ("the flux into the strip", &self.flux[1]),
+            ("the temperature of the punch", &self.temperature[0]),
+            ("the temperature of the strip", &self.temperature[1]),
+            ("the distortion", &self.distortion),
+            ("friction, its heat or cooling", &others),
+        ];
+        rows.into_iter().find(|(_, numbers)| !all_finite(numbers)).map(|(name, _)| name)
+    }
+
     fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         let HeatState {
             bodies,

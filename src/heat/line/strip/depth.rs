@@ -16,6 +16,7 @@
 //! layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
 
 use crate::elastic::{self, Material};
+use crate::heat::lateral::{Lateral, spread};
 use crate::heat::slab::{Base, Slab, principal_root};
 use crate::numerics::factorization::{self, Unfactorable};
 use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
@@ -40,6 +41,8 @@ pub struct Depth {
     dilatation: Option<(f64, f64)>,
     /// exp(-q h).
     fall: f64,
+    /// Conduction out of the plane.
+    lateral: Option<Lateral>,
 }
 
 impl Depth {
@@ -51,12 +54,23 @@ impl Depth {
             let factor = 2.0 * (1.0 + nu) * expansion.coefficient;
             (factor * direct, factor * reflected)
         });
-        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp() }
+        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
+    }
+
+    /// The layer at the wave number `number` whose dilatation under a unit pressure is given by A and B, multiplied by
+    /// `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
+    pub fn with_dilatation(slab: &Slab, dilatation: Option<(f64, f64)>, number: f64) -> Depth {
+        Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
+    }
+
+    /// The layer that goes on beside the contact.
+    pub fn spreading(self, lateral: Option<Lateral>) -> Depth {
+        Depth { lateral, ..self }
     }
 
     /// Z(q, s), K m2/W.
     pub fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
-        self.slab.impedance(s, self.number)
+        spread(self.lateral.as_ref(), s, |s| self.slab.impedance(s, self.number))
     }
 
     /// D(q, s), m3/W; 0 where nothing expands.
@@ -66,8 +80,18 @@ impl Depth {
 
     /// Z and D at once.
     pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
+        let Some(lateral) = &self.lateral else { return self.respond_in_plane(s) };
+        let mut sum = [Complex::from(0.0); 2];
+        for (share, s) in lateral.frequencies(s) {
+            let answer = self.respond_in_plane(s);
+            sum = [sum[0] + answer[0] * share, sum[1] + answer[1] * share];
+        }
+        sum
+    }
+
+    fn respond_in_plane(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let (q, h) = (self.number, self.slab.height);
-        let impedance = self.impedance(s);
+        let impedance = self.slab.impedance(s, q);
         let Some((direct, reflected)) = self.dilatation else { return [impedance, Complex::from(0.0)] };
         let kappa = principal_root(s / self.slab.diffusivity() + q * q);
         // Integrals over the depth of the four products of exponentials.

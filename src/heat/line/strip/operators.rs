@@ -10,6 +10,7 @@ use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave, harmonics};
 use crate::contact::dense;
 use crate::elastic::{self, Cells, OutOfRange};
+use crate::heat::lateral::Lateral;
 use crate::heat::reduced::ReducedBody;
 use crate::heat::slab::{Base, CoolingPort, Slab};
 use std::f64::consts::PI;
@@ -48,6 +49,8 @@ pub struct StripProperties {
     pub path: Path,
     /// Thermal expansion; `None`: the surface does not move under heat.
     pub expansion: Option<Expansion>,
+    /// Conduction out of the plane; `None`: the strip is as deep as the contact.
+    pub lateral: Option<Lateral>,
 }
 
 /// What has to be resolved.
@@ -255,13 +258,15 @@ impl Operators {
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
         let mean = slab.reduce(resolution.duration, tolerance);
-        let scan = Scan::new(cells, &slab, (!fresh).then_some(&mean), period, &waves, &shapes, resolution);
+        let layers: Vec<Depth> =
+            waves.iter().map(|wave| Depth::new(&slab, expansion, wave.number).spreading(properties.lateral)).collect();
+        let scan = Scan::new(cells, &slab, (!fresh).then_some(&mean), period, (&waves, &layers), &shapes, resolution);
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
             let reduce = |step: usize| -> Vec<DepthModes> {
-                let waves = waves.iter().step_by(step).map(|wave| Depth::new(&slab, expansion, wave.number));
-                waves.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
+                let layers = layers.iter().step_by(step);
+                layers.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
             };
             let good = |error: f64| error <= REDUCTION_PART * tolerance;
             // Neighbouring waves have neighbouring errors; the last ratio is taken as it is.
@@ -300,6 +305,7 @@ impl Operators {
             slab,
             bare,
             expansion: expansion.copied(),
+            lateral: properties.lateral,
             period,
             last,
             waves: waves.clone(),

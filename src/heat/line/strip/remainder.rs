@@ -12,6 +12,7 @@ use super::operators::Forgetting;
 use super::passive::Passive;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::elastic::Cells;
+use crate::heat::lateral::Lateral;
 use crate::heat::slab::{Slab, principal_root};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -25,6 +26,8 @@ pub struct Remainder {
     pub slab: Slab,
     pub bare: Slab,
     pub expansion: Option<Expansion>,
+    /// Conduction out of the plane.
+    pub lateral: Option<Lateral>,
     pub period: f64,
     /// Number of the last harmonic that has states.
     pub last: usize,
@@ -57,10 +60,16 @@ struct Integral {
 }
 
 impl Integral {
-    fn new(cells: &Cells, slab: &Slab, expansion: Option<&Expansion>, waves: Vec<Wave>) -> Integral {
+    fn new(
+        cells: &Cells,
+        slab: &Slab,
+        expansion: Option<&Expansion>,
+        waves: Vec<Wave>,
+        lateral: Option<Lateral>,
+    ) -> Integral {
         Integral {
             shapes: Shapes::new(cells, &waves),
-            depths: waves.iter().map(|wave| Depth::new(slab, expansion, wave.number)).collect(),
+            depths: waves.iter().map(|wave| Depth::new(slab, expansion, wave.number).spreading(lateral)).collect(),
             waves,
         }
     }
@@ -155,8 +164,11 @@ impl Remainder {
         if self.expansion.is_some() {
             end = end.max(DISTORTION_REACH * last);
         }
+        if let Some(lateral) = &self.lateral {
+            end = end.max(lateral.shortest_wave());
+        }
         let expansion = self.expansion.as_ref();
-        let integral = |slab: &Slab, waves: Vec<Wave>| Integral::new(&self.cells, slab, expansion, waves);
+        let integral = |slab: &Slab, waves: Vec<Wave>| Integral::new(&self.cells, slab, expansion, waves, self.lateral);
         let (removed, removed_at_rest, beyond) = if fresh {
             (integral(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width)), None, Vec::new())
         } else {
@@ -167,7 +179,9 @@ impl Remainder {
         };
         let ends = [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic));
         Integrals {
-            depths: self.waves.iter().map(|wave| Depth::new(&self.slab, expansion, wave.number)).collect(),
+            depths: (self.waves.iter())
+                .map(|wave| Depth::new(&self.slab, expansion, wave.number).spreading(self.lateral))
+                .collect(),
             removed,
             removed_at_rest,
             beyond: integral(&self.bare, beyond),
@@ -234,7 +248,7 @@ impl Remainder {
         }
         for (wave, depth) in integrals.beyond.iter() {
             let s = turning(wave.number);
-            let felt = wave.number * self.bare.height < HALF_PLANE;
+            let felt = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
             let [gain, moved] = if expands { depth.respond(s) } else { [depth.impedance(s), Complex::from(0.0)] };
             let gain = if felt { gain - half_plane(wave.number) } else { Complex::from(0.0) };
             sums.push(gain, expands.then_some(moved), wave.count * copies(wave.number) / PI);

@@ -1,6 +1,6 @@
 //! Exact answers of every wave at some frequencies, against which reductions are judged.
 
-use super::depth::DepthModes;
+use super::depth::{Depth, DepthModes};
 use super::operators::Resolution;
 use super::waves::{Shapes, Wave};
 use crate::elastic::Cells;
@@ -23,13 +23,13 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// Of these waves as the cells see them.
+    /// Of these waves, and the layers at each of them, as the cells see them.
     pub fn new(
         cells: &Cells,
         slab: &Slab,
         mean: Option<&ReducedBody>,
         period: f64,
-        waves: &[Wave],
+        (waves, layers): (&[Wave], &[Depth]),
         shapes: &Shapes,
         resolution: &Resolution,
     ) -> Scan {
@@ -50,12 +50,12 @@ impl Scan {
         let mut scan = Scan { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
         for &frequency in &scan.frequencies {
             let s = Complex::new(0.0, frequency);
-            scan.exact.extend(waves.iter().map(|wave| slab.impedance(s, wave.number)));
+            scan.exact.extend(layers.iter().map(|layer| layer.impedance(s)));
             let error = mean.map(|mean| (mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
             scan.mean.push(error.unwrap_or_default());
         }
         let s = Complex::new(0.0, 1.0 / resolution.duration);
-        let parts = waves.iter().zip(&scan.weights).map(|(wave, weight)| slab.impedance(s, wave.number) * *weight);
+        let parts = layers.iter().zip(&scan.weights).map(|(layer, weight)| layer.impedance(s) * *weight);
         let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
         scan.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
         scan

@@ -59,6 +59,7 @@ mod tests {
             convection: 30.0,
             path: Path::Stroke { stroke: 0.05, length: 0.0 },
             expansion: Some(expansion),
+            lateral: None,
         };
         let resolution = Resolution { duration: 10.0, shortest: 1e-3, tolerance: 1e-2, way: f64::INFINITY };
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();

@@ -9,7 +9,16 @@ use crate::heat::line::{LineHeat, Stage, Surroundings};
 use crate::heat::slab::Base;
 
 fn unit(height: f64, base: Base, path: Path) -> StripProperties {
-    StripProperties { height, conductivity: 1.0, capacity: 1.0, convection: 0.0, base, path, expansion: None }
+    StripProperties {
+        height,
+        conductivity: 1.0,
+        capacity: 1.0,
+        convection: 0.0,
+        base,
+        path,
+        expansion: None,
+        lateral: None,
+    }
 }
 
 pub fn steel(height: f64, base: Base, path: Path, convection: f64) -> StripProperties {
