@@ -74,10 +74,11 @@ impl Course {
                 let sine = (PI * part).sin();
                 if sine < 1e-9 { 0.0 } else { direction * 0.5 * PI * speed * sine }
             };
-            segments.extend(HALF_STROKE.windows(2).map(|ends| Segment {
-                velocity: [at(ends[0]), at(ends[1])],
-                duration: half * (ends[1] - ends[0]),
-            }));
+            segments.extend(
+                HALF_STROKE
+                    .windows(2)
+                    .map(|ends| Segment { velocity: [at(ends[0]), at(ends[1])], duration: half * (ends[1] - ends[0]) }),
+            );
         }
         Some(Course { segments, load, repeats: (duration / (half * count)).max(1.0) })
     }

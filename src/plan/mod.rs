@@ -163,9 +163,13 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
     let Some(&chosen) = chosen else { return Err("a plan without candidates".into()) };
     let reason = match (good, doubt) {
         (_, Some(reason)) => reason,
-        _ if !comparison.is_known => "the cells do not converge over the nominal duration: its error is not known".to_owned(),
+        _ if !comparison.is_known => {
+            "the cells do not converge over the nominal duration: its error is not known".to_owned()
+        }
         (Some(_), _) => "the cheapest whose estimated error is below the tolerance".to_owned(),
-        (None, _) => format!("no level has an estimated error below the tolerance; this one has {:.1e}", chosen.error()),
+        (None, _) => {
+            format!("no level has an estimated error below the tolerance; this one has {:.1e}", chosen.error())
+        }
     };
     let run = comparison.operators.into_iter().find(|(rung, _)| *rung == chosen.rung);
     let operators = match run {

@@ -59,7 +59,7 @@ fn the_reduced_punch_follows_the_unreduced_one() {
         println!("{name}: {one} {other}");
         assert!((one / other - 1.0).abs() < 1e-3, "{name}: {one} {other}");
     }
-    let (imbalance, error) = (field.imbalance(), line.get("estimated_error"));
+    let (imbalance, error) = (field.imbalance(), line.get("estimated_step_error"));
     println!("rise {rise} K, imbalance {imbalance:e}, estimated {error:e}");
     assert!(imbalance < 1e-9, "{imbalance:e}");
 }

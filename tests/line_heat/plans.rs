@@ -1,13 +1,13 @@
 //! What auto chooses, and what happens when a run leaves the plan.
 
 use crate::drive::{Drive, LUMPED, reference, scene};
-use sliding_contact::component::{Component, Snapshot, Subject};
+use sliding_contact::component::{Component, Message, Snapshot, Subject};
 use sliding_contact::coupled::INPUTS;
 use sliding_contact::coupled::lumped::conditions::Tunables;
 use sliding_contact::coupled::model::{Model, Operators};
 use sliding_contact::plan::{self, rung::Rung};
-use sliding_contact::scene::{Escalation, HeatAlongContact, Scene};
-use sliding_contact::variables::{COUNT, STARTS};
+use sliding_contact::scene::{HeatAlongContact, Scene};
+use sliding_contact::variables::STARTS;
 use sliding_contact::verification::planning::judge::{judge, truth};
 use sliding_contact::verification::planning::runs;
 use sliding_contact::verification::planning::scenes::{Group, generate};
@@ -49,7 +49,10 @@ fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pin_on_disk/scene.toml");
     let mut starts = sliding_contact::scene::file::read(&path).unwrap().packaged.starts;
     let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
-    assert!(matches!(plan.rung, Rung::Line { .. }) && plan.estimated_error <= 1e-3, "{plan:?}");
+    assert!(
+        matches!(plan.rung, Rung::Line { .. }) && plan.estimated_error.is_some_and(|error| error < plan::UNKNOWN),
+        "{plan:?}"
+    );
     for (name, value) in [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-2)] {
         starts[reference(name) as usize] = value;
     }
@@ -79,26 +82,19 @@ fn the_same_scene_has_the_same_plan() {
     assert!(of.windows(2).all(|pair| pair[0].0 <= pair[1].0));
 }
 
-/// Counted work, with costs of 20 ms in all for the machine that the accuracy page names: no clock is asked.
+/// Counted work: no clock is asked.
 #[test]
-fn planning_costs_what_it_may_on_every_generated_scene() {
-    let mut costs = Vec::new();
-    for seed in (1..=40).chain(101..=130) {
+fn planning_costs_what_it_may_and_covers_the_nominal_duration() {
+    for seed in [1, 5, 7, 12, 18, 24] {
         let generated = generate(seed);
-        for tolerance in [1e-1, 1e-2, 1e-3] {
-            let mut scene = generated.scene(tolerance).unwrap();
-            scene.escalation = Escalation::Off;
-            let plan = plan::make(&scene).unwrap().plan;
-            let (cost, name) = (plan.effort.planning(), generated.name());
-            assert!(plan.effort.is_small() && cost <= 20e3, "{name} at {tolerance:e}: {cost} us, {:?}", plan.effort);
-            // Nothing is cheap because nothing is looked at.
-            assert!(plan.covered >= 0.1 && plan.probe_steps > 20, "{name} at {tolerance:e}: {:?}", plan.effort);
-            costs.push(cost);
+        for tolerance in [1e-1, 1e-2] {
+            let plan = plan::make(&generated.scene(tolerance).unwrap()).unwrap().plan;
+            let name = format!("{} at {tolerance:e}: {plan:#?}", generated.name());
+            assert!(plan.planning_cost <= 1e6 && plan.compared_steps > 20, "{name}");
+            let repeated = generated.group == Group::Reciprocating;
+            assert!(plan.covered > 0.99 || repeated, "{name}");
         }
     }
-    costs.sort_by(f64::total_cmp);
-    let middle = costs[costs.len() / 2];
-    assert!(middle <= 10e3, "half of the plans cost more than {middle} us");
 }
 
 #[test]
@@ -154,84 +150,132 @@ const LUMPED_ENOUGH: &[(&str, f64)] = &[
     ("solver.tolerance", 0.2),
 ];
 
+/// Warnings since the last call.
+fn warnings(component: &mut Component) -> Vec<String> {
+    let of = |message: &Message| (message.subject == Subject::Warning).then(|| message.text.clone());
+    component.messages().filter_map(of).collect()
+}
+
 #[test]
-fn a_run_beyond_the_plan_goes_on_one_rung_higher_with_its_wear_and_heat() {
+fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_no_longer_knows_its_error() {
     let mut component = component(LUMPED_ENOUGH);
     let plan: Vec<String> = component.messages().map(|message| message.text.clone()).collect();
     assert!(plan[0].contains("auto takes lumped"), "{plan:?}");
-    let names = ["wear_volume_punch", "wear_volume_strip", "stored_heat", "dissipated_energy", "contact_temperature"];
-    let read = |component: &mut Component| names.map(|name| component.get(reference(name)));
-    let set = |component: &mut Component, velocity: f64, load: f64| {
-        component.set_input(reference("sliding_velocity"), velocity);
+    let error = component.get(reference("estimated_error"));
+    assert!(error > 1e-4 && error < 0.2, "{error}");
+    let set = |component: &mut Component, load: f64| {
+        component.set_input(reference("sliding_velocity"), 10.0);
         component.set_input(reference("normal_load"), load);
     };
-    set(&mut component, 10.0, 4e3);
-    for _ in 0..20 {
-        component.step(1.0).unwrap();
-    }
-    assert_eq!(component.messages().count(), 0);
+    set(&mut component, 4e3);
+    (0..20).for_each(|_| component.step(1.0).unwrap());
+    assert_eq!((warnings(&mut component).len(), component.get(reference("estimated_error"))), (0, error));
     let mut saved = Snapshot::default();
     component.snapshot(&mut saved);
-    // The step that leaves the plan ends on the rung above; the same step from the same state on the lumped level.
-    set(&mut component, 10.0, 1.1e4);
+    // The same step from the same state on the lumped level, in bits.
+    set(&mut component, 1.1e4);
     let mut stays = Drive::stock(&[LUMPED_ENOUGH, &[("solver.fidelity", LUMPED)]].concat());
-    for load in std::iter::repeat_n(4e3, 20).chain([1.1e4]) {
+    for load in std::iter::repeat_n(4e3, 20).chain([1.1e4; 2]) {
         stays.set("sliding_velocity", 10.0).set("normal_load", load).step(1.0);
     }
     component.step(1.0).unwrap();
-    let messages: Vec<_> = component.messages().collect();
-    assert!(
-        messages.iter().any(|message| message.subject == Subject::Warning
-            && message.text.contains("leaves what was planned for")
-            && message.text.contains("goes on with line, 9 cells")),
-        "{messages:?}"
-    );
-    let (after, expected) = (read(&mut component), names.map(|name| stays.get(name)));
-    for ((name, after), expected) in names.iter().zip(after).zip(expected) {
-        // The temperature follows from the held states, not from the step that found them.
-        let bound = if *name == "contact_temperature" { 1e-5 } else { 1e-12 };
-        assert!((after / expected - 1.0).abs() < bound, "{name}: {after} of {expected}");
+    let said = warnings(&mut component);
+    assert!(said.len() == 1 && said[0].contains("the run leaves what") && said[0].contains("11000 N"), "{said:?}");
+    component.step(1.0).unwrap();
+    assert_eq!((warnings(&mut component).len(), component.get(reference("estimated_error"))), (0, 1.0));
+    for name in ["wear_depth", "contact_temperature", "friction_force", "stored_heat", "pressure_max"] {
+        assert_eq!(component.get(reference(name)).to_bits(), stays.get(name).to_bits(), "{name}");
     }
-    // It goes on as a contact line, whose state is saved with its rung.
-    component.step(1.0).unwrap();
-    assert!(component.get(reference("pressure_max")) > 1.05 * component.get(reference("pressure_mean")));
-    let (mut above, mut bytes) = (Snapshot::default(), Vec::new());
-    component.snapshot(&mut above);
-    above.encode(&mut bytes);
-    assert_eq!(bytes.len(), above.encoded_size());
-    component.step(1.0).unwrap();
-    let once = read(&mut component);
+    // What the run has left is part of its saved state, serialised as well.
+    let (mut beyond, mut bytes) = (Snapshot::default(), Vec::new());
+    component.snapshot(&mut beyond);
+    beyond.encode(&mut bytes);
     component.restore(&saved).unwrap();
-    assert_eq!(component.get(reference("pressure_max")), component.get(reference("pressure_mean")));
+    assert_eq!(component.get(reference("estimated_error")), error);
     component.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
-    component.step(1.0).unwrap();
-    assert_eq!(read(&mut component), once);
+    assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 
 #[test]
 fn a_run_that_outlasts_its_plan_leaves_it() {
-    let short = [LUMPED_ENOUGH, &[("nominal.duration", 4.0)]].concat();
+    let mut component = component(&[LUMPED_ENOUGH, &[("nominal.duration", 4.0)]].concat());
+    component.messages().for_each(drop);
+    component.set_input(reference("sliding_velocity"), 5.0);
+    component.set_input(reference("normal_load"), 2.5e3);
     // A quarter of nominal power: twice the planned work is done after 32 s.
-    let start = |changes: &[(&str, f64)]| {
-        let mut component = component(changes);
-        component.messages().for_each(drop);
-        component.set_input(reference("sliding_velocity"), 5.0);
-        component.set_input(reference("normal_load"), 2.5e3);
-        component.step(31.0).unwrap();
-        assert_eq!(component.messages().count(), 0);
-        component
-    };
-    let mut component = start(&short);
+    component.step(31.0).unwrap();
+    assert_eq!(warnings(&mut component).len(), 0);
     component.step(2.0).unwrap();
-    let messages: Vec<_> = component.messages().map(|message| message.text.clone()).collect();
-    let expected = |text: &String| text.contains("J of friction, planned for") && text.contains("goes on");
-    assert!(messages.iter().any(expected), "{messages:?}");
-    // Where the level stays, its error grows with the work.
-    let mut stays = start(&[&short[..], &[("solver.escalation", 1.0)]].concat());
-    let within = stays.get(reference("estimated_error"));
-    stays.step(97.0).unwrap();
-    let beyond = stays.get(reference("estimated_error"));
-    assert!((3.5..=4.5).contains(&(beyond / within)), "{beyond} of {within}");
+    let said = warnings(&mut component);
+    assert!(said.len() == 1 && said[0].contains("J of friction, planned for"), "{said:?}");
+    assert_eq!(component.get(reference("estimated_error")), 1.0);
+}
+
+/// The highest speed of a sinusoid is 1.57 times its mean: no reason to leave the plan. Where the level was changed then, the highest
+/// temperature rose from 5.1 to 7.3 K within a step.
+#[test]
+fn a_sinusoid_stays_within_its_plan() {
+    let mut starts = scene("reciprocating_punch");
+    for (name, value) in [("solver.fidelity", 1.0), ("solver.tolerance", 1e-1)] {
+        starts[reference(name) as usize] = value;
+    }
+    let mut component = Component::new(Arc::new(starts));
+    component.enter_initialization();
+    component.initialise(None).unwrap();
+    component.messages().for_each(drop);
+    let velocity = |time: f64| 0.015 * (10.0 * time).cos();
+    component.set_input(reference("normal_load"), 1e4);
+    let (mut highest, mut jump): (f64, f64) = (0.0, 0.0);
+    for step in 0..800 {
+        let time = 0.01 * f64::from(step);
+        component.set_input(reference("sliding_velocity"), velocity(time));
+        component.set_input_derivative(reference("sliding_velocity"), (velocity(time + 0.01) - velocity(time)) / 0.01);
+        component.step(0.01).unwrap();
+        let now = component.get(reference("contact_temperature_max")) - 293.15;
+        if step > 500 {
+            jump = jump.max(now - highest);
+        }
+        highest = highest.max(now);
+    }
+    assert_eq!(warnings(&mut component), Vec::<String>::new());
+    assert!(component.get(reference("estimated_error")) < 0.1);
+    assert!(jump < 0.05 * highest, "{jump} K in a step of {highest} K");
+}
+
+/// What the level leaves out is not known where no finer one was run: then the estimate is exactly 1, and what steps and reduction add
+/// stands beside it.
+#[test]
+fn a_level_that_was_not_compared_knows_the_error_of_its_steps_only() {
+    for (fidelity, cells) in [(2.0, 0.0), (3.0, 9.0)] {
+        let mut component =
+            component(&[("solver.fidelity", fidelity), ("solver.cells", cells), ("solver.tolerance", 1e-2)]);
+        component.set_input(reference("sliding_velocity"), 5.0);
+        component.set_input(reference("normal_load"), 2e3);
+        component.step(1.0).unwrap();
+        assert_eq!(component.get(reference("estimated_error")), 1.0);
+        let steps = component.get(reference("estimated_step_error"));
+        assert!(steps > 0.0 && steps < 2e-2, "{steps}");
+    }
+    // Two rigid bodies press uniformly whatever the cells: the error is that of the steps.
+    let mut component = component(&[("punch.body", 1.0), ("strip.body", 1.0), ("solver.tolerance", 1e-2)]);
+    component.set_input(reference("sliding_velocity"), 5.0);
+    component.set_input(reference("normal_load"), 2e3);
+    component.step(1.0).unwrap();
+    let [whole, steps] = ["estimated_error", "estimated_step_error"].map(|name| component.get(reference(name)));
+    assert!(whole == steps && whole < 1e-2, "{whole} {steps}");
+}
+
+/// Above the critical speed of thermoelastic instability waves grow from what the cells leave over: no number of cells agrees with another.
+#[test]
+fn above_the_critical_speed_the_error_is_not_known() {
+    let mut starts = scene("hot_spots");
+    for (name, value) in [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)] {
+        starts[reference(name) as usize] = value;
+    }
+    let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
+    assert!(plan.groups.speed_over_critical > 1.0, "{plan:#?}");
+    assert!(!plan.meets && plan.estimated_error == Some(plan::UNKNOWN), "{plan:#?}");
+    assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
 }
 
 /// Where a rise by all of the friction heat would take more than all of the friction away, a friction of the repetition before
@@ -259,20 +303,6 @@ fn wear_is_found_to_rounding_at_129_cells() {
     assert!(record.steps.0 < 10_000, "{:?}", record.steps);
 }
 
-#[test]
-fn escalation_is_off_where_it_is_switched_off() {
-    let mut component = component(&[LUMPED_ENOUGH, &[("solver.escalation", 1.0)]].concat());
-    component.messages().for_each(drop);
-    component.set_input(reference("sliding_velocity"), 10.0);
-    component.set_input(reference("normal_load"), 1.1e4);
-    component.step(1.0).unwrap();
-    component.step(1.0).unwrap();
-    let messages: Vec<_> = component.messages().filter(|message| message.subject == Subject::Warning).collect();
-    let [message] = &messages[..] else { panic!("{messages:?}") };
-    assert!(message.text.contains("the level stays: solver.escalation = off"), "{message:?}");
-    assert_eq!(component.get(reference("pressure_max")), component.get(reference("pressure_mean")));
-}
-
 fn plan_of(name: &str, tolerance: f64) -> plan::Plan {
     let mut starts = scene(name);
     starts[reference("solver.tolerance") as usize] = tolerance;
@@ -284,7 +314,7 @@ fn plan_of(name: &str, tolerance: f64) -> plan::Plan {
 fn a_disc_brake_needs_no_more_than_the_lumped_level() {
     let plan = plan_of("disc_brake", 1e-1);
     assert_eq!(plan.rung, Rung::Lumped, "{plan:#?}");
-    assert!(plan.meets && plan.estimated_error > 1e-4, "{plan:#?}");
+    assert!(plan.meets && plan.estimated_error.is_some_and(|error| error > 1e-4), "{plan:#?}");
 }
 
 /// Held at full slip for its whole duration, the clutch gets bands, which its mean knows nothing of.
@@ -304,109 +334,6 @@ fn on(rung: Rung, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
         wear_acceleration: 1.0,
     };
     Model::new(&Operators::new(&rung.apply(scene)).unwrap(), tunables, inputs)
-}
-
-#[test]
-fn every_rung_goes_on_with_the_heat_the_wear_and_the_track_of_the_one_below() {
-    let [mean, cells] = [HeatAlongContact::ByItsMean, HeatAlongContact::OnTheCells];
-    let line = |cells: usize, heat: HeatAlongContact| Rung::Line { cells, heat };
-    let steps = [
-        (Rung::Lumped, line(9, cells)),
-        (Rung::Lumped, line(9, mean)),
-        (line(9, mean), line(9, cells)),
-        (line(9, mean), line(17, mean)),
-        (line(9, cells), line(17, cells)),
-    ];
-    let tracked: &[(&str, f64)] = &[
-        ("strip.path", 1.0),
-        ("nominal.stroke", 0.05),
-        ("strip.wear_coefficient", 1e-14),
-        ("strip.base_thermal", 1.0),
-    ];
-    let hot: &[(&str, f64)] =
-        &[("punch.initial_temperature", 350.0), ("strip.emissivity", 0.5), ("strip.convection_forced", 8.0)];
-    for (name, changes) in [("closed", hot), ("straight", tracked)] {
-        for (low, high) in steps {
-            let mut starts = STARTS;
-            changes.iter().for_each(|(name, value)| starts[reference(name) as usize] = *value);
-            let scene = Scene::new(&starts, None).unwrap();
-            let ambient = scene.ambient_temperature;
-            let mut inputs = [0.5, 3e3, 0.0, 0.0, 0.0, ambient, ambient];
-            let (mut below, mut above) = (on(low, &scene, &inputs), on(high, &scene, &inputs));
-            for step in 0..24 {
-                inputs[0] = if name == "straight" && step % 2 == 1 { -0.5 } else { 0.5 };
-                below.step(&inputs, None, 0.1).unwrap();
-            }
-            let read = |model: &mut Model| {
-                let mut values = Box::new([0.0; COUNT]);
-                model.write_contact(&inputs, &mut values);
-                model.write_account(&mut values);
-                values
-            };
-            let before = read(&mut below);
-            assert!(above.take_over(&mut below, &inputs), "{name}: {low} to {high}");
-            let after = read(&mut above);
-            let of = |values: &[f64; COUNT], name: &str| values[reference(name) as usize];
-            for kept in [
-                "wear_volume_punch",
-                "wear_volume_strip",
-                "dissipated_energy",
-                "stored_heat",
-                "heat_received_punch",
-                "heat_received_strip",
-                "heat_lost_ambient",
-                "heat_lost_punch_top",
-                "heat_lost_strip_base",
-            ] {
-                let (was, is) = (of(&before, kept), of(&after, kept));
-                let scale = if kept.starts_with("wear") { was } else { of(&before, "dissipated_energy") };
-                assert!((is - was).abs() <= 1e-12 * scale.abs(), "{name}: {low} to {high}: {kept} {was} {is}");
-            }
-            // The bodies themselves, not only their accounts.
-            let rise = of(&before, "contact_temperature") - ambient;
-            assert!(rise > 1.0, "{name}: {rise}");
-            for body in ["punch.mean_temperature", "strip.mean_temperature"] {
-                let (was, is) = (of(&before, body), of(&after, body));
-                // What the punch holds is counted by what will leave it, its mean temperature by what its states are: they
-                // differ by the reduction.
-                let bound = if body.starts_with("punch") { 1e-3 } else { 1e-9 };
-                assert!((is - was).abs() < bound * rise, "{name}: {low} to {high}: {body} {was} {is}");
-            }
-            let warmer = of(&after, "contact_temperature") - of(&before, "contact_temperature");
-            assert!(warmer.abs() < 0.02 * rise, "{name}: {low} to {high}: {warmer} K of {rise} K");
-            // What flows at the moment goes on flowing, and distorts what it distorted.
-            let flows = ["heat_flow_punch", "heat_flow_strip"].map(|flow| [of(&before, flow), of(&after, flow)]);
-            let friction: f64 = flows.iter().map(|[was, _]| was).sum();
-            let changed = flows.map(|[was, is]| ((is - was) / friction).abs());
-            assert!(changed.iter().all(|part| *part < 1e-12), "{name}: {low} to {high}: {flows:?}");
-            let hottest = of(&after, "contact_temperature_max") - of(&before, "contact_temperature_max");
-            match (low, high) {
-                (Rung::Line { heat: HeatAlongContact::OnTheCells, .. }, _) => {
-                    let approach = of(&after, "approach") / of(&before, "approach") - 1.0;
-                    assert!(approach.abs() < 0.05, "{name}: {low} to {high}: {approach}");
-                    // Finer cells show more of an edge, and the heat of the past lies where that of the present enters.
-                    assert!(hottest.abs() < rise, "{name}: {low} to {high}: {hottest} K of {rise} K");
-                }
-                // A body that was heated evenly is found again.
-                _ => assert!(hottest.abs() < 6e-3 * rise, "{name}: {low} to {high}: {hottest} K of {rise} K"),
-            }
-            // It goes on, and its account stays balanced.
-            for _ in 0..4 {
-                above.step(&inputs, None, 0.1).unwrap();
-            }
-            let later = read(&mut above);
-            let lost: f64 = ["heat_lost_ambient", "heat_lost_punch_top", "heat_lost_strip_base", "stored_heat"]
-                .map(|part| of(&later, part))
-                .iter()
-                .sum();
-            let dissipated = of(&later, "dissipated_energy");
-            assert!(dissipated > of(&after, "dissipated_energy"));
-            assert!((lost / dissipated - 1.0).abs() < 1e-9, "{name}: {low} to {high}: {lost} of {dissipated}");
-            assert!(of(&later, "wear_volume_punch") > of(&after, "wear_volume_punch"));
-            let jump = of(&later, "contact_temperature") - of(&after, "contact_temperature");
-            assert!(jump.abs() < 0.3 * rise, "{name}: {low} to {high}: {jump} K of {rise} K");
-        }
-    }
 }
 
 /// Open, or standing under load, a contact line whose heat is the mean's solves no contact. With heat on the cells an open one
@@ -449,7 +376,7 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
     }
 }
 
-/// Accelerated wear is refused on a contact line where it hides growth; a probe, which wears fast itself, is not.
+/// Accelerated wear is refused on a contact line where it hides growth; a comparison of levels, which wears fast itself, is not.
 #[test]
 fn accelerated_wear_is_compared_as_well() {
     let mut starts = scene("reciprocating_punch");
@@ -458,5 +385,5 @@ fn accelerated_wear_is_compared_as_well() {
     }
     let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
     assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
-    assert!(plan.meets && plan.estimated_error < 1e-2, "{plan:#?}");
+    assert!(plan.meets && plan.estimated_error.is_some_and(|error| error < 1e-2), "{plan:#?}");
 }

@@ -18,8 +18,8 @@
 //! third of it at once and the rest with the shapes has the right first moment, is .33 off, and what is at once has lost the long
 //! waves, whose states follow in their own time: behind a jump of a flux on few cells, the others cool below what is around them.
 
-use super::across::Wave;
 use super::SUMMED_MODES;
+use super::across::Wave;
 use super::assembly::Assembly;
 use crate::heat::line::reduced::{ModeStates, Operators};
 use crate::numerics::factorization;
