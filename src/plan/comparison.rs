@@ -10,7 +10,8 @@
 //!
 //! and every other level c by `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cells. What reduction and
 //! time steps do is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
-//! proportional to it, so twice the difference. It is independent of the other and adds in the square. Cells are doubled until a level meets the tolerance or another doubling would cost more
+//! proportional to it, so twice the difference. It is independent of the other and adds in the square; no finer level cures it, so it
+//! does not decide. Cells are doubled until a level meets the tolerance or another doubling would cost more
 //! than [`BUDGET`]; finer cells than were run are extrapolated with r.
 //!
 //! A reciprocating course is shorter than the nominal duration, and a run may end early where it needs more steps than the budget has.
@@ -44,7 +45,7 @@ const RATIO: (f64, f64) = (1.5, 4.0);
 /// Ratio of successive differences below which cells are taken not to converge, where the last difference is above this.
 const CONVERGING: (f64, f64) = (1.1, 0.05);
 
-/// Least part of a unidirectional course from which its end can be told.
+/// Least part of a unidirectional course that a line has to cover, so that the end can be told from it.
 const TELLING: f64 = 0.2;
 
 /// Bounds of the power of the time with which an error is carried on, and the longest time to which it is, over what was run.
@@ -65,7 +66,7 @@ pub struct Comparison {
     pub finest: Rung,
     /// Its operators.
     pub line: Operators,
-    /// Whether the error is known: the cells converge, and enough of the course was run.
+    /// Whether the error is known: the cells converge.
     pub is_known: bool,
     /// Peak rise of the contact temperature, K.
     pub rise: f64,
@@ -97,7 +98,8 @@ struct Progress<'a> {
 }
 
 /// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: heat is on the cells where the
-/// contact line has it there. `may_grow`: cells that do not agree to `enough` are taken not to converge.
+/// contact line has it there. `may_grow`: cells that neither agree to `enough` nor show a ratio
+/// of convergence are taken not to converge.
 ///
 /// # Errors
 /// What a level or a step of it refuses.
@@ -203,7 +205,16 @@ impl Progress<'_> {
         if self.heat == HeatAlongContact::OnTheCells {
             self.add(Rung::Line { cells, heat: HeatAlongContact::ByItsMean }, line.with_mean_heat())?;
         }
-        self.add(rung, line)
+        self.add(rung, line)?;
+        let told = self.course.repeats > 1.0
+            || self.levels.last().is_some_and(|level| self.course.part(level.run.history.len()) >= TELLING);
+        if !told {
+            self.levels.pop();
+            return Err(format!(
+                "{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"
+            ));
+        }
+        Ok(())
     }
 
     /// Measures what reduction and time steps add to the error.
@@ -215,7 +226,7 @@ impl Progress<'_> {
         finer.line(&stricter, cells, &mean)?;
         (self.cost, self.steps) = (finer.cost, finer.steps);
         for (level, finer) in self.levels.iter().zip(&finer.levels) {
-            let apart = self.carried_on(&level.run, &finer.run);
+            let apart = distance(&level.run.history, &finer.run.history);
             self.step_errors[kind(level.rung)] = apart.map(|apart| apart / (1.0 - STRICTER));
         }
         Ok(())
@@ -226,7 +237,7 @@ impl Progress<'_> {
         self.levels.iter().filter(|level| level.rung.heat() == Some(self.heat))
     }
 
-    /// Errors of all levels. `agreed`: the difference that the finest lines may have.
+    /// Errors of all levels. `agreed`: the difference that the finest lines may have where their ratio is not known.
     fn judge(&self, agreed: Option<f64>) -> Result<Judgement, String> {
         let mut lines = self.lines().rev();
         let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
@@ -242,22 +253,20 @@ impl Progress<'_> {
         let ratio = measured.unwrap_or(ASSUMED_RATIO).clamp(RATIO.0, RATIO.1);
         let own = between.map(|apart| apart / (ratio - 1.0));
         let converges = match agreed {
-            Some(agreed) => largest(between) <= agreed,
+            Some(agreed) => largest(between) <= agreed || measured.is_some_and(|ratio| ratio >= RATIO.0),
             None => measured.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
         };
-        let reciprocating = self.course.repeats > 1.0;
-        let told = reciprocating || self.course.part(finest.run.history.len()) >= TELLING;
         let candidates = self.levels.iter().map(|level| {
             let apart = self.carried_on(&level.run, &finest.run);
-            let steps = self.step_errors[kind(level.rung)];
             Candidate {
                 rung: level.rung,
-                errors: std::array::from_fn(|output| (apart[output] + own[output]).hypot(steps[output])),
+                errors: std::array::from_fn(|output| apart[output] + own[output]),
+                step_errors: self.step_errors[kind(level.rung)],
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
         });
-        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges && told })
+        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges })
     }
 
     /// Expected internal steps of the nominal duration.
@@ -290,16 +299,13 @@ impl Progress<'_> {
         let finest = candidates.iter().rev().find(|candidate| candidate.rung.heat() == Some(self.heat)).copied();
         let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
         let cells = finest.rung.cells();
-        let steps = self.step_errors[kind(finest.rung)];
         for count in CELLS.into_iter().filter(|&count| count > cells) {
             let factor = (cells as f64 / count as f64).powf(ratio.log2());
             let cost = cost::per_step_of(count, cost::states(&level.operators));
             candidates.push(Candidate {
                 rung: Rung::Line { cells: count, heat: self.heat },
-                errors: std::array::from_fn(|output| {
-                    let square = finest.errors[output].powi(2) - steps[output].powi(2);
-                    (square.max(0.0).sqrt() * factor).hypot(steps[output])
-                }),
+                errors: finest.errors.map(|error| error * factor),
+                step_errors: finest.step_errors,
                 cost,
                 run_cost: cost * self.steps_of(&level.run),
             });

@@ -38,7 +38,7 @@ use effects::Effect;
 use groups::Groups;
 use rung::Rung;
 
-/// Part of the tolerance that the estimated error may take.
+/// Part of the tolerance that the error of the level and its cells may take.
 const SAFETY: f64 = 0.9;
 
 /// Error that is not known.
@@ -52,8 +52,10 @@ const MOST_IN_VAIN: usize = 65;
 pub struct Candidate {
     /// The level.
     pub rung: Rung,
-    /// Relative errors of wear depth, contact temperature and friction force.
+    /// Relative errors of wear depth, contact temperature and friction force by the level and its cells.
     pub errors: [f64; 3],
+    /// Those by the reduction of its bodies and its time steps.
+    pub step_errors: [f64; 3],
     /// Expected cost of an internal step, and of the nominal duration, microseconds; see [`cost`].
     pub cost: f64,
     /// See `cost`.
@@ -61,9 +63,16 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// The largest of the errors.
+    /// The largest of the errors by the level and its cells.
     pub fn error(&self) -> f64 {
         comparison::largest(self.errors)
+    }
+
+    /// The largest of the whole errors. Reduction and time steps are held to the `tolerance`.
+    pub fn whole_error(&self, tolerance: f64) -> f64 {
+        comparison::largest(std::array::from_fn(|output| {
+            self.errors[output].hypot(self.step_errors[output].min(tolerance))
+        }))
     }
 }
 
@@ -189,7 +198,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
         candidates: comparison.candidates,
         states,
         order,
-        estimated_error: Some(if known { chosen.error().min(UNKNOWN) } else { UNKNOWN }),
+        estimated_error: Some(if known { chosen.whole_error(scene.tolerance).min(UNKNOWN) } else { UNKNOWN }),
         reduction_error,
         cost_per_step: chosen.cost,
         run_cost: chosen.run_cost,

@@ -17,6 +17,7 @@ use crate::coupled::line::hottest::Hottest;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
 use crate::heat::line::{BESIDE, FACES, FAR, LineHeat, Stage, Surroundings};
+use crate::numerics::factorization;
 use crate::numerics::maximum::maximum;
 use crate::scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 use crate::steady::acceleration::Acceleration;
@@ -315,7 +316,7 @@ impl Problem<'_> {
                 // What nothing follows from is not looked for.
                 (0..FACES).for_each(|other| matrix[(face, other)] = f64::from(u8::from(face == other)));
             }
-            let change = matrix.lu().solve(&lack).unwrap_or_default();
+            let change = factorization::solve(&matrix, &lack).unwrap_or_default();
             for face in (0..FACES).filter(|&face| slope[face] > 0.0) {
                 temperatures[FACES * side + face] = used[face] + change[face];
             }
