@@ -66,7 +66,7 @@ pub struct Comparison {
     pub finest: Rung,
     /// Its operators.
     pub line: Operators,
-    /// Whether the error is known: the cells converge.
+    /// Whether the error is known: the cells converge, and enough of the course was run.
     pub is_known: bool,
     /// Peak rise of the contact temperature, K.
     pub rise: f64,
@@ -93,6 +93,8 @@ struct Progress<'a> {
     levels: Vec<Level>,
     /// Errors by reduction and time steps of the lumped level, of a line with its heat by the mean, and of one with heat on its cells.
     step_errors: [[f64; 3]; 3],
+    /// Even coarse lines cover too little of the course.
+    falls_short: bool,
     cost: f64,
     steps: u64,
 }
@@ -118,7 +120,15 @@ pub fn compare(
         true => HeatAlongContact::OnTheCells,
         false => HeatAlongContact::ByItsMean,
     };
-    let mut progress = Progress { course, heat, levels: Vec::new(), step_errors: [[0.0; 3]; 3], cost: 0.0, steps: 0 };
+    let mut progress = Progress {
+        course,
+        heat,
+        levels: Vec::new(),
+        step_errors: [[0.0; 3]; 3],
+        falls_short: false,
+        cost: 0.0,
+        steps: 0,
+    };
     let mean = progress.lumped(run_scene)?;
     progress.line(run_scene, first, &mean)?;
     progress.measure_steps(run_scene, first)?;
@@ -208,12 +218,14 @@ impl Progress<'_> {
         self.add(rung, line)?;
         let told = self.course.repeats > 1.0
             || self.levels.last().is_some_and(|level| self.course.part(level.run.history.len()) >= TELLING);
-        if !told {
-            self.levels.pop();
-            return Err(format!(
-                "{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"
-            ));
+        if told {
+            return Ok(());
         }
+        if self.lines().count() > 2 {
+            self.levels.pop();
+            return Err(format!("{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"));
+        }
+        self.falls_short = true;
         Ok(())
     }
 
@@ -266,7 +278,7 @@ impl Progress<'_> {
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
         });
-        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges })
+        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges && !self.falls_short })
     }
 
     /// Expected internal steps of the nominal duration.

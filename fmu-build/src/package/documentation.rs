@@ -212,7 +212,8 @@ mod tests {
         let page = plain(MESSAGES);
         let sources = [
             ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 20),
-            ("lumped level", include_str!("../../../src/coupled/lumped/advance.rs"), "StepFailure(", 2),
+            ("lumped level", include_str!("../../../src/coupled/lumped/advance.rs"), "StepFailure(", 1),
+            ("work of a step", include_str!("../../../src/coupled/budget.rs"), "StepFailure(", 1),
             ("bodies worn through", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 1),
             ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
             ("operator split", include_str!("../../../src/coupled/line/heat/staggered.rs"), "StepFailure(", 1),
