@@ -24,6 +24,10 @@ impl Component {
         {
             return Err(format!("value reference {unknown} is not an output"));
         }
+        if unknowns.is_empty() {
+            return Ok(());
+        }
+        self.check_inputs(0.0)?;
         let inputs = inputs_of(&self.values);
         let Some(model) = &mut self.model else {
             return Err("no output derivatives before the parameters join to a scene".into());

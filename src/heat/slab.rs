@@ -23,6 +23,7 @@
 mod projection;
 
 use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
+use crate::numerics::grading::LEAST;
 use crate::numerics::maximum::maximum;
 use nalgebra::Complex;
 use projection::{Basis, Eigen, Grid};
@@ -136,9 +137,11 @@ impl Slab {
         // Above this frequency the impedance has fallen to the tolerance.
         let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
         let effusivity = (self.conductivity * self.capacity).sqrt();
-        let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration);
+        let own = self.diffusivity() / self.height.powi(2);
+        // Beyond the last of these a heated layer is thinner than the grid resolves.
+        let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST.powi(2));
         let scan = Scan::new(self, 1.0 / duration, fastest);
-        let grid = Grid::new(self, fastest.max(self.diffusivity() / self.height.powi(2)));
+        let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
         // Numbers of the next ratio, of the first one that was not reached yet, and of the first that has too many functions.
         let (mut next, mut open, mut end) = (0, 0, RATIOS.len());

@@ -1,4 +1,5 @@
 //! Numerical tools that every part of the physics shares.
 
 pub mod factorization;
+pub mod grading;
 pub mod maximum;

@@ -10,9 +10,9 @@
 //!
 //! and every other level c by `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cells. What reduction and
 //! time steps do is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
-//! proportional to it, so twice the difference. It is independent of the other and adds in the square; no finer level cures it, so it
-//! does not decide. Cells are doubled until a level meets the tolerance or another doubling would cost more
-//! than [`BUDGET`]; finer cells than were run are extrapolated with r.
+//! proportional to it, so twice the difference. It is told as a part of `estimated_step_error`, which is a bound for the steps of the course
+//! as it is one for those of the user's run. No finer level cures it, so it does not decide. Cells are doubled until a level meets the tolerance or another doubling would
+//! cost more than [`BUDGET`]; one more doubling than was run is extrapolated with r.
 //!
 //! A reciprocating course is shorter than the nominal duration, and a run may end early where it needs more steps than the budget has.
 //! Errors of temperature and force are then carried on with the power of the time with which they grew over the last half of the run, to
@@ -91,8 +91,9 @@ struct Progress<'a> {
     /// Heat of the contact line, where it is resolved as far as it feeds back.
     heat: HeatAlongContact,
     levels: Vec<Level>,
-    /// Errors by reduction and time steps of the lumped level, of a line with its heat by the mean, and of one with heat on its cells.
-    step_errors: [[f64; 3]; 3],
+    /// Error by reduction and time steps over `estimated_step_error`: of the lumped level, of a line with its heat by the mean, and of one
+    /// with heat on its cells.
+    step_ratios: [f64; 3],
     /// Even coarse lines cover too little of the course.
     falls_short: bool,
     cost: f64,
@@ -120,15 +121,8 @@ pub fn compare(
         true => HeatAlongContact::OnTheCells,
         false => HeatAlongContact::ByItsMean,
     };
-    let mut progress = Progress {
-        course,
-        heat,
-        levels: Vec::new(),
-        step_errors: [[0.0; 3]; 3],
-        falls_short: false,
-        cost: 0.0,
-        steps: 0,
-    };
+    let mut progress =
+        Progress { course, heat, levels: Vec::new(), step_ratios: [1.0; 3], falls_short: false, cost: 0.0, steps: 0 };
     let mean = progress.lumped(run_scene)?;
     progress.line(run_scene, first, &mean)?;
     progress.measure_steps(run_scene, first)?;
@@ -223,7 +217,9 @@ impl Progress<'_> {
         }
         if self.lines().count() > 2 {
             self.levels.pop();
-            return Err(format!("{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"));
+            return Err(format!(
+                "{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"
+            ));
         }
         self.falls_short = true;
         Ok(())
@@ -239,7 +235,9 @@ impl Progress<'_> {
         (self.cost, self.steps) = (finer.cost, finer.steps);
         for (level, finer) in self.levels.iter().zip(&finer.levels) {
             let apart = distance(&level.run.history, &finer.run.history);
-            self.step_errors[kind(level.rung)] = apart.map(|apart| apart / (1.0 - STRICTER));
+            let error = largest(apart) / (1.0 - STRICTER);
+            let bound = level.run.step_bound;
+            self.step_ratios[kind(level.rung)] = if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 };
         }
         Ok(())
     }
@@ -273,7 +271,7 @@ impl Progress<'_> {
             Candidate {
                 rung: level.rung,
                 errors: std::array::from_fn(|output| apart[output] + own[output]),
-                step_errors: self.step_errors[kind(level.rung)],
+                step_ratio: self.step_ratios[kind(level.rung)],
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
@@ -311,13 +309,14 @@ impl Progress<'_> {
         let finest = candidates.iter().rev().find(|candidate| candidate.rung.heat() == Some(self.heat)).copied();
         let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
         let cells = finest.rung.cells();
-        for count in CELLS.into_iter().filter(|&count| count > cells) {
+        // One doubling: beyond, the measured ratio tells little.
+        for count in CELLS.into_iter().filter(|&count| count > cells).take(1) {
             let factor = (cells as f64 / count as f64).powf(ratio.log2());
             let cost = cost::per_step_of(count, cost::states(&level.operators));
             candidates.push(Candidate {
                 rung: Rung::Line { cells: count, heat: self.heat },
                 errors: finest.errors.map(|error| error * factor),
-                step_errors: finest.step_errors,
+                step_ratio: finest.step_ratio,
                 cost,
                 run_cost: cost * self.steps_of(&level.run),
             });
@@ -325,7 +324,7 @@ impl Progress<'_> {
     }
 }
 
-/// Place of a level's errors by its steps.
+/// Place of a level's step ratio.
 fn kind(rung: Rung) -> usize {
     match rung.heat() {
         None => 0,

@@ -45,6 +45,8 @@ pub struct Course {
 pub struct Run {
     /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the segments that were completed.
     pub history: Vec<[f64; 3]>,
+    /// `estimated_step_error` at the end.
+    pub step_bound: f64,
     /// Internal steps, accepted and rejected.
     pub steps: u64,
     /// Part of the segments that was completed.
@@ -125,7 +127,9 @@ impl Course {
             let (accepted, rejected) = model.work();
             run.steps = accepted + rejected;
             model.write_end(&mut values);
+            model.write_account(&mut values);
             let of = |name: usize| values[name];
+            run.step_bound = of(const { reference("estimated_step_error") } as usize);
             run.history.push([
                 of(const { reference("wear_depth") } as usize),
                 of(const { reference("contact_temperature") } as usize) - ambient,

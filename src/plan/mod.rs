@@ -12,7 +12,7 @@
 //! # What it costs
 //!
 //! Nothing where groups decide: two rigid bodies have a uniform pressure. Else some runs of the nominal course, at most about 100 ms in
-//! counted work ([`cost`]). The chosen level is one of those that were run, so it is not built again.
+//! counted work ([`cost`]). A level that was run as the user runs it is not built again.
 //!
 //! # Limits
 //!
@@ -54,8 +54,8 @@ pub struct Candidate {
     pub rung: Rung,
     /// Relative errors of wear depth, contact temperature and friction force by the level and its cells.
     pub errors: [f64; 3],
-    /// Those by the reduction of its bodies and its time steps.
-    pub step_errors: [f64; 3],
+    /// Error by the reduction of its bodies and its time steps over `estimated_step_error`.
+    pub step_ratio: f64,
     /// Expected cost of an internal step, and of the nominal duration, microseconds; see [`cost`].
     pub cost: f64,
     /// See `cost`.
@@ -66,13 +66,6 @@ impl Candidate {
     /// The largest of the errors by the level and its cells.
     pub fn error(&self) -> f64 {
         comparison::largest(self.errors)
-    }
-
-    /// The largest of the whole errors. Reduction and time steps are held to the `tolerance`.
-    pub fn whole_error(&self, tolerance: f64) -> f64 {
-        comparison::largest(std::array::from_fn(|output| {
-            self.errors[output].hypot(self.step_errors[output].min(tolerance))
-        }))
     }
 }
 
@@ -97,9 +90,11 @@ pub struct Plan {
     pub states: [usize; 3],
     /// Order of the time steps.
     pub order: u8,
-    /// Relative error of the level over the nominal course, the largest of the three main outputs; [`UNKNOWN`] where it is not known.
-    /// `None` where the level has no error but that of its reduction and its steps: both bodies are rigid.
+    /// Relative error of the level and its cells over the nominal course, the largest of the three main outputs; [`UNKNOWN`] where it is
+    /// not known. `None` where the level has no error but that of its reduction and its steps: both bodies are rigid.
     pub estimated_error: Option<f64>,
+    /// See [`Candidate::step_ratio`].
+    pub step_ratio: f64,
     /// Relative error of the reduced thermal bodies.
     pub reduction_error: f64,
     /// Expected cost of an internal step and of the nominal duration, microseconds.
@@ -198,7 +193,8 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
         candidates: comparison.candidates,
         states,
         order,
-        estimated_error: Some(if known { chosen.whole_error(scene.tolerance).min(UNKNOWN) } else { UNKNOWN }),
+        estimated_error: Some(if known { chosen.error().min(UNKNOWN) } else { UNKNOWN }),
+        step_ratio: chosen.step_ratio,
         reduction_error,
         cost_per_step: chosen.cost,
         run_cost: chosen.run_cost,
@@ -224,6 +220,7 @@ fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>) -> R
         states,
         order,
         estimated_error,
+        step_ratio: 1.0,
         reduction_error,
         cost_per_step: cost::per_step(&operators),
         run_cost: 0.0,

@@ -59,7 +59,10 @@ impl Prepared {
         match &self.plan {
             // A uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
-            Some(plan) if !beyond => plan.estimated_error.unwrap_or(step_error),
+            Some(plan) if !beyond => {
+                let level = plan.estimated_error.unwrap_or(0.0);
+                level.hypot(plan.step_ratio * step_error).min(UNKNOWN)
+            }
             _ => UNKNOWN,
         }
     }

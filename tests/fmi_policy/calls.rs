@@ -156,7 +156,9 @@ const CASES: &[Case] = &[
     (INS, "derivative of a parameter", |x| x.set_derivative("punch.height", 1, 2.0), ERROR, "not an input"),
     (INS, "derivative of an output", |x| x.set_derivative("wear_depth", 1, 2.0), ERROR, "not an input"),
     (INS, "derivative of an integer", |x| x.set_derivative("contact.faces", 1, 2.0), ERROR, "contact.faces"),
-    (STE, "output derivative", |x| x.output_derivative("wear_depth", 1), OK, ""),
+    (&[Stepping, Terminated], "output derivative", |x| x.output_derivative("wear_depth", 1), OK, ""),
+    // An input is no number there.
+    (&[Failed], "output derivative", |x| x.output_derivative("wear_depth", 1), ERROR, "sliding_velocity"),
     (STE, "output derivative of order 2", |x| x.output_derivative("wear_depth", 2), ERROR, "not 2"),
     (STE, "output derivative of an input", |x| x.output_derivative("normal_load", 1), ERROR, "not an output"),
     (STE, "output derivative of an integer", |x| x.output_derivative("limit_reached", 1), ERROR, "limit"),

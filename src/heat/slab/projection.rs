@@ -3,6 +3,7 @@
 use super::{Base, CoolingPort, Slab};
 use crate::heat::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use crate::numerics::factorization;
+use crate::numerics::grading::towards_face;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.
@@ -22,13 +23,7 @@ const GAUSS: [(f64, f64); 5] = [
 
 impl Grid {
     pub(super) fn new(slab: &Slab, fastest: f64) -> Grid {
-        let shortest = (slab.diffusivity() / fastest).sqrt().min(slab.height);
-        let mut edges = vec![0.0];
-        let mut edge = shortest;
-        while edge < 0.5 * slab.height {
-            edges.push(edge);
-            edge *= 3.0;
-        }
+        let mut edges = towards_face((slab.diffusivity() / fastest).sqrt(), slab.height, 3.0);
         // The base sees only slower shifts: 30 times the slab's own rate at most.
         edges.extend([0.5, 0.7, 0.85, 0.95, 1.0].map(|part| part * slab.height));
         let mut grid = Grid { position: Vec::new(), weight: Vec::new() };

@@ -17,6 +17,9 @@ use std::sync::Mutex;
 /// Most states of a strip: with everything else a saved state stays below 256 KB.
 const MOST_STATES: usize = 16_000;
 
+/// Most doublings of the shortest step that a strip resolves until its states are few enough.
+const MOST_DOUBLINGS: usize = 100;
+
 /// Finest tolerance of a reduction.
 const FINEST: f64 = 2e-5;
 
@@ -200,7 +203,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
     };
     let (duration, way) = (scene.nominal_duration, f64::INFINITY);
     let mut resolution = Resolution { duration, shortest: shortest(scene), tolerance, way };
-    loop {
+    for _ in 0..MOST_DOUBLINGS {
         let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
         if strip.states() <= MOST_STATES {
             strip.expect(EXPECTED * scene.nominal_velocity);
@@ -209,6 +212,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         // What decays faster answers at once.
         resolution.shortest *= 2.0;
     }
+    Err(format!("strip: more than {MOST_STATES} thermal states, however long the shortest step that they resolve"))
 }
 
 /// Cooled area of the strip over its area beside the contact on a closed path; 1 where it is not given, or the path open.

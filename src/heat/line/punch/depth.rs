@@ -10,6 +10,7 @@
 //! `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
 
 use crate::numerics::factorization;
+use crate::numerics::grading::towards_face;
 use nalgebra::{Complex, DMatrix};
 
 /// Condition at the top of the punch.
@@ -200,12 +201,7 @@ const PANEL: usize = 10;
 impl Points {
     /// For decays up to `steepest`, with values wanted at `extra`.
     pub fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
-        let mut edges = vec![0.0];
-        let mut edge = (1.0 / steepest).min(height);
-        while edge < 0.5 * height {
-            edges.push(edge);
-            edge *= 3.0;
-        }
+        let mut edges = towards_face(1.0 / steepest, height, 3.0);
         edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
         let rule = crate::elastic::block::lobatto::gauss_legendre(PANEL);
         let mut points = Points { position: Vec::new(), weight: Vec::new() };

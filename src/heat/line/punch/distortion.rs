@@ -17,6 +17,7 @@ use crate::elastic::{Base, Cells};
 use crate::heat::line::reduced::{Operators, PORTS};
 use crate::heat::line::strip::dilatation;
 use crate::numerics::factorization::{self, Unfactorable};
+use crate::numerics::grading::towards_face;
 use crate::scene::{Body, Geometry, MechanicalBody, Scene};
 use nalgebra::{DMatrix, Matrix4, Vector4};
 
@@ -91,12 +92,7 @@ impl Distortion {
     /// Refines the points for fields that decay as fast as `steepest`, 1/m.
     pub fn resolve(&mut self, steepest: f64) {
         if let Kind::Layer { .. } | Kind::OnBase(_) = self.kind {
-            let mut edges = vec![0.0];
-            let mut edge = (1.0 / steepest).min(self.height);
-            while edge < 0.5 * self.height {
-                edges.push(edge);
-                edge *= 2.0;
-            }
+            let mut edges = towards_face(1.0 / steepest, self.height, 2.0);
             edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * self.height));
             let rule = crate::elastic::block::lobatto::gauss_legendre(12);
             self.points = (edges.windows(2))

@@ -1,0 +1,28 @@
+//! Panels through a layer that are graded geometrically towards one face.
+
+/// Least panel at the face over the height of the layer: a field that decays faster holds less than 1e-8 of the layer.
+pub const LEAST: f64 = 1e-8;
+
+/// Edges from the face (0) to less than half of `height`, the first panel of length `shortest`, or [`LEAST`] of the height where that is
+/// less or no number, and each as far from the face as `ratio` (> 1) times the one before: at most 1 + ln(1/(2 LEAST))/ln(ratio).
+pub fn towards_face(shortest: f64, height: f64, ratio: f64) -> Vec<f64> {
+    let first = if shortest > LEAST * height { shortest } else { LEAST * height };
+    let most = (0.5 / LEAST).ln() / ratio.ln();
+    let graded = std::iter::successors(Some(first), |edge| Some(edge * ratio)).take(most.ceil() as usize + 1);
+    std::iter::once(0.0).chain(graded.take_while(|edge| *edge < 0.5 * height)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_grow_from_the_shortest_to_half_of_the_height_and_are_always_few() {
+        assert_eq!(towards_face(0.1, 1.0, 2.0), [0.0, 0.1, 0.2, 0.4]);
+        assert_eq!(towards_face(0.7, 1.0, 2.0), [0.0]);
+        for shortest in [0.0, 1e-300, f64::NAN, -1.0] {
+            let edges = towards_face(shortest, 2.0, 3.0);
+            assert!(edges.len() <= 18 && edges[1] == 2.0 * LEAST, "{shortest}: {edges:?}");
+        }
+    }
+}
