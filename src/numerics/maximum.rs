@@ -18,7 +18,7 @@ pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, maximum)
 }
 
-/// Whether all numbers are finite. One sum of differences that are 0, or NaN where a number is not finite: no branch for
+/// Whether all numbers are finite. One sum of products with 0, which are NaN where a number is not finite: no branch for
 /// every number.
 #[inline(always)]
 #[must_use]
@@ -27,10 +27,10 @@ pub fn all_finite(values: &[f64]) -> bool {
     let (groups, rest) = values.as_chunks::<4>();
     for group in groups {
         for (sum, value) in sum.iter_mut().zip(group) {
-            *sum += value - value;
+            *sum += 0.0 * value;
         }
     }
-    let rest: f64 = rest.iter().map(|value| value - value).sum();
+    let rest: f64 = rest.iter().map(|value| 0.0 * value).sum();
     (sum[0] + sum[2]) + (sum[1] + sum[3]) + rest == 0.0
 }
 

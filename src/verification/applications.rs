@@ -15,6 +15,9 @@ use crate::scene::file;
 use crate::variables::{ValueReference, find, reference};
 use courses::Point;
 
+/// Makes a course of the numbers of a scene, asked for by name.
+type Course = fn(&dyn Fn(&str) -> f64) -> Vec<Point>;
+
 /// Scenes of one kind.
 struct Family {
     name: &'static str,
@@ -23,7 +26,7 @@ struct Family {
     /// Names of the columns: variables in their SI units, and what the course is made of.
     columns: &'static [&'static str],
     rows: &'static [&'static [f64]],
-    course: fn(&dyn Fn(&str) -> f64) -> Vec<Point>,
+    course: Course,
 }
 
 /// A scene with its inputs.
