@@ -161,8 +161,12 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
             let within = candidates.iter().filter(|candidate| candidate.rung.cells() <= MOST_IN_VAIN);
             within.min_by(|one, other| one.error().total_cmp(&other.error()))
         }
-        // Nothing tells the levels apart: the one that leaves out least of those that were run.
-        false => candidates.iter().rev().find(|candidate| candidate.rung == comparison.finest),
+        // Nothing tells the levels apart: the one that leaves out least.
+        false => {
+            let alike = candidates.iter().filter(|candidate| candidate.rung.heat() == comparison.finest.heat());
+            let within = alike.filter(|candidate| candidate.rung.cells() <= MOST_IN_VAIN.max(scene.cells));
+            within.max_by_key(|candidate| candidate.rung.cells())
+        }
     });
     let Some(&chosen) = chosen else { return Err("a plan without candidates".into()) };
     let reason = match (good, doubt) {
