@@ -1,5 +1,5 @@
-//! A step allocates nothing once the component is initialised: at any level, when it says something and when the run goes on
-//! at another level. (The explicit scheme, there to be compared, is left out: it asks for eigenvalues at every step.)
+//! A step allocates nothing once the component is initialised: at any level, and when it says something.
+//! (The explicit scheme, there to be compared, is left out: it asks for eigenvalues at every step.)
 
 use sliding_contact::component::Component;
 use sliding_contact::fmi2::exports::*;
@@ -163,8 +163,8 @@ unsafe extern "C" fn count(
     }
 }
 
-/// Everything between the importer's call and its logger: a load below 0 N, a limit of the temperature, and the level above, which
-/// takes over.
+/// Everything between the importer's call and its logger: a load below 0 N, a limit of the temperature, and a plan that no longer
+/// holds.
 #[test]
 fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing() {
     let said = Cell::new(0);

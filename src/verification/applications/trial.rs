@@ -116,8 +116,7 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
         }
         let (accepted, rejected) = component.work();
         let steps = accepted + rejected;
-        // A level that takes over may count anew.
-        let new = if steps >= counted { steps - counted } else { steps };
+        let new = steps - counted;
         counted = steps;
         run.steps += new;
         run.work += new as f64 * component.operators().as_ref().map_or(0.0, cost::per_step);
