@@ -64,6 +64,8 @@ class Fmu:
         items = self.variables[name].declaredType.items
         return next(int(entry.value) for entry in items if entry.name == item)
 
+LOGGERS = []
+
 
 class Component:
     """One instance. Use as a context manager."""
@@ -79,6 +81,8 @@ class Component:
         self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         # The library hands over a format and its arguments; this proxy of fmpy's makes one text of them.
         addLoggerProxy(byref(self.callbacks))
+        # fmpy keeps one logger for all proxies, the last one, and calls it for instances of other callbacks too: it has to outlive them.
+        LOGGERS.append(self.callbacks)
         self.slave = FMU2Slave(
             guid=guid or fmu.description.guid,
             unzipDirectory=fmu.folder,

@@ -105,9 +105,9 @@ def test_a_stop_from_full_speed_is_alike_at_both_levels():
     assert 48.0 < lumped.distance[0] < 51.0
     assert line.distance[0] == pytest.approx(lumped.distance[0], rel=5e-3)
     assert line["strip.mean_temperature"][-1] == pytest.approx(lumped["strip.mean_temperature"][-1], abs=0.5)
-    # Above the speed at which short waves grow the edge gets far hotter than the mean, and no step fails.
+    # Above the speed at which short waves grow the hottest 32nd of the width gets far hotter than the mean, and no step fails.
     assert line.critical_speed < stops.SPEED * 0.1175 / 0.31
-    assert line["contact_temperature_max"].max() > lumped["contact_temperature_max"].max() + 100.0
+    assert line["contact_temperature_max"].max() > lumped["contact_temperature_max"].max() + 50.0
     assert line.profiles["pressure"].shape == (len(stops.SNAPSHOTS), stops.STATIONS)
     assert set(stops.table({"stop": stops.figures(one)}).split()) >= {"line", "lumped", "pad_wear_um"}
 
