@@ -23,7 +23,8 @@ INPUTS = ("sliding_velocity", "normal_load")
 VOLUME = "wear_volume_punch"
 COLUMNS = ("load_N", "speed_m_per_s", "distance_m", "volume_mm3")
 # The contact line, with the same cells for all parameters: a fit needs predictions that are smooth in them, which a level chosen anew for
-# each would not give. Nine cells give the worn volume of the pin to 1e-3.
+# each would not give. With nine cells the
+# volumes are those of the committed records to 1e-3.
 LEVEL = {"solver.fidelity": 3, "solver.cells": 9, "solver.tolerance": 1e-2}
 STEPS = 50  # of each run: load and speed are constant, so the FMU's own step control does the rest
 
