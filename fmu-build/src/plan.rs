@@ -144,9 +144,9 @@ fn record(plan: &Plan) -> Value {
     let candidates = plan.candidates.iter().map(|candidate| {
         let [wear, temperature, force] = candidate.errors;
         json!({
-            "level": candidate.rung.level(),
-            "cells": candidate.rung.cells(),
-            "name": candidate.rung.to_string(),
+            "level": candidate.model_level.level(),
+            "cells": candidate.model_level.cells(),
+            "name": candidate.model_level.to_string(),
             "error_wear_depth": wear,
             "error_contact_temperature": temperature,
             "error_friction_force": force,
@@ -157,9 +157,9 @@ fn record(plan: &Plan) -> Value {
         plan.groups().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
     json!({
         "tolerance": plan.tolerance,
-        "level": plan.rung.level(),
-        "cells": plan.rung.cells(),
-        "rung": plan.rung.to_string(),
+        "level": plan.model_level.level(),
+        "cells": plan.model_level.cells(),
+        "rung": plan.model_level.to_string(),
         "meets_tolerance": plan.meets,
         "reason": plan.reason,
         "order": plan.order,

@@ -5,7 +5,7 @@ mod balance;
 mod fallback;
 
 use super::dense;
-use super::factors::{Factors, Reduction};
+use super::factors::{Factors, LowRankUpdate};
 use super::lemke::Pivoting;
 use super::problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};
 use crate::elastic::{Cells, Compliance};
@@ -163,14 +163,14 @@ impl ContactSolver {
 
     /// Puts an extra compliance E (N x N, m/Pa) on top of that of the bodies, or takes it away. Factors are kept
     /// for the last ones; nothing is allocated.
-    pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
-        self.factors.set_extra(extra)
+    pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+        self.factors.set_added_compliance(added_compliance)
     }
 
-    /// Takes a product off the extra compliance, or nothing; [`Self::set_extra`] takes nothing off. Factors are kept for every
+    /// Takes a product off the extra compliance, or nothing; [`Self::set_added_compliance`] takes nothing off. Factors are kept for every
     /// set of acting cells; nothing is allocated.
-    pub fn set_reduction(&mut self, reduction: Option<Reduction<'_>>) {
-        self.factors.set_reduction(reduction);
+    pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
+        self.factors.set_low_rank_update(low_rank_update);
     }
 
     /// Sets the operator T (N x N) of the wear `T diag(d) p`, or makes it the identity. Kept factors go; only the first

@@ -16,14 +16,14 @@ const COMPOSITIONS: usize = 2;
 const MOST_EXTRAS: usize = 6;
 const LEAST_EXTRAS: usize = 2;
 
-/// Most rows of a [`Reduction`] on `count` cells.
+/// Most rows of a [`LowRankUpdate`] on `count` cells.
 pub fn largest_reduction(count: usize) -> usize {
     count.div_ceil(4)
 }
 
 /// What is taken off the extra matrix while some cells do not act on the others: the product `left right`.
 #[derive(Clone, Copy, Debug)]
-pub struct Reduction<'a> {
+pub struct LowRankUpdate<'a> {
     /// Cells that act. The product is a function of them and of the extra matrix alone.
     pub acting: &'a [bool],
     /// N x m by columns, m at most [`largest_reduction`].
@@ -32,9 +32,9 @@ pub struct Reduction<'a> {
     pub right: &'a [f64],
 }
 
-/// A [`Reduction`] and memory for the largest.
+/// A [`LowRankUpdate`] and memory for the largest.
 #[derive(Clone, Debug)]
-struct KeptReduction {
+struct CachedUpdate {
     acting: Vec<bool>,
     /// It is that of the extra matrix at hand.
     current: bool,
@@ -56,8 +56,8 @@ pub(super) struct Factors {
     shear: Vec<f64>,
     extras: Vec<Extra>,
     /// Place of the extra matrix at hand among them.
-    extra: Option<usize>,
-    reduction: KeptReduction,
+    added_compliance: Option<usize>,
+    low_rank_update: CachedUpdate,
     operator: Option<Vec<f64>>,
     positions: Vec<f64>,
     length: f64,
@@ -81,7 +81,7 @@ struct Extra {
 #[derive(Clone, Debug)]
 struct Composition {
     used: u64,
-    extra: u64,
+    added_compliance: u64,
     signed_friction: u64,
     acting: Vec<bool>,
     matrix: Vec<f64>,
@@ -91,7 +91,7 @@ struct Composition {
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     used: u64,
-    extra: u64,
+    added_compliance: u64,
     signed_friction: u64,
     acting: Vec<bool>,
     shifted: bool,
@@ -166,14 +166,14 @@ impl Factors {
         // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
         let composition = |_| Composition {
             used: 0,
-            extra: 0,
+            added_compliance: 0,
             signed_friction: f64::NAN.to_bits(),
             acting: acting.clone(),
             matrix: vec![0.0; count * count],
         };
         let entry = |_| Entry {
             used: 0,
-            extra: 0,
+            added_compliance: 0,
             signed_friction: 0,
             acting: acting.clone(),
             shifted: false,
@@ -205,8 +205,8 @@ impl Factors {
             normal: normal.data.into(),
             shear: shear.data.into(),
             extras: (0..extras).map(|_| Extra { used: 0, name: 0, matrix: vec![0.0; count * count] }).collect(),
-            extra: None,
-            reduction: KeptReduction { acting: acting.clone(), current: true, rank: 0, left: room(), right: room() },
+            added_compliance: None,
+            low_rank_update: CachedUpdate { acting: acting.clone(), current: true, rank: 0, left: room(), right: room() },
             operator: None,
             positions: cells.centres().to_vec(),
             length: cells.half_width(),
@@ -225,8 +225,8 @@ impl Factors {
     }
 
     /// Puts an extra matrix on top, or takes it away. Factors are kept for each of the last ones.
-    pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
-        if let Some(matrix) = extra {
+    pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+        if let Some(matrix) = added_compliance {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
             self.clock += 1;
             let same = |known: &Extra| known.name > 0 && same_bits(&known.matrix, matrix.as_slice());
@@ -235,26 +235,26 @@ impl Factors {
                 return Err(ContactError::Invalid { quantity: "extra compliance", value });
             }
             let place = known.unwrap_or_else(|| {
-                let place = least_used(self.extras.iter().map(|extra| extra.used));
+                let place = least_used(self.extras.iter().map(|added_compliance| added_compliance.used));
                 let own = &mut self.extras[place];
                 own.name = self.clock;
                 own.matrix.copy_from_slice(matrix.as_slice());
                 place
             });
             self.extras[place].used = self.clock;
-            self.extra = Some(place);
+            self.added_compliance = Some(place);
         } else {
-            self.extra = None;
+            self.added_compliance = None;
         }
-        self.reduction.current = false;
-        self.set_reduction(None);
+        self.low_rank_update.current = false;
+        self.set_low_rank_update(None);
         Ok(())
     }
 
     /// Takes a product off the extra matrix, or nothing. Compliances and factors are kept for every set of acting cells.
-    pub fn set_reduction(&mut self, reduction: Option<Reduction<'_>>) {
-        let kept = &mut self.reduction;
-        let Some(Reduction { acting, left, right }) = reduction else {
+    pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
+        let kept = &mut self.low_rank_update;
+        let Some(LowRankUpdate { acting, left, right }) = low_rank_update else {
             if !kept.current || kept.rank > 0 {
                 kept.acting.fill(true);
                 (kept.rank, kept.current) = (0, true);
@@ -311,10 +311,10 @@ impl Factors {
     fn compose(&mut self, signed_friction: f64) -> usize {
         self.clock += 1;
         let bits = signed_friction.to_bits();
-        let KeptReduction { acting, rank, left, right, .. } = &self.reduction;
-        let extra = self.extra.map(|place| &self.extras[place]);
-        let name = extra.map_or(0, |extra| extra.name);
-        let fits = |c: &Composition| c.used > 0 && c.extra == name && c.signed_friction == bits && c.acting == *acting;
+        let CachedUpdate { acting, rank, left, right, .. } = &self.low_rank_update;
+        let added_compliance = self.added_compliance.map(|place| &self.extras[place]);
+        let name = added_compliance.map_or(0, |added_compliance| added_compliance.name);
+        let fits = |c: &Composition| c.used > 0 && c.added_compliance == name && c.signed_friction == bits && c.acting == *acting;
         if let Some(position) = self.compositions.iter().position(fits) {
             self.compositions[position].used = self.clock;
             return position;
@@ -322,15 +322,15 @@ impl Factors {
         let position = least_used(self.compositions.iter().map(|c| c.used));
         let composition = &mut self.compositions[position];
         composition.used = self.clock;
-        composition.extra = name;
+        composition.added_compliance = name;
         composition.signed_friction = bits;
         composition.acting.copy_from_slice(acting);
         for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
             *target = normal + signed_friction * shear;
         }
-        if let Some(extra) = extra {
-            for (target, extra) in composition.matrix.iter_mut().zip(&extra.matrix) {
-                *target += extra;
+        if let Some(added_compliance) = added_compliance {
+            for (target, added_compliance) in composition.matrix.iter_mut().zip(&added_compliance.matrix) {
+                *target += added_compliance;
             }
         }
         if *rank > 0 {
@@ -349,14 +349,14 @@ impl Factors {
         self.clock += 1;
         let bits = key.signed_friction.to_bits();
         let clock = self.clock;
-        let extra = self.extra.map_or(0, |place| self.extras[place].name);
+        let added_compliance = self.added_compliance.map_or(0, |place| self.extras[place].name);
         let fits = |entry: &Entry| {
             entry.used > 0
-                && entry.extra == extra
+                && entry.added_compliance == added_compliance
                 && entry.signed_friction == bits
                 && entry.shifted == key.shifted
                 && entry.active == key.active
-                && entry.acting == self.reduction.acting
+                && entry.acting == self.low_rank_update.acting
                 && entry.index.iter().all(|&i| entry.diagonal[i].to_bits() == key.diagonal[i].to_bits())
         };
         if let Some(position) = self.entries.iter().position(fits) {
@@ -368,12 +368,12 @@ impl Factors {
         let position = least_used(self.entries.iter().map(|e| e.used));
         let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
         entry.used = self.clock;
-        entry.extra = extra;
+        entry.added_compliance = added_compliance;
         entry.signed_friction = bits;
         entry.shifted = key.shifted;
         entry.diagonal.copy_from_slice(key.diagonal);
         entry.active.copy_from_slice(key.active);
-        entry.acting.copy_from_slice(&self.reduction.acting);
+        entry.acting.copy_from_slice(&self.low_rank_update.acting);
         entry.has_uniform = false;
         entry.has_linear = false;
         entry.has_open_rows = false;

@@ -49,14 +49,14 @@ impl FrictionLaw {
         v / (v * v + S::from(regularization * regularization)).sqrt()
     }
 
-    /// Derivative of [`Self::faded`] at the temperature `t` (K), 1/K.
+    /// Derivative of [`Self::kinetic_coefficient`] at the temperature `t` (K), 1/K.
     pub fn fall(&self, t: f64) -> f64 {
         self.coefficient * self.fade.at(t).1
     }
 
     /// mu_0 fade(T) at the temperature `t` (K): without the Stribeck factor, as wear feels it.
     #[inline]
-    pub fn faded<S: Scalar>(&self, t: S) -> S {
+    pub fn kinetic_coefficient<S: Scalar>(&self, t: S) -> S {
         if self.fade.flat {
             return S::from(self.coefficient * self.fade.factor[0]);
         }

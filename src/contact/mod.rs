@@ -8,5 +8,5 @@ pub mod lemke;
 pub mod problem;
 
 pub use complementarity::{ContactProblem, ContactSolver, pair_compliance, pair_operators};
-pub use factors::{Reduction, check_operators, largest_reduction};
+pub use factors::{LowRankUpdate, check_operators, largest_reduction};
 pub use problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};

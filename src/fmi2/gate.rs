@@ -28,11 +28,11 @@ pub static STATES: Registry<Saved> = Registry::new(3);
 
 /// Where the last panic happened: bytes of text and their number. Not a `String`, because a value
 /// with a destructor would keep the library from being unloaded before the thread ends.
-type Place = ([u8; 120], usize);
+type PanicLocation = ([u8; 120], usize);
 
 thread_local! {
     static INSIDE: Cell<bool> = const { Cell::new(false) };
-    static PLACE: Cell<Place> = const { Cell::new(([0; 120], 0)) };
+    static PLACE: Cell<PanicLocation> = const { Cell::new(([0; 120], 0)) };
 }
 
 type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;

@@ -153,7 +153,7 @@ struct SpeedTable {
     /// ln of the lowest speed.
     low: f64,
     /// Value and slope per knot spacing at every knot.
-    knots: Vec<(f64, f64)>,
+    nodes: Vec<(f64, f64)>,
     /// Leading bits of the lowest speed of `cubics`.
     first: u64,
     /// The same curve without logarithm and exponential: coefficients of a cubic of the part of the piece passed, on
@@ -184,7 +184,7 @@ impl SpeedTable {
         }
         let slopes = spline_slopes(&values);
         let mut table =
-            SpeedTable { low, knots: values.into_iter().zip(slopes).collect(), first: 0, cubics: Vec::new() };
+            SpeedTable { low, nodes: values.into_iter().zip(slopes).collect(), first: 0, cubics: Vec::new() };
         table.first = (low.exp().to_bits() >> FREE_BITS) + 1;
         let last = high.exp().to_bits() >> FREE_BITS;
         table.cubics = (table.first..last)
@@ -219,15 +219,15 @@ impl SpeedTable {
     #[inline(never)]
     fn by_spline(&self, speed: f64) -> (f64, f64) {
         let position = (speed.ln() - self.low) * KNOTS_PER_UNIT;
-        let last = self.knots.len() - 1;
+        let last = self.nodes.len() - 1;
         let (logarithm, slope) = if position <= 0.0 {
-            (self.knots[0].0 + position * self.knots[0].1, self.knots[0].1)
+            (self.nodes[0].0 + position * self.nodes[0].1, self.nodes[0].1)
         } else if position >= last as f64 {
-            (self.knots[last].0 + (position - last as f64) * self.knots[last].1, self.knots[last].1)
+            (self.nodes[last].0 + (position - last as f64) * self.nodes[last].1, self.nodes[last].1)
         } else {
             let index = position as usize;
             let x = position - index as f64;
-            let ((left, left_slope), (right, right_slope)) = (self.knots[index], self.knots[index + 1]);
+            let ((left, left_slope), (right, right_slope)) = (self.nodes[index], self.nodes[index + 1]);
             let rise = right - left;
             let (c2, c3) = (3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise);
             (left + x * (left_slope + x * (c2 + x * c3)), left_slope + x * (2.0 * c2 + x * 3.0 * c3))
@@ -239,15 +239,15 @@ impl SpeedTable {
 
 /// Resistances at `count` knots from the speed exp(`low`) on.
 fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
-    let at = |knot: usize| source.resistance((low + knot as f64 / KNOTS_PER_UNIT).exp());
+    let at = |node: usize| source.resistance((low + node as f64 / KNOTS_PER_UNIT).exp());
     if !source.spreads() {
         return (0..count).map(at).collect();
     }
     // Ten times the work for each: those between by a spline through the logarithms. They differ by less than 1e-3.
-    let values: Vec<f64> = (0..=count.div_ceil(APART)).map(|knot| at(knot * APART).ln()).collect();
+    let values: Vec<f64> = (0..=count.div_ceil(APART)).map(|node| at(node * APART).ln()).collect();
     let slopes = spline_slopes(&values);
-    let between = |knot: usize| {
-        let (index, x) = (knot / APART, (knot % APART) as f64 / APART as f64);
+    let between = |node: usize| {
+        let (index, x) = (node / APART, (node % APART) as f64 / APART as f64);
         let (left, right) = (values[index], values[index + 1]);
         let (first, second, rise) = (slopes[index], slopes[index + 1], right - left);
         let (c2, c3) = (3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise);

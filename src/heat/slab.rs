@@ -140,7 +140,7 @@ impl Slab {
         let own = self.diffusivity() / self.height.powi(2);
         // Beyond the last of these a heated layer is thinner than the grid resolves.
         let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST.powi(2));
-        let scan = Scan::new(self, 1.0 / duration, fastest);
+        let scan = ErrorSweep::new(self, 1.0 / duration, fastest);
         let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
         // Numbers of the next ratio, of the first one that was not reached yet, and of the first that has too many functions.
@@ -198,22 +198,22 @@ impl Slab {
 
 /// The frequencies at which a reduced response is held against the exact one: on the imaginary axis, where the largest error bounds
 /// that of the response to any bounded flux.
-struct Scan {
+struct ErrorSweep {
     /// Frequencies and the exact response.
     exact: Vec<(Complex<f64>, Complex<f64>)>,
     /// That at the slowest frequency, which errors are relative to.
     scale: f64,
 }
 
-impl Scan {
-    fn new(slab: &Slab, slowest: f64, fastest: f64) -> Scan {
+impl ErrorSweep {
+    fn new(slab: &Slab, slowest: f64, fastest: f64) -> ErrorSweep {
         let points = 40;
         let exact = (0..=points)
             // A constant flux has content below its own frequency, so the scan begins there.
             .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
             .map(|frequency| Complex::new(0.0, frequency))
             .map(|s| (s, slab.impedance(s, 0.0)));
-        Scan { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
+        ErrorSweep { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
     }
 
     fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {

@@ -20,8 +20,8 @@
 
 use super::Candidate;
 use super::cost::{self, build_cost};
-use super::course::{Course, Run, distance};
-use super::rung::{CELLS, Rung};
+use super::trajectory::{NominalTrajectory, Run, distance};
+use super::model_level::{CELLS, ModelLevel};
 use crate::coupled::line::heat::bodies::on_the_cells;
 use crate::coupled::model::Operators;
 use crate::scene::{HeatAlongContact, Scene};
@@ -61,9 +61,9 @@ pub struct Comparison {
     /// Every level with its error, by cost.
     pub candidates: Vec<Candidate>,
     /// The levels that were run, as they are for the scene.
-    pub operators: Vec<(Rung, Operators)>,
+    pub operators: Vec<(ModelLevel, Operators)>,
     /// The finest contact line that was run.
-    pub finest: Rung,
+    pub finest: ModelLevel,
     /// Its operators.
     pub line: Operators,
     /// Whether the error is known: the cells converge, and enough of the course was run.
@@ -80,14 +80,14 @@ pub struct Comparison {
 
 /// A level that was run.
 struct Level {
-    rung: Rung,
+    model_level: ModelLevel,
     operators: Operators,
     run: Run,
 }
 
 /// Runs of a comparison so far.
 struct Progress<'a> {
-    course: &'a Course,
+    course: &'a NominalTrajectory,
     /// Heat of the contact line, where it is resolved as far as it feeds back.
     heat: HeatAlongContact,
     levels: Vec<Level>,
@@ -108,7 +108,7 @@ struct Progress<'a> {
 /// What a level or a step of it refuses.
 pub fn compare(
     scene: &Scene,
-    course: &Course,
+    course: &NominalTrajectory,
     enough: f64,
     by_cells: bool,
     may_grow: bool,
@@ -116,7 +116,7 @@ pub fn compare(
     let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
     // Strokes are run with the wear of the whole duration: what they are run on is not what the user runs.
     let run_scene = &course.scene(scene);
-    let whole = Rung::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(run_scene);
+    let whole = ModelLevel::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(run_scene);
     let heat = match by_cells && on_the_cells(&whole) {
         true => HeatAlongContact::OnTheCells,
         false => HeatAlongContact::ByItsMean,
@@ -145,18 +145,18 @@ pub fn compare(
     let Judgement { mut candidates, ratio, is_known } = progress.judge(may_grow.then_some(enough))?;
     match scene.cells {
         0 => progress.extrapolate(&mut candidates, ratio),
-        own => candidates.retain(|candidate| candidate.rung == Rung::Lumped || candidate.rung.cells() == own),
+        own => candidates.retain(|candidate| candidate.model_level == ModelLevel::Lumped || candidate.model_level.cells() == own),
     }
     candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
     let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
     let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
     let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
     // Where the user has fixed the cells, the finer ones are there to compare with only.
-    let finest = if scene.cells > 0 { Rung::Line { cells: scene.cells, heat } } else { finest.rung };
+    let finest = if scene.cells > 0 { ModelLevel::Line { cells: scene.cells, heat } } else { finest.model_level };
     let (steps, cost) = (progress.steps, progress.cost);
     let operators = match course.repeats > 1.0 {
         true => Vec::new(),
-        false => progress.levels.into_iter().map(|level| (level.rung, level.operators)).collect(),
+        false => progress.levels.into_iter().map(|level| (level.model_level, level.operators)).collect(),
     };
     Ok(Comparison { candidates, operators, finest, line, is_known, rise, steps, covered, cost })
 }
@@ -188,28 +188,28 @@ impl Progress<'_> {
         Ok(run)
     }
 
-    fn add(&mut self, rung: Rung, operators: Operators) -> Result<(), String> {
+    fn add(&mut self, model_level: ModelLevel, operators: Operators) -> Result<(), String> {
         let run = self.run(&operators)?;
-        self.levels.push(Level { rung, operators, run });
+        self.levels.push(Level { model_level, operators, run });
         Ok(())
     }
 
     fn lumped(&mut self, scene: &Scene) -> Result<Operators, String> {
-        let operators = Operators::new(&Rung::Lumped.apply(scene))?;
+        let operators = Operators::new(&ModelLevel::Lumped.apply(scene))?;
         self.cost += build_cost(&operators);
-        self.add(Rung::Lumped, operators.clone())?;
+        self.add(ModelLevel::Lumped, operators.clone())?;
         Ok(operators)
     }
 
     /// The contact line on `cells` cells beside the lumped level `mean`, and the same with its heat by the mean.
     fn line(&mut self, scene: &Scene, cells: usize, mean: &Operators) -> Result<(), String> {
-        let rung = Rung::Line { cells, heat: self.heat };
-        let line = mean.line_beside(&rung.apply(scene))?;
+        let model_level = ModelLevel::Line { cells, heat: self.heat };
+        let line = mean.line_beside(&model_level.apply(scene))?;
         self.cost += build_cost(&line);
         if self.heat == HeatAlongContact::OnTheCells {
-            self.add(Rung::Line { cells, heat: HeatAlongContact::ByItsMean }, line.with_mean_heat())?;
+            self.add(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean }, line.with_mean_heat())?;
         }
-        self.add(rung, line)?;
+        self.add(model_level, line)?;
         let told = self.course.repeats > 1.0
             || self.levels.last().is_some_and(|level| self.course.part(level.run.history.len()) >= TELLING);
         if told {
@@ -237,14 +237,14 @@ impl Progress<'_> {
             let apart = distance(&level.run.history, &finer.run.history);
             let error = largest(apart) / (1.0 - STRICTER);
             let bound = level.run.step_bound;
-            self.step_ratios[kind(level.rung)] = if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 };
+            self.step_ratios[kind(level.model_level)] = if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 };
         }
         Ok(())
     }
 
     /// Contact lines with their heat resolved, from coarse to fine.
     fn lines(&self) -> impl DoubleEndedIterator<Item = &Level> {
-        self.levels.iter().filter(|level| level.rung.heat() == Some(self.heat))
+        self.levels.iter().filter(|level| level.model_level.heat() == Some(self.heat))
     }
 
     /// Errors of all levels. `agreed`: the difference that the finest lines may have where their ratio is not known.
@@ -269,9 +269,9 @@ impl Progress<'_> {
         let candidates = self.levels.iter().map(|level| {
             let apart = self.carried_on(&level.run, &finest.run);
             Candidate {
-                rung: level.rung,
+                model_level: level.model_level,
                 errors: std::array::from_fn(|output| apart[output] + own[output]),
-                step_ratio: self.step_ratios[kind(level.rung)],
+                step_ratio: self.step_ratios[kind(level.model_level)],
                 cost: cost::per_step(&level.operators),
                 run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
             }
@@ -306,15 +306,15 @@ impl Progress<'_> {
 
     /// Adds finer cells than were run. Heat by the mean beside cells that carry it has an error that finer cells leave.
     fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64) {
-        let finest = candidates.iter().rev().find(|candidate| candidate.rung.heat() == Some(self.heat)).copied();
+        let finest = candidates.iter().rev().find(|candidate| candidate.model_level.heat() == Some(self.heat)).copied();
         let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
-        let cells = finest.rung.cells();
+        let cells = finest.model_level.cells();
         // One doubling: beyond, the measured ratio tells little.
         for count in CELLS.into_iter().filter(|&count| count > cells).take(1) {
             let factor = (cells as f64 / count as f64).powf(ratio.log2());
             let cost = cost::per_step_of(count, cost::states(&level.operators));
             candidates.push(Candidate {
-                rung: Rung::Line { cells: count, heat: self.heat },
+                model_level: ModelLevel::Line { cells: count, heat: self.heat },
                 errors: finest.errors.map(|error| error * factor),
                 step_ratio: finest.step_ratio,
                 cost,
@@ -325,8 +325,8 @@ impl Progress<'_> {
 }
 
 /// Place of a level's step ratio.
-fn kind(rung: Rung) -> usize {
-    match rung.heat() {
+fn kind(model_level: ModelLevel) -> usize {
+    match model_level.heat() {
         None => 0,
         Some(HeatAlongContact::ByItsMean) => 1,
         Some(_) => 2,

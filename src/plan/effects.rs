@@ -2,7 +2,7 @@
 
 use super::Candidate;
 use super::groups::Groups;
-use super::rung::Rung;
+use super::model_level::ModelLevel;
 use crate::coupled::model::Operators;
 use crate::scene::{HeatAlongContact, Scene};
 
@@ -25,22 +25,22 @@ pub struct Effect {
 }
 
 /// Judges the effects of a scene; `fine` is a contact line of it.
-pub fn judge(scene: &Scene, groups: &Groups, fine: &Operators, candidates: &[Candidate], chosen: Rung) -> Vec<Effect> {
+pub fn judge(scene: &Scene, groups: &Groups, fine: &Operators, candidates: &[Candidate], chosen: ModelLevel) -> Vec<Effect> {
     let uneven = match fine {
         Operators::Line(line) => line.unevenness(),
         Operators::Lumped(_) => Default::default(),
     };
     let distortion = groups.distortion_over_approach;
-    let line = chosen != Rung::Lumped;
+    let line = chosen != ModelLevel::Lumped;
     let by_cells = chosen.heat() == Some(HeatAlongContact::OnTheCells);
-    let find = |wanted: Rung| candidates.iter().find(|candidate| candidate.rung == wanted).map(Candidate::error);
+    let find = |wanted: ModelLevel| candidates.iter().find(|candidate| candidate.model_level == wanted).map(Candidate::error);
     let cells = match fine {
         Operators::Line(line) => line.count(),
         Operators::Lumped(_) => 1,
     };
-    let uniform = find(Rung::Lumped).unwrap_or(0.0);
-    let exact = find(Rung::Line { cells, heat: HeatAlongContact::OnTheCells });
-    let mean = find(Rung::Line { cells, heat: HeatAlongContact::ByItsMean });
+    let uniform = find(ModelLevel::Lumped).unwrap_or(0.0);
+    let exact = find(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
+    let mean = find(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean });
     let heat_error = match (mean, exact) {
         (Some(mean), Some(exact)) => (mean - exact).max(0.0),
         _ => 0.0,

@@ -23,20 +23,20 @@
 
 pub mod comparison;
 pub mod cost;
-pub mod course;
+pub mod trajectory;
 pub mod effects;
 pub mod groups;
 pub mod prepared;
-pub mod rung;
+pub mod model_level;
 mod text;
 
 use crate::coupled::model::Operators;
 use crate::scene::Scene;
 use comparison::{Comparison, compare};
-use course::Course;
+use trajectory::NominalTrajectory;
 use effects::Effect;
 use groups::Groups;
-use rung::Rung;
+use model_level::ModelLevel;
 
 /// Part of the tolerance that the error of the level and its cells may take.
 const SAFETY: f64 = 0.9;
@@ -51,7 +51,7 @@ const MOST_IN_VAIN: usize = 65;
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Candidate {
     /// The level.
-    pub rung: Rung,
+    pub model_level: ModelLevel,
     /// Relative errors of wear depth, contact temperature and friction force by the level and its cells.
     pub errors: [f64; 3],
     /// Error by the reduction of its bodies and its time steps over `estimated_step_error`.
@@ -75,7 +75,7 @@ pub struct Plan {
     /// The tolerance it was made for.
     pub tolerance: f64,
     /// The level.
-    pub rung: Rung,
+    pub model_level: ModelLevel,
     /// Whether its estimated error is below the tolerance.
     pub meets: bool,
     /// Why it is this level.
@@ -128,7 +128,7 @@ pub fn make(scene: &Scene) -> Result<Planned, String> {
     if scene.has_rigid_bodies() {
         return only_lumped(scene, "both bodies are rigid".into(), None);
     }
-    let Some(course) = Course::new(scene) else {
+    let Some(course) = NominalTrajectory::new(scene) else {
         let reason = format!(
             "nominal.load = {} N, nominal.velocity = {} m/s and nominal.duration = {} s leave nothing to compare levels with",
             scene.nominal_load, scene.nominal_velocity, scene.nominal_duration
@@ -158,14 +158,14 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
     let good = candidates.iter().find(|candidate| known && candidate.error() <= enough);
     let chosen = good.or_else(|| match known {
         true => {
-            let within = candidates.iter().filter(|candidate| candidate.rung.cells() <= MOST_IN_VAIN);
+            let within = candidates.iter().filter(|candidate| candidate.model_level.cells() <= MOST_IN_VAIN);
             within.min_by(|one, other| one.error().total_cmp(&other.error()))
         }
         // Nothing tells the levels apart: the one that leaves out least.
         false => {
-            let alike = candidates.iter().filter(|candidate| candidate.rung.heat() == comparison.finest.heat());
-            let within = alike.filter(|candidate| candidate.rung.cells() <= MOST_IN_VAIN.max(scene.cells));
-            within.max_by_key(|candidate| candidate.rung.cells())
+            let alike = candidates.iter().filter(|candidate| candidate.model_level.heat() == comparison.finest.heat());
+            let within = alike.filter(|candidate| candidate.model_level.cells() <= MOST_IN_VAIN.max(scene.cells));
+            within.max_by_key(|candidate| candidate.model_level.cells())
         }
     });
     let Some(&chosen) = chosen else { return Err("a plan without candidates".into()) };
@@ -179,17 +179,17 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
             format!("no level has an estimated error below the tolerance; this one has {:.1e}", chosen.error())
         }
     };
-    let run = comparison.operators.into_iter().find(|(rung, _)| *rung == chosen.rung);
+    let run = comparison.operators.into_iter().find(|(model_level, _)| *model_level == chosen.model_level);
     let operators = match run {
         Some((_, operators)) => operators,
-        None => Operators::new(&chosen.rung.apply(scene))?,
+        None => Operators::new(&chosen.model_level.apply(scene))?,
     };
     let groups = Groups::new(scene, comparison.rise);
-    let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.rung);
+    let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.model_level);
     let (states, order, reduction_error) = made_of(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
-        rung: chosen.rung,
+        model_level: chosen.model_level,
         meets: good.is_some(),
         reason,
         effects,
@@ -211,11 +211,11 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
 }
 
 fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>) -> Result<Planned, String> {
-    let operators = Operators::new(&Rung::Lumped.apply(scene))?;
+    let operators = Operators::new(&ModelLevel::Lumped.apply(scene))?;
     let (states, order, reduction_error) = made_of(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
-        rung: Rung::Lumped,
+        model_level: ModelLevel::Lumped,
         meets: estimated_error.is_none(),
         reason,
         effects: Vec::new(),

@@ -1,20 +1,20 @@
 //! A plan as lines that people can read: what the command prints and the log says.
 
 use super::Plan;
-use super::rung::Rung;
+use super::model_level::ModelLevel;
 use crate::scene::HeatAlongContact;
 
 impl Plan {
     /// The plan's level in one line.
     pub fn summary(&self) -> String {
-        let heat = match self.rung {
-            Rung::Lumped => "heat of the mean",
-            Rung::Line { heat: HeatAlongContact::ByItsMean, .. } => "heat by its mean",
-            Rung::Line { .. } => "heat on the cells",
+        let heat = match self.model_level {
+            ModelLevel::Lumped => "heat of the mean",
+            ModelLevel::Line { heat: HeatAlongContact::ByItsMean, .. } => "heat by its mean",
+            ModelLevel::Line { .. } => "heat on the cells",
         };
         format!(
             "auto takes {}, {heat}, order {}, thermal states: punch {}, strip {}, moving source {}: {}",
-            self.rung, self.order, self.states[0], self.states[1], self.states[2], self.reason
+            self.model_level, self.order, self.states[0], self.states[1], self.states[2], self.reason
         )
     }
 
@@ -47,10 +47,10 @@ impl Plan {
         }
         for candidate in &self.candidates {
             let [wear, temperature, force] = candidate.errors.map(short);
-            let rung = candidate.rung.to_string();
-            let chosen = if candidate.rung == self.rung { "  <" } else { "" };
+            let model_level = candidate.model_level.to_string();
+            let chosen = if candidate.model_level == self.model_level { "  <" } else { "" };
             lines.push(format!(
-                "{rung:28} errors of wear {wear}, temperature {temperature}, force {force}; {:.1} us a step{chosen}",
+                "{model_level:28} errors of wear {wear}, temperature {temperature}, force {force}; {:.1} us a step{chosen}",
                 candidate.cost
             ));
         }

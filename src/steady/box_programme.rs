@@ -54,7 +54,7 @@ impl fmt::Display for ProgrammeError {
 impl std::error::Error for ProgrammeError {}
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum BoundStatus {
     Lower,
     Free,
     Upper,
@@ -67,30 +67,30 @@ impl BoxProgramme {
     /// Primal-dual active set from all unknowns free; where it returns to a set, Lemke's algorithm, which ends.
     pub fn solve(&self) -> Result<BoxSolution, ProgrammeError> {
         let count = self.linear.len();
-        let mut places = vec![Place::Free; count];
-        let mut tried: Vec<Vec<Place>> = Vec::new();
-        while let Some((values, multipliers)) = self.solve_on(&places) {
-            let next = self.next(&places, &values, &multipliers);
-            if next == places {
+        let mut statuses = vec![BoundStatus::Free; count];
+        let mut tried: Vec<Vec<BoundStatus>> = Vec::new();
+        while let Some((values, multipliers)) = self.solve_on(&statuses) {
+            let next = self.next(&statuses, &values, &multipliers);
+            if next == statuses {
                 return Ok(BoxSolution { values, multipliers, iterations: tried.len() + 1, fallback: false });
             }
-            tried.push(std::mem::replace(&mut places, next));
-            if tried.len() == ITERATION_LIMIT || tried.contains(&places) {
+            tried.push(std::mem::replace(&mut statuses, next));
+            if tried.len() == ITERATION_LIMIT || tried.contains(&statuses) {
                 break;
             }
         }
-        let places = self.pivoted()?;
-        let (values, multipliers) = self.solve_on(&places).ok_or(ProgrammeError::Infeasible)?;
+        let statuses = self.pivoted()?;
+        let (values, multipliers) = self.solve_on(&statuses).ok_or(ProgrammeError::Infeasible)?;
         Ok(BoxSolution { values, multipliers, iterations: tried.len(), fallback: true })
     }
 
-    fn solve_on(&self, places: &[Place]) -> Option<(DVector<f64>, DVector<f64>)> {
-        let (count, m) = (places.len(), self.right.len());
-        let free: Vec<usize> = (0..count).filter(|&i| places[i] == Place::Free).collect();
-        let mut values = DVector::from_fn(count, |i, _| match places[i] {
-            Place::Lower => self.lower[i],
-            Place::Upper => self.upper[i],
-            Place::Free => 0.0,
+    fn solve_on(&self, statuses: &[BoundStatus]) -> Option<(DVector<f64>, DVector<f64>)> {
+        let (count, m) = (statuses.len(), self.right.len());
+        let free: Vec<usize> = (0..count).filter(|&i| statuses[i] == BoundStatus::Free).collect();
+        let mut values = DVector::from_fn(count, |i, _| match statuses[i] {
+            BoundStatus::Lower => self.lower[i],
+            BoundStatus::Upper => self.upper[i],
+            BoundStatus::Free => 0.0,
         });
         let n = free.len();
         let scale = self.quadratic.diagonal().amax();
@@ -118,25 +118,25 @@ impl BoxProgramme {
         Some((values, right.rows(n, m) * scale))
     }
 
-    fn next(&self, places: &[Place], values: &DVector<f64>, multipliers: &DVector<f64>) -> Vec<Place> {
+    fn next(&self, statuses: &[BoundStatus], values: &DVector<f64>, multipliers: &DVector<f64>) -> Vec<BoundStatus> {
         let gradient = &self.quadratic * values + &self.linear - &self.constraints * multipliers;
         let tolerance = SIGN_TOLERANCE * (&self.quadratic * values).amax().max(self.linear.amax());
         let place = |i: usize| {
             let slack = SIGN_TOLERANCE * (self.upper[i] - self.lower[i]);
-            match places[i] {
-                Place::Free if values[i] < self.lower[i] - slack => Place::Lower,
-                Place::Free if values[i] > self.upper[i] + slack => Place::Upper,
-                Place::Lower if gradient[i] < -tolerance => Place::Free,
-                Place::Upper if gradient[i] > tolerance => Place::Free,
+            match statuses[i] {
+                BoundStatus::Free if values[i] < self.lower[i] - slack => BoundStatus::Lower,
+                BoundStatus::Free if values[i] > self.upper[i] + slack => BoundStatus::Upper,
+                BoundStatus::Lower if gradient[i] < -tolerance => BoundStatus::Free,
+                BoundStatus::Upper if gradient[i] > tolerance => BoundStatus::Free,
                 same => same,
             }
         };
-        (0..places.len()).map(place).collect()
+        (0..statuses.len()).map(place).collect()
     }
 
     /// `d = lower + z`, multipliers nu of the upper bounds: a mixed complementarity problem in (z, nu), positive
     /// semidefinite because Q is.
-    fn pivoted(&self) -> Result<Vec<Place>, ProgrammeError> {
+    fn pivoted(&self) -> Result<Vec<BoundStatus>, ProgrammeError> {
         let (count, m) = (self.linear.len(), self.right.len());
         let scale = self.quadratic.diagonal().amax();
         let mut matrix = DMatrix::zeros(2 * count + m, 2 * count + m);
@@ -156,9 +156,9 @@ impl BoxProgramme {
         let first = &[0, count - 1][..m];
         let basic = lemke::solve_mixed(&matrix, &q, first).map_err(|_| ProgrammeError::Infeasible)?.basic;
         let place = |i: usize| match (basic[i], basic[count + i]) {
-            (_, true) => Place::Upper,
-            (true, false) => Place::Free,
-            (false, false) => Place::Lower,
+            (_, true) => BoundStatus::Upper,
+            (true, false) => BoundStatus::Free,
+            (false, false) => BoundStatus::Lower,
         };
         Ok((0..count).map(place).collect())
     }

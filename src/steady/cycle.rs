@@ -52,7 +52,7 @@ pub struct Cycle {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum BoundStatus {
     /// In contact backward only.
     BackwardOnly,
     Both,
@@ -105,7 +105,7 @@ impl CycleProblem<'_> {
         let levers = self.friction.map(|friction| self.pivot_height.map_or(0.0, |h| friction * h) / half_width);
 
         let mut difference = DVector::zeros(count);
-        let mut places = vec![Place::Both; count];
+        let mut places = vec![BoundStatus::Both; count];
         let mut depth = [self.durations.iter().sum::<f64>() * self.rate.rate(0, mean), 0.0];
         let mut jump = [0.0, 0.0];
         for iterations in 1..=ITERATION_LIMIT {
@@ -121,7 +121,7 @@ impl CycleProblem<'_> {
             for i in 0..count {
                 residual[i] -= jump_at(i);
             }
-            let both: Vec<usize> = (0..count).filter(|&i| places[i] == Place::Both).collect();
+            let both: Vec<usize> = (0..count).filter(|&i| places[i] == BoundStatus::Both).collect();
             let n = both.len();
             let mut system = DMatrix::zeros(n + 2 * free, n + 2 * free);
             let mut right = DVector::zeros(n + 2 * free);
@@ -175,12 +175,12 @@ impl CycleProblem<'_> {
             for i in 0..count {
                 let tolerance = TOLERANCE * mean;
                 let joins = match places[i] {
-                    Place::Both => false,
-                    Place::ForwardOnly => residual[i] > tolerance,
-                    Place::BackwardOnly => residual[i] < -tolerance,
+                    BoundStatus::Both => false,
+                    BoundStatus::ForwardOnly => residual[i] > tolerance,
+                    BoundStatus::BackwardOnly => residual[i] < -tolerance,
                 };
                 if joins {
-                    places[i] = Place::Both;
+                    places[i] = BoundStatus::Both;
                     changed = true;
                 }
             }
@@ -193,7 +193,7 @@ impl CycleProblem<'_> {
                 let depth = depth[0] + depth[1] * shift(1, i);
                 let [low, high] = self.ends(i, depth);
                 if difference[i] >= high || difference[i] <= low {
-                    places[i] = if difference[i] >= high { Place::ForwardOnly } else { Place::BackwardOnly };
+                    places[i] = if difference[i] >= high { BoundStatus::ForwardOnly } else { BoundStatus::BackwardOnly };
                     changed = true;
                 }
             }
@@ -231,11 +231,11 @@ impl CycleProblem<'_> {
     }
 
     /// Pressures of a cell on the curve `t+ f(p+) + t- f(p-) = depth`, at the difference or at an end.
-    fn cell(&self, cell: usize, place: Place, difference: f64, depth: f64) -> CellState {
+    fn cell(&self, cell: usize, place: BoundStatus, difference: f64, depth: f64) -> CellState {
         let [t_forward, t_backward] = self.durations;
         let [low, high] = self.ends(cell, depth);
         match place {
-            Place::ForwardOnly => {
+            BoundStatus::ForwardOnly => {
                 let slope = 1.0 / (t_forward * self.rate.slope(cell, high));
                 let (by, sum) = (slope, slope);
                 CellState {
@@ -246,7 +246,7 @@ impl CycleProblem<'_> {
                     sum_by_depth: sum,
                 }
             }
-            Place::BackwardOnly => {
+            BoundStatus::BackwardOnly => {
                 let slope = 1.0 / (t_backward * self.rate.slope(cell, -low));
                 CellState {
                     forward: 0.0,
@@ -256,7 +256,7 @@ impl CycleProblem<'_> {
                     sum_by_depth: slope,
                 }
             }
-            Place::Both => {
+            BoundStatus::Both => {
                 let r = difference.clamp(low, high);
                 let base = self.smaller(cell, r, depth);
                 let (forward, backward) = (base + r.max(0.0), base + (-r).max(0.0));

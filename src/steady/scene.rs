@@ -208,13 +208,13 @@ impl<'a> Contact<'a> {
         sliding: &Sliding,
     ) -> Self {
         let law = FrictionLaw::new(scene);
-        let faded: f64 = law.faded(scene.ambient_temperature);
+        let kinetic_coefficient: f64 = law.kinetic_coefficient(scene.ambient_temperature);
         let radii = relative_radii(scene, cells);
         let stroke = |(velocity, duration): (f64, f64)| Stroke {
             velocity,
             duration,
-            friction: faded * law.stribeck(velocity) * law.sign(velocity),
-            rates: [&scene.punch, &scene.strip].map(|body| depth_rate(scene, body, &radii, velocity, faded)),
+            friction: kinetic_coefficient * law.stribeck(velocity) * law.sign(velocity),
+            rates: [&scene.punch, &scene.strip].map(|body| depth_rate(scene, body, &radii, velocity, kinetic_coefficient)),
         };
         Self {
             scene,

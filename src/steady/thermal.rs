@@ -9,7 +9,7 @@ mod bodies;
 mod cycle;
 pub mod law;
 mod one_way;
-mod split;
+mod partition;
 
 pub use cycle::{cycle_map, nominal_half_strokes};
 

@@ -7,7 +7,7 @@ use crate::elastic::Cells;
 use crate::exact::{PartedRing, RadialBands};
 use crate::heat::line::punch::{mate::reduce_mate, reduce};
 use crate::heat::line::reduced::ReducedHeat;
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 use crate::scene::Scene;
 use crate::variables::{STARTS, find};
 use std::f64::consts::PI;
@@ -82,9 +82,9 @@ fn parted(mate: bool) -> Result<f64, String> {
     // Long against the conduction along the ring.
     heat.prepare(1e6, [0.0; 2]);
     heat.advance(&mut state, &around, &flux, &flux);
-    heat.base(&state, &around, Stage::End, &flux, &mut temperature, &mut distortion);
-    let gains = &heat.gains(Stage::End).temperature;
-    let at = |cell: usize| temperature[cell] + (0..CELLS).map(|j| gains[(cell, j)] * flux[j]).sum::<f64>();
+    heat.free_response(&state, &around, Stage::End, &flux, &mut temperature, &mut distortion);
+    let influence = &heat.influence(Stage::End).temperature;
+    let at = |cell: usize| temperature[cell] + (0..CELLS).map(|j| influence[(cell, j)] * flux[j]).sum::<f64>();
     Ok(at(CELLS - 1) - at(0))
 }
 

@@ -5,7 +5,7 @@ use super::{Problem, known};
 use crate::elastic::{self, Cells, Material};
 use crate::heat::lateral::Lateral;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 use crate::heat::slab::Base;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
@@ -49,8 +49,8 @@ fn steady(
     let cells = Cells::graded(half_width, cells).map_err(refused)?;
     let mut body = StripHeat::new(properties, &cells, &resolution).map_err(refused)?;
     body.prepare(FOR_EVER, [velocity; 2]);
-    let gains = &body.gains(Stage::End).temperature;
-    let answer = (0..cells.count()).map(|i| gains.row(i).sum()).collect();
+    let influence = &body.influence(Stage::End).temperature;
+    let answer = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
     Ok((cells, answer))
 }
 
@@ -225,8 +225,8 @@ fn between_knots(all: &mut Vec<Problem>) {
                 let errors = (0..COUNT).map(|k| {
                     let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
                     body.prepare(FOR_EVER, [2.0 * peclet; 2]);
-                    let gains = &body.gains(Stage::End).temperature;
-                    let answer: Vec<f64> = (0..cells.count()).map(|i| gains.row(i).sum()).collect();
+                    let influence = &body.influence(Stage::End).temperature;
+                    let answer: Vec<f64> = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
                     (mean(&cells, &answer) / band_mean(peclet, Some((HEIGHT, LayerBase::Held))) - 1.0).abs()
                 });
                 Ok(errors.fold(0.0, f64::max))
@@ -300,7 +300,7 @@ fn oscillating(all: &mut Vec<Problem>) {
                     body.advance(&mut state, &air, &flux, &flux);
                 }
                 let mut temperature = vec![0.0; cells.count()];
-                body.held(&state, &air, &flux, velocity(64 * periods), &mut temperature);
+                body.temperature_at_frozen_state(&state, &air, &flux, velocity(64 * periods), &mut temperature);
                 Ok(cells.point_value(&temperature, 0.0))
             }),
             bound: 1e-4,
@@ -333,8 +333,8 @@ fn distortion(all: &mut Vec<Problem>) {
             let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
             let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
             body.prepare(1e14, [0.0; 2]);
-            let gains = &body.gains(Stage::End).distortion;
-            let moved: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
+            let influence = &body.influence(Stage::End).distortion;
+            let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let at = |x: f64| cells.point_value(&moved, x);
             Ok((at(0.05) + at(-0.05) - 2.0 * at(0.0)) / 0.05f64.powi(2))
         }),

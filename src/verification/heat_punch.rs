@@ -5,7 +5,7 @@ use super::{Problem, known};
 use crate::elastic::Cells;
 use crate::heat::line::punch::reduce;
 use crate::heat::line::reduced::ReducedHeat;
-use crate::heat::line::{GAMMA, LineHeat, Stage, Surroundings};
+use crate::heat::line::{GAMMA, ThermalBody, Stage, Surroundings};
 use crate::scene::Scene;
 use crate::variables::{STARTS, find};
 use std::f64::consts::PI;
@@ -54,12 +54,12 @@ impl Reduced {
     fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         let around = Surroundings::default();
         self.heat.prepare(step, [0.0; 2]);
-        self.heat.base(&self.state, &around, Stage::End, first, &mut self.temperature, &mut self.distortion);
-        let gains = self.heat.gains(Stage::End);
+        self.heat.free_response(&self.state, &around, Stage::End, first, &mut self.temperature, &mut self.distortion);
+        let influence = self.heat.influence(Stage::End);
         for i in 0..CELLS {
             for (j, flux) in end.iter().enumerate() {
-                self.temperature[i] += gains.temperature[(i, j)] * flux;
-                self.distortion[i] += gains.distortion[(i, j)] * flux;
+                self.temperature[i] += influence.temperature[(i, j)] * flux;
+                self.distortion[i] += influence.distortion[(i, j)] * flux;
             }
         }
         self.heat.advance(&mut self.state, &around, first, end);

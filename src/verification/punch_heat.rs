@@ -4,7 +4,7 @@ use super::Problem;
 use crate::component::Values;
 use crate::elastic::Cells;
 use crate::heat::line::punch;
-use crate::heat::line::{GAMMA, LineHeat, Stage, Surroundings};
+use crate::heat::line::{GAMMA, ThermalBody, Stage, Surroundings};
 use crate::scene::Scene;
 use crate::variables::{STARTS, find};
 use std::f64::consts::PI;
@@ -93,10 +93,10 @@ impl Course {
             let start = f64::from(index) * step;
             let [first, end] = [GAMMA * step, step].map(|part| into(self.flux(start + part)));
             if index + 1 == count {
-                body.base(&state, &air, Stage::End, &first, &mut temperature, &mut distortion);
-                let gains = &body.gains(Stage::End).temperature;
+                body.free_response(&state, &air, Stage::End, &first, &mut temperature, &mut distortion);
+                let influence = &body.influence(Stage::End).temperature;
                 for (i, value) in temperature.iter_mut().enumerate() {
-                    *value += (0..CELLS).map(|j| gains[(i, j)] * end[j]).sum::<f64>();
+                    *value += (0..CELLS).map(|j| influence[(i, j)] * end[j]).sum::<f64>();
                 }
             }
             body.advance(&mut state, &air, &first, &end);

@@ -12,7 +12,7 @@ use crate::coupled::line::operators::Operators;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::elastic::scene::compliances;
 use crate::exact::instability;
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 use crate::scene::{STATIONS, Scene};
 use crate::variables::{STARTS, find};
 use nalgebra::{Complex, DMatrix};
@@ -274,7 +274,7 @@ impl Wave<'_> {
 /// numbers, solved whatever their sign.
 #[derive(Debug)]
 pub struct LinearWave {
-    body: Box<dyn LineHeat>,
+    body: Box<dyn ThermalBody>,
     state: Vec<f64>,
     cosine: Vec<f64>,
     /// Displacement per pressure, m/Pa.
@@ -297,9 +297,9 @@ impl LinearWave {
         self.body.prepare(step / unit(), [0.0; 2]);
         let mut fluxes = [vec![0.0; count], vec![0.0; count]];
         for (index, stage) in [Stage::First, Stage::End].into_iter().enumerate() {
-            self.body.base(&self.state, &air, stage, &fluxes[0], &mut temperature, &mut moved);
+            self.body.free_response(&self.state, &air, stage, &fluxes[0], &mut temperature, &mut moved);
             let base: f64 = 2.0 / count as f64 * self.cosine.iter().zip(&moved).map(|(c, u)| c * u).sum::<f64>();
-            let own = along(&self.cosine, &self.body.gains(stage).distortion, &self.cosine);
+            let own = along(&self.cosine, &self.body.influence(stage).distortion, &self.cosine);
             self.amplitude = -(self.gap + base) / (self.compliance + self.heat * own);
             let flux = self.heat * self.amplitude;
             fluxes[index] = self.cosine.iter().map(|c| flux * c).collect();

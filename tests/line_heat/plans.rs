@@ -5,7 +5,7 @@ use sliding_contact::component::{Component, Message, Snapshot, Subject};
 use sliding_contact::coupled::INPUTS;
 use sliding_contact::coupled::lumped::conditions::Tunables;
 use sliding_contact::coupled::model::{Model, Operators};
-use sliding_contact::plan::{self, rung::Rung};
+use sliding_contact::plan::{self, model_level::ModelLevel};
 use sliding_contact::scene::{HeatAlongContact, Scene};
 use sliding_contact::variables::STARTS;
 use sliding_contact::verification::planning::judge::{judge, truth};
@@ -50,7 +50,7 @@ fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
     let mut starts = sliding_contact::scene::file::read(&path).unwrap().packaged.starts;
     let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
     assert!(
-        matches!(plan.rung, Rung::Line { .. }) && plan.estimated_error.is_some_and(|error| error < plan::UNKNOWN),
+        matches!(plan.model_level, ModelLevel::Line { .. }) && plan.estimated_error.is_some_and(|error| error < plan::UNKNOWN),
         "{plan:?}"
     );
     for (name, value) in [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-2)] {
@@ -75,7 +75,7 @@ fn the_same_scene_has_the_same_plan() {
     assert!(one.plan.candidates.len() > 5 && one.plan.effects.len() == 8, "{:#?}", one.plan);
     // Finer rungs have smaller errors and cost more.
     let lines = |plan: &plan::Plan| -> Vec<(f64, f64)> {
-        let cells = plan.candidates.iter().filter(|known| matches!(known.rung, Rung::Line { .. }));
+        let cells = plan.candidates.iter().filter(|known| matches!(known.model_level, ModelLevel::Line { .. }));
         cells.map(|known| (known.cost, known.error())).collect()
     };
     let of = lines(&one.plan);
@@ -276,7 +276,7 @@ fn above_the_critical_speed_the_error_is_not_known() {
     let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
     assert!(plan.groups.speed_over_critical > 1.0, "{plan:#?}");
     assert!(!plan.meets && plan.estimated_error == Some(plan::UNKNOWN), "{plan:#?}");
-    assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
 }
 
 /// Where a rise by all of the friction heat would take more than all of the friction away, a friction of the repetition before
@@ -285,7 +285,7 @@ fn above_the_critical_speed_the_error_is_not_known() {
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);
     let [coarse, fine] = [17, 33].map(|cells| {
-        let scene = Rung::Line { cells, heat: HeatAlongContact::OnTheCells }.apply(&generated.scene(1e-2).unwrap());
+        let scene = ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells }.apply(&generated.scene(1e-2).unwrap());
         runs::run(&generated, &scene).unwrap()
     });
     let errors = runs::distance(&coarse, &fine);
@@ -297,8 +297,8 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
 #[test]
 fn wear_is_found_to_rounding_at_129_cells() {
     let generated = generate(120);
-    let rung = Rung::Line { cells: 129, heat: HeatAlongContact::OnTheCells };
-    let operators = Operators::new(&rung.apply(&generated.scene(1e-4).unwrap())).unwrap();
+    let model_level = ModelLevel::Line { cells: 129, heat: HeatAlongContact::OnTheCells };
+    let operators = Operators::new(&model_level.apply(&generated.scene(1e-4).unwrap())).unwrap();
     let record = runs::run_with(&generated, &operators).unwrap();
     println!("{:?} internal steps", record.steps);
     assert!(record.steps.0 < 10_000, "{:?}", record.steps);
@@ -314,7 +314,7 @@ fn plan_of(name: &str, tolerance: f64) -> plan::Plan {
 #[test]
 fn a_disc_brake_needs_no_more_than_the_lumped_level() {
     let plan = plan_of("disc_brake", 1e-1);
-    assert_eq!(plan.rung, Rung::Lumped, "{plan:#?}");
+    assert_eq!(plan.model_level, ModelLevel::Lumped, "{plan:#?}");
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error > 1e-4), "{plan:#?}");
 }
 
@@ -322,19 +322,19 @@ fn a_disc_brake_needs_no_more_than_the_lumped_level() {
 #[test]
 fn a_clutch_at_full_slip_needs_its_heat_along_the_radius() {
     let plan = plan_of("clutch", 5e-2);
-    assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
     let distortion = plan.effects.iter().find(|effect| effect.name == "thermal distortion").unwrap();
     assert!(distortion.kept, "{plan:#?}");
 }
 
 /// A model on a rung, and its inputs.
-fn on(rung: Rung, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
+fn on(model_level: ModelLevel, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
     let tunables = Tunables {
         friction_coefficient: scene.friction_coefficient,
         ambient_temperature: scene.ambient_temperature,
         wear_acceleration: 1.0,
     };
-    Model::new(&Operators::new(&rung.apply(scene)).unwrap(), tunables, inputs)
+    Model::new(&Operators::new(&model_level.apply(scene)).unwrap(), tunables, inputs)
 }
 
 /// Open, or standing under load, a contact line whose heat is the mean's solves no contact. With heat on the cells an open one
@@ -345,7 +345,7 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
     let ambient = scene.ambient_temperature;
     for heat in [HeatAlongContact::ByItsMean, HeatAlongContact::OnTheCells] {
         let run = [5.0, 3e3, 0.0, 0.0, 0.0, ambient, ambient];
-        let mut model = on(Rung::Line { cells: 17, heat }, &scene, &run);
+        let mut model = on(ModelLevel::Line { cells: 17, heat }, &scene, &run);
         let mut work = |inputs: [f64; INPUTS]| {
             // Two steps to settle in.
             (0..2).for_each(|_| model.step(&inputs, None, 0.1).unwrap());
@@ -385,6 +385,6 @@ fn accelerated_wear_is_compared_as_well() {
         starts[reference(name) as usize] = value;
     }
     let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
-    assert!(matches!(plan.rung, Rung::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error < 1e-2), "{plan:#?}");
 }

@@ -153,7 +153,7 @@ impl Line {
         let count = self.worn.len();
         let none = DMatrix::zeros(count, count);
         for extra in [Some(&none), None] {
-            self.contact.set_extra(extra).map_err(|error| anyhow!("{error}"))?;
+            self.contact.set_added_compliance(extra).map_err(|error| anyhow!("{error}"))?;
         }
         let mut conditions = |n: f64, c: &mut Conditions| {
             let [load, speed, friction] = (case.drive)(n);

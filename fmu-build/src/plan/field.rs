@@ -60,11 +60,11 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         let step = file.packaged.experiment.step;
         let own = seconds_per_step(&scene, &planned.operators, step, STEPS[0])?;
         let reference = seconds_per_step(&scene, &field, step, STEPS[1])?;
-        let (rung, error, ratio) =
-            (planned.plan.rung, planned.plan.estimated_error.unwrap_or_default(), reference / own);
-        writeln!(table, "{name},\"{rung}\",{error:.2e},{step},{own:.3e},{reference:.3e},{ratio:.0}")?;
+        let (model_level, error, ratio) =
+            (planned.plan.model_level, planned.plan.estimated_error.unwrap_or_default(), reference / own);
+        writeln!(table, "{name},\"{model_level}\",{error:.2e},{step},{own:.3e},{reference:.3e},{ratio:.0}")?;
         print_line!(
-            "{name}: {rung}: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much"
+            "{name}: {model_level}: {own:.2e} s a step of {step} s; field: {reference:.2e} s, {ratio:.0} times as much"
         );
     }
     if let Some(path) = output {

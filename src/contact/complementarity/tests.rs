@@ -271,19 +271,19 @@ fn strokes_to_and_fro_factorise_twice() {
 fn an_extra_compliance_adds_to_that_of_the_bodies() {
     let cells = Cells::graded(0.03, 17).unwrap();
     let compliance = half_plane(&cells, 0.2);
-    let extra = DMatrix::from_fn(17, 17, |i, j| 1e-12 * f64::from(u8::from(i == j)) + 1e-14 * (i as f64 - j as f64));
+    let added_compliance = DMatrix::from_fn(17, 17, |i, j| 1e-12 * f64::from(u8::from(i == j)) + 1e-14 * (i as f64 - j as f64));
     let gap = wavy(&cells, 3, 1e-6);
     let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
     let before = solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap();
-    solver.set_extra(Some(&extra)).unwrap();
+    solver.set_added_compliance(Some(&added_compliance)).unwrap();
     let with = solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap();
-    check(&cells, &(&compliance + &extra), &gap, &with);
+    check(&cells, &(&compliance + &added_compliance), &gap, &with);
     assert!((0..17).any(|i| (with.pressure[i] / before.pressure[i] - 1.0).abs() > 1e-3));
-    solver.set_extra(None).unwrap();
+    solver.set_added_compliance(None).unwrap();
     solver.set_active(&[true; 17]);
     assert_eq!(solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap(), before);
     let bad = DMatrix::from_element(17, 17, f64::NAN);
-    assert!(matches!(solver.set_extra(Some(&bad)), Err(ContactError::Invalid { quantity: "extra compliance", .. })));
+    assert!(matches!(solver.set_added_compliance(Some(&bad)), Err(ContactError::Invalid { quantity: "extra compliance", .. })));
 }
 
 #[test]
@@ -291,17 +291,17 @@ fn extra_compliances_by_turns_are_factorised_once() {
     let cells = Cells::graded(0.03, 17).unwrap();
     let compliance = half_plane(&cells, 0.2);
     let gap = wavy(&cells, 3, 1e-7);
-    let extra = |part: f64| DMatrix::from_fn(17, 17, |i, j| part * 1e-12 * f64::from(u8::from(i == j)));
+    let added_compliance = |part: f64| DMatrix::from_fn(17, 17, |i, j| part * 1e-12 * f64::from(u8::from(i == j)));
     let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
     let mut first = 0;
     for turn in 0..20 {
-        let own = extra(f64::from(turn % 4));
+        let own = added_compliance(f64::from(turn % 4));
         // None is another of them.
-        solver.set_extra((turn % 4 > 0).then_some(&own)).unwrap();
+        solver.set_added_compliance((turn % 4 > 0).then_some(&own)).unwrap();
         solver.set_active(&[true; 17]);
         let found = solver.solve(&gap, Normal::Load(1e6), Tilt::Fixed(0.0)).unwrap();
         let mut fresh = ContactSolver::new(&cells, compliance.clone()).unwrap();
-        fresh.set_extra(Some(&own)).unwrap();
+        fresh.set_added_compliance(Some(&own)).unwrap();
         assert_eq!(found, fresh.solve(&gap, Normal::Load(1e6), Tilt::Fixed(0.0)).unwrap(), "{turn}");
         if turn == 3 {
             first = solver.counter().factorisations;
@@ -343,8 +343,8 @@ fn a_load_holds_a_contact_that_its_heat_lifts_by_more_than_it_is_pressed() {
             let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
             let cold = solver.solve(&gap, Normal::Load(1e6), tilt).unwrap();
             assert!(cold.pressure.contains(&0.0));
-            let extra = DMatrix::from_fn(33, 33, |_, j| -200.0 * own * cells.widths()[j] / 0.06);
-            solver.set_extra(Some(&extra)).unwrap();
+            let added_compliance = DMatrix::from_fn(33, 33, |_, j| -200.0 * own * cells.widths()[j] / 0.06);
+            solver.set_added_compliance(Some(&added_compliance)).unwrap();
             solver.set_active(&[true; 33]);
             let hot = solver.solve(&gap, Normal::Load(1e6), tilt).unwrap();
             assert_eq!(solver.counter().fallbacks, 0, "cells in tension are found without pivoting");

@@ -1,14 +1,14 @@
 //! The explicit scheme, there to show what fails.
 
 use super::Line;
-use super::path::Path;
+use super::trajectory::InputTrajectory;
 use crate::coupled::StepFailure;
 use crate::heat::line::GAMMA;
 use crate::wear::line::explicit_limit;
 
 impl Line {
     /// One explicit Euler step over the piece, refused beyond its stability bound.
-    pub(super) fn explicit(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+    pub(super) fn explicit(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         let moment = path.at(0.0);
         self.set_gap(moment.expansion);

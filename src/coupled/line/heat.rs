@@ -8,19 +8,19 @@
 //! ```
 //!
 //! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
-//! the stage stays one contact problem ([`split`]); which cells exchange heat is found by repetition ([`stage`]).
+//! the stage stays one contact problem ([`partition`]); which cells exchange heat is found by repetition ([`stage`]).
 
 mod acceleration;
 mod accept;
 pub mod air;
 pub mod bodies;
 mod evaluation;
-mod fading;
+mod friction_jacobian;
 mod growth;
 mod outputs;
 mod prepare;
-pub mod split;
-mod splits;
+pub mod partition;
+mod partitions;
 mod stage;
 mod staggered;
 mod start;
@@ -28,15 +28,15 @@ pub mod state;
 
 use super::operators::Operators;
 use crate::coupled::fastest_growth::FastestGrowth;
-use crate::heat::line::{LineHeat, Surroundings};
+use crate::heat::line::{ThermalBody, Surroundings};
 use crate::scene::Scheme;
 use crate::wear::line::WearingContact;
 use acceleration::Acceleration;
 use bodies::Bodies;
-use fading::Fading;
-use growth::Definiteness;
-use split::Split;
-use splits::Splits;
+use friction_jacobian::FrictionJacobian;
+use growth::GrowthGuard;
+use partition::HeatPartition;
+use partitions::PartitionCache;
 
 /// Part of the tolerance that the pressure may lose by operators in single precision. What their rounding makes of the shape is as
 /// rough as the cells, and the pressure of that grows with their number.
@@ -47,7 +47,7 @@ const MANY: usize = 72;
 
 /// Where operators kept from step to step are made.
 #[derive(Clone, Copy, Debug, Default)]
-struct Reference {
+struct FrozenJacobian {
     /// Sliding velocity, m/s.
     velocity: f64,
     /// The step under way has this velocity throughout.
@@ -58,18 +58,18 @@ struct Reference {
     friction: f64,
     /// Speed that wears, m/s, and friction coefficient without Stribeck factor.
     speed: f64,
-    faded: f64,
+    kinetic_coefficient: f64,
 }
 
 /// What a step with heat works with.
 #[derive(Debug)]
-pub struct Heat {
+pub struct ThermalCoupling {
     /// Punch and strip; `None`: an insulator.
-    pub bodies: [Option<Box<dyn LineHeat>>; 2],
+    pub bodies: [Option<Box<dyn ThermalBody>>; 2],
     /// The contact with the distortion of either stage on top of its compliance.
     pub contacts: [WearingContact; 2],
     /// The split at either stage, and where that stands whose extra compliance the contact of the stage has.
-    pub splits: Splits,
+    pub partitions: PartitionCache,
     taken: [usize; 2],
     /// Fluxes into punch and strip at either stage, W/m2.
     pub flux: [[Vec<f64>; 2]; 2],
@@ -78,7 +78,7 @@ pub struct Heat {
     /// Friction heat at either stage, W/m2.
     pub friction: [Vec<f64>; 2],
     /// Coefficient of friction of the cells, without Stribeck factor.
-    pub faded: Vec<f64>,
+    pub kinetic_coefficient: Vec<f64>,
     /// What the contact's depth rates are made of: of punch and strip at the reference pressure, m/s.
     pub laws: [Vec<f64>; 2],
     /// What acts on the bodies besides the contact, in the step under way.
@@ -91,17 +91,17 @@ pub struct Heat {
     step: f64,
     velocity: [f64; 2],
     /// Where the operators kept from step to step were made.
-    reference: Reference,
+    reference: FrozenJacobian,
     /// The operators of the stage are those of its own gains instead.
-    renewed: [bool; 2],
+    refactored: [bool; 2],
     /// Most repetitions of a stage of the step under way.
-    repetitions: usize,
+    iterations: usize,
     /// Of the repetitions of a stage.
     acceleration: Acceleration,
     /// Friction that follows the temperature; `None`: it does not.
-    fading: Option<Box<Fading>>,
+    friction_jacobian: Option<Box<FrictionJacobian>>,
     /// The operators of the stage hold its derivative.
-    linearised: bool,
+    linearized: bool,
     /// The operators of the stage are exact, so that nothing has to be repeated.
     exact: [bool; 2],
     /// Punch and strip move under heat.
@@ -120,24 +120,24 @@ pub struct Heat {
     /// Cells taken to be in contact.
     closed: Vec<bool>,
     /// The temperatures of the stage under way are those of its fluxes.
-    warmed: bool,
+    temperatures_current: bool,
     /// Contact temperature of the cells that friction and wear follow, K.
-    felt: Vec<f64>,
+    contact_temperature: Vec<f64>,
     pub(super) difference: Vec<f64>,
     /// How fast waves can grow at most; the split of a stage by which growth is looked for, and room for its matrix, N x N.
     growth: FastestGrowth,
-    watched: Split,
+    watched: HeatPartition,
     matrix: Vec<f64>,
-    definiteness: Definiteness,
-    base: [Vec<f64>; 2],
-    base_distortion: [Vec<f64>; 2],
+    growth_guard: GrowthGuard,
+    free_response: [Vec<f64>; 2],
+    free_distortion: [Vec<f64>; 2],
     gap: Vec<f64>,
     sums: [Vec<f64>; 2],
 }
 
-impl Heat {
+impl ThermalCoupling {
     /// For the contact line of `operators`, which has bodies that conduct.
-    pub fn new(operators: &Operators, bodies: &Bodies) -> Heat {
+    pub fn new(operators: &Operators, bodies: &Bodies) -> ThermalCoupling {
         let count = operators.count();
         let zeros = || vec![0.0; count];
         let pair = || [zeros(), zeros()];
@@ -147,32 +147,32 @@ impl Heat {
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let rounded = f64::from(f32::EPSILON) * count as f64;
         let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
-        let split = || Split::new(operators.cells.widths(), &operators.radius_ratio, conductance);
-        let own = if rough { split().in_single_precision() } else { split() };
+        let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
+        let own = if rough { partition().in_single_precision() } else { partition() };
         let mut bodies = bodies.copies();
         // The first preparation takes memory, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
-        Heat {
+        ThermalCoupling {
             bodies,
             contacts: [operators.contact(), operators.contact()],
-            splits: Splits::new(&own, count),
+            partitions: PartitionCache::new(&own, count),
             taken: [usize::MAX; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             friction: pair(),
-            faded: zeros(),
+            kinetic_coefficient: zeros(),
             laws: pair(),
             surroundings: [Surroundings::default(); 2],
             distortion: zeros(),
             lagging: [0.0; 2],
             step: 0.0,
             velocity: [0.0; 2],
-            reference: Reference::default(),
-            renewed: [false; 2],
-            repetitions: 0,
+            reference: FrozenJacobian::default(),
+            refactored: [false; 2],
+            iterations: 0,
             acceleration: Acceleration::new(count),
-            fading: (!operators.scene.friction_fade.flat).then(|| Box::new(Fading::new(count))),
-            linearised: false,
+            friction_jacobian: (!operators.scene.friction_fade.flat).then(|| Box::new(FrictionJacobian::new(count))),
+            linearized: false,
             exact: [false; 2],
             expands,
             staggered: operators.scene.scheme == Scheme::Staggered,
@@ -182,32 +182,32 @@ impl Heat {
             ratio: operators.radius_ratio.clone(),
             half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
             closed: vec![false; count],
-            warmed: false,
-            felt: zeros(),
+            temperatures_current: false,
+            contact_temperature: zeros(),
             difference: zeros(),
             growth: FastestGrowth::new(&operators.scene, smallest),
-            watched: split(),
+            watched: partition(),
             matrix: vec![0.0; count * count],
-            definiteness: Definiteness::new(count),
-            base: pair(),
-            base_distortion: pair(),
+            growth_guard: GrowthGuard::new(count),
+            free_response: pair(),
+            free_distortion: pair(),
             gap: zeros(),
             sums: pair(),
         }
     }
 }
 
-impl Clone for Heat {
-    fn clone(&self) -> Heat {
-        Heat {
+impl Clone for ThermalCoupling {
+    fn clone(&self) -> ThermalCoupling {
+        ThermalCoupling {
             bodies: std::array::from_fn(|body| self.bodies[body].as_ref().map(|heat| heat.boxed())),
             contacts: self.contacts.clone(),
-            splits: self.splits.clone(),
+            partitions: self.partitions.clone(),
             taken: self.taken,
             flux: self.flux.clone(),
             temperature: self.temperature.clone(),
             friction: self.friction.clone(),
-            faded: self.faded.clone(),
+            kinetic_coefficient: self.kinetic_coefficient.clone(),
             laws: self.laws.clone(),
             surroundings: self.surroundings,
             distortion: self.distortion.clone(),
@@ -215,11 +215,11 @@ impl Clone for Heat {
             step: self.step,
             velocity: self.velocity,
             reference: self.reference,
-            renewed: self.renewed,
-            repetitions: self.repetitions,
+            refactored: self.refactored,
+            iterations: self.iterations,
             acceleration: self.acceleration.clone(),
-            fading: self.fading.clone(),
-            linearised: self.linearised,
+            friction_jacobian: self.friction_jacobian.clone(),
+            linearized: self.linearized,
             exact: self.exact,
             expands: self.expands,
             staggered: self.staggered,
@@ -229,15 +229,15 @@ impl Clone for Heat {
             ratio: self.ratio.clone(),
             half_resistance: self.half_resistance,
             closed: self.closed.clone(),
-            warmed: self.warmed,
-            felt: self.felt.clone(),
+            temperatures_current: self.temperatures_current,
+            contact_temperature: self.contact_temperature.clone(),
             difference: self.difference.clone(),
             growth: self.growth.clone(),
             watched: self.watched.clone(),
             matrix: self.matrix.clone(),
-            definiteness: self.definiteness.clone(),
-            base: self.base.clone(),
-            base_distortion: self.base_distortion.clone(),
+            growth_guard: self.growth_guard.clone(),
+            free_response: self.free_response.clone(),
+            free_distortion: self.free_distortion.clone(),
             gap: self.gap.clone(),
             sums: self.sums.clone(),
         }

@@ -11,7 +11,7 @@ pub mod heat;
 pub mod hottest;
 pub mod operators;
 mod outputs;
-mod path;
+mod trajectory;
 pub mod profile;
 mod saved;
 pub mod state;
@@ -27,10 +27,10 @@ use crate::coupled::{INPUTS, StepFailure};
 use crate::numerics::maximum::maximum;
 use crate::scene::Geometry;
 use crate::wear::line::{Conditions, WearingContact};
-use heat::Heat as LineHeat;
+use heat::ThermalCoupling;
 use heat::state::HeatState;
 use operators::Operators;
-use path::{Heat, Moment, Path, Slipped};
+use trajectory::{LumpedTemperature, StageConditions, InputTrajectory, Slipped};
 use state::State;
 use std::sync::Arc;
 use step::Work;
@@ -57,7 +57,7 @@ pub struct Line {
     contact: WearingContact,
     conditions: Conditions,
     /// Heat along the contact line, where its distribution feeds back.
-    heat: Option<Box<LineHeat>>,
+    heat: Option<Box<ThermalCoupling>>,
     work: Work,
     /// Internal steps that may still be tried, where they are counted.
     attempts_left: Option<u32>,
@@ -83,16 +83,16 @@ impl Line {
                 [false, true] => [rise[1]; 2],
                 _ => rise,
             };
-            let faded = friction.faded(reference + 0.5 * (rise[0] + rise[1]));
-            mean.set_friction_coefficient(faded);
-            state.heat = Some(HeatState::new(bodies, operators.count(), rise, faded));
+            let kinetic_coefficient = friction.kinetic_coefficient(reference + 0.5 * (rise[0] + rise[1]));
+            mean.set_friction_coefficient(kinetic_coefficient);
+            state.heat = Some(HeatState::new(bodies, operators.count(), rise, kinetic_coefficient));
         }
         Line {
             backup: (mean.state().clone(), state.clone()),
             bodies_kept: true,
             contact: operators.contact(),
             conditions: operators.conditions(),
-            heat: operators.heat.as_ref().map(|bodies| Box::new(LineHeat::new(&operators, bodies))),
+            heat: operators.heat.as_ref().map(|bodies| Box::new(ThermalCoupling::new(&operators, bodies))),
             work: Work::new(&operators),
             attempts_left: None,
             shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
@@ -166,7 +166,7 @@ impl Line {
         if let Some(heat) = &mut self.state.heat
             && self.friction.coefficient > 0.0
         {
-            heat.faded *= tunables.friction_coefficient / self.friction.coefficient;
+            heat.kinetic_coefficient *= tunables.friction_coefficient / self.friction.coefficient;
         }
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
@@ -179,7 +179,7 @@ impl Line {
     /// Tells the mean the friction coefficient of the contact line at its temperatures.
     fn tell_friction(&mut self) {
         if let Some(heat) = &self.state.heat {
-            self.mean.set_friction_coefficient(heat.faded);
+            self.mean.set_friction_coefficient(heat.kinetic_coefficient);
         }
     }
 
@@ -286,14 +286,14 @@ impl Line {
         let follows_heat = operators.follows_heat();
         if !decides_load {
             let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
-            return self.step_line(&Path::new(self, inputs, slopes, length, heat), length);
+            return self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length);
         }
         // The load that the contact carries at the start; with an expanding caliper or fading friction a first pass of
         // the mean at this load tells how hot it gets.
         let first = self.carried(inputs);
         let mut loaded = *inputs;
         loaded[1] = first;
-        let mut heat = Heat::constant(self.temperature(&loaded), self.expansion());
+        let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
         if follows_heat {
             self.work.mean.clone_from(self.mean.state());
             heat = self.step_mean(&loaded, None, length, true)?;
@@ -301,7 +301,7 @@ impl Line {
             self.mean.set_state(&before);
             self.work.mean = before;
         }
-        self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+        self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
         rates[1] = (last - first) / length;
@@ -325,19 +325,19 @@ impl Line {
                 rates[1] = 0.0;
             }
             let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
-            self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+            self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
             self.tell_friction();
             return Ok(());
         }
-        let heat = Heat::constant(self.mean.state().reference, 0.0);
+        let heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
         if !self.operators.decides_load() {
-            self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+            self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
             self.tell_friction();
             return self.mean.step(inputs, slopes, length);
         }
         let mut loaded = *inputs;
         loaded[1] = self.carried(inputs);
-        self.step_line(&Path::new(self, inputs, slopes, length, heat), length)?;
+        self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
         self.tell_friction();
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
@@ -353,10 +353,10 @@ impl Line {
         slopes: Option<&[f64; INPUTS]>,
         length: f64,
         observed: bool,
-    ) -> Result<Heat, StepFailure> {
+    ) -> Result<LumpedTemperature, StepFailure> {
         if !observed {
             self.mean.step(inputs, slopes, length)?;
-            return Ok(Heat::constant(self.mean.state().reference, 0.0));
+            return Ok(LumpedTemperature::constant(self.mean.state().reference, 0.0));
         }
         let (temperature, expansion) = (self.temperature(inputs), self.expansion());
         let (distance, dissipated) = (self.mean.state().distance, self.mean.state().dissipated);
@@ -371,7 +371,7 @@ impl Line {
             let heat_per_pressure = if impulse > 0.0 { work / impulse } else { 0.0 };
             Slipped { distance: state.distance - distance, ratio, heat_per_pressure }
         });
-        Ok(Heat {
+        Ok(LumpedTemperature {
             temperature: [temperature, state.end_temperature + state.reference],
             expansion: [expansion, self.expansion()],
             slipped,
@@ -393,7 +393,7 @@ impl Line {
     }
 
     /// Balance of holder and contact at `moment`.
-    fn balance(&mut self, moment: &Moment) -> (f64, Normal, Tilt) {
+    fn balance(&mut self, moment: &StageConditions) -> (f64, Normal, Tilt) {
         let operators = self.operators.clone();
         let scene = &operators.scene;
         let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;

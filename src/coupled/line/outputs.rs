@@ -2,7 +2,7 @@
 
 use super::Line;
 use super::operators::Operators;
-use super::path::Moment;
+use super::trajectory::StageConditions;
 use crate::contact::Normal;
 use crate::coupled::scalar::Dual;
 use crate::coupled::{INPUTS, Inputs};
@@ -46,7 +46,7 @@ impl Line {
     }
 
     /// Conditions of the contact for these inputs with the states held.
-    fn moment(&mut self, inputs: &[f64; INPUTS]) -> Moment {
+    fn moment(&mut self, inputs: &[f64; INPUTS]) -> StageConditions {
         let load = inputs[1].max(0.0);
         let point = self.mean.point(inputs);
         let felt = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
@@ -54,12 +54,12 @@ impl Line {
         let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
         let signed_friction =
             if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
-        Moment {
+        StageConditions {
             sign: self.friction.sign(velocity),
             signed_friction,
             load,
             speed: point.wearing_speed,
-            faded: point.faded,
+            kinetic_coefficient: point.kinetic_coefficient,
             temperature: felt.unwrap_or(point.contact_temperature) + self.mean.state().reference,
             expansion: self.expansion(),
             heat_per_pressure: None,
@@ -249,7 +249,7 @@ impl Line {
                 felt.unwrap_or(loaded_point.contact_temperature) + Dual::from(self.mean.state().reference);
             let laws = operators.coefficients(
                 loaded_point.wearing_speed,
-                loaded_point.faded,
+                loaded_point.kinetic_coefficient,
                 temperature,
                 self.tunables.wear_acceleration,
             );
@@ -292,8 +292,8 @@ impl Operators {
     }
 
     /// Calls `take(cell, punch rate, strip rate)` for every cell, m/s.
-    fn for_rates(&self, moment: &Moment, acceleration: f64, pressure: &[f64], mut take: impl FnMut(usize, f64, f64)) {
-        let laws = self.coefficients(moment.speed, moment.faded, moment.temperature, acceleration);
+    fn for_rates(&self, moment: &StageConditions, acceleration: f64, pressure: &[f64], mut take: impl FnMut(usize, f64, f64)) {
+        let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
         for i in 0..pressure.len() {
             let [punch, strip] = std::array::from_fn(|body| laws[body] * self.relative_rate(body, i, pressure[i]));
             take(i, punch, strip);

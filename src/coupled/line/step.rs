@@ -13,7 +13,7 @@
 
 use super::Line;
 use super::operators::{Operators, StripWear};
-use super::path::{Moment, Path};
+use super::trajectory::{StageConditions, InputTrajectory};
 use crate::contact::{ContactState, Normal};
 use crate::coupled::StepFailure;
 use crate::coupled::budget::Budget;
@@ -32,7 +32,7 @@ const FINEST: u8 = 40;
 const FOLLOWING: u8 = 8;
 
 /// Steps for which none is tried that is as long as one which was too long for what grows.
-const WARY_STEPS: u8 = 32;
+const RETRY_DELAY: u8 = 32;
 
 /// A stage without a solution at a shorter step is cut this often before the reason is reported.
 const CUTS_WITHOUT_SOLUTION: u8 = 20;
@@ -104,7 +104,7 @@ enum Outcome {
 
 impl Line {
     /// Carries the worn shape over a piece.
-    pub(super) fn step_line(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+    pub(super) fn step_line(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
             return self.stand(path, length);
@@ -142,8 +142,8 @@ impl Line {
                     part += 1;
                     failures = 0;
                     // Error ~ h^2: room for doubling the step.
-                    let outgrown = self.state.heat.as_mut().is_some_and(|heat| heat.outgrows(2.0 * step));
-                    if level > 0 && part.is_multiple_of(2) && error < 0.175 && !outgrown {
+                    let rejected_by_growth = self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
+                    if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {
                         level -= 1;
                         part /= 2;
                     }
@@ -153,7 +153,7 @@ impl Line {
                 Outcome::Tried(_) => 2,
                 Outcome::Outgrown => {
                     if let Some(heat) = &mut self.state.heat {
-                        heat.outgrown = [step, f64::from(WARY_STEPS)];
+                        heat.rejected_by_growth = [step, f64::from(RETRY_DELAY)];
                     }
                     1
                 }
@@ -184,7 +184,7 @@ impl Line {
     }
 
     /// Counts an internal step that is about to be tried at `start` (s from the start of the piece).
-    pub(super) fn spend(&mut self, path: &Path, start: f64) -> Result<(), StepFailure> {
+    pub(super) fn spend(&mut self, path: &InputTrajectory, start: f64) -> Result<(), StepFailure> {
         let (scene, length) = (&self.operators.scene, path.length());
         self.work.budget.spend(|| {
             format!(
@@ -206,7 +206,7 @@ impl Line {
         self.contact.newton_iterations() + heat.sum::<u64>()
     }
 
-    pub(super) fn failure(&self, path: &Path, time: f64, error: &StageError) -> StepFailure {
+    pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &StageError) -> StepFailure {
         let moment = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
@@ -217,13 +217,13 @@ impl Line {
     }
 
     /// A strip that keeps its track may move at most a quarter of the half-width under the punch in one step.
-    pub(super) fn too_far(&self, path: &Path, start: f64, step: f64) -> bool {
+    pub(super) fn too_far(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
         let travel = step * path.velocity(start + 0.5 * step).abs();
         self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
     }
 
     /// Nothing wears: only the position on a track and the load move on.
-    fn stand(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+    fn stand(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let travel = length * path.velocity(0.5 * length);
         self.state.position += travel;
         if travel != 0.0
@@ -262,13 +262,13 @@ impl Line {
     }
 
     /// Coefficients of the depth rates at `moment`, and the balance.
-    pub(super) fn set_conditions(&mut self, moment: &Moment, tau: f64) {
+    pub(super) fn set_conditions(&mut self, moment: &StageConditions, tau: f64) {
         let (signed, normal, tilt) = self.balance(moment);
         let operators = &self.operators;
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
         let coefficients =
-            operators.coefficients(moment.speed, moment.faded, moment.temperature, self.tunables.wear_acceleration);
+            operators.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, self.tunables.wear_acceleration);
         let mut term = 0;
         for body in 0..2 {
             if operators.reshapes(body) {
@@ -299,7 +299,7 @@ impl Line {
     }
 
     /// Tries a part; both stages are left in `work`.
-    fn attempt(&mut self, path: &Path, start: f64, step: f64) -> Outcome {
+    fn attempt(&mut self, path: &InputTrajectory, start: f64, step: f64) -> Outcome {
         let operators = self.operators.clone();
         let count = operators.count();
         let acceleration = self.tunables.wear_acceleration;
@@ -370,7 +370,7 @@ impl Line {
         let bound = scene.tolerance * operators.displacement_scale * mean;
         let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
         if self.heat.is_some() && resolved {
-            let coefficient = late.faded * self.friction.stribeck(path.velocity(start + step));
+            let coefficient = late.kinetic_coefficient * self.friction.stribeck(path.velocity(start + step));
             if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
                 return Outcome::Outgrown;
             }
@@ -402,7 +402,7 @@ impl Line {
 
     /// Tells the contact what a stage's wear does to the gap: the punch's stays under its cell, the strip's is carried
     /// along by `travel` (m). Where both wear, every cell's depth is shared as the pressure of the last step has it.
-    pub(super) fn set_operator(&mut self, travel: f64, moment: &Moment) {
+    pub(super) fn set_operator(&mut self, travel: f64, moment: &StageConditions) {
         let Some(track) = &self.work.track else { return };
         let operators = &self.operators;
         let known = self.work.carried_over == Some(travel);
@@ -417,7 +417,7 @@ impl Line {
             return;
         }
         let laws =
-            operators.coefficients(moment.speed, moment.faded, moment.temperature, self.tunables.wear_acceleration);
+            operators.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, self.tunables.wear_acceleration);
         for j in 0..operators.count() {
             let pressure = self.state.pressure[j].max(1e-3 * REFERENCE_PRESSURE);
             let [punch, strip] = std::array::from_fn(|body| laws[body] * operators.relative_rate(body, j, pressure));
@@ -437,7 +437,7 @@ impl Line {
     }
 
     /// Takes the part that was tried.
-    pub(super) fn accept(&mut self, path: &Path, start: f64, step: f64) {
+    pub(super) fn accept(&mut self, path: &InputTrajectory, start: f64, step: f64) {
         let operators = self.operators.clone();
         let count = operators.count();
         let travel = step * path.velocity(start + 0.5 * step);

@@ -1,7 +1,7 @@
 //! Depth rates of both bodies on the cells.
 
 use super::operators::{Operators, StripWear};
-use super::path::Moment;
+use super::trajectory::StageConditions;
 use crate::coupled::scalar::Scalar;
 use crate::wear::law::REFERENCE_PRESSURE;
 
@@ -22,10 +22,10 @@ impl Operators {
     }
 
     /// Depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
-    pub(super) fn coefficients<S: Scalar>(&self, speed: S, faded: S, temperature: S, acceleration: f64) -> [S; 2] {
+    pub(super) fn coefficients<S: Scalar>(&self, speed: S, kinetic_coefficient: S, temperature: S, acceleration: f64) -> [S; 2] {
         std::array::from_fn(|body| {
             let (law, factor) = &self.wear[body];
-            law.rate(S::from(REFERENCE_PRESSURE), speed, faded, temperature) * (factor * acceleration)
+            law.rate(S::from(REFERENCE_PRESSURE), speed, kinetic_coefficient, temperature) * (factor * acceleration)
         })
     }
 
@@ -47,8 +47,8 @@ impl Operators {
     }
 
     /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
-    pub(super) fn rates(&self, moment: &Moment, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
-        let laws = self.coefficients(moment.speed, moment.faded, moment.temperature, acceleration);
+    pub(super) fn rates(&self, moment: &StageConditions, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
+        let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
         for body in 0..2 {
             if laws[body] == 0.0 {
                 rates[body].fill(0.0);

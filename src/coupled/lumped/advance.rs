@@ -14,18 +14,18 @@ use pulp::NullaryFnOnce;
 const FINEST: u8 = 40;
 
 /// Conditions during a piece of a communication step.
-enum Course<'a> {
+enum InputTrajectory<'a> {
     /// The same all along.
     Constant(Conditions),
     /// By the time since the start of the piece, s.
     Varying(&'a dyn Fn(f64) -> Conditions),
 }
 
-impl Course<'_> {
+impl InputTrajectory<'_> {
     fn at(&self, time: f64) -> Conditions {
         match self {
-            Course::Constant(conditions) => *conditions,
-            Course::Varying(conditions) => conditions(time),
+            InputTrajectory::Constant(conditions) => *conditions,
+            InputTrajectory::Varying(conditions) => conditions(time),
         }
     }
 }
@@ -48,7 +48,7 @@ impl<const CONSTANT: bool> NullaryFnOnce for AtOnce<'_, CONSTANT> {
             let speed = self.at[0].velocity.abs();
             self.stepper.flash.prepare_steady(operators, &propagators.flash, speed, propagators.step);
         }
-        self.stepper.plain::<CONSTANT>(self.state, self.at)
+        self.stepper.fast_path::<CONSTANT>(self.state, self.at)
     }
 }
 
@@ -66,8 +66,8 @@ impl Lumped {
     ) -> Result<(), StepFailure> {
         self.frozen_is_current = false;
         let mut is_too_long = false;
-        if slopes.is_none() && self.state.refinement == 0 && self.operators.plain {
-            match self.at_once(inputs, step) {
+        if slopes.is_none() && self.state.refinement == 0 && self.operators.fast_path {
+            match self.attempt_single_step(inputs, step) {
                 Some(attempt) if attempt.error <= 1.0 => return self.conclude(inputs, step, &attempt),
                 attempt => is_too_long = attempt.is_some(),
             }
@@ -78,7 +78,7 @@ impl Lumped {
     /// Tries the whole communication step under held inputs in the plain form; `None` where that form does not serve.
     /// Unless the error of the attempt is at most 1, nothing has changed.
     #[inline]
-    fn at_once(&mut self, inputs: &[f64; INPUTS], step: f64) -> Option<Attempt> {
+    fn attempt_single_step(&mut self, inputs: &[f64; INPUTS], step: f64) -> Option<Attempt> {
         self.know(inputs);
         let index = self.propagators_of(step);
         let propagators = &self.propagators[index];
@@ -154,7 +154,7 @@ impl Lumped {
         let mut budget = Budget::new(1);
         let Some(slopes) = slopes else {
             let constant = self.conditions(inputs);
-            return self.piece(&Course::Constant(constant), step, is_too_long, backup, &mut budget);
+            return self.piece(&InputTrajectory::Constant(constant), step, is_too_long, backup, &mut budget);
         };
         let (edges, count) = edges(inputs, Some(slopes), step, self.operators.scene.mean_radius);
         if count > 1 && backup.is_none() {
@@ -170,7 +170,7 @@ impl Lumped {
                 Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
             };
             if piece[1] > piece[0] {
-                self.piece(&Course::Varying(&at), piece[1] - piece[0], false, backup, &mut budget)?;
+                self.piece(&InputTrajectory::Varying(&at), piece[1] - piece[0], false, backup, &mut budget)?;
             }
         }
         Ok(())
@@ -180,7 +180,7 @@ impl Lumped {
     /// was tried in vain.
     fn piece(
         &mut self,
-        course: &Course,
+        course: &InputTrajectory,
         length: f64,
         is_too_long: bool,
         backup: &mut Option<State>,
@@ -208,13 +208,13 @@ impl Lumped {
             }
             let index = self.propagators_of(step);
             let varying = match course {
-                Course::Constant(_) => None,
-                Course::Varying(conditions) => {
+                InputTrajectory::Constant(_) => None,
+                InputTrajectory::Varying(conditions) => {
                     Some([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)))
                 }
             };
             let now = match (course, &varying) {
-                (Course::Constant(now), _) => *now,
+                (InputTrajectory::Constant(now), _) => *now,
                 (_, Some(at)) => at[0],
                 _ => course.at(start),
             };
@@ -241,7 +241,7 @@ impl Lumped {
                 propagators: &self.propagators[index],
             };
             let mut attempt = None;
-            if self.operators.plain {
+            if self.operators.fast_path {
                 let (stepper, state) = (stepper.reborrow(), &mut self.state);
                 attempt = match &varying {
                     Some(at) => self.arch.dispatch(AtOnce::<false> { stepper, state, at: at.each_ref() }),

@@ -14,7 +14,7 @@ pub struct Side<S> {
 
 /// Heat fluxes into both bodies and their surface temperatures.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Split<S> {
+pub struct HeatPartition<S> {
     /// Flux into the punch, W/m2.
     pub punch: S,
     /// Flux into the strip, W/m2.
@@ -30,7 +30,7 @@ pub struct Split<S> {
 /// An insulator takes no heat; its surface then follows from the same second law, and without conductance shows the
 /// temperature of the other.
 #[inline]
-pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> Split<S> {
+pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
     match (punch.gain, strip.gain) {
         (Some(gain_punch), Some(gain_strip)) => {
             let into_punch = if conductance > 0.0 {
@@ -41,7 +41,7 @@ pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) 
                 q * 0.5
             };
             let into_strip = q - into_punch;
-            Split {
+            HeatPartition {
                 punch: into_punch,
                 strip: into_strip,
                 punch_temperature: punch.level + into_punch * gain_punch,
@@ -51,7 +51,7 @@ pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) 
         (Some(gain), None) => {
             let temperature = punch.level + q * gain;
             let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
-            Split {
+            HeatPartition {
                 punch: q,
                 strip: S::from(0.0),
                 punch_temperature: temperature,
@@ -61,14 +61,14 @@ pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) 
         (None, Some(gain)) => {
             let temperature = strip.level + q * gain;
             let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
-            Split {
+            HeatPartition {
                 punch: S::from(0.0),
                 strip: q,
                 punch_temperature: temperature + jump,
                 strip_temperature: temperature,
             }
         }
-        (None, None) => Split {
+        (None, None) => HeatPartition {
             punch: S::from(0.0),
             strip: S::from(0.0),
             punch_temperature: punch.level,
@@ -79,14 +79,14 @@ pub fn split<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) 
 
 /// The same where the surfaces do not touch: no heat passes. An insulator has no temperature of its own and shows the other's.
 #[inline]
-pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> Split<S> {
+pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
     let levels = match (punch.gain, strip.gain) {
         (Some(_), None) => [punch.level; 2],
         (None, Some(_)) => [strip.level; 2],
         _ => [punch.level, strip.level],
     };
     let [punch_temperature, strip_temperature] = levels;
-    Split { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
+    HeatPartition { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
 }
 
 /// Contact temperature (K, absolute) that satisfies `T = level + gain mu(T)`, with `level` in K, absolute,
@@ -131,15 +131,15 @@ mod tests {
     #[test]
     fn split_by_effusivity_and_its_limits() {
         let side = |level, gain| Side { level, gain: Some(gain) };
-        let perfect = split(side(0.0, 2.0), side(0.0, 1.0), 30.0, 1e15);
+        let perfect = partition(side(0.0, 2.0), side(0.0, 1.0), 30.0, 1e15);
         assert!((perfect.punch - 10.0).abs() < 1e-9 && (perfect.strip - 20.0).abs() < 1e-9);
         assert!((perfect.punch_temperature - perfect.strip_temperature).abs() < 1e-9);
-        let none = split(side(5.0, 2.0), side(0.0, 1.0), 30.0, 0.0);
+        let none = partition(side(5.0, 2.0), side(0.0, 1.0), 30.0, 0.0);
         assert_eq!((none.punch, none.strip), (15.0, 15.0));
-        let finite = split(side(5.0, 2.0), side(1.0, 1.0), 30.0, 0.4);
+        let finite = partition(side(5.0, 2.0), side(1.0, 1.0), 30.0, 0.4);
         let jump = finite.punch_temperature - finite.strip_temperature;
         assert!((jump - (finite.strip - finite.punch) / 0.8).abs() < 1e-12);
-        let insulated = split(Side { level: 7.0, gain: None }, side(1.0, 1.0), 30.0, 10.0);
+        let insulated = partition(Side { level: 7.0, gain: None }, side(1.0, 1.0), 30.0, 10.0);
         assert_eq!((insulated.punch, insulated.strip_temperature, insulated.punch_temperature), (0.0, 31.0, 32.5));
     }
 
@@ -158,7 +158,7 @@ mod tests {
         for level in [250.0, 320.0, 480.0, 950.0, 1500.0] {
             for gain in [0.0, 10.0, 300.0, 2000.0, 1e5] {
                 let temperature = agree(&law, level, gain);
-                let residual = level + gain * law.faded(temperature) - temperature;
+                let residual = level + gain * law.kinetic_coefficient(temperature) - temperature;
                 assert!(residual.abs() < 1e-9 * temperature, "{level} {gain}: {temperature} {residual}");
             }
         }

@@ -55,7 +55,7 @@ impl BodyOperators {
 
 /// Bounds within which a step has nothing to report and cannot fail by wear.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Unremarkable {
+pub struct FastPathBounds {
     /// Worn depths of punch and strip (m) below which no limit is reached.
     pub depth: [f64; 2],
     /// Worn depths (m) that a step may reach without a look at the bodies' ends before it.
@@ -68,8 +68,8 @@ pub struct Unremarkable {
     pub temperature: f64,
 }
 
-impl Unremarkable {
-    fn new(scene: &Scene) -> Unremarkable {
+impl FastPathBounds {
+    fn new(scene: &Scene) -> FastPathBounds {
         let bodies = [&scene.punch, &scene.strip];
         let limited = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
         let mut depth = bodies
@@ -78,7 +78,7 @@ impl Unremarkable {
             // The track says what is worn.
             depth[1] = f64::NEG_INFINITY;
         }
-        Unremarkable {
+        FastPathBounds {
             depth,
             depth_before_step: bodies.map(|body| super::NEAR_END * body.height - body.initial_wear),
             speed: super::NOMINAL_MARGIN * limited(scene.nominal_velocity),
@@ -115,10 +115,10 @@ pub struct Operators {
     pub tracked: bool,
     /// Friction heat flux below which errors do not count, W/m2: a millionth of the nominal one.
     pub least_flux: f64,
-    /// The step may take its plain form: see [`super::plain`].
-    pub plain: bool,
+    /// The step may take its plain form: see [`super::fast_path`].
+    pub fast_path: bool,
     /// What most steps stay within.
-    pub unremarkable: Unremarkable,
+    pub unremarkable: FastPathBounds,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
     pub half_resistance: f64,
     /// Part of a closed path that the punches cover.
@@ -179,8 +179,8 @@ impl Operators {
         let fades = !scene.friction_fade.flat;
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         let mut operators = Operators {
-            plain: false,
-            unremarkable: Unremarkable::new(scene),
+            fast_path: false,
+            unremarkable: FastPathBounds::new(scene),
             half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
             strip_coverage: scene.coverage(),
             wear_follows_temperature: follows(&punch) || follows(&strip),
@@ -200,7 +200,7 @@ impl Operators {
             series_stiffness,
             scene: scene.clone(),
         };
-        operators.plain = super::plain::possible(&operators);
+        operators.fast_path = super::fast_path::possible(&operators);
         operators
     }
 }

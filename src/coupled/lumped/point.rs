@@ -3,7 +3,7 @@
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
 use super::conditions::{Conditions, Tunables};
-use super::interface::{Side, Split, agree, apart, split};
+use super::interface::{Side, HeatPartition, agree, apart, partition};
 use super::operators::{BodyOperators, Operators};
 use super::state::{BodyState, State};
 use crate::contact::friction::FrictionLaw;
@@ -76,13 +76,13 @@ pub struct Point<S = f64> {
     /// Friction coefficient with Stribeck factor.
     pub friction_coefficient: S,
     /// Friction coefficient without it.
-    pub faded: S,
+    pub kinetic_coefficient: S,
     /// Friction force of all faces, N, signed.
     pub force: S,
     /// Friction heat flux, W/m2.
     pub flux: S,
     /// Its split.
-    pub split: Split<S>,
+    pub partition: HeatPartition<S>,
     /// Mean of both surfaces.
     pub contact_temperature: S,
     /// Heat flows to ambient and out of the far faces, all faces, W: punch, strip.
@@ -203,9 +203,9 @@ pub fn evaluate<S: Scalar>(
     // Heat per unit of the faded friction coefficient.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
-        if closed { split(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
+        if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
     };
-    let mean = |split: &Split<S>| (split.punch_temperature + split.strip_temperature) * 0.5;
+    let mean = |partition: &HeatPartition<S>| (partition.punch_temperature + partition.strip_temperature) * 0.5;
     let reference = S::from(state.reference);
     let none = solve(S::from(0.0));
     let level = mean(&none) + reference;
@@ -214,18 +214,18 @@ pub fn evaluate<S: Scalar>(
         // The temperature is affine in the heat: two evaluations give its gain.
         let gain = mean(&solve(driver)) + reference - level;
         temperature = agree(friction, level, gain);
-        flux = friction.faded(temperature) * driver;
+        flux = friction.kinetic_coefficient(temperature) * driver;
     }
     let kinetic_at =
-        |temperature: S| friction.faded(temperature) * conditions.stribeck * load * (faces * operators.power_factor);
+        |temperature: S| friction.kinetic_coefficient(temperature) * conditions.stribeck * load * (faces * operators.power_factor);
     // Sliding heats the contact, sticking does not: a bristle sticks where it is below the limit of its sliding.
     if let Some(bristle) = bristle
         && !bristle.force(state.bristle, conditions.velocity.value(), kinetic_at(temperature).value()).1
     {
         temperature = level;
     }
-    let faded = friction.faded(temperature);
-    let mu = faded * conditions.stribeck;
+    let kinetic_coefficient = friction.kinetic_coefficient(temperature);
+    let mu = kinetic_coefficient * conditions.stribeck;
     let kinetic = mu * load * (faces * operators.power_factor);
     let mut force = kinetic * conditions.sign;
     let mut wearing_speed = conditions.slip;
@@ -247,7 +247,7 @@ pub fn evaluate<S: Scalar>(
         let power = force * v - deflecting * (bristle.stiffness * state.bristle);
         flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
     }
-    let split = solve(flux);
+    let partition = solve(flux);
     // The cooled surface feels the contact's heat; what its flux then changes at the contact, through a static
     // remainder once more, is left out.
     let recool =
@@ -255,9 +255,9 @@ pub fn evaluate<S: Scalar>(
             Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
             None => before,
         };
-    let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, split.punch);
-    let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, split.strip);
-    let contact_temperature = mean(&split);
+    let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, partition.punch);
+    let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, partition.strip);
+    let contact_temperature = mean(&partition);
     let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
         Some(heat) => {
             let observe = |observation: &Observation, states: f64| {
@@ -274,20 +274,20 @@ pub fn evaluate<S: Scalar>(
         }
         None => (S::from(0.0), S::from(0.0)),
     };
-    let punch_flows = flows(&operators.punch, &frozen.punch, split.punch, punch_cooling, conditions.punch_far);
-    let strip_flows = flows(&operators.strip, &frozen.strip, split.strip, strip_cooling, conditions.strip_far);
+    let punch_flows = flows(&operators.punch, &frozen.punch, partition.punch, punch_cooling, conditions.punch_far);
+    let strip_flows = flows(&operators.strip, &frozen.strip, partition.strip, strip_cooling, conditions.strip_far);
     let wear = |body: &BodyOperators| {
-        body.wear.rate(pressure, wearing_speed, faded, contact_temperature + reference)
+        body.wear.rate(pressure, wearing_speed, kinetic_coefficient, contact_temperature + reference)
             * (body.wear_factor * tunables.wear_acceleration)
     };
     Point {
         load,
         pressure,
         friction_coefficient: mu,
-        faded,
+        kinetic_coefficient,
         force,
         flux,
-        split,
+        partition,
         contact_temperature,
         ambient_flow: [punch_flows.0, strip_flows.0],
         far_flow: [punch_flows.1, strip_flows.1],

@@ -19,12 +19,12 @@ pub struct Stages {
     pub heat: [f64; 2],
     /// Mean contact temperature, K above the reference.
     pub temperature: [f64; 2],
-    pub faded: [f64; 2],
+    pub kinetic_coefficient: [f64; 2],
     /// Wear rates of punch and strip at the stages.
     pub rates: [[f64; 2]; 2],
     /// Gain of the strip including its moving source.
     strip_gain: [[f64; 2]; 3],
-    split: Splitting,
+    partition: Splitting,
     /// s v Stribeck at the stages: heat per faded friction and pressure.
     driver: [f64; 2],
     /// Speed that wears.
@@ -59,17 +59,17 @@ impl Stages {
         let (first, last) = (&conditions[1], &conditions[3]);
         // A piece has no sign change of the load inside: its middle says whether the contact is closed.
         let closed = conditions[2].load > 0.0;
-        let split = Splitting::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
+        let partition = Splitting::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
         let loads = [first.load, last.load];
         let power = operators.power_factor;
         Stages {
             pressure: if closed { loads.map(|load| load / operators.area) } else { [0.0; 2] },
             heat: [0.0; 2],
             temperature: [0.0; 2],
-            faded: [stepper.friction.faded(state.end_temperature + state.reference); 2],
+            kinetic_coefficient: [stepper.friction.kinetic_coefficient(state.end_temperature + state.reference); 2],
             rates: [[0.0; 2]; 2],
             strip_gain,
-            split,
+            partition,
             driver: [first.stribeck * first.slip * power, last.stribeck * last.slip * power],
             speed: [first.slip, last.slip],
             bristle: operators.bristle(),
@@ -125,23 +125,23 @@ impl Stages {
         let closed = if stepper.operators.series_stiffness > 0.0 {
             self.pressure[0] + self.pressure[1] > 0.0
         } else {
-            self.split.closed
+            self.partition.closed
         };
         let before = self.temperature;
-        if closed != self.split.closed {
-            self.split = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
+        if closed != self.partition.closed {
+            self.partition = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
         }
-        self.split.levels(punch, strip);
+        self.partition.levels(punch, strip);
         if self.bristle.is_some() {
             self.slide_bristle(stepper);
         } else if stepper.friction.fade.flat {
             for stage in 0..2 {
-                self.heat[stage] = self.faded[stage] * self.driver[stage] * self.pressure[stage];
+                self.heat[stage] = self.kinetic_coefficient[stage] * self.driver[stage] * self.pressure[stage];
             }
         } else {
-            let none = self.split.temperatures(&self.split.fluxes([0.0; 2]));
+            let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
             // The temperature is affine in the heats: columns of its gain, then one agreement per stage in turn.
-            let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.split.temperatures(&self.split.fluxes(unit)));
+            let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.partition.temperatures(&self.partition.fluxes(unit)));
             for _ in 0..60 {
                 let old = self.heat;
                 for stage in 0..2 {
@@ -150,21 +150,21 @@ impl Stages {
                     let level = none[stage] + (columns[other][stage] - none[stage]) * self.heat[other];
                     let gain = (columns[stage][stage] - none[stage]).max(0.0) * power;
                     let temperature = agree(stepper.friction, level + self.reference, gain);
-                    self.faded[stage] = stepper.friction.faded(temperature);
-                    self.heat[stage] = self.faded[stage] * power;
+                    self.kinetic_coefficient[stage] = stepper.friction.kinetic_coefficient(temperature);
+                    self.heat[stage] = self.kinetic_coefficient[stage] * power;
                 }
                 if (0..2).all(|stage| (self.heat[stage] - old[stage]).abs() <= 1e-13 * self.heat[stage].abs()) {
                     break;
                 }
             }
         }
-        let fluxes = self.split.fluxes(self.heat);
-        self.temperature = self.split.temperatures(&fluxes);
+        let fluxes = self.partition.fluxes(self.heat);
+        self.temperature = self.partition.temperatures(&fluxes);
         punch.flux[0] = fluxes.map(|flux| flux.0);
         strip.flux[0] = fluxes.map(|flux| flux.1);
         let fades = !stepper.friction.fade.flat;
         if self.bristle.is_some() && fades {
-            self.faded = self.temperature.map(|rise| stepper.friction.faded(rise + self.reference));
+            self.kinetic_coefficient = self.temperature.map(|rise| stepper.friction.kinetic_coefficient(rise + self.reference));
         }
         let caliper = stepper.operators.series_stiffness > 0.0;
         if caliper {
@@ -185,7 +185,7 @@ impl Stages {
         let Some(bristle) = self.bristle else { return };
         let (operators, step) = (stepper.operators, stepper.propagators.step);
         let limits =
-            [0, 1].map(|stage| self.limit(stepper, self.faded[stage], self.stribeck[stage], self.pressure[stage]));
+            [0, 1].map(|stage| self.limit(stepper, self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage]));
         let limit = Line::through_stages(limits, step);
         self.moved = bristle.advance(self.deflection_at_start, self.velocity, limit, step);
         let flux = 1.0 / (operators.scene.faces * operators.area);
@@ -198,9 +198,9 @@ impl Stages {
     }
 
     /// The most that the bristle carries, N, all faces together.
-    fn limit(&self, stepper: &Stepper, faded: f64, stribeck: f64, pressure: f64) -> f64 {
+    fn limit(&self, stepper: &Stepper, kinetic_coefficient: f64, stribeck: f64, pressure: f64) -> f64 {
         let operators = stepper.operators;
-        faded * stribeck * pressure * operators.power_factor * operators.scene.faces * operators.area
+        kinetic_coefficient * stribeck * pressure * operators.power_factor * operators.scene.faces * operators.area
     }
 
     /// How far the bristle's heat is from a line through its stages, as a flux (W/m2), where it changes between
@@ -220,7 +220,7 @@ impl Stages {
         // Where nothing differs between the stages one rate serves both.
         let same = self.pressure[0] == self.pressure[1]
             && self.speed[0] == self.speed[1]
-            && self.faded[0] == self.faded[1]
+            && self.kinetic_coefficient[0] == self.kinetic_coefficient[1]
             && !operators.wear_follows_temperature;
         for stage in 0..2 {
             if stage == 1 && same {
@@ -233,7 +233,7 @@ impl Stages {
                 rates[stage] = body.wear.rate(
                     self.pressure[stage],
                     self.speed[stage],
-                    self.faded[stage],
+                    self.kinetic_coefficient[stage],
                     self.temperature[stage] + self.reference,
                 ) * (body.wear_factor * stepper.tunables.wear_acceleration);
             }
@@ -254,20 +254,20 @@ impl Stages {
         if !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature {
             return f64::INFINITY;
         }
-        let split = (punch.flux[0][1] - punch.flux[0][0]).abs();
+        let partition = (punch.flux[0][1] - punch.flux[0][0]).abs();
         let heat = (self.heat[1] - self.heat[0]).abs() + 2.0 * self.unevenness(stepper);
         let scale = self.flux_scale(stepper, state, punch);
-        let exchange = if self.split.closed && operators.scene.conductance > 0.0 {
+        let exchange = if self.partition.closed && operators.scene.conductance > 0.0 {
             // The resistance grows during the step: at its end it bounds that at the point 2/3.
             let (gain, strip_gain) = (punch.gain(2), self.strip_gain[2]);
-            split
+            partition
                 / layer_allowance(
                     1.0 / operators.scene.conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1],
                     scale,
                     state,
                 )
         } else {
-            split
+            partition
         };
         let defect = 0.5 * (exchange + heat);
         defect / (2.0 * operators.scene.tolerance * scale)
@@ -305,14 +305,14 @@ impl Stages {
             + self.strip_gain[1][1] * strip.flux[0][1];
         let temperature = {
             let surfaces = [punch_temperature, strip_temperature];
-            let [punch, strip] = self.split.beside_insulator(surfaces, (into_punch, into_strip));
+            let [punch, strip] = self.partition.beside_insulator(surfaces, (into_punch, into_strip));
             0.5 * (punch + strip)
         };
         let scale = self.flux_scale(stepper, state, punch);
         let (mut exchange, mut defect) = (0.0, 0.0);
         let conductance = operators.scene.conductance;
         let both = punch.propagator.is_some() && strip.propagator.is_some();
-        if both && conductance > 0.0 && self.split.closed {
+        if both && conductance > 0.0 && self.partition.closed {
             let gain = punch.gain(1);
             let strip_gain = self.strip_gain[1];
             let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
@@ -322,20 +322,20 @@ impl Stages {
             let allowance = if is_layer { layer_allowance(resistance, scale, state) } else { 0.5 };
             exchange = jump.abs() / (resistance * allowance);
         }
-        let faded = stepper.friction.faded(temperature + self.reference);
+        let kinetic_coefficient = stepper.friction.kinetic_coefficient(temperature + self.reference);
         if self.bristle.is_some() {
-            let limit = |faded: f64, stribeck: f64, pressure: f64| self.limit(stepper, faded, stribeck, pressure);
+            let limit = |kinetic_coefficient: f64, stribeck: f64, pressure: f64| self.limit(stepper, kinetic_coefficient, stribeck, pressure);
             let straight =
-                between([0, 1].map(|stage| limit(self.faded[stage], self.stribeck[stage], self.pressure[stage])));
-            let excess = (limit(faded, middle.stribeck, pressure) - straight) * self.moved.speed[1];
+                between([0, 1].map(|stage| limit(self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage])));
+            let excess = (limit(kinetic_coefficient, middle.stribeck, pressure) - straight) * self.moved.speed[1];
             let power = self.moved.power;
             let bent = power[1] + excess - between([power[0], power[2]]);
-            let bent = if self.split.closed { bent / (operators.scene.faces * operators.area) } else { 0.0 };
+            let bent = if self.partition.closed { bent / (operators.scene.faces * operators.area) } else { 0.0 };
             // A change between sticking and slipping is over when its part is: beside the heat of the whole piece,
             // it counts by its time.
             defect += (bent.abs() + self.unevenness(stepper)) / stepper.cut;
         } else {
-            let heat = faded * middle.stribeck * middle.slip * operators.power_factor * pressure;
+            let heat = kinetic_coefficient * middle.stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
         }
         // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
@@ -378,7 +378,7 @@ impl Stages {
         }
         let rate = |index: usize, pressure: f64, stages: [f64; 2]| {
             let between = |values: [f64; 2]| stages[0] * values[0] + stages[1] * values[1];
-            body.wear.rate(pressure, speeds[index], between(self.faded), between(self.temperature) + self.reference)
+            body.wear.rate(pressure, speeds[index], between(self.kinetic_coefficient), between(self.temperature) + self.reference)
                 * (body.wear_factor * stepper.tunables.wear_acceleration)
         };
         let caliper = operators.series_stiffness > 0.0;
@@ -386,13 +386,13 @@ impl Stages {
             if caliper {
                 (stages[0] * self.pressure[0] + stages[1] * self.pressure[1]).max(0.0)
             } else {
-                if self.split.closed { conditions[index].load / operators.area } else { 0.0 }
+                if self.partition.closed { conditions[index].load / operators.area } else { 0.0 }
             }
         };
         // Linear continuation of what the stages found to the start and to the point 2/3.
         let (start, middle) = ([1.5, -0.5], BASIS[1]);
         let others = [rate(0, pressure(0, start), start), rate(2, pressure(2, middle), middle)];
-        let end = (self.faded[1], self.temperature[1] + self.reference);
+        let end = (self.kinetic_coefficient[1], self.temperature[1] + self.reference);
         stepper.wear_error(body, rates, others, uneven, end, peak)
     }
 
@@ -402,7 +402,7 @@ impl Stages {
             + self.strip_gain[2][0] * strip.flux[0][0]
             + self.strip_gain[2][1] * strip.flux[0][1];
         let into = (punch.flux[0][1], strip.flux[0][1]);
-        let [punch, strip] = self.split.beside_insulator([punch.contact(2), strip_temperature], into);
+        let [punch, strip] = self.partition.beside_insulator([punch.contact(2), strip_temperature], into);
         maximum(punch, strip)
     }
 }

@@ -160,7 +160,7 @@ impl Stepper<'_> {
             distance: state.distance + if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() },
             worn: [step * mean(stages.rates[0]), step * mean(stages.rates[1])],
             end_temperature: stages.temperature[1],
-            end_force: stages.faded[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure,
+            end_force: stages.kinetic_coefficient[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure,
         };
         if !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far]) {
             return Attempt { error: f64::INFINITY, hottest };

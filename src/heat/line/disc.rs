@@ -19,7 +19,7 @@
 //! while it is not, and the mean of that over the contact is the mean over the circle.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
-use super::{Account, CooledAhead, FACES, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, GAMMA, SurfaceInfluence, ThermalBody, Stage, Surroundings};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ struct Weights {
 #[derive(Clone, Debug)]
 struct DiscStage {
     weights: Vec<Weights>,
-    gains: Gains,
+    influence: SurfaceInfluence,
 }
 
 /// The mate with the weights of one step.
@@ -64,7 +64,7 @@ impl DiscHeat {
         let zeros = || DMatrix::zeros(count, count);
         let stage = || DiscStage {
             weights: vec![Weights::default(); count * MAX_FLASH_STATES],
-            gains: Gains { temperature: zeros(), distortion: zeros() },
+            influence: SurfaceInfluence { temperature: zeros(), distortion: zeros() },
         };
         DiscHeat { ring, source: Arc::new(Source { flash, ratio }), key: None, stages: [stage(), stage()] }
     }
@@ -82,9 +82,9 @@ impl DiscHeat {
         let source = &*self.source;
         let at = |part: f64| velocity[0] + (velocity[1] - velocity[0]) * part;
         for (stage, end) in [(Stage::First, GAMMA), (Stage::End, 1.0)] {
-            let DiscStage { weights, gains } = &mut self.stages[stage as usize];
-            gains.temperature.copy_from(&self.ring.gains(stage).temperature);
-            gains.distortion.copy_from(&self.ring.gains(stage).distortion);
+            let DiscStage { weights, influence } = &mut self.stages[stage as usize];
+            influence.temperature.copy_from(&self.ring.influence(stage).temperature);
+            influence.distortion.copy_from(&self.ring.influence(stage).distortion);
             for (i, (ratio, own)) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)).enumerate() {
                 let square = ratio * ratio;
                 let rate = |part: f64| source.flash.sliding_rate(square * at(part).abs()) / square;
@@ -101,7 +101,7 @@ impl DiscHeat {
                         (false, Stage::End) => Weights::end(at_rest, &sliding, residue, step),
                     };
                 }
-                gains.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
+                influence.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
             }
         }
     }
@@ -186,7 +186,7 @@ impl Weights {
     }
 }
 
-impl LineHeat for DiscHeat {
+impl ThermalBody for DiscHeat {
     fn cells(&self) -> usize {
         self.source.ratio.len()
     }
@@ -201,18 +201,18 @@ impl LineHeat for DiscHeat {
         source.fill(0.0);
     }
 
-    fn fading(&self) -> Vec<f64> {
-        self.fading_while_sliding(0.0)
+    fn decay_rates(&self) -> Vec<f64> {
+        self.decay_rates_while_sliding(0.0)
     }
 
-    fn fading_while_sliding(&self, velocity: f64) -> Vec<f64> {
+    fn decay_rates_while_sliding(&self, velocity: f64) -> Vec<f64> {
         let Source { flash, ratio } = &*self.source;
         let of_the_cell = |ratio: &f64| {
             let square = ratio * ratio;
             let sliding = flash.sliding_rate(square * velocity.abs());
             std::array::from_fn::<f64, MAX_FLASH_STATES, _>(|k| (flash.rates[k] + sliding) / square)
         };
-        ratio.iter().flat_map(of_the_cell).chain(self.ring.fading()).collect()
+        ratio.iter().flat_map(of_the_cell).chain(self.ring.decay_rates()).collect()
     }
 
     fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
@@ -223,11 +223,11 @@ impl LineHeat for DiscHeat {
         self.select(step, velocity, true);
     }
 
-    fn gains(&self, stage: Stage) -> &Gains {
-        &self.stages[stage as usize].gains
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.stages[stage as usize].influence
     }
 
-    fn base(
+    fn free_response(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -237,7 +237,7 @@ impl LineHeat for DiscHeat {
         distortion: &mut [f64],
     ) {
         let (ring, source) = self.split(state);
-        self.ring.base(ring, surroundings, stage, known, temperature, distortion);
+        self.ring.free_response(ring, surroundings, stage, known, temperature, distortion);
         let weights = &self.stages[stage as usize].weights;
         let left = source.iter().zip(weights).enumerate();
         Self::add(
@@ -255,13 +255,13 @@ impl LineHeat for DiscHeat {
         }
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
         let (ring, source) = self.split(state);
-        self.ring.held(ring, surroundings, flux, velocity, temperature);
+        self.ring.temperature_at_frozen_state(ring, surroundings, flux, velocity, temperature);
         Self::add(temperature, source.iter().copied());
     }
 
-    fn held_distortion(
+    fn distortion_at_frozen_state(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -269,7 +269,7 @@ impl LineHeat for DiscHeat {
         velocity: f64,
         distortion: &mut [f64],
     ) {
-        self.ring.held_distortion(self.split(state).0, surroundings, flux, velocity, distortion);
+        self.ring.distortion_at_frozen_state(self.split(state).0, surroundings, flux, velocity, distortion);
     }
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
@@ -300,7 +300,7 @@ impl LineHeat for DiscHeat {
         self.ring.error_of_the_mean()
     }
 
-    fn boxed(&self) -> Box<dyn LineHeat> {
+    fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }
 }
@@ -343,10 +343,10 @@ mod tests {
         let around = Surroundings::default();
         disc.prepare(step, velocity);
         let (mut temperature, mut distortion) = (vec![0.0; 5], vec![0.0; 5]);
-        disc.base(state, &around, Stage::End, flux, &mut temperature, &mut distortion);
-        let gains = disc.gains(Stage::End);
+        disc.free_response(state, &around, Stage::End, flux, &mut temperature, &mut distortion);
+        let influence = disc.influence(Stage::End);
         for i in 0..5 {
-            temperature[i] += (0..5).map(|j| gains.temperature[(i, j)] * flux[j]).sum::<f64>();
+            temperature[i] += (0..5).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
         }
         disc.advance(state, &around, flux, flux);
         temperature
@@ -360,9 +360,9 @@ mod tests {
             let mut state = vec![0.0; disc.states()];
             let all = step(&mut disc, &mut state, 1e7, [velocity; 2], &flux);
             let mut ring = vec![0.0; 5];
-            disc.ring.held(disc.split(&state).0, &Surroundings::default(), &flux, velocity, &mut ring);
+            disc.ring.temperature_at_frozen_state(disc.split(&state).0, &Surroundings::default(), &flux, velocity, &mut ring);
             let mut held = vec![0.0; 5];
-            disc.held(&state, &Surroundings::default(), &flux, velocity, &mut held);
+            disc.temperature_at_frozen_state(&state, &Surroundings::default(), &flux, velocity, &mut held);
             for i in 0..5 {
                 let own = ratio[i] * flash.resistance(ratio[i] * ratio[i] * f64::abs(velocity)) * flux[i];
                 assert!((all[i] - ring[i] - own).abs() < 1e-9 * all[i], "{velocity} {i}");

@@ -22,14 +22,14 @@
 
 mod operators;
 
-use super::{Account, CooledAhead, FACES, GAMMA, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, GAMMA, SurfaceInfluence, ThermalBody, Stage, Surroundings};
 use crate::elastic::Cells;
 use crate::elastic::block::{
     Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
 };
 use crate::scene::{Scene, ThermalBoundary};
 use faer::Mat;
-use operators::{Operators, Prepared, Room, TALLIES, dot, extrapolate};
+use operators::{Operators, Prepared, FieldWorkspace, TALLIES, dot, extrapolate};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -50,7 +50,7 @@ pub struct FieldHeat {
     kept: Vec<Prepared>,
     current: usize,
     clock: u64,
-    room: RefCell<Room>,
+    room: RefCell<FieldWorkspace>,
 }
 
 /// The punch of `scene`; None where it is an insulator.
@@ -107,7 +107,7 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
         total_capacity: properties.volumetric_heat_capacity * width * height,
         block,
     };
-    let room = Room::new(&operators)?;
+    let room = FieldWorkspace::new(&operators)?;
     let kept = (0..KEPT).map(|_| Prepared::empty(&operators)).collect();
     Ok(Some(FieldHeat { operators: Arc::new(operators), kept, current: 0, clock: 0, room: RefCell::new(room) }))
 }
@@ -152,7 +152,7 @@ impl FieldHeat {
     }
 }
 
-impl LineHeat for FieldHeat {
+impl ThermalBody for FieldHeat {
     fn cells(&self) -> usize {
         self.operators.widths.len()
     }
@@ -176,12 +176,12 @@ impl LineHeat for FieldHeat {
         self.select(step, true);
     }
 
-    fn gains(&self, _stage: Stage) -> &Gains {
+    fn influence(&self, _stage: Stage) -> &SurfaceInfluence {
         // Both stages share the matrix.
-        &self.prepared().gains
+        &self.prepared().influence
     }
 
-    fn base(
+    fn free_response(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -192,7 +192,7 @@ impl LineHeat for FieldHeat {
     ) {
         let (operators, prepared) = (&*self.operators, self.prepared());
         let origin = operators.origin(surroundings);
-        let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         operators.field(state, origin, start);
         let until = surroundings.until(Stage::First);
         if stage == Stage::First || prepared.euler {
@@ -208,7 +208,7 @@ impl LineHeat for FieldHeat {
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let (operators, prepared) = (&*self.operators, self.prepared());
         let (origin, step) = (operators.origin(surroundings), prepared.step);
-        let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         let before = operators.stored(state);
         operators.field(state, origin, start);
         operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [&mut *early, &mut *late]);
@@ -234,7 +234,7 @@ impl LineHeat for FieldHeat {
         tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest + through_top;
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         self.of_state(state, surroundings, |operators, field, origin| {
             operators.means(field, temperature);
             for (i, mean) in temperature.iter_mut().enumerate() {
@@ -243,7 +243,7 @@ impl LineHeat for FieldHeat {
         });
     }
 
-    fn held_distortion(
+    fn distortion_at_frozen_state(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -263,7 +263,7 @@ impl LineHeat for FieldHeat {
     fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
         let (operators, prepared) = (&*self.operators, self.prepared());
         let origin = operators.origin(surroundings);
-        let Room { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
         operators.field(state, origin, start);
         operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [early, late]);
         let temperature = operators.cooled_means(late).map(|mean| mean + origin);
@@ -298,14 +298,14 @@ impl LineHeat for FieldHeat {
         0.0
     }
 
-    fn boxed(&self) -> Box<dyn LineHeat> {
+    fn boxed(&self) -> Box<dyn ThermalBody> {
         let operators = self.operators.clone();
         // Room that nothing was prepared in costs no memory until something is.
         let copy = |prepared: &Prepared| {
             if prepared.step.is_nan() { Prepared::empty(&operators) } else { prepared.clone() }
         };
         let kept = self.kept.iter().map(copy).collect();
-        let room = RefCell::new(Room::new(&operators).unwrap_or_else(|error| panic!("punch: {error}")));
+        let room = RefCell::new(FieldWorkspace::new(&operators).unwrap_or_else(|error| panic!("punch: {error}")));
         Box::new(FieldHeat { operators, kept, current: self.current, clock: self.clock, room })
     }
 }

@@ -34,14 +34,14 @@ use std::fmt::Debug;
 pub const GAMMA: f64 = 1.0 - 0.5 * std::f64::consts::SQRT_2;
 
 /// Numbers of a matrix on the cells, for all steps that are kept, unless fewer than [`LEAST_STEPS`] fit.
-const KEPT_NUMBERS: usize = 400_000;
+const CACHED_NUMBERS: usize = 400_000;
 const LEAST_STEPS: usize = 2;
 const MOST_STEPS: usize = 8;
 
 /// Number of steps whose operators are kept on `cells` cells: those that a step control goes back and forth between. One that
 /// hesitates at every event takes up to six lengths by turns.
-pub fn kept_steps(cells: usize) -> usize {
-    (KEPT_NUMBERS / (cells * cells)).clamp(LEAST_STEPS, MOST_STEPS)
+pub fn cache_capacity(cells: usize) -> usize {
+    (CACHED_NUMBERS / (cells * cells)).clamp(LEAST_STEPS, MOST_STEPS)
 }
 
 /// The two stages of a step.
@@ -101,12 +101,12 @@ impl Surroundings {
         self.far + 0.5 * self.far_fall
     }
 
-    /// The fluxes by the air at the end of the step; `held`: the far face has a temperature.
+    /// The fluxes by the air at the end of the step; `temperature_at_frozen_state`: the far face has a temperature.
     pub fn by_air(&self, held: bool) -> [f64; FACES] {
         [self.cooling, if held { 0.0 } else { self.far }]
     }
 
-    /// The same surroundings with these fluxes by the air, constant over the step; `held` as above.
+    /// The same surroundings with these fluxes by the air, constant over the step; `temperature_at_frozen_state` as above.
     pub fn with_air(&self, flux: [f64; FACES], held: bool) -> Surroundings {
         let far = if held { self.far } else { flux[FAR] };
         Surroundings { cooling: flux[BESIDE], cooling_fall: 0.0, far, far_fall: 0.0, ..*self }
@@ -126,7 +126,7 @@ pub struct CooledAhead {
 
 /// Response of the cells to the fluxes of one stage, N x N each, row: answering cell, column: heated cell.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Gains {
+pub struct SurfaceInfluence {
     /// K per W/m2.
     pub temperature: DMatrix<f64>,
     /// m per W/m2, positive into the body; zero where nothing expands.
@@ -148,7 +148,7 @@ pub struct Account {
 
 /// One body. Implementations share what a scene makes of them (`Arc`) and own only what depends on the step, so a clone
 /// is cheap. After the first `prepare` no call allocates.
-pub trait LineHeat: Debug + Send {
+pub trait ThermalBody: Debug + Send {
     /// N.
     fn cells(&self) -> usize;
 
@@ -160,17 +160,17 @@ pub trait LineHeat: Debug + Send {
 
     /// Rates (1/s, >= 0) at which the leading entries of the state, those that hold temperatures, fade without heat; what
     /// the state holds behind them is the account. Empty: not known.
-    fn fading(&self) -> Vec<f64> {
+    fn decay_rates(&self) -> Vec<f64> {
         Vec::new()
     }
 
     /// The same while the contact slides at a velocity (m/s), where that changes the rates.
-    fn fading_while_sliding(&self, _velocity: f64) -> Vec<f64> {
-        self.fading()
+    fn decay_rates_while_sliding(&self, _velocity: f64) -> Vec<f64> {
+        self.decay_rates()
     }
 
     /// Difference of the sliding velocity, m/s, that hardly changes what answers at once, however short the step.
-    fn indifference(&self) -> f64 {
+    fn velocity_validity(&self) -> f64 {
         f64::INFINITY
     }
 
@@ -184,12 +184,12 @@ pub trait LineHeat: Debug + Send {
     fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]);
 
     /// Response at `stage` to the fluxes of that stage.
-    fn gains(&self, stage: Stage) -> &Gains;
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence;
 
     /// Temperature and distortion of the N cells at `stage` if the flux of that stage were 0: from the state at the
     /// start of the step, the surroundings and `known`: in the first stage the deviation e of the flux at the start from
     /// that of the stage, at the end the fluxes of the first stage, W/m2.
-    fn base(
+    fn free_response(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -199,9 +199,9 @@ pub trait LineHeat: Debug + Send {
         distortion: &mut [f64],
     );
 
-    /// [`LineHeat::base`] at the end, where the last base asked for was that of the first stage, from the same state with the
+    /// [`ThermalBody::free_response`] at the end, where the last base asked for was that of the first stage, from the same state with the
     /// same surroundings: takes over what both have in common.
-    fn base_of_end(
+    fn free_response_at_end(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -209,19 +209,19 @@ pub trait LineHeat: Debug + Send {
         temperature: &mut [f64],
         distortion: &mut [f64],
     ) {
-        self.base(state, surroundings, Stage::End, known, temperature, distortion);
+        self.free_response(state, surroundings, Stage::End, known, temperature, distortion);
     }
 
     /// Carries the state over the prepared step with the fluxes of both stages.
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]);
 
-    /// [`LineHeat::advance`], where the last base asked for was that of the end, from the same state with the same surroundings
+    /// [`ThermalBody::advance`], where the last base asked for was that of the end, from the same state with the same surroundings
     /// and the fluxes `first`: takes over what it has found.
     fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         self.advance(state, surroundings, first, end);
     }
 
-    /// [`LineHeat::advance_from_end`] from the state `before`, which stays, to the state `after`.
+    /// [`ThermalBody::advance_from_end`] from the state `before`, which stays, to the state `after`.
     fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         after.copy_from_slice(before);
         self.advance_from_end(after, surroundings, first, end);
@@ -229,10 +229,10 @@ pub trait LineHeat: Debug + Send {
 
     /// Temperature (K above the reference) of the N cells with the state held and the flux `flux` into the cells, which
     /// acts at the sliding velocity `velocity` (m/s) through what answers at once only.
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]);
+    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]);
 
-    /// Distortion of the N cells with the state held, m into the body; arguments as in [`LineHeat::held`].
-    fn held_distortion(
+    /// Distortion of the N cells with the state held, m into the body; arguments as in [`ThermalBody::temperature_at_frozen_state`].
+    fn distortion_at_frozen_state(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -266,5 +266,5 @@ pub trait LineHeat: Debug + Send {
     }
 
     /// A copy with weights of its own.
-    fn boxed(&self) -> Box<dyn LineHeat>;
+    fn boxed(&self) -> Box<dyn ThermalBody>;
 }

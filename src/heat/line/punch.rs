@@ -12,9 +12,9 @@
 //! Conduction in a rectangle separates, so no mesh is needed: across the width the modes are exact ([`across`]), and
 //! each of them is a one-dimensional problem through the height whose impedance is known in closed form ([`depth`]). That
 //! is projected (Galerkin) on its responses to real rates, a rational Krylov space; the result is symmetric, its states
-//! are real and decay, and the steady response is exact because it is in the space. [`selection`] spends states where
+//! are real and decay, and the steady response is exact because it is in the space. [`shift_selection`] spends states where
 //! the error against the exact impedance is largest. What is left of fast modes has its
-//! exact steady effect ([`steady`]), with the delay that it takes on the whole ([`lag`]).
+//! exact steady effect ([`steady`]), with the delay that it takes on the whole ([`quasi_static`]).
 //!
 //! The finite elements of `elastic::block::ThermalBlock` describe the same body; the tests hold one against the other.
 //!
@@ -27,10 +27,10 @@ mod cylinder;
 mod depth;
 mod distortion;
 mod from_top;
-mod lag;
+mod quasi_static;
 pub mod mate;
 mod radial;
-mod selection;
+mod shift_selection;
 mod steady;
 #[cfg(test)]
 mod tests;
@@ -44,7 +44,7 @@ use across::{Across, Sides};
 use assembly::Assembly;
 use depth::{Depth, Points, Top};
 use distortion::Distortion;
-use selection::{Scale, Selection};
+use shift_selection::{Scale, Selection};
 
 /// Most states. A steel punch in minutes needs fewer than 100 for an error of 1e-4; a heated layer that is thin against
 /// the width, as in a brake pad during one stop, needs more, because more modes across have a history of their own.
@@ -146,13 +146,13 @@ fn project(
     }
     let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
     let points = Points::new(depth.height, steepest, &extra);
-    let selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
-    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &selection));
+    let shift_selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
+    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &shift_selection));
     let mut operators = assembly.operators();
     if let Some(distortion) = &distortion {
         assembly.distort(distortion, &mut operators)?;
     }
-    assembly.delay(&mut operators);
+    assembly.give_first_order_dynamics(&mut operators);
     let body = ReducedHeat::new(operators);
     Ok(body)
 }

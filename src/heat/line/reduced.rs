@@ -16,7 +16,7 @@ mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
-use super::{Account, CooledAhead, FACES, GAMMA, Gains, LineHeat, Stage, Surroundings, kept_steps};
+use super::{Account, CooledAhead, FACES, GAMMA, SurfaceInfluence, ThermalBody, Stage, Surroundings, cache_capacity};
 use crate::contact::dense;
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -110,9 +110,9 @@ pub(super) struct Operators {
     pub heat_capacity: f64,
     /// Number of the first states that stand for modes; the others delay what has no mode of its own.
     pub own: usize,
-    /// See [`LineHeat::error`].
+    /// See [`ThermalBody::error`].
     pub error: f64,
-    /// See [`LineHeat::error_of_the_mean`].
+    /// See [`ThermalBody::error_of_the_mean`].
     pub mean_error: f64,
 }
 
@@ -136,7 +136,7 @@ impl ReducedHeat {
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
         // The longer step by which growth is looked for is one more.
-        let most = kept_steps(operators.widths.len()) + 1;
+        let most = cache_capacity(operators.widths.len()) + 1;
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
         Self { operators, modes, scratch, kept: Vec::new(), most, current: 0, clock: 0 }
     }
@@ -250,7 +250,7 @@ impl Operators {
     }
 }
 
-impl LineHeat for ReducedHeat {
+impl ThermalBody for ReducedHeat {
     fn cells(&self) -> usize {
         self.operators.widths.len()
     }
@@ -268,7 +268,7 @@ impl LineHeat for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = rise;
     }
 
-    fn fading(&self) -> Vec<f64> {
+    fn decay_rates(&self) -> Vec<f64> {
         self.operators.rate.clone()
     }
 
@@ -280,11 +280,11 @@ impl LineHeat for ReducedHeat {
         self.select(step, true);
     }
 
-    fn gains(&self, stage: Stage) -> &Gains {
-        &self.stage(stage).gains
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.stage(stage).influence
     }
 
-    fn base(
+    fn free_response(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -323,14 +323,14 @@ impl LineHeat for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = surroundings.far;
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
         let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.ports(), Some(temperature), None);
         dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
     }
 
-    fn held_distortion(
+    fn distortion_at_frozen_state(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -397,7 +397,7 @@ impl LineHeat for ReducedHeat {
         self.operators.mean_error
     }
 
-    fn boxed(&self) -> Box<dyn LineHeat> {
+    fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }
 }

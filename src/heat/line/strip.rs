@@ -11,7 +11,7 @@
 //! There is no advection to stabilise at any Peclet number, and the states follow fluxes linear in time exactly for
 //! velocities linear in time ([`propagate`]). Only what decays slowly against the shortest step that is to be resolved
 //! has states; fast turning is not decay. The rest answers at once, as a matrix that depends on the velocity
-//! ([`remainder`]), so that steady sliding is exact for every velocity and every cell, however small.
+//! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
 //!
 //! A contact that slides one way meets fresh material: the endless path is sampled at the odd multiples of pi/L, whose
 //! states forget what lies a period behind, and the remainder makes the steady response that of the endless path, from the
@@ -19,23 +19,23 @@
 //! temperature at a Peclet number of 1, less on both sides.
 //!
 //! Heat transfer on the top acts on the whole surface in the waves; the contact zone gets it back through fluxes
-//! ([`give_back`]).
+//! ([`robin_correction`]).
 
 mod account;
 mod amplitudes;
 mod answer;
 mod blocks;
 mod depth;
-mod give_back;
+mod robin_correction;
 mod kept;
-mod knots;
-mod levels;
+mod nodes;
+mod state_layout;
 mod moving_kernel;
 mod operators;
 mod passive;
 mod propagate;
-mod remainder;
-mod scan;
+mod static_correction;
+mod error_sweep;
 mod scratch;
 mod steady;
 mod step;
@@ -48,11 +48,11 @@ pub(crate) use depth::dilatation;
 pub use depth::{Depth, Expansion};
 pub use operators::{Path, Resolution, StripProperties};
 
-use super::{Account, BESIDE, CooledAhead, FACES, Gains, LineHeat, Stage, Surroundings};
+use super::{Account, BESIDE, CooledAhead, FACES, SurfaceInfluence, ThermalBody, Stage, Surroundings};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
-use give_back::RANK;
+use robin_correction::RANK;
 use kept::Kept;
 use operators::Operators;
 use scratch::Scratch;
@@ -121,12 +121,12 @@ impl StripHeat {
 
     /// Rates of the heat transfer given back over the last step, W/(m2 s) by polynomial; they stand before the tail of the state.
     fn rates_given_back(&self) -> usize {
-        self.operators.give_back.as_ref().map_or(0, |_| RANK)
+        self.operators.robin_correction.as_ref().map_or(0, |_| RANK)
     }
 
     /// Number of waves, and of knots in the table over the velocity.
     pub fn size(&self) -> (usize, usize) {
-        (self.operators.waves.len(), self.operators.table.knots())
+        (self.operators.waves.len(), self.operators.table.nodes())
     }
 
     /// Length of the period, m.
@@ -193,7 +193,7 @@ impl StripHeat {
     fn held_fluxes(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let given = self.mean_flux(flux, self.free_cooling(surroundings));
-        if operators.give_back.is_none() {
+        if operators.robin_correction.is_none() {
             return [given, 0.0];
         }
         let observed = &operators.mean.contact_temperature;
@@ -208,7 +208,7 @@ impl StripHeat {
     /// Mean temperature of the waves over the contact, with the state held.
     fn held_mean(&self, state: &[f64]) -> f64 {
         let (re, _) = self.operators.wave_states(state);
-        levels::dot(&self.operators.contact_mean, re)
+        state_layout::dot(&self.operators.contact_mean, re)
     }
 
     /// The same as the contact zone sees it: on fresh material without what the contact left behind.
@@ -239,7 +239,7 @@ fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
     states
 }
 
-impl LineHeat for StripHeat {
+impl ThermalBody for StripHeat {
     fn cells(&self) -> usize {
         self.operators.widths.len()
     }
@@ -263,13 +263,13 @@ impl LineHeat for StripHeat {
         state[tail] = self.account(state).stored;
     }
 
-    fn fading(&self) -> Vec<f64> {
+    fn decay_rates(&self) -> Vec<f64> {
         let operators = &*self.operators;
         let mean = (0..operators.mean_states()).map(|k| operators.mean.rate[k % operators.mean.count]);
         mean.chain(operators.rate.iter().chain(&operators.rate).copied()).collect()
     }
 
-    fn indifference(&self) -> f64 {
+    fn velocity_validity(&self) -> f64 {
         let operators = &*self.operators;
         if operators.fresh {
             // The answer at once holds what the waves forget: heat as long as the period.
@@ -288,11 +288,11 @@ impl LineHeat for StripHeat {
         self.step.prepare_euler(&self.operators, step, velocity);
     }
 
-    fn gains(&self, stage: Stage) -> &Gains {
-        &self.step.stage(stage).answer().gains
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.step.stage(stage).answer().influence
     }
 
-    fn base(
+    fn free_response(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -316,7 +316,7 @@ impl LineHeat for StripHeat {
         self.base_from(scratch, state, surroundings, stage, [temperature, distortion]);
     }
 
-    fn base_of_end(
+    fn free_response_at_end(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -335,7 +335,7 @@ impl LineHeat for StripHeat {
         self.project_first(scratch, state, surroundings);
         self.effective_first(scratch, surroundings, first);
         operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
-        if operators.give_back.is_some() {
+        if operators.robin_correction.is_some() {
             self.wave_amplitudes(scratch, state, &self.step.end);
             self.add_known_flux(scratch, &self.step.end);
             let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
@@ -359,7 +359,7 @@ impl LineHeat for StripHeat {
         self.advance_by(&mut self.scratch.borrow_mut(), [re, im], after, surroundings, [first, end]);
     }
 
-    fn held(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state, false);
@@ -370,7 +370,7 @@ impl LineHeat for StripHeat {
         operators.table.add_response(0, velocity, flux, &mut scratch.held, temperature);
     }
 
-    fn held_distortion(
+    fn distortion_at_frozen_state(
         &self,
         state: &[f64],
         surroundings: &Surroundings,
@@ -473,7 +473,7 @@ impl LineHeat for StripHeat {
         self.operators.error
     }
 
-    fn boxed(&self) -> Box<dyn LineHeat> {
+    fn boxed(&self) -> Box<dyn ThermalBody> {
         Box::new(self.clone())
     }
 }

@@ -28,7 +28,7 @@
 
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;
-use super::split::Split;
+use super::partition::HeatPartition;
 use crate::coupled::instability::CriticalSpeed;
 use crate::coupled::line::cycle::{Resolution, SolveOptions};
 use crate::coupled::line::heat::bodies::Bodies;
@@ -161,12 +161,12 @@ pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2
     let mut bodies = made.copies();
     let step = 1e8 * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));
-    let gains = bodies.each_ref().map(|body| body.as_ref().map(|body| body.gains(Stage::End)));
-    let mut split = Split::new(cells.count(), scene.conductance);
-    split.prepare((step, [0.0; 2]), gains, &vec![true; cells.count()]);
+    let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
+    let mut partition = HeatPartition::new(cells.count(), scene.conductance);
+    partition.prepare((step, [0.0; 2]), influence, &vec![true; cells.count()]);
     let friction = cold.strokes[0].friction;
     let [mut punch, strip] = [compliances[0].clone(), compliances[1].clone()];
-    punch.normal += &split.distortion * (friction * speed);
+    punch.normal += &partition.distortion * (friction * speed);
     let problem = CycleProblem {
         cells,
         punch: &punch,

@@ -2,11 +2,11 @@
 //!
 //! After a step longer than any memory the bodies answer a flux with their steady temperatures and distortion, so the
 //! equations of a stage of the coupled step, without wear, are those of the steady state: the split of the friction heat
-//! is one linear system ([`Split`]), and the distortion one more compliance. Wear fixes the pressure where the punch wears;
+//! is one linear system ([`HeatPartition`]), and the distortion one more compliance. Wear fixes the pressure where the punch wears;
 //! under a punch that does not, the pressure is that of the contact with this compliance. Tables over the temperature,
 //! radiation and moving air make it an iteration over the cells' temperatures.
 
-use super::split::Split;
+use super::partition::HeatPartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactSolver, Normal};
@@ -16,7 +16,7 @@ use crate::coupled::line::heat::bodies::{Bodies, cooled_part};
 use crate::coupled::line::hottest::Hottest;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
-use crate::heat::line::{BESIDE, FACES, FAR, LineHeat, Stage, Surroundings};
+use crate::heat::line::{BESIDE, FACES, FAR, ThermalBody, Stage, Surroundings};
 use crate::numerics::factorization;
 use crate::numerics::maximum::maximum;
 use crate::scene::{Body, Geometry, Path, Scene, ThermalBoundary};
@@ -35,7 +35,7 @@ const AGREEMENT: f64 = 1e-8;
 
 const MOST_ITERATIONS: usize = 200;
 
-type Heat = [Option<Box<dyn LineHeat>>; 2];
+type Heat = [Option<Box<dyn ThermalBody>>; 2];
 
 /// What one pass through the equations finds. Pairs: punch, strip; temperatures in K above the ambient.
 struct Found {
@@ -55,7 +55,7 @@ struct Problem<'a> {
     /// Cooled lengths beside the contact, m.
     cooled_length: [f64; 2],
     step: f64,
-    split: Split,
+    partition: HeatPartition,
     half_resistance: f64,
     friction: FrictionLaw,
     laws: [WearLaw; 2],
@@ -83,7 +83,7 @@ pub(super) fn solve(
         bodies,
         cooled_length: made.cooled_length,
         step,
-        split: Split::new(cells.count(), scene.conductance),
+        partition: HeatPartition::new(cells.count(), scene.conductance),
         half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
         friction: FrictionLaw::new(scene),
         laws: [law(&scene.punch), law(&scene.strip)],
@@ -147,15 +147,15 @@ impl Problem<'_> {
         let (relative, rest) = iterate.split_at(count);
         let (felt, cooled) = rest.split_at(count);
         let (ambient, velocity) = (self.scene().ambient_temperature, self.velocity());
-        let faded: Vec<f64> = felt.iter().map(|t| self.friction.faded(t + ambient)).collect();
+        let kinetic_coefficient: Vec<f64> = felt.iter().map(|t| self.friction.kinetic_coefficient(t + ambient)).collect();
         let stribeck: f64 = self.friction.stribeck(velocity);
         let sign: f64 = self.friction.sign(velocity);
         let weights = &self.contact.weights;
         let share = |i: usize| weights[i] * self.radii[i] * relative[i].max(0.0);
         let carried: f64 = (0..count).map(share).sum();
-        let average = (0..count).map(|i| share(i) * faded[i]).sum::<f64>() / carried;
+        let average = (0..count).map(|i| share(i) * kinetic_coefficient[i]).sum::<f64>() / carried;
         self.contact.strokes[0].friction = sign * average * stribeck;
-        self.contact.strokes[0].rates = std::array::from_fn(|body| self.rate(body, felt, &faded));
+        self.contact.strokes[0].rates = std::array::from_fn(|body| self.rate(body, felt, &kinetic_coefficient));
 
         let surroundings = self.surroundings(cooled);
         let zero = vec![0.0; count];
@@ -164,34 +164,34 @@ impl Problem<'_> {
         for side in 0..2 {
             if let Some(body) = &self.bodies[side] {
                 let still = vec![0.0; body.states()];
-                body.base(&still, &surroundings[side], Stage::End, &zero, &mut base[side], &mut moved[side]);
+                body.free_response(&still, &surroundings[side], Stage::End, &zero, &mut base[side], &mut moved[side]);
             }
         }
-        let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|body| body.gains(Stage::End)));
-        let conducts = gains.map(|gains| gains.is_some());
-        self.split.prepare((self.step, [velocity; 2]), gains, closed);
-        let faded = faded.iter().zip(&self.radii);
-        let slip: Vec<f64> = faded.map(|(faded, radius)| faded * stribeck * sign * velocity * radius).collect();
-        let extra = &self.split.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
+        let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
+        let conducts = influence.map(|influence| influence.is_some());
+        self.partition.prepare((self.step, [velocity; 2]), influence, closed);
+        let kinetic_coefficient = kinetic_coefficient.iter().zip(&self.radii);
+        let slip: Vec<f64> = kinetic_coefficient.map(|(kinetic_coefficient, radius)| kinetic_coefficient * stribeck * sign * velocity * radius).collect();
+        let extra = &self.partition.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
         // The heat that the surfaces exchange without friction.
         let mut exchanged = zero.clone();
-        self.split.punch_flux(conducts, [&base[0], &base[1]], &zero, &mut exchanged);
+        self.partition.punch_flux(conducts, [&base[0], &base[1]], &zero, &mut exchanged);
         let mut undeformed = DVector::from_iterator(count, (0..count).map(|i| moved[0][i] + moved[1][i]));
-        if let [Some(punch), Some(strip)] = gains {
+        if let [Some(punch), Some(strip)] = influence {
             let exchanged = DVector::from_column_slice(&exchanged);
             undeformed += &punch.distortion * &exchanged - &strip.distortion * &exchanged;
         }
         let pressure = self.pressure(&undeformed, &extra)?;
         let friction: Vec<f64> = (0..count).map(|i| if closed[i] { slip[i] * pressure[i] } else { 0.0 }).collect();
         let mut flux = [zero.clone(), zero.clone()];
-        self.split.punch_flux(conducts, [&base[0], &base[1]], &friction, &mut flux[0]);
+        self.partition.punch_flux(conducts, [&base[0], &base[1]], &friction, &mut flux[0]);
         if conducts[1] {
             flux[1] = (0..count).map(|i| friction[i] - flux[0][i]).collect();
         }
         let mut temperature = base;
         for side in 0..2 {
-            if let Some(gains) = gains[side] {
-                let rise = &gains.temperature * DVector::from_column_slice(&flux[side]);
+            if let Some(influence) = influence[side] {
+                let rise = &influence.temperature * DVector::from_column_slice(&flux[side]);
                 temperature[side].iter_mut().zip(rise.iter()).for_each(|(t, rise)| *t += rise);
             }
         }
@@ -219,13 +219,13 @@ impl Problem<'_> {
     }
 
     /// Depth rate of a body on the cells at their temperatures: of the mate of an annulus in the mean round the circle.
-    fn rate(&self, body: usize, felt: &[f64], faded: &[f64]) -> CellRate {
+    fn rate(&self, body: usize, felt: &[f64], kinetic_coefficient: &[f64]) -> CellRate {
         let (scene, law, speed) = (self.scene(), &self.laws[body], self.velocity().abs());
         let factor = scene.wear_acceleration * if self.annular() && body == 1 { scene.coverage() } else { 1.0 };
-        let at = |((t, faded), radius): ((&f64, &f64), &f64)| -> f64 {
-            factor * law.rate(REFERENCE_PRESSURE, speed * radius, *faded, t + scene.ambient_temperature)
+        let at = |((t, kinetic_coefficient), radius): ((&f64, &f64), &f64)| -> f64 {
+            factor * law.rate(REFERENCE_PRESSURE, speed * radius, *kinetic_coefficient, t + scene.ambient_temperature)
         };
-        let coefficient = felt.iter().zip(faded).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
+        let coefficient = felt.iter().zip(kinetic_coefficient).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
         let term = WearTerm { coefficient, exponent: law.pressure_exponent };
         CellRate { reference_pressure: REFERENCE_PRESSURE, terms: if law.active() { vec![term] } else { Vec::new() } }
     }

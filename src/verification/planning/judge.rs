@@ -3,7 +3,7 @@
 use super::runs::{Record, distance, processor_seconds, run, run_with};
 use super::scenes::Generated;
 use crate::coupled::line::heat::bodies::possible_on_the_cells;
-use crate::plan::{self, Planned, rung::Rung};
+use crate::plan::{self, Planned, model_level::ModelLevel};
 use crate::scene::{HeatAlongContact, Scene};
 
 /// Cells of the fixed settings that plans compete with.
@@ -40,16 +40,16 @@ pub fn truth(generated: &Generated, cells: usize) -> Result<Truth, String> {
     Ok(Truth { errors: distance(&of(cells / 2 + 1, TRUTH[1])?, &record), record, cells })
 }
 
-fn best(scene: &Scene, cells: usize) -> Rung {
+fn best(scene: &Scene, cells: usize) -> ModelLevel {
     let heat = if possible_on_the_cells(scene) { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
-    Rung::Line { cells, heat }
+    ModelLevel::Line { cells, heat }
 }
 
 /// A setting that ran.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Outcome {
     /// The rung.
-    pub rung: Rung,
+    pub model_level: ModelLevel,
     /// Errors of wear depth, contact temperature and friction force against the truth.
     pub errors: [f64; 3],
     /// Expected cost of the run, microseconds.
@@ -130,22 +130,22 @@ pub fn timed_plan(generated: &Generated, tolerance: f64) -> Result<(Planned, [f6
 pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Judged, String> {
     let scene = generated.scene(tolerance)?;
     let (planned, planning_seconds) = timed_plan(generated, tolerance)?;
-    let outcome = |rung: Rung, record: &Record| Outcome {
-        rung,
+    let outcome = |model_level: ModelLevel, record: &Record| Outcome {
+        model_level,
         errors: distance(record, &truth.record),
         work: record.work,
         seconds: record.seconds[0],
     };
     let record = run_with(generated, &planned.operators)?;
-    let chosen = outcome(planned.plan.rung, &record);
-    let mut rungs = vec![Rung::Lumped];
+    let chosen = outcome(planned.plan.model_level, &record);
+    let mut model_levels = vec![ModelLevel::Lumped];
     for cells in FIXED {
-        rungs.push(Rung::Line { cells, heat: HeatAlongContact::ByItsMean });
+        model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean });
         if possible_on_the_cells(&scene) {
-            rungs.push(Rung::Line { cells, heat: HeatAlongContact::OnTheCells });
+            model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
         }
     }
-    let fixed = rungs.into_iter().filter_map(|rung| Some(outcome(rung, &run(generated, &rung.apply(&scene)).ok()?)));
+    let fixed = model_levels.into_iter().filter_map(|model_level| Some(outcome(model_level, &run(generated, &model_level.apply(&scene)).ok()?)));
     Ok(Judged {
         tolerance,
         chosen,

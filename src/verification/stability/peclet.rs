@@ -7,7 +7,7 @@
 
 use super::reversal::{AGREEMENT, PATH, steps, strip};
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
-use crate::heat::line::LineHeat;
+use crate::heat::line::ThermalBody;
 use crate::verification::path_modes::{PathModes, crank_nicolson, exact, implicit_euler};
 use crate::verification::reference::{ClosedPath, LayerBase};
 

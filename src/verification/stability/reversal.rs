@@ -10,7 +10,7 @@
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::elastic::Cells;
 use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 use crate::heat::slab::Base;
 use crate::verification::path_modes::{PathModes, crank_nicolson, exact};
 use crate::verification::reference::{ClosedPath, LayerBase};
@@ -73,10 +73,10 @@ pub fn steps(
     strip.prepare(step, [velocity; 2]);
     (0..count)
         .map(|_| {
-            strip.base(state, &air, Stage::End, &flux, &mut base, &mut distortion);
-            let gains = &strip.gains(Stage::End).temperature;
+            strip.free_response(state, &air, Stage::End, &flux, &mut base, &mut distortion);
+            let influence = &strip.influence(Stage::End).temperature;
             let values: Vec<f64> = (0..flux.len())
-                .map(|i| base[i] + (0..flux.len()).map(|j| gains[(i, j)] * flux[j]).sum::<f64>())
+                .map(|i| base[i] + (0..flux.len()).map(|j| influence[(i, j)] * flux[j]).sum::<f64>())
                 .collect();
             strip.advance(state, &air, &flux, &flux);
             cells.integral(&values) / (2.0 * cells.half_width())

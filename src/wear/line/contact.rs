@@ -2,7 +2,7 @@
 
 use super::rate::{CellRate, LocalState};
 use super::status::Status;
-use crate::contact::{ContactError, ContactProblem, ContactSolver, ContactState, Normal, Reduction, Tilt, WorkCounter};
+use crate::contact::{ContactError, ContactProblem, ContactSolver, ContactState, Normal, LowRankUpdate, Tilt, WorkCounter};
 use crate::elastic::Cells;
 use nalgebra::DMatrix;
 use std::fmt;
@@ -132,15 +132,15 @@ impl WearingContact {
         })
     }
 
-    /// Takes a product off the extra compliance, or nothing; [`Self::set_extra`] takes nothing off.
-    pub fn set_reduction(&mut self, reduction: Option<Reduction<'_>>) {
-        self.solver.set_reduction(reduction);
+    /// Takes a product off the extra compliance, or nothing; [`Self::set_added_compliance`] takes nothing off.
+    pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
+        self.solver.set_low_rank_update(low_rank_update);
     }
 
     /// Puts an extra compliance (N x N, m/Pa) on top of that of the bodies, as distortion by the heat of the pressure
     /// is, or takes it away. Factors are kept for the last ones; nothing is allocated.
-    pub fn set_extra(&mut self, extra: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
-        self.solver.set_extra(extra)
+    pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+        self.solver.set_added_compliance(added_compliance)
     }
 
     /// Lets a stage wear the shape by `T tau f(p)` instead of `tau f(p)`, T an N x N matrix: what the strip of a

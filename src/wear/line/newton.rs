@@ -83,9 +83,9 @@ impl WearingContact {
         let concave = conditions.rate.terms.iter().any(|term| term.exponent < 1.0);
         self.kept.copy_from_slice(&self.status.strokes[side].pressure);
         let deviation = self.slopes_at_kept(tau, conditions, side);
-        let mut renewed = deviation > CHORD_DEVIATION;
-        if renewed {
-            self.renew(side);
+        let mut refactored = deviation > CHORD_DEVIATION;
+        if refactored {
+            self.refactor(side);
         }
         let mut linearised_gap = std::mem::take(&mut self.gap);
         let mut last = f64::INFINITY;
@@ -123,17 +123,17 @@ impl WearingContact {
             if close && error <= NEWTON_TOLERANCE * largest {
                 self.status.strokes[side].pressure.copy_from_slice(&state.pressure);
                 if iteration > CHORD_ENOUGH {
-                    self.renew(side);
+                    self.refactor(side);
                 }
                 converged = Ok(true);
                 break;
             }
             if !close || (ratio > CHORD_RATIO && iteration > 1) {
-                if renewed {
+                if refactored {
                     break;
                 }
-                renewed = true;
-                self.renew(side);
+                refactored = true;
+                self.refactor(side);
                 last = f64::INFINITY;
             }
         }
@@ -160,7 +160,7 @@ impl WearingContact {
     }
 
     /// Takes the slopes for the status's diagonal.
-    fn renew(&mut self, side: usize) {
+    fn refactor(&mut self, side: usize) {
         self.status.strokes[side].diagonal.copy_from_slice(&self.slope);
     }
 

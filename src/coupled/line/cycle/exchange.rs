@@ -59,7 +59,7 @@ impl Exchange {
                         flux.fill(0.0);
                         flux[cell] = 1.0;
                         body.advance(state, &around, &flux, &flux);
-                        body.held(state, &around, &flux, *velocity, &mut warm);
+                        body.temperature_at_frozen_state(state, &around, &flux, *velocity, &mut warm);
                         let mut column = within[side].column_mut(cell);
                         column.iter_mut().zip(&warm).for_each(|(mean, t)| *mean += step / period * t);
                     }

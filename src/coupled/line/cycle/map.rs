@@ -9,7 +9,7 @@ use crate::coupled::line::operators::{Operators, StripWear};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::STEFAN_BOLTZMANN;
-use crate::heat::line::{GAMMA, LineHeat, Surroundings};
+use crate::heat::line::{GAMMA, ThermalBody, Surroundings};
 use crate::scene::{Body, Scene, Scheme, ThermalBoundary};
 use std::fmt;
 use std::sync::Arc;
@@ -190,7 +190,7 @@ pub struct CycleMap {
     load: f64,
     strokes: [(f64, Vec<f64>); 2],
     /// Decay rates of the heat's entries, 1/s.
-    pub(super) fading: Vec<f64>,
+    pub(super) decay_rates: Vec<f64>,
     /// Entries of punch and strip.
     sizes: [usize; 2],
     /// Of two conductors.
@@ -242,27 +242,27 @@ impl CycleMap {
         let start = inputs(scene, strokes[0].0, load);
         let mut line = Line::new(Arc::new(operators), tunables, &start);
         let period: f64 = sliding.iter().map(|(_, duration)| duration).sum();
-        let mut fading = Vec::new();
+        let mut decay_rates = Vec::new();
         let mut sizes = [0; 2];
         if let Some(heat) = &line.heat {
             for (size, body) in sizes.iter_mut().zip(&heat.bodies) {
                 let Some(body) = body else { continue };
-                let mut rates = vec![0.0; body.fading().len()];
+                let mut rates = vec![0.0; body.decay_rates().len()];
                 for (velocity, duration) in sliding {
-                    add(&mut rates, duration / period, &body.fading_while_sliding(velocity));
+                    add(&mut rates, duration / period, &body.decay_rates_while_sliding(velocity));
                 }
                 if rates.is_empty() {
                     return Err(CycleError::Unsuitable("cycles: a body does not say how its temperatures fade".into()));
                 }
                 *size = rates.len();
-                fading.extend(rates);
+                decay_rates.extend(rates);
             }
         }
         let exchange = Exchange::new(&mut line, &strokes, sizes);
         let scene = &line.operators.scene;
         let speed = sliding.iter().map(|(velocity, _)| velocity.abs()).fold(0.0, f64::max);
         let least_rate = [&scene.punch, &scene.strip].map(|body| variable_transfer(body, scene, speed));
-        let mut map = CycleMap { line, load, strokes, fading, sizes, exchange, least_rate, start: Vec::new() };
+        let mut map = CycleMap { line, load, strokes, decay_rates, sizes, exchange, least_rate, start: Vec::new() };
         map.start = map.memory();
         Ok(map)
     }
@@ -289,7 +289,7 @@ impl CycleMap {
 
     /// Number of entries of the memory that are heat.
     pub fn heat_entries(&self) -> usize {
-        self.fading.len()
+        self.decay_rates.len()
     }
 
     /// Entries of the memory that are heat of the punch and of the strip.
@@ -299,7 +299,7 @@ impl CycleMap {
 
     /// Entries of the memory that are the worn depth of the punch and of the strip.
     pub fn worn_ranges(&self) -> [std::ops::Range<usize>; 2] {
-        let (first, count) = (self.fading.len(), self.operators().count());
+        let (first, count) = (self.decay_rates.len(), self.operators().count());
         [first..first + count, first + count..first + 2 * count]
     }
 
@@ -310,7 +310,7 @@ impl CycleMap {
 
     fn memory(&self) -> Vec<f64> {
         let state = &self.line.state;
-        let mut memory = Vec::with_capacity(self.fading.len() + 2 * state.punch.len());
+        let mut memory = Vec::with_capacity(self.decay_rates.len() + 2 * state.punch.len());
         if let Some(heat) = &state.heat {
             for (body, &size) in heat.bodies.iter().zip(&self.sizes) {
                 memory.extend(&body[..size]);
@@ -342,7 +342,7 @@ impl CycleMap {
         let mut part = vec![0.0; target.len()];
         for (side, range) in self.heat_ranges().into_iter().enumerate() {
             let (Some(body), Some(state)) = (self.body(side), self.full(side, &heat[range])) else { continue };
-            body.held_distortion(&state, &Surroundings::default(), &vec![0.0; target.len()], 0.0, &mut part);
+            body.distortion_at_frozen_state(&state, &Surroundings::default(), &vec![0.0; target.len()], 0.0, &mut part);
             target.iter_mut().zip(&part).for_each(|(sum, value)| *sum += value);
         }
     }
@@ -352,12 +352,12 @@ impl CycleMap {
         let mut temperature = vec![0.0; self.operators().count()];
         if let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) {
             let still = vec![0.0; temperature.len()];
-            body.held(&state, &Surroundings::default(), &still, 0.0, &mut temperature);
+            body.temperature_at_frozen_state(&state, &Surroundings::default(), &still, 0.0, &mut temperature);
         }
         temperature
     }
 
-    fn body(&self, side: usize) -> Option<&dyn LineHeat> {
+    fn body(&self, side: usize) -> Option<&dyn ThermalBody> {
         self.line.heat.as_ref()?.bodies[side].as_deref()
     }
 

@@ -169,7 +169,7 @@ impl CycleMap {
         let made: Vec<f64> = (0..self.heat_entries())
             .map(|k| {
                 let side = usize::from(k >= self.heat_ranges()[0].end);
-                let rate = self.fading[k].max(self.least_rate[side]);
+                let rate = self.decay_rates[k].max(self.least_rate[side]);
                 let loss = -(-rate * self.period()).exp_m1();
                 match equation {
                     Equation::Steady => 1.0 / loss.max(LEAST_LOSS),
@@ -180,8 +180,8 @@ impl CycleMap {
         let ranges = self.heat_ranges();
         let surface = |side: usize, entries: &[f64]| {
             let first = ranges[side].start;
-            let faded: Vec<f64> = entries.iter().enumerate().map(|(k, x)| x * self.mean_left(first + k)).collect();
-            self.surface(side, &faded)
+            let decayed: Vec<f64> = entries.iter().enumerate().map(|(k, x)| x * self.mean_left(first + k)).collect();
+            self.surface(side, &decayed)
         };
         let exchange = self.exchange.as_ref().and_then(|exchange| exchange.solver(&made, &tangent.touching, surface));
         let (touching, balances) = (tangent.touching.clone(), tangent.balances());
@@ -190,7 +190,7 @@ impl CycleMap {
 
     /// Mean over a cycle of what is left of entry k of the heat.
     fn mean_left(&self, k: usize) -> f64 {
-        let turns = self.fading[k] * self.period();
+        let turns = self.decay_rates[k] * self.period();
         if turns > 1e-8 { -(-turns).exp_m1() / turns } else { 1.0 }
     }
 
@@ -213,9 +213,9 @@ impl CycleMap {
                 }
             };
         }
-        let faded = |step: &[f64]| -> Vec<f64> { (0..heat).map(|k| step[k] * self.mean_left(k)).collect() };
+        let decayed = |step: &[f64]| -> Vec<f64> { (0..heat).map(|k| step[k] * self.mean_left(k)).collect() };
         if let (Some(exchange), Some(solver)) = (&self.exchange, &newton.exchange) {
-            let left = faded(&step);
+            let left = decayed(&step);
             let [punch, strip] = self.heat_ranges();
             let (punch, strip) = (self.surface(0, &left[punch]), self.surface(1, &left[strip]));
             let difference: Vec<f64> = punch.iter().zip(&strip).map(|(punch, strip)| punch - strip).collect();
@@ -223,7 +223,7 @@ impl CycleMap {
         }
         // Its mean over the cycle distorts.
         let mut moved = vec![0.0; count];
-        self.displacement(&faded(&step), &mut moved);
+        self.displacement(&decayed(&step), &mut moved);
         let moved = DVector::from_vec(moved);
         let reshapes = [0, 1].map(|body| self.operators().reshapes(body));
         match equation {

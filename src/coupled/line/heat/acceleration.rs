@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     /// Repetitions until x = Ax + b is met to 1e-9, at most 60; A has the given eigenvalues.
-    fn repetitions(eigenvalues: &[f64], accelerated: bool) -> usize {
+    fn iterations(eigenvalues: &[f64], accelerated: bool) -> usize {
         let count = eigenvalues.len() / 2;
         let mut acceleration = Acceleration::new(count);
         let mut x = vec![0.0; 2 * count];
@@ -159,14 +159,14 @@ mod tests {
             let part = 2.0 * dense::dot(&normal, x) / square;
             x.iter().zip(&normal).map(|(x, n)| x - part * n).collect()
         };
-        for repetition in 0..60 {
+        for iteration in 0..60 {
             let mut next = reflect(&x);
             next.iter_mut().zip(eigenvalues).for_each(|(x, eigenvalue)| *x *= eigenvalue);
             next = reflect(&next);
             next.iter_mut().for_each(|x| *x += 1.0);
             let change = next.iter().zip(&x).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
             if change < 1e-9 {
-                return repetition;
+                return iteration;
             }
             if accelerated {
                 acceleration.begin(&x[..count], &x[count..]);
@@ -181,15 +181,15 @@ mod tests {
     #[test]
     fn a_few_modes_that_crawl_or_run_away_are_solved_for() {
         let mut eigenvalues = [0.02, -0.03, 0.01, 0.0, 0.03, -0.01, 0.02, 0.01, -0.02, 0.0];
-        let plain = repetitions(&eigenvalues, false);
-        assert!(plain <= 8 && repetitions(&eigenvalues, true) <= plain);
+        let plain = iterations(&eigenvalues, false);
+        assert!(plain <= 8 && iterations(&eigenvalues, true) <= plain);
         for one in [0.9, 0.99, -0.95, -3.0, 1.5] {
             eigenvalues[3] = one;
-            assert_eq!(repetitions(&eigenvalues, false), 60, "{one}");
-            let found = repetitions(&eigenvalues, true);
+            assert_eq!(iterations(&eigenvalues, false), 60, "{one}");
+            let found = iterations(&eigenvalues, true);
             assert!(found <= 10, "{one}: {found}");
             eigenvalues[8] = -0.8;
-            let found = repetitions(&eigenvalues, true);
+            let found = iterations(&eigenvalues, true);
             assert!(found <= 13, "{one} and another: {found}");
             eigenvalues[8] = -0.02;
         }

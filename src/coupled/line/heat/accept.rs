@@ -23,7 +23,7 @@ impl Line {
         let Some(heat) = &mut self.heat else { return 0.0 };
         let cells = &self.operators.cells;
         let (mut moved, mut warmed, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
-        for (side, [of_temperature, of_distortion]) in heat.splits[1].norms().iter().enumerate() {
+        for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(cells.widths());
             let room = heat.difference.iter_mut().zip(&mut heat.sums[0]);
             for ((difference, weighted), ((first, end), c)) in room.zip(fluxes) {
@@ -36,7 +36,7 @@ impl Line {
             warmed = maximum(warmed, of_temperature * change);
             rise = rise.max(largest(&heat.temperature[1][side]));
         }
-        let known = heat.reference.exact || heat.renewed[1];
+        let known = heat.reference.exact || heat.refactored[1];
         let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
         maximum(share * moved / bound, share * warmed / (self.operators.scene.tolerance * rise))
     }
@@ -58,14 +58,14 @@ impl Line {
         heat.sums[1].fill(0.0);
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
-            let gains = own.gains(Stage::End);
+            let influence = own.influence(Stage::End);
             for (i, difference) in heat.difference.iter_mut().enumerate() {
                 *difference = heat.flux[1][side][i] - heat.flux[0][side][i];
             }
             heat.sums[0].fill(0.0);
-            dense::multiply_add(gains.temperature.as_slice(), &heat.difference, &mut heat.sums[0]);
+            dense::multiply_add(influence.temperature.as_slice(), &heat.difference, &mut heat.sums[0]);
             if heat.expands[side] {
-                dense::multiply_add(gains.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
+                dense::multiply_add(influence.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
             }
             let square: f64 = heat.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
             warmed = maximum(warmed, (square / width).sqrt());
@@ -114,7 +114,7 @@ impl Line {
                 // No rate where the cell exchanges no heat, or has just begun to.
                 let lasting = (*before != 0.0) & (*end != 0.0);
                 let rates = [(first - before) * per_rise, (end - first) * per_change];
-                *slope = if lasting { limited(*slope, rates) } else { 0.0 };
+                *slope = if lasting { slope_limited(*slope, rates) } else { 0.0 };
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
@@ -128,12 +128,12 @@ impl Line {
             *slope = if lasting { (end - first) * per_change } else { 0.0 };
         }
         state.distortion.copy_from_slice(&heat.distortion);
-        state.faded = match operators.scene.friction_fade.flat {
-            true => heat.faded[0],
-            false => weighted(&heat.faded, &self.work.end.pressure, &operators.torque_weights),
+        state.kinetic_coefficient = match operators.scene.friction_fade.flat {
+            true => heat.kinetic_coefficient[0],
+            false => weighted(&heat.kinetic_coefficient, &self.work.end.pressure, &operators.torque_weights),
         };
-        state.reference.follow(heat.reference.velocity, velocity, heat.repetitions);
-        let fade = if self.friction.coefficient > 0.0 { state.faded / self.friction.coefficient } else { 1.0 };
+        state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
+        let fade = if self.friction.coefficient > 0.0 { state.kinetic_coefficient / self.friction.coefficient } else { 1.0 };
         if (fade / state.reference.fade - 1.0).abs() > ZONE {
             state.reference.fade = fade;
         }
@@ -155,9 +155,9 @@ const LEAST: f64 = 1e-3;
 /// `.0008^n` in steps of ten times the wave's time. Two things tell it: its rate falls to a fraction within the step, or the rate
 /// foreseen is not met. Where neither is the case the rate is what was found, to the last bit, so the order of smooth fluxes is not
 /// touched; beyond it falls with the fourth power.
-fn limited(foreseen: f64, [early, late]: [f64; 2]) -> f64 {
+fn slope_limited(predicted: f64, [early, late]: [f64; 2]) -> f64 {
     let lasting = (SMOOTH * late / early).abs().min(1.0);
-    let met = if foreseen == 0.0 { 1.0 } else { (SMOOTH * early / foreseen).clamp(LEAST, 1.0) };
+    let met = if predicted == 0.0 { 1.0 } else { (SMOOTH * early / predicted).clamp(LEAST, 1.0) };
     let square = (lasting * met).powi(2);
     square * square * late
 }
@@ -174,18 +174,18 @@ mod tests {
     #[test]
     fn smooth_fluxes_keep_their_rates_and_settled_ones_lose_them() {
         for decay in [0.1, 0.5, 1.0, 1.5, -1.0] {
-            let foreseen = rates(|t| (-decay * (t - 1.0)).exp())[1];
+            let predicted = rates(|t| (-decay * (t - 1.0)).exp())[1];
             let now = rates(|t| (-decay * t).exp());
-            assert_eq!(limited(foreseen, now), now[1], "{decay}");
+            assert_eq!(slope_limited(predicted, now), now[1], "{decay}");
         }
         let now = rates(|t| (-6.0 * t).exp());
-        assert!(limited(0.0, now).abs() < 0.01 * now[1].abs());
-        assert!(limited(now[1], now).abs() < 0.01 * now[1].abs());
+        assert!(slope_limited(0.0, now).abs() < 0.01 * now[1].abs());
+        assert!(slope_limited(now[1], now).abs() < 0.01 * now[1].abs());
         // What a wrong start has left: the flux hardly changes in the first stage, whatever was foreseen.
-        let left = limited(-1.0, [-0.02, -0.06]);
+        let left = slope_limited(-1.0, [-0.02, -0.06]);
         assert!(left != 0.0 && left.abs() < 1e-5, "{left}");
         // Steady to rounding, and steady to the last bit.
-        assert_eq!(limited(0.0, [0.0, 0.0]), 0.0);
-        assert_eq!(limited(0.0, [0.0, 1e-9]), 1e-9);
+        assert_eq!(slope_limited(0.0, [0.0, 0.0]), 0.0);
+        assert_eq!(slope_limited(0.0, [0.0, 1e-9]), 1e-9);
     }
 }

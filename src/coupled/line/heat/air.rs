@@ -20,16 +20,16 @@ pub fn balance(
     let mut flux = guess;
     for _ in 0..MOST_ITERATIONS {
         let more = [flux[0] - guess[0], flux[1] - guess[1]];
-        let (mut lack, mut matrix) = ([0.0; FACES], [[0.0; FACES]; FACES]);
+        let (mut residual, mut matrix) = ([0.0; FACES], [[0.0; FACES]; FACES]);
         for face in 0..FACES {
             let [lost, fall] = law(face, t[face] + (rise[face][0] * more[0] + rise[face][1] * more[1]));
-            lack[face] = lost - flux[face];
+            residual[face] = lost - flux[face];
             matrix[face] = [rise[face][0] * fall, rise[face][1] * fall];
             matrix[face][face] += 1.0;
         }
         let [[a, b], [c, d]] = matrix;
         let determinant = a * d - b * c;
-        let change = [(lack[0] * d - b * lack[1]) / determinant, (a * lack[1] - c * lack[0]) / determinant];
+        let change = [(residual[0] * d - b * residual[1]) / determinant, (a * residual[1] - c * residual[0]) / determinant];
         flux.iter_mut().zip(change).for_each(|(flux, change)| *flux += change);
         if change.iter().zip(&flux).all(|(change, flux)| change.abs() <= AGREEMENT * flux.abs()) {
             break;

@@ -1,11 +1,11 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
 use crate::coupled::lumped::operators::moving_source;
-use crate::coupled::lumped::shares::{Share, shares};
+use crate::coupled::lumped::error_weights::{ErrorWeight, error_weights};
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material};
 use crate::heat::lateral::Lateral;
-use crate::heat::line::LineHeat;
+use crate::heat::line::ThermalBody;
 use crate::heat::line::disc::DiscHeat;
 use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
@@ -62,7 +62,7 @@ pub fn possible_on_the_cells(scene: &Scene) -> bool {
 #[derive(Debug)]
 pub struct Bodies {
     // Bodies own memory that they work in, so they are not shared between threads: only copied.
-    prototypes: [Option<Mutex<Box<dyn LineHeat>>>; 2],
+    prototypes: [Option<Mutex<Box<dyn ThermalBody>>>; 2],
     /// Lengths of their states.
     pub states: [usize; 2],
     /// Rates at which their temperatures fade, 1/s: bodies with the same rates have the same states.
@@ -81,12 +81,12 @@ impl Bodies {
     /// # Errors
     /// What a body refuses, as a text with the numbers.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
-        let shares = shares(scene);
+        let error_weights = error_weights(scene);
         let whole = scene.tolerance.max(FINEST);
         let [of_the_mean, tolerance] =
-            [PUNCH_PART * shares[0].tolerance, shares[1].tolerance].map(|part| (part * scene.tolerance).max(FINEST));
+            [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance].map(|part| (part * scene.tolerance).max(FINEST));
         let duration = scene.nominal_duration;
-        let punch: Option<Box<dyn LineHeat>> = if scene.fidelity == Fidelity::Field {
+        let punch: Option<Box<dyn ThermalBody>> = if scene.fidelity == Fidelity::Field {
             field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
         } else {
             punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
@@ -95,20 +95,20 @@ impl Bodies {
         .map_err(|error| format!("punch: {error}"))?;
         if scene.geometry == Geometry::Annular {
             let bodies = [punch, mate(scene, cells, tolerance)?];
-            return Ok(Bodies::made(scene, bodies, shares, punch::mate::cooled_length(scene), 0));
+            return Ok(Bodies::made(scene, bodies, error_weights, punch::mate::cooled_length(scene), 0));
         }
         let strip = strip(scene, cells, tolerance)?;
         let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
         let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
-        let strip = strip.map(|body| Box::new(body) as Box<dyn LineHeat>);
-        Ok(Bodies::made(scene, [punch, strip], shares, free.max(0.0), waves))
+        let strip = strip.map(|body| Box::new(body) as Box<dyn ThermalBody>);
+        Ok(Bodies::made(scene, [punch, strip], error_weights, free.max(0.0), waves))
     }
 
-    /// With the [`shares`] of both bodies, the cooled length of the strip (m) and the number of its waves.
+    /// With the [`error_weights`] of both bodies, the cooled length of the strip (m) and the number of its waves.
     fn made(
         scene: &Scene,
-        bodies: [Option<Box<dyn LineHeat>>; 2],
-        shares: [Share; 2],
+        bodies: [Option<Box<dyn ThermalBody>>; 2],
+        error_weights: [ErrorWeight; 2],
         free: f64,
         waves: usize,
     ) -> Bodies {
@@ -118,9 +118,9 @@ impl Bodies {
             2.0 * scene.punch.height
         };
         let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
-        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.fading()));
+        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
         let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
-        let error = of_the_mean.zip(shares).map(|(error, share)| share.felt * error).fold(0.0, maximum);
+        let error = of_the_mean.zip(error_weights).map(|(error, share)| share.accounted * error).fold(0.0, maximum);
         Bodies {
             prototypes: bodies.map(|body| body.map(Mutex::new)),
             states,
@@ -132,7 +132,7 @@ impl Bodies {
     }
 
     /// Bodies with memory of their own.
-    pub fn copies(&self) -> [Option<Box<dyn LineHeat>>; 2] {
+    pub fn copies(&self) -> [Option<Box<dyn ThermalBody>>; 2] {
         self.prototypes.each_ref().map(|body| {
             body.as_ref().map(|body| match body.lock() {
                 Ok(body) => body.boxed(),
@@ -144,7 +144,7 @@ impl Bodies {
 }
 
 /// The mate of an annular contact.
-fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn LineHeat>>, String> {
+fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn ThermalBody>>, String> {
     let ring = punch::mate::reduce_mate(scene, cells, tolerance, scene.nominal_duration)
         .map_err(|error| format!("strip: {error}"))?;
     let Some(ring) = ring else { return Ok(None) };

@@ -21,7 +21,7 @@
 //! below 0.3/h. This is about what rests in the punch; waves that rest in the strip pass by in a stage's matrix, and are bounded
 //! by the first rule alone.
 
-use super::Heat;
+use super::ThermalCoupling;
 use crate::coupled::instability::driving_body;
 use crate::coupled::line::Line;
 use crate::coupled::line::operators::Operators;
@@ -115,8 +115,8 @@ impl Line {
 
     fn friction_at(&self, inputs: &[f64; INPUTS]) -> f64 {
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
-        let faded = self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.faded);
-        faded * self.friction.stribeck(velocity)
+        let kinetic_coefficient = self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
+        kinetic_coefficient * self.friction.stribeck(velocity)
     }
 
     /// Notes what a user should know about the step that begins at `inputs`.
@@ -170,7 +170,7 @@ impl Line {
 
 /// What was last asked of a matrix of a stage, and the answer: contact, friction and wear change less often than a step is taken.
 #[derive(Clone, Debug)]
-pub(super) struct Definiteness {
+pub(super) struct GrowthGuard {
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s).
     asked: [f64; 4],
     closed: Vec<bool>,
@@ -182,9 +182,9 @@ pub(super) struct Definiteness {
 /// Bits of a slope's mantissa that are dropped: what is left is a sixteenth apart.
 const DROPPED: u64 = (1 << 48) - 1;
 
-impl Definiteness {
-    pub fn new(count: usize) -> Definiteness {
-        Definiteness { asked: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
+impl GrowthGuard {
+    pub fn new(count: usize) -> GrowthGuard {
+        GrowthGuard { asked: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
     }
 
     /// Takes a question; whether it is the one that has been answered.
@@ -201,16 +201,16 @@ impl Definiteness {
     }
 }
 
-impl Heat {
+impl ThermalCoupling {
     /// Whether the matrix of a stage of the length `step`/0.3 is positive definite on the cells in contact; `slope`: its wear per
     /// pressure, m/Pa.
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let key = (step, self.reference.velocity);
         let asked = [step, self.reference.velocity, friction, self.reference.per_pressure];
-        if !self.definiteness.ask(asked, &self.closed, slope) {
-            self.definiteness.answer = self.is_definite(key, friction, weights);
+        if !self.growth_guard.ask(asked, &self.closed, slope) {
+            self.growth_guard.answer = self.is_definite(key, friction, weights);
         }
-        self.definiteness.answer
+        self.growth_guard.answer
     }
 
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
@@ -221,21 +221,21 @@ impl Heat {
                 punch.prepare(step / (GAMMA * GROWTH), self.velocity);
             }
             let [punch, strip] = &self.bodies;
-            let gains =
-                [punch.as_ref().map(|own| own.gains(Stage::First)), strip.as_ref().map(|own| own.gains(Stage::End))];
-            self.watched.build(key, gains);
+            let influence =
+                [punch.as_ref().map(|own| own.influence(Stage::First)), strip.as_ref().map(|own| own.influence(Stage::End))];
+            self.watched.build(key, influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);
             }
         }
         // Friction that falls with the temperature only holds growth back.
-        self.watched.extra(self.reference.per_pressure);
-        self.contacts[1].set_reduction(None);
+        self.watched.thermal_compliance(self.reference.per_pressure);
+        self.contacts[1].set_low_rank_update(None);
         let compliance = self.contacts[1].compliance_values(friction);
-        let own = self.splits[1].extra_values();
+        let own = self.partitions[1].thermal_compliance_values();
         let entry = |i: usize, j: usize| {
             let at = j * count + i;
-            compliance[at] - own[at] + self.watched.extra_values()[at]
+            compliance[at] - own[at] + self.watched.thermal_compliance_values()[at]
         };
         self.matrix.fill(0.0);
         let mut largest: f64 = 0.0;
@@ -243,7 +243,7 @@ impl Heat {
             for i in (j..count).filter(|&i| self.closed[i]) {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
-                    value += weights[i] * self.definiteness.slopes[i];
+                    value += weights[i] * self.growth_guard.slopes[i];
                     largest = maximum(largest, value.abs() / (weights[i] * weights[i]));
                 }
                 self.matrix[j * count + i] = value;

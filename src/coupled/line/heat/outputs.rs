@@ -85,11 +85,11 @@ impl Line {
         let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
         let absolute = self.mean.state().reference;
         let [punch, strip] = &state.temperature;
-        for (i, felt) in heat.felt.iter_mut().enumerate() {
-            *felt = 0.5 * (punch[i] + strip[i]) + absolute;
+        for (i, contact_temperature) in heat.contact_temperature.iter_mut().enumerate() {
+            *contact_temperature = 0.5 * (punch[i] + strip[i]) + absolute;
         }
         let first = const { reference("profile.temperature") } as usize;
-        self.operators.profile.fill(&heat.felt, &mut values[first..first + STATIONS]);
+        self.operators.profile.fill(&heat.contact_temperature, &mut values[first..first + STATIONS]);
     }
 
     /// Derivatives along `seed`: with the states held, only air and far faces change heat flows, and no temperature.

@@ -2,10 +2,10 @@
 
 use super::air::{balance, cooling};
 use super::bodies::cooled_part;
-use super::{Heat, Reference};
+use super::{ThermalCoupling, FrozenJacobian};
 use crate::coupled::Inputs;
 use crate::coupled::line::Line;
-use crate::coupled::line::path::Path;
+use crate::coupled::line::trajectory::InputTrajectory;
 use crate::coupled::lumped::conditions::Conditions;
 use crate::coupled::lumped::operators::BodyOperators;
 use crate::heat::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
@@ -20,31 +20,31 @@ const REACH: f64 = 0.25;
 
 impl Line {
     /// Makes the bodies ready for a part of `step` (s) that begins at `start` (s from the start of the piece).
-    pub(in crate::coupled::line) fn prepare_heat(&mut self, path: &Path, start: f64, step: f64) {
+    pub(in crate::coupled::line) fn prepare_heat(&mut self, path: &InputTrajectory, start: f64, step: f64) {
         let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
         let velocity = [path.velocity(start), path.velocity(start + step)];
         let operators = &self.operators;
-        let reference_velocity = state.reference.choose(velocity, heat.zone(step));
+        let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
         let key = (step, reference_velocity);
         let monolithic = operators.scene.scheme == Scheme::Monolithic;
-        if monolithic && !heat.splits.take(key) {
+        if monolithic && !heat.partitions.take(key) {
             heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
             for stage in [Stage::First, Stage::End] {
-                let gains = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(stage)));
-                heat.splits[stage as usize].build(key, gains);
+                let influence = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
+                heat.partitions[stage as usize].build(key, influence);
             }
         }
-        (heat.renewed, heat.repetitions) = ([false; 2], 0);
+        (heat.refactored, heat.iterations) = ([false; 2], 0);
         let flat = operators.scene.friction_fade.flat;
-        let faded = if flat { self.friction.faded(0.0) } else { self.friction.coefficient * state.reference.fade };
+        let kinetic_coefficient = if flat { self.friction.kinetic_coefficient(0.0) } else { self.friction.coefficient * state.reference.fade };
         let (stribeck, sign) = (self.friction.stribeck(reference_velocity), self.friction.sign(reference_velocity));
-        heat.reference = Reference {
+        heat.reference = FrozenJacobian {
             velocity: reference_velocity,
             exact: flat && velocity == [reference_velocity; 2],
-            per_pressure: faded * (stribeck * (sign * reference_velocity)),
-            friction: sign.abs() * faded * stribeck,
+            per_pressure: kinetic_coefficient * (stribeck * (sign * reference_velocity)),
+            friction: sign.abs() * kinetic_coefficient * stribeck,
             speed: sign * reference_velocity,
-            faded,
+            kinetic_coefficient,
         };
         let reference = self.mean.state().reference;
         let conditions = |time: f64| {
@@ -82,14 +82,14 @@ impl Line {
                     let last = state.cooling[side];
                     let now = with(last);
                     // What jumps with the inputs is felt at once, in part.
-                    let mut at_once = [[0.0; FACES]; FACES];
+                    let mut velocity_radius = [[0.0; FACES]; FACES];
                     for face in (0..FACES).filter(|&face| mean.air[face].acts()) {
                         let mut more = last;
                         more[face] += 1.0;
                         let then = with(more);
-                        (0..FACES).for_each(|other| at_once[other][face] = then[other] - now[other]);
+                        (0..FACES).for_each(|other| velocity_radius[other][face] = then[other] - now[other]);
                     }
-                    let begin = balance(last, now, at_once, |face, t| law(face, t, &from));
+                    let begin = balance(last, now, velocity_radius, |face, t| law(face, t, &from));
                     // The contact's fluxes as they have changed so far.
                     let [first, end] = &mut heat.flux;
                     let slopes = state.flux[side].iter().zip(&state.slope[side]);
@@ -118,10 +118,10 @@ impl Line {
     }
 }
 
-impl Heat {
+impl ThermalCoupling {
     /// Difference of velocity (m/s) that hardly changes how a step of `step` s answers heat.
-    fn zone(&self, step: f64) -> f64 {
-        let at_once = self.bodies.iter().flatten().map(|own| own.indifference()).fold(f64::INFINITY, f64::min);
-        at_once.min(REACH * (self.diffusivity / step).sqrt())
+    fn validity_radius(&self, step: f64) -> f64 {
+        let velocity_radius = self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
+        velocity_radius.min(REACH * (self.diffusivity / step).sqrt())
     }
 }

@@ -1,15 +1,15 @@
 //! A stage of the step with heat: pressure, heat split, wear and rigid motion at once.
 
-use super::Heat;
+use super::ThermalCoupling;
 use super::evaluation::largest;
 use crate::coupled::line::Line;
-use crate::coupled::line::path::Moment;
+use crate::coupled::line::trajectory::StageConditions;
 use crate::heat::line::Stage;
 use crate::numerics::maximum::maximum;
 use crate::wear::line::{Coefficient, StageError, WearTerm};
 
 /// Repetitions until contact and temperature agree; then a shorter step has to help.
-const MOST_REPETITIONS: usize = 80;
+const MAXIMUM_ITERATIONS: usize = 80;
 
 /// Difference (relative) at which the friction coefficient agrees with the temperature.
 const AGREEMENT: f64 = 1e-10;
@@ -24,7 +24,7 @@ const MOST: f64 = 1e-6;
 const TEMPERATURE: f64 = 10.0;
 
 /// Repetition from which on the operators are those of the stage instead of the reference.
-const EXACT_FROM: usize = 12;
+const REFACTOR_FROM: usize = 12;
 
 /// Ratio of successive changes, and repetition, from which on friction that follows the temperature takes its derivative along
 /// instead of going on like a geometric series.
@@ -43,7 +43,7 @@ struct Convergence {
 
 impl Convergence {
     /// What is left once `change` is made up for: changes fall like a geometric series.
-    fn left(&mut self, change: f64) -> f64 {
+    fn remaining_error(&mut self, change: f64) -> f64 {
         let last = self.last.replace(change);
         self.slow = last.is_some_and(|last| change > SLOW * last);
         match last {
@@ -58,7 +58,7 @@ impl Line {
     pub(in crate::coupled::line) fn solve_with_heat(
         &mut self,
         stage: Stage,
-        moment: &mut Moment,
+        moment: &mut StageConditions,
         velocity: f64,
         tau: f64,
         travel: f64,
@@ -71,9 +71,9 @@ impl Line {
 
     fn solve_both(
         &mut self,
-        heat: &mut Heat,
+        heat: &mut ThermalCoupling,
         stage: Stage,
-        moment: &mut Moment,
+        moment: &mut StageConditions,
         velocity: f64,
         tau: f64,
         travel: f64,
@@ -99,11 +99,11 @@ impl Line {
                 for (closed, p) in heat.closed.iter_mut().zip(&self.state.pressure) {
                     *closed = *p > 0.0 || untouched;
                 }
-                heat.foresee_first(state, &self.state.pressure);
+                heat.predict_first(state, &self.state.pressure);
                 &state.temperature
             }
             Stage::End => {
-                heat.foresee_end(state, [&self.state.pressure, &self.work.first.pressure]);
+                heat.predict_end(state, [&self.state.pressure, &self.work.first.pressure]);
                 // Where nothing follows the temperature it is not known at the first stage.
                 if follows { &heat.temperature[0] } else { &state.temperature }
             }
@@ -121,50 +121,50 @@ impl Line {
         let sign = moment.sign;
         let fades = !operators.scene.friction_fade.flat;
         let by_cell = operators.wears_by_cell();
-        for (felt, (punch, strip)) in heat.felt.iter_mut().zip(earlier[0].iter().zip(&earlier[1])) {
-            *felt = 0.5 * (punch + strip) + reference;
+        for (contact_temperature, (punch, strip)) in heat.contact_temperature.iter_mut().zip(earlier[0].iter().zip(&earlier[1])) {
+            *contact_temperature = 0.5 * (punch + strip) + reference;
         }
         match fades {
             true => {
-                let cells = heat.faded.iter_mut().zip(&heat.felt);
-                cells.for_each(|(faded, felt)| *faded = self.friction.faded(*felt));
+                let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.contact_temperature);
+                cells.for_each(|(kinetic_coefficient, contact_temperature)| *kinetic_coefficient = self.friction.kinetic_coefficient(*contact_temperature));
             }
-            false => heat.faded.fill(self.friction.faded(0.0)),
+            false => heat.kinetic_coefficient.fill(self.friction.kinetic_coefficient(0.0)),
         }
-        heat.linearised = false;
+        heat.linearized = false;
         let mut slip = moment.slip(stribeck);
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
-        heat.warmed = false;
+        heat.temperatures_current = false;
         heat.acceleration.forget();
         // What an accelerated repetition lacks over what it changes.
-        let mut lacks: Option<f64> = None;
-        for repetition in 0..MOST_REPETITIONS {
+        let mut residual_norm: Option<f64> = None;
+        for iteration in 0..MAXIMUM_ITERATIONS {
             if fades {
-                moment.faded = weighted(&heat.faded, &heat.pressure, &operators.torque_weights);
+                moment.kinetic_coefficient = weighted(&heat.kinetic_coefficient, &heat.pressure, &operators.torque_weights);
                 moment.follow(sign * stribeck);
                 slip = moment.slip(stribeck);
-                heat.warmed = false;
+                heat.temperatures_current = false;
             }
-            let slow = fades && repetition >= SLOW_FROM && pressures.slow;
-            if !heat.renewed[s] && (repetition == EXACT_FROM || slow) {
-                heat.renew(stage, slip);
+            let slow = fades && iteration >= SLOW_FROM && pressures.slow;
+            if !heat.refactored[s] && (iteration == REFACTOR_FROM || slow) {
+                heat.refactor(stage, slip);
                 (pressures, temperatures) = Default::default();
                 heat.acceleration.forget();
-                lacks = None;
+                residual_norm = None;
             }
             heat.operator(stage, slip)?;
-            if heat.renewed[s] && fades {
-                heat.linearise(stage, slip, &self.friction)?;
+            if heat.refactored[s] && fades {
+                heat.linearize(stage, slip, &self.friction)?;
             }
             self.work.budget.solutions += 1;
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
-            let compared = !follows && !heat.exact[s] && repetition >= COMPARED_FROM;
+            let compared = !follows && !heat.exact[s] && iteration >= COMPARED_FROM;
             if compared {
                 heat.acceleration.begin(&heat.pressure, &heat.flux[s][0]);
             }
-            let lacking = heat.supply(stage, slip);
+            let residual = heat.assemble_fluxes(stage, slip);
             heat.undeformed(stage, &self.work.gap);
             let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
             if !heat.exact[s] && self.work.track.is_none() && self.conditions.rate.terms.iter().all(uniform) {
@@ -173,9 +173,9 @@ impl Line {
             if !heat.exact[s] && self.conditions.signed_friction != 0.0 && heat.reference.friction != 0.0 {
                 // The contact's matrix has the friction coefficient of the reference, every cell its own.
                 let known = heat.reference.friction.copysign(self.conditions.signed_friction);
-                let cells = heat.difference.iter_mut().zip(heat.faded.iter().zip(&heat.pressure));
-                for (difference, (faded, pressure)) in cells {
-                    *difference = (sign * faded * stribeck - known) * pressure;
+                let cells = heat.difference.iter_mut().zip(heat.kinetic_coefficient.iter().zip(&heat.pressure));
+                for (difference, (kinetic_coefficient, pressure)) in cells {
+                    *difference = (sign * kinetic_coefficient * stribeck - known) * pressure;
                 }
                 if largest(&heat.difference) > 0.0 {
                     heat.contacts[s].add_shear_displacement(&heat.difference, &mut heat.gap);
@@ -187,50 +187,50 @@ impl Line {
                 Stage::End => &mut self.work.end,
             };
             heat.contacts[s].stage_into(&heat.gap, tau, &self.conditions, found)?;
-            let change = heat.take(stage, &found.pressure, enough);
+            let change = heat.update_pressure(stage, &found.pressure, enough);
             let mut unlike: f64 = 0.0;
             if follows {
-                heat.warm(stage);
+                heat.update_temperatures(stage);
                 for i in 0..count {
                     let [punch, strip] = &heat.temperature[s];
-                    let felt = 0.5 * (punch[i] + strip[i]) + reference;
-                    unlike = maximum(unlike, (felt - heat.felt[i]).abs() / felt.abs().max(1.0));
-                    heat.felt[i] = felt;
-                    heat.faded[i] = self.friction.faded(felt);
+                    let contact_temperature = 0.5 * (punch[i] + strip[i]) + reference;
+                    unlike = maximum(unlike, (contact_temperature - heat.contact_temperature[i]).abs() / contact_temperature.abs().max(1.0));
+                    heat.contact_temperature[i] = contact_temperature;
+                    heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(contact_temperature);
                 }
             }
-            let settled = heat.settle(&found.pressure);
-            let of_series = [pressures.left(change), temperatures.left(lacking)];
+            let active_set_settled = heat.update_active_set(&found.pressure);
+            let of_series = [pressures.remaining_error(change), temperatures.remaining_error(residual)];
             // What an accelerated repetition changes follows no series.
-            let [left, unlike_surfaces] = lacks.map_or(of_series, |lacks| [lacks.max(1.0) * change, lacking]);
-            let left = maximum(left, unlike_surfaces / TEMPERATURE);
-            if settled && unlike <= AGREEMENT && (heat.exact[s] || left <= enough) {
-                heat.repetitions = heat.repetitions.max(repetition);
+            let [remaining_error, unlike_surfaces] = residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
+            let remaining_error = maximum(remaining_error, unlike_surfaces / TEMPERATURE);
+            if active_set_settled && unlike <= AGREEMENT && (heat.exact[s] || remaining_error <= enough) {
+                heat.iterations = heat.iterations.max(iteration);
                 self.finish_stage(heat, stage);
                 return Ok(());
             }
-            if !settled {
+            if !active_set_settled {
                 heat.acceleration.forget();
-                lacks = None;
+                residual_norm = None;
             } else if compared {
                 let most = largest(&heat.pressure);
                 let moved = heat.acceleration.improve(&mut heat.pressure, &mut heat.flux[s][0]);
-                lacks = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
+                residual_norm = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
             }
         }
-        Err(StageError::NotConverged { stage: tau, iterations: MOST_REPETITIONS })
+        Err(StageError::NotConverged { stage: tau, iterations: MAXIMUM_ITERATIONS })
     }
 
     /// Gives the contact the wear of the reference, whose factors are kept, and the gap what it lacks.
-    fn wear_at_reference(&mut self, heat: &mut Heat, moment: &Moment, tau: f64) {
+    fn wear_at_reference(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, tau: f64) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
         let reference =
-            operators.coefficients(heat.reference.speed, heat.reference.faded, moment.temperature, acceleration);
+            operators.coefficients(heat.reference.speed, heat.reference.kinetic_coefficient, moment.temperature, acceleration);
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
-            let lacking = tau * (heat.laws[body][0] - reference[body]);
-            heat.difference.fill(lacking);
+            let residual = tau * (heat.laws[body][0] - reference[body]);
+            heat.difference.fill(residual);
             operators.scale_by_relative_rates(body, &heat.pressure, &mut heat.difference);
             heat.gap.iter_mut().zip(&heat.difference).for_each(|(gap, worn)| *gap += worn);
             term.coefficient = Coefficient::Uniform(reference[body]);
@@ -238,16 +238,16 @@ impl Line {
     }
 
     /// Depth rates at the reference pressure, with the temperature and the friction of every cell.
-    pub(super) fn set_laws(&mut self, heat: &mut Heat, moment: &Moment, by_cell: bool) {
+    pub(super) fn set_laws(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, by_cell: bool) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
         if !by_cell {
-            let uniform = operators.coefficients(moment.speed, heat.faded[0], heat.felt[0], acceleration);
+            let uniform = operators.coefficients(moment.speed, heat.kinetic_coefficient[0], heat.contact_temperature[0], acceleration);
             heat.laws.iter_mut().zip(uniform).for_each(|(laws, own)| laws.fill(own));
             return;
         }
-        for i in 0..heat.felt.len() {
-            let own = operators.coefficients(moment.speed, heat.faded[i], heat.felt[i], acceleration);
+        for i in 0..heat.contact_temperature.len() {
+            let own = operators.coefficients(moment.speed, heat.kinetic_coefficient[i], heat.contact_temperature[i], acceleration);
             (heat.laws[0][i], heat.laws[1][i]) = (own[0], own[1]);
         }
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
@@ -260,7 +260,7 @@ impl Line {
     }
 
     /// Depth rates of the stage, and the way on.
-    fn finish_stage(&mut self, heat: &mut Heat, stage: Stage) {
+    fn finish_stage(&mut self, heat: &mut ThermalCoupling, stage: Stage) {
         let s = stage as usize;
         let pressure = match stage {
             Stage::First => &self.work.first.pressure,
@@ -275,8 +275,8 @@ impl Line {
         }
         if stage == Stage::End {
             self.contact.set_status(heat.contacts[s].status());
-            if !heat.warmed {
-                heat.warm(stage);
+            if !heat.temperatures_current {
+                heat.update_temperatures(stage);
             }
             heat.distort_by_contact();
         }

@@ -31,7 +31,7 @@
 //!
 //! so it grows where the map of half the step has an eigenvalue below -1. There the step is refused.
 
-use super::Heat;
+use super::ThermalCoupling;
 use super::stage::weighted;
 use crate::contact::dense;
 use crate::contact::friction::FrictionLaw;
@@ -39,7 +39,7 @@ use crate::coupled::StepFailure;
 use crate::coupled::budget::MOST_STEPS;
 use crate::coupled::line::Line;
 use crate::coupled::line::operators::StripWear;
-use crate::coupled::line::path::{Moment, Path};
+use crate::coupled::line::trajectory::{StageConditions, InputTrajectory};
 use crate::coupled::scalar::Dual;
 use crate::heat::line::{GAMMA, Stage};
 use crate::wear::line::{Disturbance, StageError};
@@ -68,7 +68,7 @@ impl From<StageError> for Refusal {
 
 impl Line {
     /// Carries contact and heat over a piece one after the other, in one step, or as many as a track in the strip asks.
-    pub(in crate::coupled::line) fn staggered(&mut self, path: &Path, length: f64) -> Result<(), StepFailure> {
+    pub(in crate::coupled::line) fn staggered(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let mut parts: u32 = 1;
         let far = |line: &Line, step: f64| line.too_far(path, 0.0, step) || line.too_far(path, length - step, step);
         // More parts than a communication step may try end below.
@@ -104,7 +104,7 @@ impl Line {
     }
 
     /// Pressure and wear, then heat; left in `work` and `heat`.
-    fn split_step(&mut self, heat: &mut Heat, path: &Path, start: f64, step: f64) -> Result<(), Refusal> {
+    fn split_step(&mut self, heat: &mut ThermalCoupling, path: &InputTrajectory, start: f64, step: f64) -> Result<(), Refusal> {
         let operators = self.operators.clone();
         let mut moment = path.at(start + step);
         let velocity = path.velocity(start + step);
@@ -148,23 +148,23 @@ impl Line {
     }
 
     /// Whether the map of a step of `step` s has an eigenvalue of modulus 1 or more off the positive axis.
-    fn delay_grows(&mut self, heat: &mut Heat, step: f64, slip: f64) -> bool {
+    fn delay_grows(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> bool {
         let (growth, along) = self.lag(heat, step, slip);
         growth >= 1.0 && along < SAME_DIRECTION
     }
 
     /// Friction and wear coefficients of the cells at the temperatures of the start; returns s v with the Stribeck factor.
-    fn friction_at_start(&self, heat: &mut Heat, moment: &mut Moment, velocity: f64) -> f64 {
+    fn friction_at_start(&self, heat: &mut ThermalCoupling, moment: &mut StageConditions, velocity: f64) -> f64 {
         let operators = &self.operators;
         let Some(state) = &self.state.heat else { return 0.0 };
         let reference = self.mean.state().reference;
-        for (i, felt) in heat.felt.iter_mut().enumerate() {
-            *felt = 0.5 * (state.temperature[0][i] + state.temperature[1][i]) + reference;
-            heat.faded[i] = self.friction.faded(*felt);
+        for (i, contact_temperature) in heat.contact_temperature.iter_mut().enumerate() {
+            *contact_temperature = 0.5 * (state.temperature[0][i] + state.temperature[1][i]) + reference;
+            heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(*contact_temperature);
         }
         let stribeck = self.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
-            moment.faded = weighted(&heat.faded, &self.state.pressure, &operators.torque_weights);
+            moment.kinetic_coefficient = weighted(&heat.kinetic_coefficient, &self.state.pressure, &operators.torque_weights);
             moment.follow(moment.sign * stribeck);
         }
         moment.slip(stribeck)
@@ -172,7 +172,7 @@ impl Line {
 
     /// Largest factor by which the heat of one step of `step` s returns in the next, and the cosine between what went out
     /// and what came back.
-    fn lag(&mut self, heat: &mut Heat, step: f64, slip: f64) -> (f64, f64) {
+    fn lag(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> (f64, f64) {
         let count = heat.gap.len();
         let fades = !self.operators.scene.friction_fade.flat;
         let reference = self.mean.state().reference;
@@ -185,7 +185,7 @@ impl Line {
         normalise(&mut heat.gap);
         for application in 0..APPLICATIONS {
             heat.respond();
-            let gap = &heat.base[1];
+            let gap = &heat.free_response[1];
             let disturbance = Disturbance { gap, normal: 0.0, tilt: 0.0, moment: 0.0, signed_friction: 0.0 };
             let (state, rate) = (&self.work.end, &mut self.work.rate);
             if self.contact.stage_response_into(step, &self.conditions, state, &disturbance, rate).is_err() {
@@ -194,11 +194,11 @@ impl Line {
             let returned = &mut heat.sums[0];
             for i in 0..count {
                 let slip = slip * heat.ratio[i];
-                returned[i] = slip * heat.faded[i] * rate.pressure[i];
+                returned[i] = slip * heat.kinetic_coefficient[i] * rate.pressure[i];
                 if fades {
                     let end = 0.5 * (heat.temperature[1][0][i] + heat.temperature[1][1][i]) + reference;
-                    let slope = slope_over(&self.friction, heat.felt[i], end);
-                    returned[i] += slip * slope * heat.base[0][i] * state.pressure[i];
+                    let slope = slope_over(&self.friction, heat.contact_temperature[i], end);
+                    returned[i] += slip * slope * heat.free_response[0][i] * state.pressure[i];
                 }
             }
             along = heat.gap.iter().zip(&*returned).map(|(out, back)| out * back).sum();
@@ -216,7 +216,7 @@ impl Line {
     }
 
     /// Longest step (s) below `step` in which the delay does not make anything grow, at the pressure of the step tried.
-    fn longest_stable(&mut self, heat: &mut Heat, step: f64, slip: f64) -> f64 {
+    fn longest_stable(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> f64 {
         let (mut stable, mut unstable) = ((1e-9 * step).ln(), step.ln());
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (stable + unstable);
@@ -228,7 +228,7 @@ impl Line {
     }
 }
 
-impl Heat {
+impl ThermalCoupling {
     /// Gains and split of an implicit Euler step of another length.
     fn change_step(&mut self, step: f64) {
         let velocity = self.velocity;
@@ -241,15 +241,15 @@ impl Heat {
     fn split_end(&mut self) {
         let key = (self.step, self.velocity[1]);
         let steady = self.velocity[0] == self.velocity[1];
-        let known = if steady { self.splits.take(key) } else { false };
+        let known = if steady { self.partitions.take(key) } else { false };
         if !known {
-            let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(Stage::End)));
+            let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
             match steady {
-                true => self.splits[1].build(key, gains),
-                false => self.splits.take_passing(1).build((f64::NAN, f64::NAN), gains),
+                true => self.partitions[1].build(key, influence),
+                false => self.partitions.take_passing(1).build((f64::NAN, f64::NAN), influence),
             }
         }
-        self.splits[1].close(&self.closed);
+        self.partitions[1].close(&self.closed);
     }
 
     /// Heats both bodies over the step with the friction of `pressure`.
@@ -263,9 +263,9 @@ impl Heat {
         self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
         self.split_end();
-        self.warmed = false;
-        self.supply(Stage::End, slip);
-        self.warm(Stage::End);
+        self.temperatures_current = false;
+        self.assemble_fluxes(Stage::End, slip);
+        self.update_temperatures(Stage::End);
         let [first, end] = &mut self.flux;
         for (first, end) in first.iter_mut().zip(end) {
             first.copy_from_slice(end);
@@ -275,19 +275,19 @@ impl Heat {
         self.distort();
     }
 
-    /// Mean temperature of both surfaces, in `base[0]`, and displacement, in `base[1]`, by the friction heat in `gap` alone.
+    /// Mean temperature of both surfaces, in `free_response[0]`, and displacement, in `free_response[1]`, by the friction heat in `gap` alone.
     fn respond(&mut self) {
         let conducts = self.conducts();
-        let gains = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.gains(Stage::End)));
+        let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
         let count = self.gap.len();
-        let [punch, strip] = [&mut self.base_distortion[1], &mut self.sums[1]];
+        let [punch, strip] = [&mut self.free_distortion[1], &mut self.sums[1]];
         punch.fill(0.0);
-        match (gains, self.half_resistance > 0.0) {
+        match (influence, self.half_resistance > 0.0) {
             ([Some(_), Some(own)], true) => {
-                let lacking = &mut self.difference;
-                lacking.iter_mut().zip(&self.gap).for_each(|(lacking, flux)| *lacking = self.half_resistance * flux);
-                dense::multiply_add(own.temperature.as_slice(), &self.gap, lacking);
-                self.splits[1].exchange(lacking, punch);
+                let residual = &mut self.difference;
+                residual.iter_mut().zip(&self.gap).for_each(|(residual, flux)| *residual = self.half_resistance * flux);
+                dense::multiply_add(own.temperature.as_slice(), &self.gap, residual);
+                self.partitions[1].exchange(residual, punch);
             }
             ([Some(_), Some(_)], false) => punch.iter_mut().zip(&self.gap).for_each(|(own, flux)| *own = 0.5 * flux),
             ([Some(_), None], _) => punch.copy_from_slice(&self.gap),
@@ -296,19 +296,19 @@ impl Heat {
         for i in 0..count {
             strip[i] = if conducts[1] { self.gap[i] - punch[i] } else { 0.0 };
         }
-        let [warmed, moved] = &mut self.base;
-        warmed.fill(0.0);
+        let [temperatures_current, moved] = &mut self.free_response;
+        temperatures_current.fill(0.0);
         moved.fill(0.0);
-        for (gains, flux) in gains.into_iter().zip([&*punch, &*strip]) {
-            if let Some(gains) = gains {
-                dense::multiply_add(gains.temperature.as_slice(), flux, warmed);
-                dense::multiply_add(gains.distortion.as_slice(), flux, moved);
+        for (influence, flux) in influence.into_iter().zip([&*punch, &*strip]) {
+            if let Some(influence) = influence {
+                dense::multiply_add(influence.temperature.as_slice(), flux, temperatures_current);
+                dense::multiply_add(influence.distortion.as_slice(), flux, moved);
             }
         }
         if conducts == [true, true] {
-            warmed.iter_mut().for_each(|t| *t *= 0.5);
+            temperatures_current.iter_mut().for_each(|t| *t *= 0.5);
         } else {
-            warmed.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
+            temperatures_current.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
         }
     }
 }
@@ -316,8 +316,8 @@ impl Heat {
 /// Change of the friction coefficient per K at the first temperature, or on the way to the other where that is steeper:
 /// tables have corners, over which a tangent does not see.
 fn slope_over(friction: &FrictionLaw, start: f64, end: f64) -> f64 {
-    let tangent = friction.faded(Dual { value: start, derivative: 1.0 }).derivative;
-    let chord = (friction.faded(end) - friction.faded(start)) / (end - start);
+    let tangent = friction.kinetic_coefficient(Dual { value: start, derivative: 1.0 }).derivative;
+    let chord = (friction.kinetic_coefficient(end) - friction.kinetic_coefficient(start)) / (end - start);
     if chord.abs() > tangent.abs() { chord } else { tangent }
 }
 

@@ -4,7 +4,7 @@
 //! and the first stage; where it has jumped (its slope is 0) it is expected to stay. A start closer to the solution saves
 //! repetitions and changes nothing else.
 
-use super::Heat;
+use super::ThermalCoupling;
 use super::state::HeatState;
 use crate::heat::line::GAMMA;
 
@@ -23,10 +23,10 @@ fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> 
     first + (1.0 - GAMMA) * step * (rate + step * bend)
 }
 
-impl Heat {
+impl ThermalCoupling {
     /// Whether the first repetition will be the last whatever it starts from.
     fn needs_no_start(&self) -> bool {
-        self.is_solved_at_once(self.closed.iter().filter(|closed| !**closed).count())
+        self.is_solved_directly(self.closed.iter().filter(|closed| !**closed).count())
     }
 
     /// A start that depends on nothing, for what turns out to need one after all.
@@ -36,7 +36,7 @@ impl Heat {
     }
 
     /// Puts what is expected of the first stage into the punch's flux and the pressure.
-    pub(super) fn foresee_first(&mut self, state: &HeatState, pressure: &[f64]) {
+    pub(super) fn predict_first(&mut self, state: &HeatState, pressure: &[f64]) {
         if self.needs_no_start() {
             return self.begin_at_nothing(0);
         }
@@ -47,7 +47,7 @@ impl Heat {
     }
 
     /// The same for the end; `pressure` is that of the start and of the first stage.
-    pub(super) fn foresee_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
+    pub(super) fn predict_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
         if self.needs_no_start() {
             return self.begin_at_nothing(1);
         }

@@ -1,7 +1,7 @@
 //! What heat along the contact line leaves behind; part of a saved state.
 
 use super::bodies::Bodies;
-use crate::heat::line::{Account, FACES, LineHeat};
+use crate::heat::line::{Account, FACES, ThermalBody};
 use crate::numerics::maximum::all_finite;
 
 /// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
@@ -20,9 +20,9 @@ pub struct HeatState {
     /// Displacement of both surfaces there, m into the bodies.
     pub distortion: Vec<f64>,
     /// Where the operators kept from step to step were made.
-    pub reference: Place,
+    pub reference: LinearizationPoint,
     /// Friction coefficient without Stribeck factor there, weighted with the pressure.
-    pub faded: f64,
+    pub kinetic_coefficient: f64,
     /// Friction heat of all steps, J per m of depth.
     pub dissipated: f64,
     /// Heat fluxes into the cooled faces of both bodies beyond the constant heat transfer at the end of the last step, W/m2.
@@ -32,7 +32,7 @@ pub struct HeatState {
     /// Length of the last step, s (0: none yet).
     pub last_step: f64,
     /// Length of the last step that was too long for what grows, s, and the number of steps for which none as long is tried.
-    pub outgrown: [f64; 2],
+    pub rejected_by_growth: [f64; 2],
     /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
     pub start: [[f64; 4]; 2],
 }
@@ -45,7 +45,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// Where the operators kept from step to step were made.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Place {
+pub struct LinearizationPoint {
     /// Sliding velocity, m/s.
     pub velocity: f64,
     /// Sliding velocity at the end of the last step, m/s.
@@ -53,50 +53,50 @@ pub struct Place {
     /// Friction coefficient over that without fade.
     pub fade: f64,
     /// Part of the zone within which stages agree in few repetitions.
-    pub narrow: f64,
+    pub radius_factor: f64,
 }
 
 /// Part by which the velocity may differ from that of the reference in any case.
-const RELATIVE_ZONE: f64 = 0.1;
+const RELATIVE_RADIUS: f64 = 0.1;
 
 /// Repetitions of a stage above which the zone is halved, down to this part, and up to which a new reference widens it again.
 const MANY: usize = 6;
 const FEW: usize = 3;
-const NARROWEST: f64 = 0.01;
-const WIDER: f64 = 1.25;
+const LEAST_RADIUS_FACTOR: f64 = 0.01;
+const RADIUS_GROWTH: f64 = 1.25;
 
-impl Place {
+impl LinearizationPoint {
     /// No reference yet.
-    pub fn none() -> Place {
-        Place { velocity: f64::NAN, last: f64::NAN, fade: 1.0, narrow: 1.0 }
+    pub fn none() -> LinearizationPoint {
+        LinearizationPoint { velocity: f64::NAN, last: f64::NAN, fade: 1.0, radius_factor: 1.0 }
     }
 
-    /// Takes over the reference and the last velocity of a step whose stages were repeated up to `repetitions` times.
+    /// Takes over the reference and the last velocity of a step whose stages were repeated up to `iterations` times.
     ///
     /// How far a reference serves depends on how strongly the contact answers its own heat, near the critical speed without bound.
     /// It is what repetition tells.
-    pub fn follow(&mut self, velocity: f64, last: f64, repetitions: usize) {
-        if repetitions > MANY && last != velocity {
-            self.narrow = (0.5 * self.narrow).max(NARROWEST);
-        } else if repetitions <= FEW && velocity != self.velocity {
-            self.narrow = (WIDER * self.narrow).min(1.0);
+    pub fn follow(&mut self, velocity: f64, last: f64, iterations: usize) {
+        if iterations > MANY && last != velocity {
+            self.radius_factor = (0.5 * self.radius_factor).max(LEAST_RADIUS_FACTOR);
+        } else if iterations <= FEW && velocity != self.velocity {
+            self.radius_factor = (RADIUS_GROWTH * self.radius_factor).min(1.0);
         }
         (self.velocity, self.last) = (velocity, last);
     }
 
     /// Reference velocity for a step between two velocities: the last one within the zone (m/s) around it, the velocity itself
     /// where it stays, and otherwise one ahead.
-    pub fn choose(&self, velocity: [f64; 2], zone: f64) -> f64 {
+    pub fn choose(&self, velocity: [f64; 2], validity_radius: f64) -> f64 {
         let [from, to] = velocity;
         if from == to && from == self.last {
             return from;
         }
         let middle = 0.5 * (from + to);
-        let zone = self.narrow * zone.max(RELATIVE_ZONE * middle.abs());
-        if (middle - self.velocity).abs() <= zone {
+        let validity_radius = self.radius_factor * validity_radius.max(RELATIVE_RADIUS * middle.abs());
+        if (middle - self.velocity).abs() <= validity_radius {
             return self.velocity;
         }
-        if from == to { middle } else { middle + 0.8 * zone.copysign(to - from) }
+        if from == to { middle } else { middle + 0.8 * validity_radius.copysign(to - from) }
     }
 }
 
@@ -107,7 +107,7 @@ pub fn entries(account: Account) -> [f64; 4] {
 
 impl HeatState {
     /// Bodies that are `rise` (K; punch, strip) above the reference everywhere.
-    pub fn new(bodies: &Bodies, count: usize, rise: [f64; 2], faded: f64) -> HeatState {
+    pub fn new(bodies: &Bodies, count: usize, rise: [f64; 2], kinetic_coefficient: f64) -> HeatState {
         let zeros = || vec![0.0; count];
         let copies = bodies.copies();
         let mut state = HeatState {
@@ -117,13 +117,13 @@ impl HeatState {
             pressure_slope: zeros(),
             temperature: rise.map(|rise| vec![rise; count]),
             distortion: zeros(),
-            reference: Place::none(),
-            faded,
+            reference: LinearizationPoint::none(),
+            kinetic_coefficient,
             dissipated: 0.0,
             cooling: [[0.0; FACES]; 2],
             lagging: [0.0; 2],
             last_step: 0.0,
-            outgrown: [0.0; 2],
+            rejected_by_growth: [0.0; 2],
             start: [[0.0; 4]; 2],
         };
         for body in 0..2 {
@@ -131,7 +131,7 @@ impl HeatState {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
                 let mut moved = zeros();
-                heat.held_distortion(&state.bodies[body], &Default::default(), &state.flux[body], 0.0, &mut moved);
+                heat.distortion_at_frozen_state(&state.bodies[body], &Default::default(), &state.flux[body], 0.0, &mut moved);
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }
         }
@@ -151,7 +151,7 @@ impl HeatState {
     }
 
     /// Where the heat of a body went since initialisation, J per m of depth.
-    pub fn account(&self, body: usize, heat: &dyn LineHeat) -> Account {
+    pub fn account(&self, body: usize, heat: &dyn ThermalBody) -> Account {
         let now = entries(heat.account(&self.bodies[body]));
         let since = |entry: usize| now[entry] - self.start[body][entry];
         Account { received: since(0), stored: since(1), ambient: since(2), far: since(3) }
@@ -183,7 +183,7 @@ impl HeatState {
     /// What is not all finite numbers, if anything.
     pub fn not_finite(&self) -> Option<&'static str> {
         let [[a, b], [c, d]] = self.cooling;
-        let others = [self.faded, self.dissipated, a, b, c, d];
+        let others = [self.kinetic_coefficient, self.dissipated, a, b, c, d];
         let rows = [
             ("heat in the punch", &self.bodies[0][..]),
             ("heat in the strip", &self.bodies[1]),
@@ -206,30 +206,30 @@ impl HeatState {
             temperature,
             distortion,
             reference,
-            faded,
+            kinetic_coefficient,
             dissipated,
             cooling,
             lagging,
             last_step,
-            outgrown,
+            rejected_by_growth,
             start,
         } = self;
-        let Place { velocity, last, fade, narrow } = reference;
+        let LinearizationPoint { velocity, last, fade, radius_factor } = reference;
         (bodies.iter_mut().chain(flux).chain(slope).chain(temperature).flatten())
             .chain(pressure_slope)
             .chain(distortion)
-            .chain([velocity, last, fade, narrow, faded, dissipated, last_step])
+            .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
             .chain(cooling.iter_mut().flatten())
             .chain(lagging)
-            .chain(outgrown)
+            .chain(rejected_by_growth)
             .chain(start.iter_mut().flatten())
     }
 
     /// Whether a step of this length (s) was just too long for what grows; counts a step that was not.
-    pub fn outgrows(&mut self, step: f64) -> bool {
-        let [refused, wary] = &mut self.outgrown;
-        *wary = (*wary - 1.0).max(0.0);
-        *wary > 0.0 && step >= *refused * (1.0 - ROUNDING)
+    pub fn was_rejected_by_growth(&mut self, step: f64) -> bool {
+        let [refused, retry_delay] = &mut self.rejected_by_growth;
+        *retry_delay = (*retry_delay - 1.0).max(0.0);
+        *retry_delay > 0.0 && step >= *refused * (1.0 - ROUNDING)
     }
 
     /// Takes over `other`, of the same scene, without allocating.
@@ -252,9 +252,9 @@ impl HeatState {
         }
         self.pressure_slope.copy_from_slice(&other.pressure_slope);
         self.distortion.copy_from_slice(&other.distortion);
-        (self.faded, self.dissipated, self.cooling) = (other.faded, other.dissipated, other.cooling);
+        (self.kinetic_coefficient, self.dissipated, self.cooling) = (other.kinetic_coefficient, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);
-        (self.lagging, self.last_step, self.outgrown) = (other.lagging, other.last_step, other.outgrown);
+        (self.lagging, self.last_step, self.rejected_by_growth) = (other.lagging, other.last_step, other.rejected_by_growth);
     }
 
     /// Appends all numbers.
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn a_reference_that_struggles_is_followed_by_nearer_ones() {
-        let mut place = Place::none();
+        let mut place = LinearizationPoint::none();
         let chosen = place.choose([1.0, 1.01], 0.4);
         assert_eq!(chosen, 1.005 + 0.8 * 0.4);
         place.follow(chosen, 1.01, MANY);
@@ -287,19 +287,19 @@ mod tests {
         assert_eq!(place.choose([1.74, 1.76], 0.4), 1.75 + 0.8 * 0.4);
         assert_eq!(place.choose([0.92, 0.90], 0.4), 0.91 - 0.8 * 0.4);
         place.follow(chosen, 1.02, MANY + 1);
-        assert_eq!(place.narrow, 0.5);
+        assert_eq!(place.radius_factor, 0.5);
         assert_eq!(place.choose([1.02, 1.04], 0.4), 1.03 + 0.8 * 0.2);
         // Few repetitions by a new reference widen it again, by an old one they do not.
         place.follow(chosen, 1.03, FEW);
-        assert_eq!(place.narrow, 0.5);
+        assert_eq!(place.radius_factor, 0.5);
         place.follow(1.19, 1.04, FEW);
-        assert_eq!(place.narrow, 0.5 * WIDER);
+        assert_eq!(place.radius_factor, 0.5 * RADIUS_GROWTH);
         // Operators of the velocity itself are as near as can be.
         place.follow(1.04, 1.04, MANY + 1);
-        assert_eq!(place.narrow, 0.5 * WIDER);
+        assert_eq!(place.radius_factor, 0.5 * RADIUS_GROWTH);
         (0..40).for_each(|_| place.follow(1.19, 1.04, MANY + 1));
-        assert_eq!(place.narrow, NARROWEST);
+        assert_eq!(place.radius_factor, LEAST_RADIUS_FACTOR);
         (0..40).for_each(|k| place.follow(1.19 + f64::from(k), 1.04, FEW));
-        assert_eq!(place.narrow, 1.0);
+        assert_eq!(place.radius_factor, 1.0);
     }
 }

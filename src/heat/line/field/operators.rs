@@ -3,7 +3,7 @@
 use crate::elastic::block::{
     BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition,
 };
-use crate::heat::line::{FACES, GAMMA, Gains, Stage, Surroundings};
+use crate::heat::line::{FACES, GAMMA, SurfaceInfluence, Stage, Surroundings};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::DMatrix;
@@ -51,7 +51,7 @@ pub struct Prepared {
     pub euler: bool,
     pub last_used: u64,
     pub factor: ThermalFactor,
-    pub gains: Gains,
+    pub influence: SurfaceInfluence,
     /// See [`CooledAhead::rise`](crate::heat::line::CooledAhead::rise).
     pub cooled_rise: [[f64; FACES]; FACES],
 }
@@ -64,7 +64,7 @@ impl Prepared {
             euler: false,
             last_used: 0,
             factor: operators.block.empty_factor(),
-            gains: Gains { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
+            influence: SurfaceInfluence { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
             cooled_rise: [[0.0; FACES]; FACES],
         }
     }
@@ -72,7 +72,7 @@ impl Prepared {
 
 /// What steps work in.
 #[derive(Debug)]
-pub struct Room {
+pub struct FieldWorkspace {
     pub workspace: ThermalWorkspace,
     /// Responses to unit fluxes, n x N.
     pub responses: Mat<f64>,
@@ -83,11 +83,11 @@ pub struct Room {
     pub late: Vec<f64>,
 }
 
-impl Room {
-    pub fn new(operators: &Operators) -> Result<Room, BlockError> {
+impl FieldWorkspace {
+    pub fn new(operators: &Operators) -> Result<FieldWorkspace, BlockError> {
         let (degrees, count) = (operators.degrees(), operators.widths.len());
         let field = || vec![0.0; degrees];
-        Ok(Room {
+        Ok(FieldWorkspace {
             workspace: operators.block.workspace(count)?,
             responses: Mat::zeros(degrees, count),
             means: vec![0.0; count],
@@ -189,7 +189,7 @@ impl Operators {
         (if euler { step } else { GAMMA * step }).recip().max(1e-10 * slowest)
     }
 
-    pub fn prepare(&self, step: f64, euler: bool, prepared: &mut Prepared, room: &mut Room) -> Result<(), BlockError> {
+    pub fn prepare(&self, step: f64, euler: bool, prepared: &mut Prepared, room: &mut FieldWorkspace) -> Result<(), BlockError> {
         // Of no use to anybody until it is done.
         prepared.step = f64::NAN;
         self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
@@ -199,7 +199,7 @@ impl Operators {
             integrals.iter().for_each(|&(degree, integral)| responses[(degree, cell)] += integral);
         }
         self.block.solve_in_workspace(&prepared.factor, responses.as_mut(), &mut room.workspace);
-        let Gains { temperature, distortion } = &mut prepared.gains;
+        let SurfaceInfluence { temperature, distortion } = &mut prepared.influence;
         temperature.copy_from(&self.unresolved);
         for (cell, response) in responses.col_iter().enumerate() {
             // Columns of a matrix of faer are contiguous.
@@ -213,7 +213,7 @@ impl Operators {
             matmul(target, Accum::Replace, by_field.transpose(), responses.as_ref(), 1.0, Par::Seq);
         }
         (prepared.step, prepared.euler) = (step, euler);
-        let Room { workspace, start, early, late, .. } = room;
+        let FieldWorkspace { workspace, start, early, late, .. } = room;
         let fall = if euler { 0.0 } else { -1.0 };
         let none = Surroundings::default();
         let rising = [

@@ -2,7 +2,7 @@
 
 use super::across::{Across, Sides, Wave};
 use super::depth::{Depth, Points, Shape, Top};
-use super::selection::Selection;
+use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
@@ -49,9 +49,9 @@ impl<'a> Assembly<'a> {
         depth: Depth,
         cooled: Cooled,
         cells: &'a Cells,
-        (points, selection): (&Points, &Selection),
+        (points, shift_selection): (&Points, &Selection),
     ) -> Self {
-        let modes: Vec<Mode> = (selection.modes.iter().filter(|mode| mode.basis.count() > 0))
+        let modes: Vec<Mode> = (shift_selection.modes.iter().filter(|mode| mode.basis.count() > 0))
             .map(|mode| {
                 let mut states = mode.basis.shapes(points);
                 let immediate = if mode.fastest_is_steady { states.pop() } else { None };
@@ -60,7 +60,7 @@ impl<'a> Assembly<'a> {
             .collect();
         let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
         let waves = Waves::new(&across, cells, count);
-        let errors = [selection.error, selection.mean_error];
+        let errors = [shift_selection.error, shift_selection.mean_error];
         Assembly { across, depth, cooled, cells, modes, waves, errors }
     }
 
@@ -89,7 +89,7 @@ impl<'a> Assembly<'a> {
         self.depth.capacity
     }
 
-    pub fn held(&self) -> bool {
+    pub fn temperature_at_frozen_state(&self) -> bool {
         self.depth.top == Top::Held
     }
 
@@ -104,7 +104,7 @@ impl<'a> Assembly<'a> {
     pub fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
-        let far = match self.held() {
+        let far = match self.temperature_at_frozen_state() {
             true => self.through_held_top(wave, shape),
             false => self.top_exposure(wave) * shape.top,
         };
@@ -113,7 +113,7 @@ impl<'a> Assembly<'a> {
 
     /// Heat flow of a state through a held top, in W/m over its norm.
     fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
-        if !self.held() {
+        if !self.temperature_at_frozen_state() {
             return 0.0;
         }
         // What the height conducts and the face does not lose.
@@ -149,7 +149,7 @@ impl<'a> Assembly<'a> {
             By::Sides => wave.integral * depth.height,
             By::Face => wave.integral,
         };
-        if self.held() {
+        if self.temperature_at_frozen_state() {
             steady.contact[AMBIENT] = transfer * steady.contact[COOLING];
             steady.seen[AMBIENT] = transfer * steady.seen[COOLING];
             steady.contact[FAR] = wave.integral - steady.contact[AMBIENT];
@@ -238,7 +238,7 @@ impl<'a> Assembly<'a> {
 
     /// What a mode does without delay: all that it does at rest less what its states do then; without rest, what the
     /// immediate shape does.
-    fn remainder(&self, wave: &Wave, mode: Option<&Mode>) -> SteadyMode {
+    fn static_correction(&self, wave: &Wave, mode: Option<&Mode>) -> SteadyMode {
         let states = mode.map_or(&[][..], |mode| &mode.states[..]);
         let immediate = mode.and_then(|mode| mode.immediate.as_ref());
         let (mut left, sign, counted) = match self.steady(wave) {
@@ -277,7 +277,7 @@ impl<'a> Assembly<'a> {
             if exposure == 0.0 && wave.integral == 0.0 {
                 continue;
             }
-            let left = self.remainder(wave, mode);
+            let left = self.static_correction(wave, mode);
             for (i, integral) in self.waves.integrals(m).iter().enumerate() {
                 for port in 0..PORTS {
                     operators.temperature_by_port[port][i] += left.contact[port] * integral / operators.widths[i];
@@ -298,7 +298,7 @@ impl<'a> Assembly<'a> {
             let sum = (0.5 * width / std::f64::consts::PI).powi(2) / count;
             let beyond = square * self.depth.height / (length * self.depth.conductivity) * sum;
             operators.cooled.ports[COOLING] += beyond;
-            if self.held() {
+            if self.temperature_at_frozen_state() {
                 operators.cooled.ports[AMBIENT] += self.across.transfer * beyond;
                 operators.cooled.ports[FAR] -= self.across.transfer * beyond;
             }
@@ -353,7 +353,7 @@ impl<'a> Assembly<'a> {
         }
         // The flux into the far face passes it inwards.
         far.ports[FAR] -= top_length;
-        if self.held() {
+        if self.temperature_at_frozen_state() {
             let projected: f64 = operators.uniform.iter().map(|uniform| uniform * uniform).sum();
             operators.stored_by_far = operators.heat_capacity - projected;
         }

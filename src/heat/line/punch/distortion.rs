@@ -287,7 +287,7 @@ impl Assembly<'_> {
             }
             // The air around the body and its held top together make it uniform.
             by_port.push((fields.len(), COOLING, exposure));
-            if self.held() {
+            if self.temperature_at_frozen_state() {
                 by_port.push((fields.len(), AMBIENT, self.cooled.transfer * exposure));
                 by_port.push((fields.len(), FAR, -self.cooled.transfer * exposure));
             }
@@ -341,8 +341,8 @@ impl Assembly<'_> {
                 *sum += weight * value;
             }
         }
-        let port = if self.held() { FAR } else { AMBIENT };
-        if self.held() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
+        let port = if self.temperature_at_frozen_state() { FAR } else { AMBIENT };
+        if self.temperature_at_frozen_state() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
             for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(uniform) {
                 *sum += value;
             }

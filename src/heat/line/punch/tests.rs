@@ -1,4 +1,4 @@
-use super::super::{Account, GAMMA, LineHeat, Stage, Surroundings};
+use super::super::{Account, GAMMA, ThermalBody, Stage, Surroundings};
 use super::*;
 use crate::variables::{STARTS, reference};
 use crate::verification::unreduced_punch::Unreduced;
@@ -53,11 +53,11 @@ impl Run {
     pub fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
         self.heat.prepare(step, [0.0; 2]);
         let (temperature, distortion) = (&mut self.temperature, &mut self.distortion);
-        self.heat.base(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
-        let gains = self.heat.gains(Stage::End);
+        self.heat.free_response(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
+        let influence = self.heat.influence(Stage::End);
         for (i, (temperature, distortion)) in temperature.iter_mut().zip(distortion).enumerate() {
-            *temperature += (0..end.len()).map(|j| gains.temperature[(i, j)] * end[j]).sum::<f64>();
-            *distortion += (0..end.len()).map(|j| gains.distortion[(i, j)] * end[j]).sum::<f64>();
+            *temperature += (0..end.len()).map(|j| influence.temperature[(i, j)] * end[j]).sum::<f64>();
+            *distortion += (0..end.len()).map(|j| influence.distortion[(i, j)] * end[j]).sum::<f64>();
         }
         self.heat.advance(&mut self.state, &self.surroundings, first, end);
     }
@@ -156,11 +156,11 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
         // What is held between steps is what the step ended with.
-        let (mut held, mut held_distortion) = (vec![0.0; 17], vec![0.0; 17]);
-        run.heat.held(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
-        run.heat.held_distortion(&run.state, &run.surroundings, &spiked, 0.0, &mut held_distortion);
+        let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
+        run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
+        run.heat.distortion_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut distortion_at_frozen_state);
         assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
-        assert!(largest_difference(&held_distortion, &run.distortion) < 1e-12 * largest(&held_distortion));
+        assert!(largest_difference(&distortion_at_frozen_state, &run.distortion) < 1e-12 * largest(&distortion_at_frozen_state));
     }
     // The exact response, which the states and their remainder share out between them.
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
@@ -175,7 +175,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         driven_top: false,
     };
     let expected = steady::steady_beyond(&across, &depth, &cells, &waves::Waves::new(&across, &cells, 256), 0);
-    let error = (&exact.heat.gains(Stage::End).temperature - &expected).amax() / expected.amax();
+    let error = (&exact.heat.influence(Stage::End).temperature - &expected).amax() / expected.amax();
     assert!(error < 1e-8, "{error:e}");
     // Insulated sides and a held top: the conduction of a slab, whatever the mean flux does in time.
     let mut slab = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
@@ -330,7 +330,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     assert!((by_far * areas[0] / (by_sides * areas[1]) - 1.0).abs() < 1e-6, "{ahead:?}");
     assert!(ahead.lagging == 0.0);
     let (mut early, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
-    run.heat.base(&run.state, &run.surroundings, Stage::First, &zero, &mut early, &mut moved);
+    run.heat.free_response(&run.state, &run.surroundings, Stage::First, &zero, &mut early, &mut moved);
     run.step(step, &zero, &zero);
     for part in [GAMMA, 1.0 - GAMMA] {
         let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
@@ -373,7 +373,7 @@ fn gains_do_not_depend_on_what_came_before() {
     }
     fresh.prepare(0.3, [0.0; 2]);
     for stage in [Stage::First, Stage::End] {
-        assert_eq!(run.heat.gains(stage), fresh.gains(stage));
+        assert_eq!(run.heat.influence(stage), fresh.influence(stage));
     }
 }
 
@@ -390,11 +390,11 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
     let step = 5.0;
     run.heat.prepare(step, [0.0; 2]);
     let (mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9]);
-    run.heat.base(&run.state, &run.surroundings, Stage::First, &[0.0; 9], &mut temperature, &mut distortion);
-    let gains = run.heat.gains(Stage::First);
+    run.heat.free_response(&run.state, &run.surroundings, Stage::First, &[0.0; 9], &mut temperature, &mut distortion);
+    let influence = run.heat.influence(Stage::First);
     for i in 0..9 {
-        temperature[i] += (0..9).map(|j| gains.temperature[(i, j)] * flux[j]).sum::<f64>();
-        distortion[i] += (0..9).map(|j| gains.distortion[(i, j)] * flux[j]).sum::<f64>();
+        temperature[i] += (0..9).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
+        distortion[i] += (0..9).map(|j| influence.distortion[(i, j)] * flux[j]).sum::<f64>();
     }
     short.step(GAMMA * step, &flux, &flux);
     assert!(largest_difference(&temperature, &short.temperature) < 1e-12 * largest(&temperature));
@@ -451,13 +451,13 @@ fn no_distortion_comes_at_once() {
             let mut heat = reduce(&scene, &cells, tolerance, 10.0).unwrap().unwrap();
             heat.prepare(step, [0.0; 2]);
             // A uniform displacement changes no pressure.
-            let mut gains = heat.gains(Stage::First).distortion.clone();
-            for mut column in gains.column_iter_mut() {
+            let mut influence = heat.influence(Stage::First).distortion.clone();
+            for mut column in influence.column_iter_mut() {
                 let mean =
                     column.iter().zip(cells.widths()).map(|(u, c)| u * c).sum::<f64>() / (2.0 * cells.half_width());
                 column.add_scalar_mut(-mean);
             }
-            gains
+            influence
         };
         let steady = distortion(0.1, 1e3).amax();
         for step in [1e-9, 1e-7] {

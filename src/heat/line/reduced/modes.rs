@@ -263,24 +263,24 @@ impl Modes {
                 heat.iter_mut().zip(amplitudes).for_each(|(heat, (own, surface))| *heat = own * surface);
                 shown.fill(0.0);
                 dense::multiply_add(&part.means, heat, shown);
-                self.add_response(j, sign, shown, &mut stage.gains.temperature);
+                self.add_response(j, sign, shown, &mut stage.influence.temperature);
                 if !part.distortion.is_empty() {
                     shown.fill(0.0);
                     dense::multiply_add(columns, integrals, shown);
-                    self.add_response(j, sign, shown, &mut stage.gains.distortion);
+                    self.add_response(j, sign, shown, &mut stage.influence.distortion);
                 }
             }
         }
     }
 
     /// Adds the answer `shown` of one parity to a flux into cell `j`, and to the same or opposite flux into the opposite one.
-    fn add_response(&self, j: usize, sign: f64, shown: &[f64], gains: &mut DMatrix<f64>) {
+    fn add_response(&self, j: usize, sign: f64, shown: &[f64], influence: &mut DMatrix<f64>) {
         let halved = self.is_halved();
         let opposite = self.cells - 1 - j;
         let columns =
             if halved && opposite != j { [Some((j, 1.0)), Some((opposite, sign))] } else { [Some((j, 1.0)), None] };
         for (column, part) in columns.into_iter().flatten() {
-            let column = &mut gains.as_mut_slice()[column * self.cells..(column + 1) * self.cells];
+            let column = &mut influence.as_mut_slice()[column * self.cells..(column + 1) * self.cells];
             column.iter_mut().zip(shown).for_each(|(gain, value)| *gain += part * value);
             if halved {
                 let behind = column[self.cells.div_ceil(2)..].iter_mut().rev();

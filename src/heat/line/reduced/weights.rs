@@ -3,7 +3,7 @@
 use super::modes::{Modes, Scratch};
 use super::{COOLING, FAR, Operators};
 use crate::contact::dense;
-use crate::heat::line::{FACES, GAMMA, Gains};
+use crate::heat::line::{FACES, GAMMA, SurfaceInfluence};
 
 /// Weights of the states and responses of the cells for one step.
 #[derive(Clone, Debug)]
@@ -26,12 +26,12 @@ pub struct StageWeights {
     pub constant: Vec<f64>,
     /// Of inputs that fall from 1 at the start to 0 at the stage, s.
     pub falling: Vec<f64>,
-    /// Of the heat that the fluxes known before the stage (see [`base`](crate::heat::line::LineHeat::base)) give to the mode,
+    /// Of the heat that the fluxes known before the stage (see [`free_response`](crate::heat::line::ThermalBody::base)) give to the mode,
     /// s times Z at the contact.
     pub known: Vec<f64>,
     /// The same of the fluxes of the stage itself.
     pub own: Vec<f64>,
-    pub gains: Gains,
+    pub influence: SurfaceInfluence,
 }
 
 impl Operators {
@@ -44,7 +44,7 @@ impl Operators {
             falling: states(),
             known: states(),
             own: states(),
-            gains: Gains { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
+            influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
         };
         Weights {
             step: f64::NAN,
@@ -107,8 +107,8 @@ impl Operators {
     }
 
     fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
-        stage.gains.temperature.copy_from(&self.temperature_by_flux);
-        stage.gains.distortion.copy_from(&self.distortion_by_flux);
+        stage.influence.temperature.copy_from(&self.temperature_by_flux);
+        stage.influence.distortion.copy_from(&self.distortion_by_flux);
         modes.add_gains(stage, &self.contact, scratch);
     }
 }

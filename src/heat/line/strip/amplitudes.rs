@@ -1,7 +1,7 @@
 //! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
 
-use super::give_back::RANK;
-use super::levels::{Carrier, Parts, add_products, carry, observe};
+use super::robin_correction::RANK;
+use super::state_layout::{Carrier, Parts, add_products, carry, observe};
 use super::scratch::Scratch;
 use super::step::StageWeights;
 use super::{StripHeat, TAIL};
@@ -12,7 +12,7 @@ impl StripHeat {
     /// Notes what the heat transfer given back in the first stage follows: the temperature that the state leaves, and what is known
     /// of the heat transfer given back; not of the contact's fluxes.
     pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
-        if self.operators.give_back.is_none() {
+        if self.operators.robin_correction.is_none() {
             return;
         }
         scratch.first.fill(0.0);
@@ -23,10 +23,10 @@ impl StripHeat {
     /// Adds to the fluxes in `scratch.first` by how much the heat transfer given back deviates at the start of the step from that of
     /// the first stage: it is linear like the fluxes of the contact, with its slope over the step before.
     pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
-        if let Some(give_back) = &self.operators.give_back {
+        if let Some(robin_correction) = &self.operators.robin_correction {
             let rates = &state[state.len() - TAIL - RANK..state.len() - TAIL];
             let back = -GAMMA * self.step.length;
-            give_back.lift(&std::array::from_fn(|degree| back * rates[degree]), &mut scratch.first);
+            robin_correction.lift(&std::array::from_fn(|degree| back * rates[degree]), &mut scratch.first);
         }
     }
 
@@ -44,16 +44,16 @@ impl StripHeat {
         self.operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         self.add_known_flux(scratch, weights);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-        let levels = self.mean_levels(state, surroundings, weights, fluxes);
-        self.project(scratch, stage, levels[0]);
-        levels
+        let state_layout = self.mean_levels(state, surroundings, weights, fluxes);
+        self.project(scratch, stage, state_layout[0]);
+        state_layout
     }
 
     /// Notes what the heat transfer given back at a stage follows: the amplitudes in the scratch and the mean wave's level.
     pub(super) fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
-        if let Some(give_back) = &self.operators.give_back {
-            let mut projected = give_back.project(&scratch.amplitude);
-            projected[0] += give_back.unit[0] * level;
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let mut projected = robin_correction.project(&scratch.amplitude);
+            projected[0] += robin_correction.unit[0] * level;
             scratch.projected[stage as usize] = projected;
         }
     }
@@ -63,20 +63,20 @@ impl StripHeat {
     pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
         let cooling = surroundings.until(Stage::First).cooling;
         scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
-        if let Some(give_back) = &self.operators.give_back {
+        if let Some(robin_correction) = &self.operators.robin_correction {
             let level = scratch.projected[Stage::First as usize];
             scratch.returned[Stage::First as usize] =
-                give_back.add(self.step.first.answer(), &level, surroundings.ambient, &mut scratch.first);
+                robin_correction.add(self.step.first.answer(), &level, surroundings.ambient, &mut scratch.first);
         }
     }
 
     /// The same at the end.
     fn effective_end(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
         scratch.end.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
-        if let Some(give_back) = &self.operators.give_back {
+        if let Some(robin_correction) = &self.operators.robin_correction {
             let level = scratch.projected[Stage::End as usize];
             scratch.returned[Stage::End as usize] =
-                give_back.add(self.step.end.answer(), &level, surroundings.ambient, &mut scratch.end);
+                robin_correction.add(self.step.end.answer(), &level, surroundings.ambient, &mut scratch.end);
         }
     }
 
@@ -94,22 +94,22 @@ impl StripHeat {
         let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
         let Scratch { amplitude, moved, answer, .. } = &mut *scratch;
         if operators.expands {
-            let levels = [level, operators.mean_distortion * through_depth];
-            operators.observe([amplitude, moved], answer, levels, [temperature, distortion]);
+            let state_layout = [level, operators.mean_distortion * through_depth];
+            operators.observe([amplitude, moved], answer, state_layout, [temperature, distortion]);
         } else {
             operators.observe_one(amplitude, &mut answer[0], level, temperature);
             distortion.fill(0.0);
         }
         // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
         let cooling = surroundings.until(stage).cooling;
-        if cooling == 0.0 && operators.give_back.is_none() {
+        if cooling == 0.0 && operators.robin_correction.is_none() {
             return;
         }
         scratch.end.fill(-cooling);
         let mut amounts = [0.0; RANK];
-        if let Some(give_back) = &operators.give_back {
+        if let Some(robin_correction) = &operators.robin_correction {
             let projected = &scratch.projected[stage as usize];
-            amounts = give_back.amounts(weights.answer(), projected, surroundings.ambient, &scratch.end);
+            amounts = robin_correction.amounts(weights.answer(), projected, surroundings.ambient, &scratch.end);
         }
         for (moving, values) in [temperature, distortion].into_iter().enumerate() {
             if moving == 1 && !operators.expands {
@@ -117,7 +117,7 @@ impl StripHeat {
             }
             let uniform = weights.answer().uniform(moving);
             values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= cooling * rise);
-            if operators.give_back.is_some() {
+            if operators.robin_correction.is_some() {
                 dense::multiply_add(weights.answer().lifted(moving), &amounts, values);
             }
         }
@@ -154,7 +154,7 @@ impl StripHeat {
         self.effective_end(scratch, surroundings, contact[1]);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
         self.keep_account(scratch, state, surroundings, contact, fluxes);
-        if operators.give_back.is_some() {
+        if operators.robin_correction.is_some() {
             let ([first, end], tail) = (&scratch.returned, state.len() - TAIL);
             let per_change = 1.0 / ((1.0 - GAMMA) * self.step.length);
             let rates = state[tail - RANK..tail].iter_mut().zip(first.iter().zip(end));
@@ -166,7 +166,7 @@ impl StripHeat {
         let carrier = Carrier { factors: [re, im], known: [known_re, known_im], own: [own_re, own_im] };
         let heat = [&scratch.heat, &scratch.heat_end].map(|heat| [&heat[0][..], &heat[1][..]]);
         let (re, im) = operators.wave_states_mut(state);
-        carry(&operators.levels, before, [re, im], carrier, heat);
+        carry(&operators.state_layout, before, [re, im], carrier, heat);
     }
 
     /// Surface amplitude of every wave at a stage, from the state alone.
@@ -176,7 +176,7 @@ impl StripHeat {
         let [factor_re, factor_im] = &weights.factor;
         let seen = [&operators.temperature[..], &operators.distortion[..]];
         let sums = [&mut scratch.amplitude, &mut scratch.moved];
-        observe(&operators.levels, [re, im], [factor_re, factor_im], seen, sums);
+        observe(&operators.state_layout, [re, im], [factor_re, factor_im], seen, sums);
     }
 
     /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
@@ -198,7 +198,7 @@ impl StripHeat {
         for (weights, sums) in seen.into_iter().take(1 + usize::from(distortion)) {
             for (part, sums) in [re, im].into_iter().zip(sums) {
                 sums.fill(0.0);
-                for level in &operators.levels {
+                for level in &operators.state_layout {
                     let states = weights[level.clone()].iter().zip(&part[level.clone()]);
                     sums.iter_mut().zip(states).for_each(|(sum, (weight, x))| *sum += weight * x);
                 }

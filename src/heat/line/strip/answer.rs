@@ -1,10 +1,10 @@
 //! What a stage's answer to fluxes is made of, as far as it depends on the velocity: linear in everything, so that answers
 //! at neighbouring velocities can be interpolated.
 
-use super::give_back::RANK;
+use super::robin_correction::RANK;
 use super::operators::Operators;
 use crate::contact::dense;
-use crate::heat::line::Gains;
+use crate::heat::line::SurfaceInfluence;
 use nalgebra::DMatrix;
 
 /// Lengths of the parts.
@@ -23,7 +23,7 @@ impl Layout {
             count: operators.widths.len(),
             states: if at_end { operators.rate.len() } else { 0 },
             waves: operators.waves.len(),
-            rank: operators.give_back.as_ref().map_or(0, |_| RANK),
+            rank: operators.robin_correction.as_ref().map_or(0, |_| RANK),
         }
     }
 
@@ -37,7 +37,7 @@ impl Layout {
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// The whole response to the contact's flux.
-    pub gains: Gains,
+    pub influence: SurfaceInfluence,
     layout: Layout,
     rest: Vec<f64>,
 }
@@ -76,7 +76,7 @@ impl Answer {
     pub fn new(layout: Layout) -> Answer {
         let matrix = || dense::untouched(layout.count);
         Answer {
-            gains: Gains { temperature: matrix(), distortion: matrix() },
+            influence: SurfaceInfluence { temperature: matrix(), distortion: matrix() },
             rest: vec![0.0; layout.lengths().iter().sum()],
             layout,
         }
@@ -88,7 +88,7 @@ impl Answer {
     }
 
     /// Gains and parts.
-    pub fn gains_and_parts(&mut self) -> (&mut Gains, Parts<'_>) {
+    pub fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
         let [states, waves, cells, lifted, _] = self.layout.lengths();
         let (weights, rest) = self.rest.split_at_mut(states);
         let (carried, rest) = rest.split_at_mut(waves);
@@ -103,7 +103,7 @@ impl Answer {
             lifted: halves(lifted),
             solution,
         };
-        (&mut self.gains, parts)
+        (&mut self.influence, parts)
     }
 
     /// Weights of the states; see [`Parts::weights`].
@@ -149,21 +149,21 @@ impl Answer {
 
     /// Numbers in it.
     pub fn length(&self) -> usize {
-        self.rest.len() + self.gains.temperature.len() + self.gains.distortion.len()
+        self.rest.len() + self.influence.temperature.len() + self.influence.distortion.len()
     }
 
     /// Becomes another answer of the same strip and stage.
     pub fn copy_from(&mut self, other: &Answer) {
         self.rest.copy_from_slice(&other.rest);
-        self.gains.temperature.copy_from(&other.gains.temperature);
-        self.gains.distortion.copy_from(&other.gains.distortion);
+        self.influence.temperature.copy_from(&other.influence.temperature);
+        self.influence.distortion.copy_from(&other.influence.distortion);
     }
 
     /// Becomes the answer for opposite velocities: cells and waves are symmetric about the middle of the contact.
     pub fn mirror(&mut self) {
         let count = self.layout.count;
-        let (gains, parts) = self.gains_and_parts();
-        for matrix in [&mut gains.temperature, &mut gains.distortion] {
+        let (influence, parts) = self.gains_and_parts();
+        for matrix in [&mut influence.temperature, &mut influence.distortion] {
             matrix.as_mut_slice().reverse();
         }
         for [_, imaginary] in [parts.weights, parts.carried].iter_mut().flat_map(|parts| parts.as_chunks_mut::<2>().0) {
@@ -195,11 +195,11 @@ impl Answer {
     pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: AtOnce<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
-        let parts = answers.map(|answer| answer.gains.temperature.as_slice());
-        sum(self.gains.temperature.as_mut_slice(), parts, factors, immediate, 0);
+        let parts = answers.map(|answer| answer.influence.temperature.as_slice());
+        sum(self.influence.temperature.as_mut_slice(), parts, factors, immediate, 0);
         if !immediate[0].0[1].is_empty() {
-            let parts = answers.map(|answer| answer.gains.distortion.as_slice());
-            sum(self.gains.distortion.as_mut_slice(), parts, factors, immediate, 1);
+            let parts = answers.map(|answer| answer.influence.distortion.as_slice());
+            sum(self.influence.distortion.as_mut_slice(), parts, factors, immediate, 1);
         }
     }
 }

@@ -51,8 +51,8 @@ impl Blocks {
     }
 
     /// Adds Re of `gain exp(iq(x - s))` for every wave; `terms` is room for a number each.
-    pub fn add_waves(&mut self, gains: &[Complex<f64>], shapes: &Shapes, terms: &mut [f64]) {
-        let (half, size, count) = (self.half, self.half * self.half, gains.len());
+    pub fn add_waves(&mut self, influence: &[Complex<f64>], shapes: &Shapes, terms: &mut [f64]) {
+        let (half, size, count) = (self.half, self.half * self.half, influence.len());
         let ([even, odd], [even_by_cell, odd_by_cell]) = (shapes.matrices(), shapes.transposed());
         let (even_even, rest) = self.values.split_at_mut(size);
         let (even_odd, odd_odd) = rest.split_at_mut(size);
@@ -65,15 +65,15 @@ impl Blocks {
         for a in 0..half {
             let (row, cell) = (a * half..(a + 1) * half, a * count..(a + 1) * count);
             let (even_here, odd_here) = (&even_by_cell[cell.clone()], &odd_by_cell[cell]);
-            for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
+            for (term, (gain, shape)) in terms.iter_mut().zip(influence.iter().zip(even_here)) {
                 *term = gain.re * shape;
             }
             multiply(even, even_by_cell, terms, &mut even_even[row.clone()], a);
-            for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(even_here)) {
+            for (term, (gain, shape)) in terms.iter_mut().zip(influence.iter().zip(even_here)) {
                 *term = gain.im * shape;
             }
             multiply(odd, odd_by_cell, terms, &mut even_odd[row.clone()], 0);
-            for (term, (gain, shape)) in terms.iter_mut().zip(gains.iter().zip(odd_here)) {
+            for (term, (gain, shape)) in terms.iter_mut().zip(influence.iter().zip(odd_here)) {
                 *term = gain.re * shape;
             }
             multiply(odd, odd_by_cell, terms, &mut odd_odd[row], a);
@@ -161,12 +161,12 @@ impl Blocks {
     ///
     /// only S loses eigenvalues. So the steady mean temperature stays exact, and smooth in the velocity. Where u has turned away
     /// from c, the share of u u' fades out: it would stand for a large answer to everything else.
-    pub fn make_passive(&mut self, uniform: &[f64], room: &mut Passive) {
+    pub fn make_passive(&mut self, uniform: &[f64], workspace: &mut Passive) {
         let (half, size) = (self.half, self.half * self.half);
         for block in [0, 2] {
             let values = &mut self.values[block * size..(block + 1) * size];
-            if !room.is_passive(values, half) {
-                room.project(values, half, if block == 0 { uniform } else { &[] });
+            if !workspace.is_passive(values, half) {
+                workspace.project(values, half, if block == 0 { uniform } else { &[] });
             }
         }
     }
@@ -195,10 +195,10 @@ fn column<S: Simd>(
     }
     let ((top_head, top_tail), (low_head, low_tail)) =
         (S::as_mut_simd_f64s(top), S::as_mut_simd_f64s(&mut mirrored[..half]));
-    let [signs, widths, levels] = [sign, width, level].map(|value| simd.splat_f64s(value));
+    let [signs, widths, state_layout] = [sign, width, level].map(|value| simd.splat_f64s(value));
     for i in 0..low_head.len() {
         let [even, even_to_odd, odd_to_even, odd] = [0, 1, 2, 3].map(|k| vectors[k].0[i]);
-        let same = simd.add_f64s(simd.add_f64s(levels, even), simd.mul_f64s(signs, even_to_odd));
+        let same = simd.add_f64s(simd.add_f64s(state_layout, even), simd.mul_f64s(signs, even_to_odd));
         let other = simd.sub_f64s(simd.mul_f64s(signs, odd), odd_to_even);
         top_head[i] = simd.mul_f64s(widths, simd.add_f64s(same, other));
         low_head[i] = simd.mul_f64s(widths, simd.sub_f64s(same, other));

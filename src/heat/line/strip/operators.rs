@@ -1,11 +1,11 @@
 //! What a strip's conduction is made of, built once and shared by every copy.
 
 use super::depth::{Depth, DepthModes, Expansion};
-use super::give_back::GiveBack;
+use super::robin_correction::RobinCorrection;
 use super::kept::Kept;
-use super::levels::{Level, levels, of_wave};
-use super::remainder::Remainder;
-use super::scan::Scan;
+use super::state_layout::{Level, state_layout, of_mode};
+use super::static_correction::StaticCorrection;
+use super::error_sweep::ErrorSweep;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave, harmonics};
 use crate::contact::dense;
@@ -72,7 +72,7 @@ pub struct Resolution {
 /// `rate = per_length (sqrt(v^2 + slow^2) - slow)`: like `v^2` at rest, like `|v|` beyond, and smooth in between, so that what
 /// depends on it can be interpolated through rest.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Forgetting {
+pub struct ImageDamping {
     /// Decays per length, 1/m; 0: a path that remembers.
     pub per_length: f64,
     /// Velocity at which one period takes the whole time, m/s.
@@ -82,7 +82,7 @@ pub struct Forgetting {
 /// Change of the velocity, relative to where the rate bends, up to which Simpson's rule finds its mean to 1e-6.
 const STRAIGHT: f64 = 0.25;
 
-impl Forgetting {
+impl ImageDamping {
     /// Rate at a velocity, 1/s.
     pub fn rate(&self, velocity: f64) -> f64 {
         self.per_length * velocity * velocity / (velocity.hypot(self.slow) + self.slow)
@@ -120,7 +120,7 @@ pub struct Operators {
     /// `2 count/L`: what a wave's amplitude counts in the temperature.
     pub weight: Vec<f64>,
     /// Places of the states of all waves.
-    pub levels: Vec<Level>,
+    pub state_layout: Vec<Level>,
     pub rate: Vec<f64>,
     pub temperature: Vec<f64>,
     pub distortion: Vec<f64>,
@@ -133,14 +133,14 @@ pub struct Operators {
     pub held: bool,
     /// The material under the contact has never been there before: heat received does not come back.
     pub fresh: bool,
-    pub forgetting: Forgetting,
+    pub image_damping: ImageDamping,
     /// Largest `q dv h/8` of the shortest wave at which the gains are those of the mean velocity. Such waves are less than one
     /// in a hundred of the temperature. 0: every step finds its own.
     pub steady: f64,
     pub table: VelocityTable,
     /// Answers of the steps that were prepared, where several probes take them; `None`: every step finds its own.
     pub kept: Option<Kept>,
-    pub give_back: Option<GiveBack>,
+    pub robin_correction: Option<RobinCorrection>,
     /// Even and odd parts on the cells that a wave's real and imaginary amplitude show: (N + 1)/2 rows, one column per wave.
     pub seen: [Vec<f64>; 2],
     /// Mean over the contact of what a state's real part shows.
@@ -245,7 +245,7 @@ impl Operators {
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let fresh = properties.path == Path::OneWay;
         let forgets = fresh && width + resolution.way > period;
-        let forgetting = Forgetting {
+        let image_damping = ImageDamping {
             per_length: if forgets { FORGOTTEN / period } else { 0.0 },
             slow: period / resolution.duration,
         };
@@ -260,7 +260,7 @@ impl Operators {
         let mean = slab.reduce(resolution.duration, tolerance);
         let layers: Vec<Depth> =
             waves.iter().map(|wave| Depth::new(&slab, expansion, wave.number).spreading(properties.lateral)).collect();
-        let scan = Scan::new(cells, &slab, (!fresh).then_some(&mean), period, (&waves, &layers), &shapes, resolution);
+        let error_sweep = ErrorSweep::new(cells, &slab, (!fresh).then_some(&mean), period, (&waves, &layers), &shapes, resolution);
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
@@ -271,11 +271,11 @@ impl Operators {
             let good = |error: f64| error <= REDUCTION_PART * tolerance;
             // Neighbouring waves have neighbouring errors; the last ratio is taken as it is.
             let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
-            if few && !good(scan.largest_error(&reduce(SAMPLED), SAMPLED)) {
+            if few && !good(error_sweep.largest_error(&reduce(SAMPLED), SAMPLED)) {
                 continue;
             }
             modes = reduce(1);
-            error = scan.largest_error(&modes, 1);
+            error = error_sweep.largest_error(&modes, 1);
             if good(error) {
                 break;
             }
@@ -289,18 +289,18 @@ impl Operators {
         for wave in (1..counts.len()).rev() {
             counts[wave - 1] = counts[wave - 1].max(counts[wave]);
         }
-        let levels = levels(&counts);
+        let state_layout = state_layout(&counts);
         let states = counts.iter().sum();
         let (mut rate, mut temperature, mut distortion) = (vec![0.0; states], vec![0.0; states], vec![0.0; states]);
         for (wave, mode) in modes.iter().enumerate() {
             let fastest = mode.rate.iter().copied().fold(0.0, f64::max);
-            for (k, place) in of_wave(&levels, wave).enumerate() {
+            for (k, place) in of_mode(&state_layout, wave).enumerate() {
                 rate[place] = mode.rate.get(k).copied().unwrap_or(fastest);
                 temperature[place] = mode.temperature.get(k).copied().unwrap_or(0.0);
                 distortion[place] = mode.distortion.get(k).copied().unwrap_or(0.0);
             }
         }
-        let remainder = Remainder {
+        let static_correction = StaticCorrection {
             cells: cells.clone(),
             slab,
             bare,
@@ -311,9 +311,9 @@ impl Operators {
             waves: waves.clone(),
             shapes: shapes.clone(),
             modes,
-            fresh: fresh.then_some((2.0 / resolution.duration, forgetting)),
+            fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
         };
-        let table = VelocityTable::new(remainder, slow, limit, tolerance);
+        let table = VelocityTable::new(static_correction, slow, limit, tolerance);
         let mut operators = Operators {
             half: shapes.half(),
             period,
@@ -321,7 +321,7 @@ impl Operators {
             free_length: (period - widths.iter().sum::<f64>()).max(0.0),
             convection,
             weight: waves.iter().map(|wave| 2.0 * wave.count / period).collect(),
-            levels,
+            state_layout,
             rate,
             temperature,
             distortion,
@@ -330,11 +330,11 @@ impl Operators {
             expands: expansion.is_some(),
             held: properties.base == Base::Held,
             fresh,
-            forgetting,
+            image_damping,
             steady: 10.0 * tolerance.min(1e-3),
             table,
             kept: None,
-            give_back: None,
+            robin_correction: None,
             seen: Default::default(),
             contact_mean: Vec::new(),
             error,
@@ -351,12 +351,12 @@ impl Operators {
         operators.contact_mean = vec![0.0; operators.rate.len()];
         for wave in 0..operators.waves.len() {
             let mean = operators.weight[wave] * operators.over_cells(wave, |_| 1.0).0 / width;
-            for k in of_wave(&operators.levels, wave) {
+            for k in of_mode(&operators.state_layout, wave) {
                 operators.contact_mean[k] = mean * operators.temperature[k];
             }
         }
         if convection > 0.0 {
-            operators.give_back = Some(GiveBack::new(cells, convection, &operators));
+            operators.robin_correction = Some(RobinCorrection::new(cells, convection, &operators));
         }
         Ok(operators)
     }
@@ -441,7 +441,7 @@ impl Operators {
         &self,
         amplitudes: [&[Vec<f64>; 2]; 2],
         parts: &mut [[Vec<f64>; 2]; 2],
-        levels: [f64; 2],
+        state_layout: [f64; 2],
         values: [&mut [f64]; 2],
     ) {
         let [[warm_re, warm_im], [moved_re, moved_im]] = amplitudes;
@@ -450,7 +450,7 @@ impl Operators {
         let [even, odd] = &self.seen;
         dense::multiply_add_pair(even, [warm_re, moved_re], [warm_even, moved_even]);
         dense::multiply_add_pair(odd, [warm_im, moved_im], [warm_odd, moved_odd]);
-        for ((values, level), [even, odd]) in values.into_iter().zip(levels).zip(parts) {
+        for ((values, level), [even, odd]) in values.into_iter().zip(state_layout).zip(parts) {
             values.fill(level);
             self.unfold_onto([even, odd], values);
         }

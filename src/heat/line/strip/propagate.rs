@@ -48,7 +48,7 @@ pub struct Motion {
 
 impl Motion {
     /// Factor by which the wave turns over the interval, without decay.
-    pub fn turn(&self) -> Complex<f64> {
+    pub fn phase(&self) -> Complex<f64> {
         Complex::from_polar(1.0, 0.5 * self.step * (self.turning[0] + self.turning[1]))
     }
 
@@ -226,7 +226,7 @@ mod tests {
                 [8.0 / 0.9 * PI + 4.0, 8.0 / 0.9 * PI - 4.0],
             ] {
                 let motion = Motion { turning, step: 0.9 };
-                let (factor, falling, rising) = motion.weights(rate, motion.turn());
+                let (factor, falling, rising) = motion.weights(rate, motion.phase());
                 let (all, exact) = by_quadrature(rate, &motion);
                 let scale = 1e-7 * all.norm().max(0.9 / (1.0 + 0.9 * rate + 0.9 * turning[0].abs()));
                 assert!((falling - exact).norm() < scale, "{rate} {turning:?}: {falling} {exact}");
@@ -265,7 +265,7 @@ mod tests {
                             for rate in [rate.next_up(), rate, rate.next_down().max(0.0)] {
                                 let turning = [middle - 0.5 * change, middle + 0.5 * change];
                                 let motion = Motion { turning, step: 1.0 };
-                                let (_, falling, rising) = motion.weights(rate, motion.turn());
+                                let (_, falling, rising) = motion.weights(rate, motion.phase());
                                 found.push([falling, rising]);
                             }
                         }
@@ -294,7 +294,7 @@ mod tests {
                 for rate in [0.0, 1.0, 1e9, change] {
                     for change in about(change) {
                         let motion = Motion { turning: [start, start + change], step: 1.0 };
-                        let (factor, falling, rising) = motion.weights(rate, motion.turn());
+                        let (factor, falling, rising) = motion.weights(rate, motion.phase());
                         for weight in [factor, falling, rising] {
                             assert!(weight.norm() <= 1.0 + 1e-9, "{start} {rate} {change}: {weight}");
                         }

@@ -1,6 +1,6 @@
 //! Memory that the evaluations work in.
 
-use super::give_back::RANK;
+use super::robin_correction::RANK;
 use super::operators::Operators;
 
 /// Work space of the evaluations.

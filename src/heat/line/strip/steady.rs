@@ -3,7 +3,7 @@
 
 /// Length (s) and velocity (m/s) of a step, and when it was asked for.
 #[derive(Clone, Copy, Debug)]
-struct Kept {
+struct CachedStep {
     length: f64,
     velocity: f64,
     used: u64,
@@ -12,14 +12,14 @@ struct Kept {
 /// The steps of the places from 1 on; place 0 is that of all others.
 #[derive(Clone, Debug)]
 pub struct SteadySteps {
-    steps: Vec<Kept>,
+    steps: Vec<CachedStep>,
     clock: u64,
 }
 
 impl SteadySteps {
     /// Memory for this many.
     pub fn new(most: usize) -> SteadySteps {
-        let none = Kept { length: f64::NAN, velocity: f64::NAN, used: 0 };
+        let none = CachedStep { length: f64::NAN, velocity: f64::NAN, used: 0 };
         SteadySteps { steps: vec![none; most], clock: 0 }
     }
 
@@ -30,11 +30,11 @@ impl SteadySteps {
         }
         self.clock += 1;
         let [velocity, _] = velocity;
-        let is = |kept: &Kept| kept.length == length && kept.velocity.to_bits() == velocity.to_bits();
+        let is = |kept: &CachedStep| kept.length == length && kept.velocity.to_bits() == velocity.to_bits();
         let known = self.steps.iter().position(is);
         let oldest = || (0..self.steps.len()).min_by_key(|&place| self.steps[place].used);
         let place = known.or_else(oldest).unwrap_or(0);
-        self.steps[place] = Kept { length, velocity, used: self.clock };
+        self.steps[place] = CachedStep { length, velocity, used: self.clock };
         (place + 1, known.is_some())
     }
 }
@@ -43,7 +43,7 @@ impl SteadySteps {
 mod tests {
     use super::super::*;
     use crate::elastic::Material;
-    use crate::heat::line::{kept_steps, strip};
+    use crate::heat::line::{cache_capacity, strip};
 
     /// Up to six lengths by turns, with steps of a changing velocity and of the other scheme between them.
     #[test]
@@ -65,10 +65,10 @@ mod tests {
         let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut kept = body.clone();
         let mut places = std::collections::BTreeSet::new();
-        for turn in 0..40_u32 {
-            let length = 1e-3 * f64::from(1 << (turn % 6));
-            let velocity = if turn % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
-            if turn % 7 == 3 {
+        for phase in 0..40_u32 {
+            let length = 1e-3 * f64::from(1 << (phase % 6));
+            let velocity = if phase % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
+            if phase % 7 == 3 {
                 kept.prepare_euler(length, velocity);
             }
             kept.prepare(length, velocity);
@@ -76,16 +76,16 @@ mod tests {
             fresh.prepare(length, velocity);
             let (one, other) = (&kept.step, &fresh.step);
             for (one, other) in [(&one.first, &other.first), (&one.end, &other.end)] {
-                assert_eq!(one.answer().gains, other.answer().gains, "{turn}");
-                assert_eq!(one.answer().weights(), other.answer().weights(), "{turn}");
-                assert_eq!(one.answer().carried(), other.answer().carried(), "{turn}");
-                assert_eq!(one.factor, other.factor, "{turn}");
-                assert_eq!(one.mean_weight, other.mean_weight, "{turn}");
+                assert_eq!(one.answer().influence, other.answer().influence, "{phase}");
+                assert_eq!(one.answer().weights(), other.answer().weights(), "{phase}");
+                assert_eq!(one.answer().carried(), other.answer().carried(), "{phase}");
+                assert_eq!(one.factor, other.factor, "{phase}");
+                assert_eq!(one.mean_weight, other.mean_weight, "{phase}");
             }
-            places.insert((std::ptr::from_ref(kept.gains(Stage::End)) as usize, velocity == [0.1; 2]));
+            places.insert((std::ptr::from_ref(kept.influence(Stage::End)) as usize, velocity == [0.1; 2]));
         }
         // A place for each length, and one for a velocity that changes.
-        assert!(kept_steps(9) >= 6);
+        assert!(cache_capacity(9) >= 6);
         assert_eq!(places.len(), 7);
     }
 }

@@ -3,13 +3,13 @@
 mod interval;
 pub mod stage;
 
-pub use interval::{Interval, OWN, Room};
+pub use interval::{Interval, OWN, Workspace};
 pub use stage::StageWeights;
 
 use super::operators::Operators;
 use super::steady::SteadySteps;
 use crate::contact::dense;
-use crate::heat::line::{GAMMA, Gains, Stage, kept_steps};
+use crate::heat::line::{GAMMA, SurfaceInfluence, Stage, cache_capacity};
 use nalgebra::DMatrix;
 
 /// Relative change of the velocity over a step up to which what answers at once changes linearly.
@@ -27,8 +27,8 @@ pub struct Step {
     pub end: StageWeights,
     /// What the answers behind the first are those of.
     steady: SteadySteps,
-    room: Room,
-    immediate: Immediate,
+    workspace: Workspace,
+    immediate: DirectFeedthrough,
 }
 
 /// A velocity without its last twelve bits: what the next step starts with differs from the end of this one by rounding.
@@ -38,17 +38,17 @@ fn rounded(velocity: f64) -> f64 {
 
 /// What answers at once, on the cells, at the velocities last asked for: the end of a step is the start of the next.
 #[derive(Clone, Debug)]
-struct Immediate {
+struct DirectFeedthrough {
     known: [(f64, u64, [DMatrix<f64>; 2]); 3],
     clock: u64,
 }
 
-impl Immediate {
-    fn new(operators: &Operators) -> Immediate {
+impl DirectFeedthrough {
+    fn new(operators: &Operators) -> DirectFeedthrough {
         let count = operators.widths.len();
         let moving = if operators.expands { count } else { 0 };
         let matrices = || (f64::NAN, 0, [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)]);
-        Immediate { known: [matrices(), matrices(), matrices()], clock: 0 }
+        DirectFeedthrough { known: [matrices(), matrices(), matrices()], clock: 0 }
     }
 
     /// Place of the responses at a velocity.
@@ -78,8 +78,8 @@ impl Immediate {
 }
 
 /// Adds part of responses to the gains.
-fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, gains: &mut Gains) {
-    for (matrix, gain) in [(warm, &mut gains.temperature), (moved, &mut gains.distortion)] {
+fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, influence: &mut SurfaceInfluence) {
+    for (matrix, gain) in [(warm, &mut influence.temperature), (moved, &mut influence.distortion)] {
         if !matrix.is_empty() {
             dense::multiply_add(matrix.as_slice(), &[part], gain.as_mut_slice());
         }
@@ -94,7 +94,7 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 impl Step {
     pub fn new(operators: &Operators) -> Step {
         // Where steps are few their answers are kept elsewhere.
-        let kept = if operators.kept.is_none() { kept_steps(operators.widths.len()) } else { 0 };
+        let kept = if operators.kept.is_none() { cache_capacity(operators.widths.len()) } else { 0 };
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
@@ -102,8 +102,8 @@ impl Step {
             first: StageWeights::new(operators, false, kept),
             end: StageWeights::new(operators, true, kept),
             steady: SteadySteps::new(kept),
-            room: Room::new(operators),
-            immediate: Immediate::new(operators),
+            workspace: Workspace::new(operators),
+            immediate: DirectFeedthrough::new(operators),
         }
     }
 
@@ -157,19 +157,19 @@ impl Step {
     /// Finds the answers of both stages.
     fn find(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
         let [_, middle] = to_first_stage(velocity);
-        let Step { first, end, room, immediate, .. } = self;
+        let Step { first, end, workspace, immediate, .. } = self;
         let last = immediate.find(operators, velocity[1]);
         let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
         if straight && velocity[0] != velocity[1] {
             let start = immediate.find(operators, velocity[0]);
             let both = [(immediate.at(start), 1.0 - GAMMA), (immediate.at(last), GAMMA)];
-            first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, room);
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, workspace);
         } else {
             let between = immediate.find(operators, middle);
             let one = [(immediate.at(between), 1.0)];
-            first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, room);
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, workspace);
         }
-        end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], room);
+        end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], workspace);
     }
 
     /// One implicit Euler step: both stages are its end.
@@ -180,11 +180,11 @@ impl Step {
         (self.length, self.velocity, self.euler) = (length, velocity, true);
         (self.first.current, self.end.current) = (0, 0);
         for stage in [&mut self.first, &mut self.end] {
-            stage.prepare_euler(operators, length, velocity, &mut self.room);
+            stage.prepare_euler(operators, length, velocity, &mut self.workspace);
         }
         let end = self.immediate.find(operators, velocity[1]);
         for stage in [&mut self.first, &mut self.end] {
-            add(self.immediate.at(end), 1.0, &mut stage.answers[0].gains);
+            add(self.immediate.at(end), 1.0, &mut stage.answers[0].influence);
         }
     }
 }

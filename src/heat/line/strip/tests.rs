@@ -5,7 +5,7 @@ mod thresholds;
 
 use super::{Expansion, Path, StripHeat, StripProperties};
 use crate::elastic::{self, Cells, Material};
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 use crate::heat::slab::Base;
 
 fn unit(height: f64, base: Base, path: Path) -> StripProperties {
@@ -54,10 +54,10 @@ fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, veloc
     for index in 0..steps {
         body.prepare(step, [velocity(index as f64 * step), velocity((index + 1) as f64 * step)]);
         if index + 1 == steps {
-            body.base(state, &air, Stage::End, &flux, &mut temperature, &mut distortion);
-            let gains = &body.gains(Stage::End).temperature;
+            body.free_response(state, &air, Stage::End, &flux, &mut temperature, &mut distortion);
+            let influence = &body.influence(Stage::End).temperature;
             for i in 0..count {
-                temperature[i] += gains.row(i).sum();
+                temperature[i] += influence.row(i).sum();
             }
         }
         body.advance(state, &air, &flux, &flux);

@@ -5,7 +5,7 @@
 //! of its number alone, whoever asks first.
 
 use super::blocks::Blocks;
-use super::remainder::{Integrals, Remainder, Room};
+use super::static_correction::{Integrals, StaticCorrection, Workspace};
 use crate::contact::dense;
 use nalgebra::DMatrix;
 use std::sync::{Mutex, OnceLock};
@@ -34,8 +34,8 @@ pub struct VelocityTable {
     scale: f64,
     spacing: f64,
     widths: Vec<f64>,
-    knots: Vec<OnceLock<Knot>>,
-    remainder: Remainder,
+    nodes: Vec<OnceLock<Knot>>,
+    static_correction: StaticCorrection,
     integrals: Integrals,
     workshop: Mutex<Workshop>,
 }
@@ -43,7 +43,7 @@ pub struct VelocityTable {
 /// What knots are made in, and of.
 #[derive(Debug)]
 struct Workshop {
-    room: Room,
+    workspace: Workspace,
     /// One for every knot that is still to be found.
     spare: Vec<Knot>,
     /// Both responses split by parity, and room for a block and a row of it.
@@ -59,15 +59,15 @@ type Knot = [DMatrix<f64>; 2];
 impl VelocityTable {
     /// `scale` is the velocity v0 below which nothing depends on the velocity, `fastest` where the limit is reached, `tolerance`
     /// the relative error of the contact temperature that is asked for.
-    pub fn new(remainder: Remainder, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
-        let (half, widths) = (remainder.shapes.half(), remainder.cells.widths().to_vec());
+    pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
+        let (half, widths) = (static_correction.shapes.half(), static_correction.cells.widths().to_vec());
         let spacing = (SPACING * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(CLOSEST, WIDEST);
         let count = BEHIND + ((fastest / scale).asinh() / spacing).ceil().max(1.0) as usize + 1 + STENCIL / 2;
-        let integrals = remainder.integrals();
+        let integrals = static_correction.integrals();
         let cells = widths.len();
-        let moving = if remainder.expansion.is_some() { cells } else { 0 };
+        let moving = if static_correction.expansion.is_some() { cells } else { 0 };
         let workshop = Workshop {
-            room: Room::new(&remainder, &integrals),
+            workspace: Workspace::new(&static_correction, &integrals),
             // Zeros that the system hands out: most knots are never found, and touch no memory.
             spare: (0..count)
                 .map(|_| [cells, moving].map(|size| DMatrix::from_vec(size, size, vec![0.0; size * size])))
@@ -82,8 +82,8 @@ impl VelocityTable {
             scale,
             spacing,
             widths,
-            knots: (0..count).map(|_| OnceLock::new()).collect(),
-            remainder,
+            nodes: (0..count).map(|_| OnceLock::new()).collect(),
+            static_correction,
             integrals,
             workshop: Mutex::new(workshop),
         }
@@ -93,8 +93,8 @@ impl VelocityTable {
     pub fn align(&mut self, velocity: f64) {
         let reach = (velocity.abs() / self.scale).asinh();
         let number = (reach / self.spacing).round();
-        let last = (self.knots.len() - 1 - STENCIL / 2 - BEHIND) as f64;
-        if number >= 1.0 && number <= last && self.knots.iter().all(|knot| knot.get().is_none()) {
+        let last = (self.nodes.len() - 1 - STENCIL / 2 - BEHIND) as f64;
+        if number >= 1.0 && number <= last && self.nodes.iter().all(|node| node.get().is_none()) {
             self.spacing = reach / number;
         }
     }
@@ -102,21 +102,21 @@ impl VelocityTable {
     /// Finds the knots that velocities up to `velocity` ask for.
     pub fn expect(&self, velocity: f64) {
         let (base, _) = self.stencil(velocity);
-        (0..base + STENCIL).for_each(|knot| {
-            self.knot(knot);
+        (0..base + STENCIL).for_each(|node| {
+            self.node(node);
         });
     }
 
     /// Both responses at a knot, counted from the first behind that of rest; takes no memory.
-    fn knot(&self, knot: usize) -> &Knot {
-        if let Some(known) = self.knots[knot].get() {
+    fn node(&self, node: usize) -> &Knot {
+        if let Some(known) = self.nodes[node].get() {
             return known;
         }
-        let opposite = (knot < BEHIND).then(|| self.knot(2 * BEHIND - knot));
+        let opposite = (node < BEHIND).then(|| self.node(2 * BEHIND - node));
         // What a panic may have left behind is overwritten.
         let mut workshop = self.workshop.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         // Somebody else may just have found it.
-        if self.knots[knot].get().is_none()
+        if self.nodes[node].get().is_none()
             && let Some(mut found) = workshop.spare.pop()
         {
             match opposite {
@@ -126,25 +126,25 @@ impl VelocityTable {
                         own.as_mut_slice().reverse();
                     }
                 }
-                None => self.find(knot - BEHIND, &mut workshop, &mut found),
+                None => self.find(node - BEHIND, &mut workshop, &mut found),
             }
-            let _ = self.knots[knot].set(found);
+            let _ = self.nodes[node].set(found);
         }
         drop(workshop);
-        self.knots[knot].get().expect("there is a spare one for every knot")
+        self.nodes[node].get().expect("there is a spare one for every knot")
     }
 
     /// Finds the responses at knot `number`, 0 at rest.
     fn find(&self, number: usize, workshop: &mut Workshop, found: &mut Knot) {
-        let Workshop { room, blocks, turned, uniform, .. } = workshop;
+        let Workshop { workspace, blocks, turned, uniform, .. } = workshop;
         let velocity = self.scale * (number as f64 * self.spacing).sinh();
         let [warm, moved] = &mut *blocks;
-        self.remainder.at(velocity, &self.integrals, room, warm, moved);
+        self.static_correction.at(velocity, &self.integrals, workspace, warm, moved);
         if number == 0 {
             // At rest the response is symmetric; what stood in for rest moves a little.
             blocks.iter_mut().for_each(Blocks::make_symmetric);
         }
-        blocks[0].make_passive(uniform, &mut room.passive);
+        blocks[0].make_passive(uniform, &mut workspace.passive);
         for (blocks, own) in blocks.iter().zip(found).filter(|(_, own)| !own.is_empty()) {
             blocks.unfold(&self.widths, 0.0, turned, own);
         }
@@ -157,7 +157,7 @@ impl VelocityTable {
 
     /// First knot and weights for a speed.
     fn stencil(&self, velocity: f64) -> (usize, [f64; STENCIL]) {
-        let last = self.knots.len() - 1 - STENCIL / 2 - BEHIND;
+        let last = self.nodes.len() - 1 - STENCIL / 2 - BEHIND;
         let mut position = (velocity.abs() / self.scale).asinh() / self.spacing;
         let mut limit = 1.0;
         if position > last as f64 {
@@ -171,10 +171,10 @@ impl VelocityTable {
         let base = (position as usize).min(last);
         let offset = position - base as f64;
         let weights = std::array::from_fn(|k| {
-            let node = k as f64 - BEHIND as f64;
+            let position = k as f64 - BEHIND as f64;
             let weight: f64 = (0..STENCIL)
                 .filter(|&other| other != k)
-                .map(|other| (offset - (other as f64 - BEHIND as f64)) / (node - (other as f64 - BEHIND as f64)))
+                .map(|other| (offset - (other as f64 - BEHIND as f64)) / (position - (other as f64 - BEHIND as f64)))
                 .product();
             limit * weight
         });
@@ -186,32 +186,32 @@ impl VelocityTable {
         let (base, weights) = self.stencil(velocity);
         // On a knot nothing else is asked for.
         let of = |k: usize| if weights[k] == 0.0 { BEHIND } else { k };
-        let knots: [&[f64]; STENCIL] = std::array::from_fn(|k| self.knot(base + of(k))[moving].as_slice());
-        dense::combine(response.as_mut_slice(), knots, weights);
+        let nodes: [&[f64]; STENCIL] = std::array::from_fn(|k| self.node(base + of(k))[moving].as_slice());
+        dense::combine(response.as_mut_slice(), nodes, weights);
         if velocity < 0.0 {
             // The cells are symmetric about x = 0.
             response.as_mut_slice().reverse();
         }
     }
 
-    /// Adds the response to `flux` at a velocity; `room` is for as many numbers twice.
+    /// Adds the response to `flux` at a velocity; `workspace` is for as many numbers twice.
     pub fn add_response(
         &self,
         moving: usize,
         velocity: f64,
         flux: &[f64],
-        room: &mut [Vec<f64>; 2],
+        workspace: &mut [Vec<f64>; 2],
         answer: &mut [f64],
     ) {
         let (base, weights) = self.stencil(velocity);
-        let [weighted, sum] = room;
+        let [weighted, sum] = workspace;
         sum.fill(0.0);
         for (k, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
             weighted.iter_mut().zip(flux).for_each(|(own, q)| *own = weight * q);
             if velocity < 0.0 {
                 weighted.reverse();
             }
-            dense::multiply_add(self.knot(base + k)[moving].as_slice(), weighted, sum);
+            dense::multiply_add(self.node(base + k)[moving].as_slice(), weighted, sum);
         }
         if velocity < 0.0 {
             sum.reverse();
@@ -220,8 +220,8 @@ impl VelocityTable {
     }
 
     /// Number of knots.
-    pub fn knots(&self) -> usize {
-        self.knots.len()
+    pub fn nodes(&self) -> usize {
+        self.nodes.len()
     }
 }
 
@@ -231,7 +231,7 @@ mod tests {
     use crate::elastic::Cells;
     use crate::heat::line::strip::tests::steel;
     use crate::heat::line::strip::{Path, Resolution, StripHeat};
-    use crate::heat::line::{LineHeat, Stage};
+    use crate::heat::line::{ThermalBody, Stage};
     use crate::heat::slab::Base;
 
     const HALF_WIDTH: f64 = 0.02;
@@ -257,19 +257,19 @@ mod tests {
         let (table, count) = (&operators.table, cells.count());
         let mut workshop = table.workshop.lock().unwrap();
         let mut worst = [0.0f64; 2];
-        for k in 0..table.knots.len() - STENCIL - BEHIND {
+        for k in 0..table.nodes.len() - STENCIL - BEHIND {
             let velocity = table.scale * ((k as f64 + 0.5) * table.spacing).sinh();
             drop(workshop);
             let mut between = DMatrix::zeros(count, count);
             table.respond(0, velocity, &mut between);
             body.prepare(1e9, [velocity; 2]);
-            let whole = largest(uniform(&body.gains(Stage::End).temperature));
+            let whole = largest(uniform(&body.influence(Stage::End).temperature));
             workshop = table.workshop.lock().unwrap();
-            let Workshop { room, blocks: [warm, moved], turned, uniform: heat, .. } = &mut *workshop;
-            table.remainder.at(velocity, &table.integrals, room, warm, moved);
+            let Workshop { workspace, blocks: [warm, moved], turned, uniform: heat, .. } = &mut *workshop;
+            table.static_correction.at(velocity, &table.integrals, workspace, warm, moved);
             let mut exact = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
             warm.unfold(&table.widths, 0.0, turned, &mut exact[0]);
-            warm.make_passive(heat, &mut room.passive);
+            warm.make_passive(heat, &mut workspace.passive);
             warm.unfold(&table.widths, 0.0, turned, &mut exact[1]);
             for (worst, [left, right]) in worst.iter_mut().zip([[&between, &exact[1]], [&exact[0], &exact[1]]]) {
                 let error = largest(uniform(left).iter().zip(uniform(right)).map(|(left, right)| left - right));
@@ -305,7 +305,7 @@ mod tests {
             let table = &strip.operators.table;
             let mut response = DMatrix::zeros(count, count);
             table.respond(0, velocity, &mut response);
-            (response, table.knots.iter().filter(|knot| knot.get().is_some()).count())
+            (response, table.nodes.iter().filter(|node| node.get().is_some()).count())
         };
         let (between, several) = answer(strip(&cells, Path::OneWay, &resolution));
         let (there, one) = answer(strip(&cells, Path::OneWay, &resolution).for_few_steps(velocity));

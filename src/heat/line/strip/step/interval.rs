@@ -4,7 +4,7 @@ use crate::heat::line::GAMMA;
 use crate::heat::line::strip::CONTACT;
 use crate::heat::line::strip::answer::Answer;
 use crate::heat::line::strip::blocks::Blocks;
-use crate::heat::line::strip::levels::of_wave;
+use crate::heat::line::strip::state_layout::of_mode;
 use crate::heat::line::strip::operators::Operators;
 use crate::heat::line::strip::propagate::Motion;
 use nalgebra::{Complex, DMatrix};
@@ -23,24 +23,24 @@ pub struct Interval<'a> {
 
 /// Where answers are built: responses of the waves, split by parity and on the cells; of temperature and distortion.
 #[derive(Clone, Debug)]
-pub struct Room {
+pub struct Workspace {
     blocks: [Blocks; 2],
     slow: [DMatrix<f64>; 2],
     /// Gains of the waves, and a number for each.
-    pub gains: [Vec<Complex<f64>>; 2],
+    pub influence: [Vec<Complex<f64>>; 2],
     terms: Vec<f64>,
     /// Room for a block and a row of it.
     turned: Vec<f64>,
 }
 
-impl Room {
-    pub fn new(operators: &Operators) -> Room {
+impl Workspace {
+    pub fn new(operators: &Operators) -> Workspace {
         let (count, waves) = (operators.widths.len(), operators.waves.len());
         let moving = if operators.expands { count } else { 0 };
-        Room {
+        Workspace {
             blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
-            gains: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
+            influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
             terms: vec![0.0; waves],
             turned: vec![0.0; (operators.half + 1) * operators.half],
         }
@@ -49,9 +49,9 @@ impl Room {
     /// Sums the waves by their gains.
     pub fn sum_waves(&mut self, operators: &Operators) {
         let moving = 1 + usize::from(operators.expands);
-        for (blocks, gains) in self.blocks.iter_mut().zip(&self.gains).take(moving) {
+        for (blocks, influence) in self.blocks.iter_mut().zip(&self.influence).take(moving) {
             blocks.clear();
-            blocks.add_waves(gains, &operators.shapes, &mut self.terms);
+            blocks.add_waves(influence, &operators.shapes, &mut self.terms);
         }
     }
 }
@@ -68,31 +68,31 @@ impl Interval<'_> {
     }
 
     /// The answer for a velocity that is linear over the interval.
-    pub fn respond(&self, operators: &Operators, velocity: [f64; 2], room: &mut Room, answer: &mut Answer) {
-        let [warm, moved] = &mut room.gains;
+    pub fn respond(&self, operators: &Operators, velocity: [f64; 2], workspace: &mut Workspace, answer: &mut Answer) {
+        let [warm, moved] = &mut workspace.influence;
         warm.fill(Complex::from(0.0));
         moved.fill(Complex::from(0.0));
         self.weigh_states(operators, velocity, answer, |wave, k, own| {
             warm[wave] += own * operators.temperature[k];
             moved[wave] += own * operators.distortion[k];
         });
-        for gains in [warm, moved] {
-            gains.iter_mut().zip(&operators.weight).for_each(|(gain, weight)| *gain *= *weight);
+        for influence in [warm, moved] {
+            influence.iter_mut().zip(&operators.weight).for_each(|(gain, weight)| *gain *= *weight);
         }
-        room.sum_waves(operators);
-        self.assemble(operators, room, answer);
+        workspace.sum_waves(operators);
+        self.assemble(operators, workspace, answer);
     }
 
     /// Rate at which fresh material makes forget, and its factor over the interval.
-    fn fading(&self, operators: &Operators, velocity: [f64; 2]) -> (f64, f64) {
-        let fade = operators.forgetting.mean(velocity);
+    fn damping_of_images(&self, operators: &Operators, velocity: [f64; 2]) -> (f64, f64) {
+        let fade = operators.image_damping.mean(velocity);
         (fade, (-fade * self.length).exp())
     }
 
     /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
-    pub fn assemble(&self, operators: &Operators, room: &mut Room, answer: &mut Answer) {
+    pub fn assemble(&self, operators: &Operators, workspace: &mut Workspace, answer: &mut Answer) {
         let mean = &operators.mean;
-        let Room { blocks, slow, turned, .. } = room;
+        let Workspace { blocks, slow, turned, .. } = workspace;
         for (moving, slow) in slow.iter_mut().enumerate() {
             if moving == 1 && !operators.expands {
                 continue;
@@ -107,17 +107,17 @@ impl Interval<'_> {
                 level *= operators.mean_distortion;
             }
             blocks[moving].unfold(&operators.widths, level / operators.period, turned, slow);
-            let gain = if moving == 1 { &mut answer.gains.distortion } else { &mut answer.gains.temperature };
+            let gain = if moving == 1 { &mut answer.influence.distortion } else { &mut answer.influence.temperature };
             gain.copy_from(slow);
             answer.parts().set_uniform(moving, slow);
         }
-        if let Some(give_back) = &operators.give_back {
+        if let Some(robin_correction) = &operators.robin_correction {
             let parts = answer.parts();
-            give_back.close(slow, parts);
-            let (gains, parts) = answer.gains_and_parts();
-            give_back.add_gains(&parts, 0, &mut gains.temperature);
+            robin_correction.close(slow, parts);
+            let (influence, parts) = answer.gains_and_parts();
+            robin_correction.add_gains(&parts, 0, &mut influence.temperature);
             if operators.expands {
-                give_back.add_gains(&parts, 1, &mut gains.distortion);
+                robin_correction.add_gains(&parts, 1, &mut influence.distortion);
             }
         }
     }
@@ -136,15 +136,15 @@ impl Interval<'_> {
         answer: &mut Answer,
         mut see: impl FnMut(usize, usize, Complex<f64>),
     ) {
-        let (fade, faded) = self.fading(operators, velocity);
+        let (fade, damping) = self.damping_of_images(operators, velocity);
         let parts = answer.parts();
         for (wave, &number) in operators.numbers.iter().enumerate() {
             let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
-            let turn = motion.turn();
+            let phase = motion.phase();
             let mut carried = [Complex::from(0.0); 2];
-            for k in of_wave(&operators.levels, wave) {
+            for k in of_mode(&operators.state_layout, wave) {
                 let (_, falling, rising) =
-                    motion.weights_of_decay(operators.rate[k] + fade, faded * self.decay[k], turn);
+                    motion.weights_of_decay(operators.rate[k] + fade, damping * self.decay[k], phase);
                 let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
                 if self.at_end {
                     parts.weights[0][k] = known.re;

@@ -1,10 +1,10 @@
 //! What carries the state to one stage.
 
 use super::add;
-use super::interval::{Interval, Room, stage_fluxes};
+use super::interval::{Interval, Workspace, stage_fluxes};
 use crate::heat::line::strip::answer::{Answer, AtOnce, Layout};
-use crate::heat::line::strip::knots::Knots;
-use crate::heat::line::strip::levels::{self, of_wave, turns};
+use crate::heat::line::strip::nodes::InterpolationNodes;
+use crate::heat::line::strip::state_layout::{self, of_mode, phases};
 use crate::heat::line::strip::operators::Operators;
 use crate::heat::line::strip::propagate::Motion;
 use crate::heat::line::{GAMMA, Stage};
@@ -32,9 +32,9 @@ pub struct StageWeights {
     /// Decay of each state over the interval, of this length.
     decay: Vec<f64>,
     length: f64,
-    knots: Knots,
+    nodes: InterpolationNodes,
     /// Turn of each wave, real and imaginary part.
-    turns: [Vec<f64>; 2],
+    phases: [Vec<f64>; 2],
 }
 
 impl StageWeights {
@@ -66,8 +66,8 @@ impl StageWeights {
             current: 0,
             decay: vec![0.0; states],
             length: f64::NAN,
-            knots: Knots::new(layout, operators.steady > 0.0),
-            turns: [vec![0.0; waves], vec![0.0; waves]],
+            nodes: InterpolationNodes::new(layout, operators.steady > 0.0),
+            phases: [vec![0.0; waves], vec![0.0; waves]],
         }
     }
 
@@ -77,22 +77,22 @@ impl StageWeights {
         length: f64,
         velocity: [f64; 2],
         immediate: AtOnce<'_>,
-        room: &mut Room,
+        workspace: &mut Workspace,
     ) {
         self.take_length(operators, length);
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
         let motion = Motion { turning: velocity.map(|v| shortest * v), step: length };
         let drift = motion.drift();
-        let turn = length * motion.turning[0].abs().max(motion.turning[1].abs());
+        let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
         let answer = &mut self.answers[self.current];
-        let interpolated = drift < operators.steady && turn < SHORT_TURN;
+        let interpolated = drift < operators.steady && phase < SHORT_TURN;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.knots.interpolate(operators, &interval, length, middle, immediate, room, answer);
+            self.nodes.interpolate(operators, &interval, length, middle, immediate, workspace, answer);
         } else {
-            interval.respond(operators, velocity, room, answer);
-            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut answer.gains));
+            interval.respond(operators, velocity, workspace, answer);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut answer.influence));
         }
         if interpolated && drift > LEAST_DRIFT {
             interval.weigh(operators, velocity, answer);
@@ -125,21 +125,21 @@ impl StageWeights {
 
     /// Factors of the waves' states over the interval.
     pub fn carry(&mut self, operators: &Operators, velocity: [f64; 2]) {
-        let fade = operators.forgetting.mean(velocity);
-        let faded = (-fade * self.length).exp();
-        let [cosine, sine] = &mut self.turns;
-        turns(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
-        levels::turn(
-            &operators.levels,
+        let fade = operators.image_damping.mean(velocity);
+        let damping = (-fade * self.length).exp();
+        let [cosine, sine] = &mut self.phases;
+        phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        state_layout::phase(
+            &operators.state_layout,
             &self.decay,
-            faded,
+            damping,
             [cosine, sine],
             self.factor.each_mut().map(|part| &mut part[..]),
         );
     }
 
     /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
-    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], room: &mut Room) {
+    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], workspace: &mut Workspace) {
         // The next step of two stages makes its own decays.
         self.length = f64::NAN;
         let mean = &operators.mean;
@@ -148,7 +148,7 @@ impl StageWeights {
             self.mean_factor[k] = factor.re;
             self.mean_weight[k] = [0.0, weight.re];
         }
-        let fade = operators.forgetting.mean(velocity);
+        let fade = operators.image_damping.mean(velocity);
         let answer = &mut self.answers[self.current];
         let parts = answer.parts();
         for known in parts.carried {
@@ -160,7 +160,7 @@ impl StageWeights {
         for (wave, &number) in operators.numbers.iter().enumerate() {
             let motion = Motion { turning: velocity.map(|v| number * v), step: length };
             let mut gain = [Complex::from(0.0); 2];
-            for k in of_wave(&operators.levels, wave) {
+            for k in of_mode(&operators.state_layout, wave) {
                 let (factor, weight) = motion.euler(operators.rate[k] + fade);
                 let weight = weight * operators.temperature[k];
                 (self.factor[0][k], self.factor[1][k]) = (factor.re, factor.im);
@@ -170,12 +170,12 @@ impl StageWeights {
                 gain[0] += weight * operators.temperature[k];
                 gain[1] += weight * operators.distortion[k];
             }
-            for (gains, gain) in room.gains.iter_mut().zip(gain) {
-                gains[wave] = gain * operators.weight[wave];
+            for (influence, gain) in workspace.influence.iter_mut().zip(gain) {
+                influence[wave] = gain * operators.weight[wave];
             }
         }
-        room.sum_waves(operators);
+        workspace.sum_waves(operators);
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        interval.assemble(operators, room, answer);
+        interval.assemble(operators, workspace, answer);
     }
 }

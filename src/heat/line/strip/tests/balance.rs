@@ -3,7 +3,7 @@
 use super::{expanding, march, mean, steel, uneven};
 use crate::elastic::Cells;
 use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{GAMMA, LineHeat, Stage, Surroundings};
+use crate::heat::line::{GAMMA, ThermalBody, Stage, Surroundings};
 use crate::heat::slab::Base;
 
 #[test]
@@ -31,15 +31,15 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
             let step = if index % 3 == 0 { 0.02 } else { 0.3 };
             body.prepare(step, velocity);
             let (first, end) = (uneven(&cells, 2 * index), uneven(&cells, 2 * index + 1));
-            body.base(&state, &air, Stage::End, &first, &mut temperature, &mut distortion);
-            let gains = body.gains(Stage::End).clone();
+            body.free_response(&state, &air, Stage::End, &first, &mut temperature, &mut distortion);
+            let influence = body.influence(Stage::End).clone();
             let flux = nalgebra::DVector::from_column_slice(&end);
-            let (warm, lifted) = (&gains.temperature * &flux, &gains.distortion * &flux);
+            let (warm, lifted) = (&influence.temperature * &flux, &influence.distortion * &flux);
             body.advance(&mut state, &air, &first, &end);
             let gamma = GAMMA;
             received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
-            body.held(&state, &air, &end, velocity[1], &mut held);
-            body.held_distortion(&state, &air, &end, velocity[1], &mut moved);
+            body.temperature_at_frozen_state(&state, &air, &end, velocity[1], &mut held);
+            body.distortion_at_frozen_state(&state, &air, &end, velocity[1], &mut moved);
             for i in 0..12 {
                 largest = largest.max((temperature[i] + warm[i] - held[i]).abs() / held[i].abs());
                 largest = largest.max((distortion[i] + lifted[i] - moved[i]).abs() / moved[i].abs());
@@ -84,7 +84,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         }
         let rise = ahead.rise[0][0];
         let [mut early, mut shown, mut moved] = [zero.clone(), zero.clone(), zero.clone()];
-        body.base(&state, &air, Stage::First, &zero, &mut early, &mut moved);
+        body.free_response(&state, &air, Stage::First, &zero, &mut early, &mut moved);
         body.advance(&mut state, &air, &zero, &zero);
         for part in [GAMMA, 1.0 - GAMMA] {
             let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
@@ -96,7 +96,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
                 ..air
             };
             body.prepare(part * step, velocity);
-            body.base(&parts, &around, Stage::End, &zero, &mut shown, &mut moved);
+            body.free_response(&parts, &around, Stage::End, &zero, &mut shown, &mut moved);
             body.advance(&mut parts, &around, &zero, &zero);
             if part == GAMMA {
                 let apart = shown.iter().zip(&early).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -136,7 +136,7 @@ fn convection_acts_beside_the_contact_only() {
     let air = Surroundings::default();
     let flux = vec![1.0; 16];
     let mut temperature = vec![0.0; 16];
-    body.held(&state, &air, &flux, 0.3, &mut temperature);
+    body.temperature_at_frozen_state(&state, &air, &flux, 0.3, &mut temperature);
     let exact = 0.2 / (400.0 * 0.1);
     assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
     let [ambient, far] = body.flows(&state, &air, &flux);
@@ -159,7 +159,7 @@ fn everything_at_one_temperature_stays_there() {
         body.prepare(5.0, [1.0, 1.0]);
         let (zero, mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
         for _ in 0..5 {
-            body.base(&state, &air, Stage::End, &zero, &mut temperature, &mut distortion);
+            body.free_response(&state, &air, Stage::End, &zero, &mut temperature, &mut distortion);
             assert!(temperature.iter().all(|t| (t - 10.0).abs() < 1e-2), "{base:?} {temperature:?}");
             body.advance(&mut state, &air, &zero, &zero);
         }
@@ -192,12 +192,12 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
                     for (s, stage) in [Stage::First, Stage::End].into_iter().enumerate() {
                         let [mut here, mut there, mut moved] = [0; 3].map(|_| vec![0.0; count]);
                         let back: Vec<f64> = fluxes[0].iter().map(|q| -q).collect();
-                        still.base(&own, &air, stage, &fluxes[0], &mut here, &mut moved);
-                        moving.base(&other, &air, stage, &back, &mut there, &mut moved);
+                        still.free_response(&own, &air, stage, &fluxes[0], &mut here, &mut moved);
+                        moving.free_response(&other, &air, stage, &back, &mut there, &mut moved);
                         // A jump between the surfaces in the first step only.
                         let jump = |i: usize| if number == 0 { [1.0, -0.3, 0.7][i % 3] } else { 0.0 };
                         let difference = nalgebra::DVector::from_fn(count, |i, _| there[i] - here[i] + jump(i));
-                        let both = &still.gains(stage).temperature + &moving.gains(stage).temperature;
+                        let both = &still.influence(stage).temperature + &moving.influence(stage).temperature;
                         fluxes[s] = both.lu().solve(&difference).unwrap().iter().copied().collect();
                     }
                     let back = fluxes.each_ref().map(|flux| flux.iter().map(|q| -q).collect::<Vec<f64>>());

@@ -3,7 +3,7 @@
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::elastic::Cells;
 use crate::heat::line::strip::{Path, Resolution, StripHeat};
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 use crate::heat::slab::Base;
 use crate::verification::reference::{ClosedPath, LayerBase, band_mean};
 
@@ -27,8 +27,8 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
             // In a step much longer than every decay but the mean's, the response is the steady one.
             let step = 1e9;
             body.prepare(step, [velocity, velocity]);
-            let gains = body.gains(Stage::End).temperature.clone();
-            let answer: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
+            let influence = body.influence(Stage::End).temperature.clone();
+            let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let [level, _] = body.mean_levels(
                 &vec![0.0; body.states()],
                 &Surroundings::default(),
@@ -90,8 +90,8 @@ fn jaeger_on_a_long_closed_path() {
         let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         body.prepare(1e12, [2.0 * peclet; 2]);
-        let gains = &body.gains(Stage::End).temperature;
-        let answer: Vec<f64> = (0..65).map(|i| gains.row(i).sum()).collect();
+        let influence = &body.influence(Stage::End).temperature;
+        let answer: Vec<f64> = (0..65).map(|i| influence.row(i).sum()).collect();
         let exact = band_mean(peclet, Some((height, LayerBase::Held)));
         println!("{peclet} {} {exact} {:.1e}", mean(&cells, &answer), mean(&cells, &answer) / exact - 1.0);
         assert!((mean(&cells, &answer) / exact - 1.0).abs() < 1e-4);
@@ -115,8 +115,8 @@ fn heated_half_plane_curves_by_its_flux() {
     let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     body.prepare(1e14, [0.0, 0.0]);
-    let gains = &body.gains(Stage::End).distortion;
-    let moved: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
+    let influence = &body.influence(Stage::End).distortion;
+    let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
     assert!(moved.iter().all(|u| *u < 0.0), "{moved:?}");
     let at = |x: f64| cells.point_value(&moved, x);
     let curvature = (at(0.05) + at(-0.05) - 2.0 * at(0.0)) / 0.05f64.powi(2);
@@ -157,9 +157,9 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
                 slab.impedance(s, q) * (half.sin() / half).powi(2)
             })
             .sum();
-        let gains = &body.gains(Stage::End).temperature;
+        let influence = &body.influence(Stage::End).temperature;
         for i in 0..count {
-            let computed: f64 = (0..count).map(|j| gains[(i, j)] * phase(j).cos()).sum();
+            let computed: f64 = (0..count).map(|j| influence[(i, j)] * phase(j).cos()).sum();
             let expected = exact.re * phase(i).cos() - exact.im * phase(i).sin();
             assert!((computed - expected).abs() < 1e-4 * exact.norm(), "{velocity} {i}: {computed} {expected}");
         }
@@ -180,8 +180,8 @@ fn one_way_on_fresh_material_is_the_moving_source_at_every_speed() {
         println!("{:?} period {} {} states error {:.1e}", body.size(), body.period(), body.states(), body.error());
         for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
             body.prepare(1e7, [2.0 * peclet; 2]);
-            let gains = &body.gains(Stage::End).temperature;
-            let answer: Vec<f64> = (0..33).map(|i| gains.row(i).sum()).collect();
+            let influence = &body.influence(Stage::End).temperature;
+            let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let exact = band_mean(peclet, Some((height, layer)));
             println!("{height} {base:?} {peclet} {:.1e}", mean(&cells, &answer) / exact - 1.0);
             // Slower than this a band is not steady within the duration.

@@ -3,7 +3,7 @@
 use super::{cooled_steel, expanding, steel, uneven, unit};
 use crate::elastic::Cells;
 use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{Gains, LineHeat, Stage, Surroundings};
+use crate::heat::line::{SurfaceInfluence, ThermalBody, Stage, Surroundings};
 use crate::heat::slab::Base;
 use std::sync::Arc;
 
@@ -14,20 +14,20 @@ fn answers_do_not_depend_on_when_they_were_found() {
     for path in [Path::OneWay, Path::Stroke { stroke: 0.02, length: 0.0 }] {
         let properties = StripProperties { convection: 0.2, ..unit(0.5, Base::Held, path) };
         let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
-        let gains = |body: &mut StripHeat, velocity: f64| {
+        let influence = |body: &mut StripHeat, velocity: f64| {
             body.prepare(0.3, [velocity; 2]);
-            body.gains(Stage::End).clone()
+            body.influence(Stage::End).clone()
         };
         let [mut planned, mut asked, mut fast] = [strip(), strip(), strip()];
         planned.expect(900.0);
         let velocities = [0.0, 3.0, -40.0, 800.0];
-        let expected = velocities.map(|velocity| gains(&mut planned, velocity));
+        let expected = velocities.map(|velocity| influence(&mut planned, velocity));
         // The fastest first, and from a copy that shares what is found.
         let mut copy = fast.clone();
-        gains(&mut copy, 800.0);
+        influence(&mut copy, 800.0);
         for (velocity, expected) in velocities.into_iter().zip(&expected) {
-            assert_eq!(&gains(&mut asked, velocity), expected, "{path:?} {velocity}");
-            assert_eq!(&gains(&mut fast, velocity), expected, "{path:?} {velocity}");
+            assert_eq!(&influence(&mut asked, velocity), expected, "{path:?} {velocity}");
+            assert_eq!(&influence(&mut fast, velocity), expected, "{path:?} {velocity}");
         }
     }
 }
@@ -44,15 +44,15 @@ fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
     let steps = [(0.05, [0.1, 0.2]), (0.01, [0.2, -0.1]), (0.05, [0.1, 0.2]), (0.05, [0.1, 0.1]), (0.01, [0.2, -0.1])];
     let flux = uneven(&cells, 1);
     let air = Surroundings::default();
-    let run = |body: &mut StripHeat| -> (Vec<f64>, Vec<Gains>) {
+    let run = |body: &mut StripHeat| -> (Vec<f64>, Vec<SurfaceInfluence>) {
         let mut state = vec![0.0; body.states()];
-        let mut gains = Vec::new();
+        let mut influence = Vec::new();
         for (length, velocity) in steps {
             body.prepare(length, velocity);
-            gains.extend([Stage::First, Stage::End].map(|stage| body.gains(stage).clone()));
+            influence.extend([Stage::First, Stage::End].map(|stage| body.influence(stage).clone()));
             body.advance(&mut state, &air, &flux, &flux);
         }
-        (state, gains)
+        (state, influence)
     };
     // A copy finds all of its steps prepared; the other body none, because it keeps none.
     let mut first = body();
@@ -81,10 +81,10 @@ fn the_way_back_has_the_answers_of_the_way_there_mirrored() {
                 body.prepare(0.05, velocity);
                 for stage in [Stage::First, Stage::End] {
                     let (mut warm, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
-                    body.base(&state, &air, stage, &flux, &mut warm, &mut moved);
-                    let gains = body.gains(stage);
+                    body.free_response(&state, &air, stage, &flux, &mut warm, &mut moved);
+                    let influence = body.influence(stage);
                     let scale = |values: &[f64]| values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-                    for values in [gains.temperature.as_slice(), gains.distortion.as_slice(), &warm, &moved] {
+                    for values in [influence.temperature.as_slice(), influence.distortion.as_slice(), &warm, &moved] {
                         let largest = scale(values).max(f64::MIN_POSITIVE);
                         seen.extend(values.iter().map(|value| value / largest));
                     }

@@ -5,17 +5,17 @@ use crate::elastic::Cells;
 use crate::heat::line::strip::propagate::LARGEST_DRIFT;
 use crate::heat::line::strip::step::stage::{LEAST_DRIFT, SHORT_TURN};
 use crate::heat::line::strip::{Path, Resolution, StripHeat};
-use crate::heat::line::{LineHeat, Stage, Surroundings};
+use crate::heat::line::{ThermalBody, Stage, Surroundings};
 
 /// Temperatures at the end of a step.
 fn temperatures(body: &mut StripHeat, state: &[f64], flux: &[f64], step: f64, velocity: [f64; 2]) -> Vec<f64> {
     let air = Surroundings::default();
     body.prepare(step, velocity);
     let (mut temperature, mut distortion) = (vec![0.0; flux.len()], vec![0.0; flux.len()]);
-    body.base(state, &air, Stage::End, flux, &mut temperature, &mut distortion);
-    let gains = &body.gains(Stage::End).temperature;
+    body.free_response(state, &air, Stage::End, flux, &mut temperature, &mut distortion);
+    let influence = &body.influence(Stage::End).temperature;
     for (i, t) in temperature.iter_mut().enumerate() {
-        *t += gains.row(i).iter().zip(flux).map(|(gain, q)| gain * q).sum::<f64>();
+        *t += influence.row(i).iter().zip(flux).map(|(gain, q)| gain * q).sum::<f64>();
     }
     temperature
 }

@@ -40,23 +40,23 @@ const LEAST: f64 = 0.1;
 
 /// What the error of a body's own rise is for the contact's.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Share {
+pub struct ErrorWeight {
     /// 1/max f over the frequencies from 1/D on, from 0.1 to 1: what the tolerance of the contact's temperature is multiplied by for
     /// that of the body's own.
     pub tolerance: f64,
     /// f(1/D), from 0.1 to 1: what the body's own error is multiplied by for that of the contact's temperature.
-    pub felt: f64,
+    pub accounted: f64,
 }
 
-impl Share {
+impl ErrorWeight {
     /// Of a body that takes all heat.
-    pub const ALL: Share = Share { tolerance: 1.0, felt: 1.0 };
+    pub const ALL: ErrorWeight = ErrorWeight { tolerance: 1.0, accounted: 1.0 };
 }
 
 /// Shares of punch and strip.
-pub fn shares(scene: &Scene) -> [Share; 2] {
+pub fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
     if scene.punch.conductivity == 0.0 || scene.strip.conductivity == 0.0 {
-        return [Share::ALL; 2];
+        return [ErrorWeight::ALL; 2];
     }
     let area = scene.contact_area() * scene.count;
     let (path, length) = path_of(scene);
@@ -88,9 +88,9 @@ pub fn shares(scene: &Scene) -> [Share; 2] {
     }
     std::array::from_fn(|side| {
         let factor = |share: f64| share.powi(2) * last[side] / rise;
-        Share {
+        ErrorWeight {
             tolerance: factor(largest[side]).recip().clamp(LEAST, 1.0),
-            felt: factor(taken[side]).clamp(LEAST, 1.0),
+            accounted: factor(taken[side]).clamp(LEAST, 1.0),
         }
     })
 }
@@ -115,16 +115,16 @@ mod tests {
         kept.punch.convection = 0.0;
         let mut held = kept.clone();
         held.punch.far_thermal = ThermalBoundary::Held;
-        let ([punch, strip], [other, _]) = (shares(&kept), shares(&held));
-        assert!(punch.tolerance < 0.5 && punch.felt < 0.5, "{punch:?}");
-        assert!(punch.felt <= other.felt, "kept {punch:?}, held {other:?}");
-        assert!(strip.tolerance > 0.5 && strip.felt > 0.5, "{strip:?}");
+        let ([punch, strip], [other, _]) = (error_weights(&kept), error_weights(&held));
+        assert!(punch.tolerance < 0.5 && punch.accounted < 0.5, "{punch:?}");
+        assert!(punch.accounted <= other.accounted, "kept {punch:?}, held {other:?}");
+        assert!(strip.tolerance > 0.5 && strip.accounted > 0.5, "{strip:?}");
     }
 
     #[test]
     fn alone_a_body_is_judged_by_its_own_rise() {
         let mut alone = scene();
         alone.strip.conductivity = 0.0;
-        assert_eq!(shares(&alone), [Share::ALL; 2]);
+        assert_eq!(error_weights(&alone), [ErrorWeight::ALL; 2]);
     }
 }

@@ -30,7 +30,7 @@ pub struct Segment {
 
 /// See the module.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Course {
+pub struct NominalTrajectory {
     /// Communication steps.
     pub segments: Vec<Segment>,
     /// Load, N.
@@ -53,9 +53,9 @@ pub struct Run {
     pub covered: f64,
 }
 
-impl Course {
+impl NominalTrajectory {
     /// The nominal course; `None` where nominal load or velocity is 0.
-    pub fn new(scene: &Scene) -> Option<Course> {
+    pub fn new(scene: &Scene) -> Option<NominalTrajectory> {
         let (speed, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         if !(speed > 0.0 && load > 0.0 && duration > 0.0) {
             return None;
@@ -63,7 +63,7 @@ impl Course {
         if scene.nominal_stroke == 0.0 {
             let segment = |ends: &[f64]| Segment { velocity: [speed; 2], duration: duration * (ends[1] - ends[0]) };
             let segments = UNIDIRECTIONAL.windows(2).map(segment).collect();
-            return Some(Course { segments, load, repeats: 1.0 });
+            return Some(NominalTrajectory { segments, load, repeats: 1.0 });
         }
         let half = scene.nominal_stroke / speed;
         let count = (duration / half).clamp(1.0, HALF_STROKES).round();
@@ -82,7 +82,7 @@ impl Course {
                     .map(|ends| Segment { velocity: [at(ends[0]), at(ends[1])], duration: half * (ends[1] - ends[0]) }),
             );
         }
-        Some(Course { segments, load, repeats: (duration / (half * count)).max(1.0) })
+        Some(NominalTrajectory { segments, load, repeats: (duration / (half * count)).max(1.0) })
     }
 
     /// The scene that the course is run with: its wear is that of the nominal duration. Not by `wear_acceleration`, which is refused where it
@@ -94,7 +94,7 @@ impl Course {
         scene
     }
 
-    /// Runs the course on operators of [`Course::scene`]. It ends early where it needs more than `most` internal steps.
+    /// Runs the course on operators of [`NominalTrajectory::scene`]. It ends early where it needs more than `most` internal steps.
     ///
     /// # Errors
     /// What a step refuses.

@@ -18,19 +18,19 @@
 //!
 //! These operators cost N^3, and the strip's gains change with the velocity. So they are made at a reference velocity and
 //! kept while the velocity stays near it; a stage repeats their solution on the residual of its own gains, at N^2 each.
-//! From a hundred cells these products wait for memory, and may run in single precision ([`Split::in_single_precision`]).
+//! From a hundred cells these products wait for memory, and may run in single precision ([`HeatPartition::in_single_precision`]).
 
 #[cfg(test)]
 mod tests;
 
 use crate::contact::dense::{self, SingleMatrix};
-use crate::contact::{Reduction, largest_reduction};
-use crate::heat::line::Gains;
+use crate::contact::{LowRankUpdate, largest_reduction};
+use crate::heat::line::SurfaceInfluence;
 use nalgebra::DMatrix;
 
 /// See the module. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
-pub struct Split {
+pub struct HeatPartition {
     resistance: Option<f64>,
     /// Step and velocity that the operators were made for.
     key: Option<(f64, f64)>,
@@ -42,7 +42,7 @@ pub struct Split {
     open: Vec<usize>,
     known: bool,
     factors: Vec<f64>,
-    /// P_:o P_oo^-1 by columns, of no more open cells than a [`Reduction`] holds.
+    /// P_:o P_oo^-1 by columns, of no more open cells than a [`LowRankUpdate`] holds.
     held: Vec<f64>,
     exchanged: Vec<usize>,
     /// Y on all cells, by columns.
@@ -53,23 +53,23 @@ pub struct Split {
     distortion: DMatrix<f64>,
     /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v at the mean radius where mu is that of all
     /// cells.
-    extra: DMatrix<f64>,
+    thermal_compliance: DMatrix<f64>,
     per_pressure: f64,
     /// Sliding velocity of the cells over that at the mean radius.
     ratio: Vec<f64>,
     /// Widths of the cells, m.
     widths: Vec<f64>,
-    /// See [`Split::norms`].
+    /// See [`HeatPartition::norms`].
     norms: [[f64; 2]; 2],
-    /// What open cells take off the extra compliance, for the heat per pressure `reduced_by`; see [`Reduction`].
+    /// What open cells take off the extra compliance, for the heat per pressure `reduced_by`; see [`LowRankUpdate`].
     left: Vec<f64>,
     right: Vec<f64>,
     reduced_by: f64,
     column: Vec<f64>,
     needed: Vec<f64>,
-    /// See [`Split::apart`].
+    /// See [`HeatPartition::apart`].
     apart: Vec<f64>,
-    /// See [`Split::in_single_precision`].
+    /// See [`HeatPartition::in_single_precision`].
     single: Option<Box<Single>>,
 }
 
@@ -82,17 +82,17 @@ struct Single {
     /// Rise of the punch's temperature by its flux.
     punch: SingleMatrix,
     /// The extra compliance, for the heat per pressure `of`.
-    extra: SingleMatrix,
+    thermal_compliance: SingleMatrix,
     of: f64,
 }
 
-impl Split {
+impl HeatPartition {
     /// For cells of these widths (m) that slide at `ratio` times the velocity at the mean radius, with the contact conductance
     /// `conductance` (W/(m2 K)).
-    pub fn new(widths: &[f64], ratio: &[f64], conductance: f64) -> Split {
+    pub fn new(widths: &[f64], ratio: &[f64], conductance: f64) -> HeatPartition {
         let count = ratio.len();
         let square = || vec![0.0; count * count];
-        Split {
+        HeatPartition {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
             inverse: square(),
@@ -105,7 +105,7 @@ impl Split {
             shares: square(),
             across: square(),
             distortion: dense::untouched(count),
-            extra: dense::untouched(count),
+            thermal_compliance: dense::untouched(count),
             per_pressure: f64::NAN,
             ratio: ratio.to_vec(),
             widths: widths.to_vec(),
@@ -121,21 +121,21 @@ impl Split {
     }
 
     /// Memory for another split of these cells.
-    pub fn like(&self) -> Split {
+    pub fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
-        let split = Split::new(&self.widths, &self.ratio, conductance);
-        let own = Split { resistance: self.resistance, ..split };
+        let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
+        let own = HeatPartition { resistance: self.resistance, ..partition };
         if self.single.is_some() { own.in_single_precision() } else { own }
     }
 
     /// Takes products with inverse, shares and what lies across in single precision: at a hundred cells they are as fast as
     /// memory hands out the matrices. Split of the heat and distortion lose 1e-7 of themselves; that nothing of the heat is lost
     /// does not depend on it, nor what a repetition comes to.
-    pub fn in_single_precision(mut self) -> Split {
+    pub fn in_single_precision(mut self) -> HeatPartition {
         let count = self.closed.len();
         let zeros = || SingleMatrix::zeros(count, count);
-        let [inverse, shares, across, punch, extra] = [(); 5].map(|()| zeros());
-        self.single = Some(Box::new(Single { inverse, shares, across, punch, extra, of: f64::NAN }));
+        let [inverse, shares, across, punch, thermal_compliance] = [(); 5].map(|()| zeros());
+        self.single = Some(Box::new(Single { inverse, shares, across, punch, thermal_compliance, of: f64::NAN }));
         self
     }
 
@@ -145,7 +145,7 @@ impl Split {
     }
 
     /// Makes the operators of the given gains (`None`: an insulator).
-    pub fn build(&mut self, key: (f64, f64), gains: [Option<&Gains>; 2]) {
+    pub fn build(&mut self, key: (f64, f64), influence: [Option<&SurfaceInfluence>; 2]) {
         let count = self.closed.len();
         self.key = Some(key);
         self.known = false;
@@ -153,12 +153,12 @@ impl Split {
         if let Some(single) = &mut self.single {
             single.of = f64::NAN;
         }
-        for (norms, gains) in self.norms.iter_mut().zip(gains) {
-            *norms = gains.map_or([0.0; 2], |gains| {
-                [&gains.temperature, &gains.distortion].map(|matrix| norm(matrix, &self.widths, &mut self.column))
+        for (norms, influence) in self.norms.iter_mut().zip(influence) {
+            *norms = influence.map_or([0.0; 2], |influence| {
+                [&influence.temperature, &influence.distortion].map(|matrix| norm(matrix, &self.widths, &mut self.column))
             });
         }
-        match gains {
+        match influence {
             [Some(punch), Some(strip)] => {
                 let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
                 self.shares.fill(0.0);
@@ -241,12 +241,12 @@ impl Split {
         }
     }
 
-    /// Adds to the punch's flux what takes the temperature difference `lacking` (strip above punch, resistance of the
+    /// Adds to the punch's flux what takes the temperature difference `residual` (strip above punch, resistance of the
     /// interface included, K) away on the cells that exchange heat; on the others it is 0.
     ///
-    /// Differences `y` on the open cells that keep their fluxes at 0, `P_oo y = (P lacking)_o` with the inverse P, solve the
+    /// Differences `y` on the open cells that keep their fluxes at 0, `P_oo y = (P residual)_o` with the inverse P, solve the
     /// equations of the closed ones: as long as few cells are open that is hardly more than the product.
-    pub fn exchange(&mut self, lacking: &[f64], flux: &mut [f64]) {
+    pub fn exchange(&mut self, residual: &[f64], flux: &mut [f64]) {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == count {
             return;
@@ -254,8 +254,8 @@ impl Split {
         self.apart[..m].fill(0.0);
         self.column.fill(0.0);
         match &self.single {
-            Some(single) => single.inverse.multiply_add(lacking, &mut self.column),
-            None => dense::multiply_add(&self.inverse, lacking, &mut self.column),
+            Some(single) => single.inverse.multiply_add(residual, &mut self.column),
+            None => dense::multiply_add(&self.inverse, residual, &mut self.column),
         }
         self.keep_from_open();
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
@@ -290,7 +290,7 @@ impl Split {
     }
 
     /// What open cells take off the extra compliance last made, of bodies that both conduct.
-    pub fn reduction(&mut self) -> Option<Reduction<'_>> {
+    pub fn low_rank_update(&mut self) -> Option<LowRankUpdate<'_>> {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == 0 || m > largest_reduction(count) || m == count || self.resistance.is_none() {
             return None;
@@ -309,7 +309,7 @@ impl Split {
                 dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], target);
             }
         }
-        Some(Reduction { acting: &self.closed, left, right })
+        Some(LowRankUpdate { acting: &self.closed, left, right })
     }
 
     /// Adds the displacement by `pressure` through the extra compliance last made, less its reduction where it is `reduced`.
@@ -318,17 +318,17 @@ impl Split {
             Some(single) if !self.per_pressure.is_nan() => {
                 if single.of != self.per_pressure {
                     single.of = self.per_pressure;
-                    single.extra.copy_from(self.extra.as_slice());
+                    single.thermal_compliance.copy_from(self.thermal_compliance.as_slice());
                 }
-                single.extra.multiply_add(pressure, moved);
+                single.thermal_compliance.multiply_add(pressure, moved);
             }
-            _ => dense::multiply_add(self.extra.as_slice(), pressure, moved),
+            _ => dense::multiply_add(self.thermal_compliance.as_slice(), pressure, moved),
         }
         if !reduced {
             return;
         }
         let mut room = std::mem::take(&mut self.needed);
-        if let Some(Reduction { left, right, .. }) = self.reduction() {
+        if let Some(LowRankUpdate { left, right, .. }) = self.low_rank_update() {
             let weights = &mut room[..left.len() / moved.len()];
             weights.fill(0.0);
             dense::multiply_add(right, pressure, weights);
@@ -339,7 +339,7 @@ impl Split {
     }
 
     /// Temperature of the punch above the strip (K) on the cells that do not exchange heat, in their order, by the fluxes of the
-    /// last [`Split::exchange`] and what [`Split::share_all`] has added since; while others do.
+    /// last [`HeatPartition::exchange`] and what [`HeatPartition::share_all`] has added since; while others do.
     pub fn apart(&self) -> &[f64] {
         &self.apart[..self.open.len()]
     }
@@ -376,17 +376,17 @@ impl Split {
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
-    /// Adds the rise of the punch's temperature, K, by the flux into it (W/m2), where both bodies conduct; `gains` are those that
+    /// Adds the rise of the punch's temperature, K, by the flux into it (W/m2), where both bodies conduct; `influence` are those that
     /// the operators were made of.
-    pub fn warm_punch(&self, gains: &Gains, flux: &[f64], temperature: &mut [f64]) {
+    pub fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
         match &self.single {
             Some(single) => single.punch.multiply_add(flux, temperature),
-            None => dense::multiply_add(gains.temperature.as_slice(), flux, temperature),
+            None => dense::multiply_add(influence.temperature.as_slice(), flux, temperature),
         }
     }
 
     /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) that the strip gives the punch.
-    pub fn distort_across(&self, flux: &[f64], moved: &mut [f64]) {
+    pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
         match &self.single {
             Some(single) => single.across.multiply_add(flux, moved),
             None => dense::multiply_add(&self.across, flux, moved),
@@ -400,8 +400,8 @@ impl Split {
     }
 
     /// The extra compliance last made, by columns, m/Pa.
-    pub fn extra_values(&self) -> &[f64] {
-        self.extra.as_slice()
+    pub fn thermal_compliance_values(&self) -> &[f64] {
+        self.thermal_compliance.as_slice()
     }
 
     /// Y on all cells, by columns: part of the friction heat that enters the punch where both bodies conduct.
@@ -410,29 +410,29 @@ impl Split {
     }
 
     /// The extra compliance for pressures that change the heat by `heat` (N x N by columns, m/s).
-    pub fn extra_by(&mut self, heat: &[f64]) -> &DMatrix<f64> {
+    pub fn thermal_compliance_by(&mut self, heat: &[f64]) -> &DMatrix<f64> {
         let count = self.closed.len();
         self.per_pressure = f64::NAN;
-        self.extra.fill(0.0);
-        for (target, column) in self.extra.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count)) {
+        self.thermal_compliance.fill(0.0);
+        for (target, column) in self.thermal_compliance.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count)) {
             dense::multiply_add(self.distortion.as_slice(), column, target);
         }
-        &self.extra
+        &self.thermal_compliance
     }
 
     /// The extra compliance last made, m/Pa.
-    pub fn extra_matrix(&self) -> &DMatrix<f64> {
-        &self.extra
+    pub fn thermal_compliance_matrix(&self) -> &DMatrix<f64> {
+        &self.thermal_compliance
     }
 
     /// Makes the extra compliance for the heat `per_pressure` (m/s: mu s v at the mean radius); false where it is the last one.
-    pub fn extra(&mut self, per_pressure: f64) -> bool {
+    pub fn thermal_compliance(&mut self, per_pressure: f64) -> bool {
         if self.per_pressure == per_pressure {
             return false;
         }
         self.per_pressure = per_pressure;
-        self.extra.copy_from(&self.distortion);
-        for (mut column, ratio) in self.extra.column_iter_mut().zip(&self.ratio) {
+        self.thermal_compliance.copy_from(&self.distortion);
+        for (mut column, ratio) in self.thermal_compliance.column_iter_mut().zip(&self.ratio) {
             column *= per_pressure * ratio;
         }
         true

@@ -8,7 +8,7 @@ pub const CELLS: [usize; 6] = [9, 17, 33, 65, 129, 257];
 
 /// A level with its discretisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Rung {
+pub enum ModelLevel {
     /// Uniform pressure.
     Lumped,
     /// A contact line.
@@ -20,13 +20,13 @@ pub enum Rung {
     },
 }
 
-impl Rung {
+impl ModelLevel {
     /// `scene` on this rung.
     pub fn apply(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         match self {
-            Rung::Lumped => scene.fidelity = Fidelity::Lumped,
-            Rung::Line { cells, heat } => {
+            ModelLevel::Lumped => scene.fidelity = Fidelity::Lumped,
+            ModelLevel::Line { cells, heat } => {
                 scene.fidelity = Fidelity::Line;
                 (scene.cells, scene.heat_along_contact) = (cells, heat);
             }
@@ -37,34 +37,34 @@ impl Rung {
     /// Name of the level.
     pub fn level(self) -> &'static str {
         match self {
-            Rung::Lumped => "lumped",
-            Rung::Line { .. } => "line",
+            ModelLevel::Lumped => "lumped",
+            ModelLevel::Line { .. } => "line",
         }
     }
 
     /// Heat of a contact line.
     pub fn heat(self) -> Option<HeatAlongContact> {
         match self {
-            Rung::Lumped => None,
-            Rung::Line { heat, .. } => Some(heat),
+            ModelLevel::Lumped => None,
+            ModelLevel::Line { heat, .. } => Some(heat),
         }
     }
 
     /// Cells of the contact.
     pub fn cells(self) -> usize {
         match self {
-            Rung::Lumped => 1,
-            Rung::Line { cells, .. } => cells,
+            ModelLevel::Lumped => 1,
+            ModelLevel::Line { cells, .. } => cells,
         }
     }
 }
 
-impl fmt::Display for Rung {
+impl fmt::Display for ModelLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Rung::Lumped => f.write_str("lumped"),
-            Rung::Line { cells, heat: HeatAlongContact::ByItsMean } => write!(f, "line, {cells} cells, mean heat"),
-            Rung::Line { cells, .. } => write!(f, "line, {cells} cells"),
+            ModelLevel::Lumped => f.write_str("lumped"),
+            ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean } => write!(f, "line, {cells} cells, mean heat"),
+            ModelLevel::Line { cells, .. } => write!(f, "line, {cells} cells"),
         }
     }
 }

@@ -1,8 +1,8 @@
 use super::*;
 
 /// Punch and strip, the second with a direction of sliding.
-fn bodies(count: usize) -> [Gains; 2] {
-    [(2.0, 0.0), (1.0, 0.05)].map(|(scale, skew)| Gains {
+fn bodies(count: usize) -> [SurfaceInfluence; 2] {
+    [(2.0, 0.0), (1.0, 0.05)].map(|(scale, skew)| SurfaceInfluence {
         temperature: DMatrix::from_fn(count, count, |i, j| {
             let distance = i as f64 - j as f64;
             scale * ((-0.7 * distance.abs()).exp() + if i == j { 0.1 } else { skew * distance.signum() })
@@ -15,17 +15,17 @@ fn bodies(count: usize) -> [Gains; 2] {
 fn both_laws_hold_on_the_cells_in_contact() {
     let count = 7;
     let [punch, strip] = bodies(count);
-    let rise = |gains: &Gains, q: &[f64], i: usize| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
+    let rise = |influence: &SurfaceInfluence, q: &[f64], i: usize| (0..count).map(|j| influence.temperature[(i, j)] * q[j]).sum::<f64>();
     let base = [[3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], [0.5; 7]];
     for closed in [[true; 7], [true, true, false, true, true, true, false]] {
         let heat: Vec<f64> = (0..7).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
         for conductance in [0.3, 1e9] {
-            let mut split = Split::new(&vec![1.0; count], &vec![1.0; count], conductance);
-            split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-            split.close(&closed);
+            let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
+            partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+            partition.close(&closed);
             // From any guess the laws' residual leads to the solution at once.
             let mut q1: Vec<f64> = (0..7).map(|i| if closed[i] { 1.0 - i as f64 } else { 0.0 }).collect();
-            let lacking = |q1: &[f64]| -> Vec<f64> {
+            let residual = |q1: &[f64]| -> Vec<f64> {
                 let q2: Vec<f64> = (0..7).map(|i| heat[i] - q1[i]).collect();
                 (0..7)
                     .map(|i| {
@@ -34,11 +34,11 @@ fn both_laws_hold_on_the_cells_in_contact() {
                     })
                     .collect()
             };
-            let residual = lacking(&q1);
-            split.exchange(&residual, &mut q1);
-            let residual = lacking(&q1);
+            let found = residual(&q1);
+            partition.exchange(&found, &mut q1);
+            let found = residual(&q1);
             for i in 0..7 {
-                assert!(if closed[i] { residual[i].abs() < 1e-12 } else { q1[i] == 0.0 }, "{conductance} {i}");
+                assert!(if closed[i] { found[i].abs() < 1e-12 } else { q1[i] == 0.0 }, "{conductance} {i}");
             }
         }
     }
@@ -55,17 +55,17 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
         let pressure: Vec<f64> = (0..count).map(|i| if closed[i] { 2.0 + i as f64 } else { 0.0 }).collect();
         let heat: Vec<f64> = (0..count).map(|i| per_pressure * ratio[i] * pressure[i]).collect();
         for conductance in [0.3, 1e9] {
-            let mut split = Split::new(&vec![1.0; count], &ratio, conductance);
-            split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-            split.close(&closed);
-            assert!(split.is_exact_with(open.len()));
-            assert!(split.extra(per_pressure));
+            let mut partition = HeatPartition::new(&vec![1.0; count], &ratio, conductance);
+            partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+            partition.close(&closed);
+            assert!(partition.is_exact_with(open.len()));
+            assert!(partition.thermal_compliance(per_pressure));
             let mut q1 = vec![0.0; count];
-            split.share_all(&heat, &mut q1);
+            partition.share_all(&heat, &mut q1);
             // Both laws of the interface, and no flux elsewhere.
-            let sum = |gains: &DMatrix<f64>, q: &[f64], i: usize| (0..count).map(|j| gains[(i, j)] * q[j]).sum::<f64>();
+            let sum = |influence: &DMatrix<f64>, q: &[f64], i: usize| (0..count).map(|j| influence[(i, j)] * q[j]).sum::<f64>();
             let q2: Vec<f64> = heat.iter().zip(&q1).map(|(heat, q)| heat - q).collect();
-            let mut apart = split.apart().iter();
+            let mut apart = partition.apart().iter();
             for i in 0..count {
                 let jump = sum(&punch.temperature, &q1, i) - sum(&strip.temperature, &q2, i);
                 if !closed[i] {
@@ -76,7 +76,7 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
                 assert!((jump - 0.5 * (q2[i] - q1[i]) / conductance).abs() < 1e-12, "{open:?} {conductance} {i}");
             }
             let mut moved = vec![0.0; count];
-            split.add_displacement(true, &pressure, &mut moved);
+            partition.add_displacement(true, &pressure, &mut moved);
             for i in 0..count {
                 let direct = sum(&punch.distortion, &q1, i) + sum(&strip.distortion, &q2, i);
                 assert!((moved[i] / direct - 1.0).abs() < 1e-12, "{open:?} {conductance} {i}: {} {direct}", moved[i]);
@@ -92,20 +92,20 @@ fn single_precision_loses_its_rounding_and_keeps_open_cells_at_nothing() {
     let closed: Vec<bool> = (0..count).map(|i| i != 2 && i != 8).collect();
     let values = |scale: f64| (0..count).map(|i| scale * (3.0 + i as f64).sin()).collect::<Vec<_>>();
     let heat: Vec<f64> = values(5.0).iter().zip(&closed).map(|(q, closed)| if *closed { *q } else { 0.0 }).collect();
-    let answers = |mut split: Split| {
-        split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-        split.close(&closed);
-        assert!(split.extra(0.7));
-        let (mut flux, mut moved, mut warm) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
-        split.exchange(&values(2.0), &mut flux);
-        split.share_all(&heat, &mut flux);
-        split.distort_across(&flux, &mut moved);
-        split.add_displacement(true, &heat, &mut moved);
-        split.warm_punch(&punch, &flux, &mut warm);
-        [flux, moved, warm]
+    let answers = |mut partition: HeatPartition| {
+        partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+        partition.close(&closed);
+        assert!(partition.thermal_compliance(0.7));
+        let (mut flux, mut moved, mut update_temperatures) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        partition.exchange(&values(2.0), &mut flux);
+        partition.share_all(&heat, &mut flux);
+        partition.distort_relatively(&flux, &mut moved);
+        partition.add_displacement(true, &heat, &mut moved);
+        partition.update_punch_temperature(&punch, &flux, &mut update_temperatures);
+        [flux, moved, update_temperatures]
     };
-    let split = || Split::new(&vec![1.0; count], &vec![1.0; count], 0.3);
-    let (double, single) = (answers(split()), answers(split().in_single_precision()));
+    let partition = || HeatPartition::new(&vec![1.0; count], &vec![1.0; count], 0.3);
+    let (double, single) = (answers(partition()), answers(partition().in_single_precision()));
     let mut lost: f64 = 0.0;
     for (double, single) in double.iter().zip(&single) {
         let scale = double.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
@@ -124,18 +124,18 @@ fn no_flux_answers_more_than_the_norm() {
     let mean_square = |values: &[f64]| values.iter().zip(&widths).map(|(value, c)| c * value * value).sum::<f64>();
     let [punch, strip] = bodies(count);
     let mut sums = vec![0.0; count];
-    for gains in [&punch.temperature, &punch.distortion, &strip.temperature, &strip.distortion] {
-        let bound = norm(gains, &widths, &mut sums);
+    for influence in [&punch.temperature, &punch.distortion, &strip.temperature, &strip.distortion] {
+        let bound = norm(influence, &widths, &mut sums);
         // The largest answer of all, by iteration with the matrix and its adjoint.
         let (mut flux, mut answer) = (vec![1.0; count], vec![0.0; count]);
         let mut largest = 0.0;
         for _ in 0..200 {
             answer.fill(0.0);
-            dense::multiply_add(gains.as_slice(), &flux, &mut answer);
+            dense::multiply_add(influence.as_slice(), &flux, &mut answer);
             largest = (mean_square(&answer) / mean_square(&flux)).sqrt();
             assert!(largest <= bound * (1.0 + 1e-12), "{largest} {bound}");
             for (j, value) in flux.iter_mut().enumerate() {
-                *value = (0..count).map(|i| widths[i] * gains[(i, j)] * answer[i]).sum::<f64>() / widths[j];
+                *value = (0..count).map(|i| widths[i] * influence[(i, j)] * answer[i]).sum::<f64>() / widths[j];
             }
             let size = mean_square(&flux).sqrt();
             flux.iter_mut().for_each(|value| *value /= size);
@@ -147,23 +147,23 @@ fn no_flux_answers_more_than_the_norm() {
 #[test]
 fn distortion_is_that_of_the_shared_heat() {
     let count = 5;
-    let gains = |scale: f64| Gains {
+    let influence = |scale: f64| SurfaceInfluence {
         temperature: DMatrix::from_fn(count, count, |i, j| scale / (1.0 + i.abs_diff(j) as f64)),
         distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
     };
-    let (punch, strip) = (gains(2.0), gains(1.0));
+    let (punch, strip) = (influence(2.0), influence(1.0));
     for conductance in [0.0, 0.3, 1e9] {
-        let mut split = Split::new(&vec![1.0; count], &vec![1.0; count], conductance);
-        split.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-        split.close(&[true; 5]);
+        let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
+        partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
+        partition.close(&[true; 5]);
         let heat = [4.0, 5.0, 0.0, 6.0, 1.0];
         let mut q1 = vec![0.0; count];
-        split.share(&heat, &mut q1);
+        partition.share(&heat, &mut q1);
         for i in 0..count {
             let direct: f64 = (0..count)
                 .map(|j| punch.distortion[(i, j)] * q1[j] + strip.distortion[(i, j)] * (heat[j] - q1[j]))
                 .sum();
-            let by_operator: f64 = (0..count).map(|j| split.distortion[(i, j)] * heat[j]).sum();
+            let by_operator: f64 = (0..count).map(|j| partition.distortion[(i, j)] * heat[j]).sum();
             assert!((direct - by_operator).abs() < 1e-12 * direct.abs(), "{conductance} {i}");
         }
     }

@@ -10,15 +10,15 @@
 //! An insulator takes nothing. At h_c = 0 the surfaces do not exchange heat and share that of friction equally.
 //!
 //! Exact on whatever cells are in contact, at N^3 for each such set: a steady state is found once. The step, which goes on
-//! with what it has, keeps operators of its own ([`crate::coupled::line::heat::split`]).
+//! with what it has, keeps operators of its own ([`crate::coupled::line::heat::partition`]).
 
-use crate::heat::line::Gains;
+use crate::heat::line::SurfaceInfluence;
 use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 /// See the module.
 #[derive(Clone, Debug)]
-pub struct Split {
+pub struct HeatPartition {
     resistance: Option<f64>,
     /// Step and velocities that the gains belong to, and the cells in contact, for which the factors were made.
     key: Option<(f64, [f64; 2])>,
@@ -32,10 +32,10 @@ pub struct Split {
     pub distortion: DMatrix<f64>,
 }
 
-impl Split {
+impl HeatPartition {
     /// For `count` cells of the contact conductance `conductance` (W/(m2 K)).
-    pub fn new(count: usize, conductance: f64) -> Split {
-        Split {
+    pub fn new(count: usize, conductance: f64) -> HeatPartition {
+        HeatPartition {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
             key: None,
             closed: vec![false; count],
@@ -47,7 +47,7 @@ impl Split {
     }
 
     /// Makes the operator for the cells `closed`; `key` are step and velocities of the gains (`None`: an insulator).
-    pub fn prepare(&mut self, key: (f64, [f64; 2]), gains: [Option<&Gains>; 2], closed: &[bool]) {
+    pub fn prepare(&mut self, key: (f64, [f64; 2]), influence: [Option<&SurfaceInfluence>; 2], closed: &[bool]) {
         if self.key == Some(key) && self.closed == closed {
             return;
         }
@@ -57,7 +57,7 @@ impl Split {
         self.indices.extend((0..closed.len()).filter(|&i| closed[i]));
         self.distortion.fill(0.0);
         self.factors = None;
-        match gains {
+        match influence {
             [Some(punch), Some(strip)] => {
                 self.share(punch, strip);
                 self.distort(punch, strip);
@@ -72,7 +72,7 @@ impl Split {
     }
 
     /// Y of two conductors.
-    fn share(&mut self, punch: &Gains, strip: &Gains) {
+    fn share(&mut self, punch: &SurfaceInfluence, strip: &SurfaceInfluence) {
         let (m, indices) = (self.indices.len(), &self.indices);
         let Some(resistance) = self.resistance else {
             self.shares = DMatrix::from_diagonal_element(m, m, 0.5);
@@ -92,14 +92,14 @@ impl Split {
     }
 
     /// E_0 of two conductors.
-    fn distort(&mut self, punch: &Gains, strip: &Gains) {
+    fn distort(&mut self, punch: &SurfaceInfluence, strip: &SurfaceInfluence) {
         let across = (&punch.distortion - &strip.distortion).select_columns(&self.indices) * &self.shares;
         for (column, &j) in self.indices.iter().enumerate() {
             self.distortion.column_mut(j).copy_from(&(strip.distortion.column(j) + across.column(column)));
         }
     }
 
-    /// Flux into the punch: that of the temperatures `base` without flux, with the friction heat `friction` (W/m2).
+    /// Flux into the punch: that of the temperatures `free_response` without flux, with the friction heat `friction` (W/m2).
     pub fn punch_flux(&self, conducts: [bool; 2], base: [&[f64]; 2], friction: &[f64], flux: &mut [f64]) {
         flux.fill(0.0);
         match conducts {
@@ -128,29 +128,29 @@ mod tests {
     #[test]
     fn both_laws_hold_on_the_cells_in_contact() {
         let count = 7;
-        let gains = |scale: f64, skew: f64| Gains {
+        let influence = |scale: f64, skew: f64| SurfaceInfluence {
             temperature: DMatrix::from_fn(count, count, |i, j| {
                 let distance = i as f64 - j as f64;
                 scale * ((-0.7 * distance.abs()).exp() + if i == j { 0.1 } else { skew * distance.signum() })
             }),
             distortion: DMatrix::from_fn(count, count, |i, j| -scale * (1.0 + (i * j) as f64)),
         };
-        let (punch, strip) = (gains(2.0, 0.0), gains(1.0, 0.05));
+        let (punch, strip) = (influence(2.0, 0.0), influence(1.0, 0.05));
         let closed = [true, true, false, true, true, true, false];
         let (base, heat) =
             ([vec![3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], vec![0.5; 7]], [4.0, 5.0, 0.0, 6.0, 1.0, 2.0, 0.0]);
         for conductance in [0.0, 0.3, 1e9] {
-            let mut split = Split::new(count, conductance);
-            split.prepare((1.0, [0.0; 2]), [Some(&punch), Some(&strip)], &closed);
+            let mut partition = HeatPartition::new(count, conductance);
+            partition.prepare((1.0, [0.0; 2]), [Some(&punch), Some(&strip)], &closed);
             let mut q1 = vec![0.0; count];
-            split.punch_flux([true; 2], [&base[0], &base[1]], &heat, &mut q1);
+            partition.punch_flux([true; 2], [&base[0], &base[1]], &heat, &mut q1);
             let q2: Vec<f64> = (0..count).map(|i| if closed[i] { heat[i] - q1[i] } else { 0.0 }).collect();
             for i in 0..count {
                 if !closed[i] {
                     assert_eq!(q1[i], 0.0);
                     continue;
                 }
-                let rise = |gains: &Gains, q: &[f64]| (0..count).map(|j| gains.temperature[(i, j)] * q[j]).sum::<f64>();
+                let rise = |influence: &SurfaceInfluence, q: &[f64]| (0..count).map(|j| influence.temperature[(i, j)] * q[j]).sum::<f64>();
                 let jump = base[0][i] + rise(&punch, &q1) - base[1][i] - rise(&strip, &q2);
                 let residual =
                     if conductance > 0.0 { jump - 0.5 * (q2[i] - q1[i]) / conductance } else { q2[i] - q1[i] };
@@ -158,13 +158,13 @@ mod tests {
             }
             // The distortion of the friction heat alone.
             let zero = vec![0.0; count];
-            split.punch_flux([true; 2], [&zero, &zero], &heat, &mut q1);
+            partition.punch_flux([true; 2], [&zero, &zero], &heat, &mut q1);
             for i in 0..count {
                 let direct: f64 = (0..count)
                     .filter(|&j| closed[j])
                     .map(|j| punch.distortion[(i, j)] * q1[j] + strip.distortion[(i, j)] * (heat[j] - q1[j]))
                     .sum();
-                let by_operator: f64 = (0..count).map(|j| split.distortion[(i, j)] * heat[j]).sum();
+                let by_operator: f64 = (0..count).map(|j| partition.distortion[(i, j)] * heat[j]).sum();
                 assert!((direct - by_operator).abs() < 1e-10 * direct.abs(), "{conductance} {i}");
             }
         }

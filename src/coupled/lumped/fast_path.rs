@@ -133,7 +133,7 @@ impl Surface {
 struct Wearing<'a> {
     at: [&'a Conditions; 4],
     pressure: Pair,
-    faded: Pair,
+    kinetic_coefficient: Pair,
     temperature: Pair,
 }
 
@@ -144,7 +144,7 @@ impl Wearing<'_> {
         let factor = body.wear_factor * stepper.tunables.wear_acceleration;
         let [_, first, _, last] = self.at;
         let rate = |now: &Conditions, i: usize| {
-            body.wear.rate(self.pressure[i], now.slip, self.faded[i], self.temperature[i]) * factor
+            body.wear.rate(self.pressure[i], now.slip, self.kinetic_coefficient[i], self.temperature[i]) * factor
         };
         let before = rate(first, 0);
         if CONSTANT && !stepper.operators.wear_follows_temperature { [before; 2] } else { [before, rate(last, 1)] }
@@ -154,7 +154,7 @@ impl Wearing<'_> {
     #[inline(always)]
     fn error(&self, stepper: &Stepper, body: &BodyOperators, rates: &Pair, peak: f64) -> f64 {
         // A product of a linear pressure and a linear speed has no third difference.
-        let is_quadratic = stepper.friction.regularization_velocity == 0.0 && body.wear.is_archard(self.faded);
+        let is_quadratic = stepper.friction.regularization_velocity == 0.0 && body.wear.is_archard(self.kinetic_coefficient);
         if is_quadratic || !body.wear.active() {
             return 0.0;
         }
@@ -169,10 +169,10 @@ impl Wearing<'_> {
         let rate = |now: &Conditions, stages: Pair| {
             let between = |values: Pair| stages[0] * values[0] + stages[1] * values[1];
             let pressure = now.load / stepper.operators.area;
-            body.wear.rate(pressure, now.slip, between(self.faded), between(self.temperature)) * factor
+            body.wear.rate(pressure, now.slip, between(self.kinetic_coefficient), between(self.temperature)) * factor
         };
         let others = [rate(start, [1.5, -0.5]), rate(middle, BASIS[1])];
-        stepper.wear_error(body, rates, others, 0.0, (self.faded[1], self.temperature[1]), peak)
+        stepper.wear_error(body, rates, others, 0.0, (self.kinetic_coefficient[1], self.temperature[1]), peak)
     }
 }
 
@@ -180,14 +180,14 @@ impl Stepper<'_> {
     /// Carries `state` over the step if the regime and the error allow it; conditions `at` the start and the three points,
     /// all the same if `CONSTANT`. The moving source is prepared. Unless the error found is at most 1, nothing has changed.
     #[inline(always)]
-    pub fn plain<const CONSTANT: bool>(&mut self, state: &mut State, at: [&Conditions; 4]) -> Option<Attempt> {
+    pub fn fast_path<const CONSTANT: bool>(&mut self, state: &mut State, at: [&Conditions; 4]) -> Option<Attempt> {
         let operators = self.operators;
         // The compiler then knows that they are the same.
         let at = if CONSTANT { [at[0]; 4] } else { at };
         let [start, first, middle, last] = at;
         let elsewhere = |now: &Conditions| now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0;
         // What is linear and 0 at two points is 0 at all.
-        if !operators.plain || elsewhere(first) || !CONSTANT && elsewhere(last) {
+        if !operators.fast_path || elsewhere(first) || !CONSTANT && elsewhere(last) {
             return None;
         }
         let (punch, strip) = (self.propagators.punch.as_ref()?, self.propagators.strip.as_ref()?);
@@ -235,7 +235,7 @@ impl Stepper<'_> {
                 [punch_gain[0][0] + strip_gain[0][0] + 2.0 * half_resistance, punch_gain[0][1] + strip_gain[0][1]],
                 [punch_gain[1][0] + strip_gain[1][0], punch_gain[1][1] + strip_gain[1][1] + 2.0 * half_resistance],
             ];
-            let split = inverse(&exchange);
+            let partition = inverse(&exchange);
             let between = [strip_level[0] - punch_level[0], strip_level[1] - punch_level[1]];
             heat = if fade.slope == 0.0 {
                 driver.map(|driver| driver * fade.value)
@@ -249,8 +249,8 @@ impl Stepper<'_> {
                     [punch_gain[0][0] + half_resistance, punch_gain[0][1]],
                     [punch_gain[1][0], punch_gain[1][1] + half_resistance],
                 ];
-                let none = apply(&by_flux, apply(&split, between));
-                let mut gain = product(&by_flux, &product(&split, &by_heat));
+                let none = apply(&by_flux, apply(&partition, between));
+                let mut gain = product(&by_flux, &product(&partition, &by_heat));
                 gain[0][0] -= 0.5 * half_resistance;
                 gain[1][1] -= 0.5 * half_resistance;
                 let feedback = driver.map(|driver| driver * fade.slope);
@@ -267,7 +267,7 @@ impl Stepper<'_> {
             };
             let kept = apply(&strip_gain, heat);
             into_punch = apply(
-                &split,
+                &partition,
                 [between[0] + kept[0] + half_resistance * heat[0], between[1] + kept[1] + half_resistance * heat[1]],
             );
             into_strip = [heat[0] - into_punch[0], heat[1] - into_punch[1]];
@@ -337,8 +337,8 @@ impl Stepper<'_> {
         if rises.iter().any(|rise| rise + reference < 0.0 || !fade.holds(rise + reference)) {
             return None;
         }
-        let faded = rises.map(|rise| self.friction.coefficient * fade.factor(rise + reference));
-        let wearing = Wearing { at, pressure, faded, temperature: rises.map(|rise| rise + reference) };
+        let kinetic_coefficient = rises.map(|rise| self.friction.coefficient * fade.factor(rise + reference));
+        let wearing = Wearing { at, pressure, kinetic_coefficient, temperature: rises.map(|rise| rise + reference) };
         let rates =
             [wearing.rates::<CONSTANT>(self, &operators.punch), wearing.rates::<CONSTANT>(self, &operators.strip)];
         if CONSTANT && operators.wear_follows_temperature {
@@ -366,7 +366,7 @@ impl Stepper<'_> {
         }
 
         let travel = if CONSTANT { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
-        let end_force = faded[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
+        let end_force = kinetic_coefficient[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
         // The states are part of the temperatures tested above; what they become is linear in them and in these fluxes.
         // Without a branch for every number, and without a copy of the states, which would cost a quarter of the step.
         let fluxes = [into_punch[0], into_punch[1], into_strip[0], into_strip[1], heat[0], heat[1], rises[0], rises[1]];
@@ -424,15 +424,15 @@ mod tests {
                 values[const { reference("strip.convection_forced") } as usize] = 0.0;
             }
             let scene = Scene::new(&values, None).unwrap();
-            let plain = Operators::new(&scene);
-            assert!(plain.plain);
-            let general = Operators { plain: false, ..plain.clone() };
+            let fast_path = Operators::new(&scene);
+            assert!(fast_path.fast_path);
+            let general = Operators { fast_path: false, ..fast_path.clone() };
             let tunables = Tunables {
                 friction_coefficient: scene.friction_coefficient,
                 ambient_temperature: scene.ambient_temperature,
                 wear_acceleration: 1.0,
             };
-            let mut runs = [plain, general].map(|operators| Lumped::new(Arc::new(operators), tunables, &[0.0; 7]));
+            let mut runs = [fast_path, general].map(|operators| Lumped::new(Arc::new(operators), tunables, &[0.0; 7]));
             for second in 0..40 {
                 let speed = if second % 7 == 5 { 0.0 } else { 12.0 - 0.5 * f64::from(second % 20) };
                 let load = if second % 5 == 3 { 0.0 } else { 700.0 * f64::from(second % 5) };
@@ -441,8 +441,8 @@ mod tests {
                         run.step(&[speed, load, 0.0, 0.0, 0.0, 0.0, 0.0], None, 0.1).unwrap();
                     }
                 }
-                let [plain, general] = &runs;
-                let (left, right) = (plain.state(), general.state());
+                let [fast_path, general] = &runs;
+                let (left, right) = (fast_path.state(), general.state());
                 let scale = right.peak_rise + 1e-9;
                 // The two may cut a step differently, so they agree as two accurate solutions do.
                 assert!((left.end_temperature - right.end_temperature).abs() < 5e-4 * scale, "second {second}");

@@ -8,7 +8,7 @@
 use super::blocks::Blocks;
 use super::depth::{Depth, DepthModes, Expansion};
 use super::moving_kernel::MovingSource;
-use super::operators::Forgetting;
+use super::operators::ImageDamping;
 use super::passive::Passive;
 use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
 use crate::elastic::Cells;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// What the sums of the remainder are made of.
 #[derive(Debug)]
-pub struct Remainder {
+pub struct StaticCorrection {
     pub cells: Cells,
     /// The layer with and without heat transfer on its surface.
     pub slab: Slab,
@@ -35,7 +35,7 @@ pub struct Remainder {
     pub shapes: Arc<Shapes>,
     pub modes: Vec<DepthModes>,
     /// On fresh material: frequency below which nothing counts as steady, 1/s, and how the states forget.
-    pub fresh: Option<(f64, Forgetting)>,
+    pub fresh: Option<(f64, ImageDamping)>,
 }
 
 /// Beyond this part of the period the nearest images of the contact are taken one by one.
@@ -124,31 +124,31 @@ impl Sums {
 
 /// Memory that the sums are taken in.
 #[derive(Debug)]
-pub struct Room {
+pub struct Workspace {
     sums: Sums,
     source: MovingSource,
     pub passive: Passive,
 }
 
-impl Room {
+impl Workspace {
     /// For these integrals: nothing in it grows later.
-    pub fn new(remainder: &Remainder, integrals: &Integrals) -> Room {
+    pub fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> Workspace {
         let at_rest = integrals.removed_at_rest.as_ref().map_or(0, |integral| integral.waves.len());
-        let counts = [remainder.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
+        let counts = [static_correction.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
         let most = counts.into_iter().max().unwrap_or(0);
-        Room {
+        Workspace {
             sums: Sums {
                 warm: Vec::with_capacity(most),
                 moved: Vec::with_capacity(most),
                 terms: Vec::with_capacity(most),
             },
-            source: MovingSource::new(remainder.cells.count()),
-            passive: Passive::new(remainder.shapes.half()),
+            source: MovingSource::new(static_correction.cells.count()),
+            passive: Passive::new(static_correction.shapes.half()),
         }
     }
 }
 
-impl Remainder {
+impl StaticCorrection {
     fn spacing(&self) -> f64 {
         2.0 * PI / self.period
     }
@@ -199,7 +199,7 @@ impl Remainder {
         &self,
         velocity: f64,
         integrals: &Integrals,
-        room: &mut Room,
+        workspace: &mut Workspace,
         temperature: &mut Blocks,
         distortion: &mut Blocks,
     ) {
@@ -212,10 +212,10 @@ impl Remainder {
         let turning = |q: f64| Complex::new(0.0, -q * moving);
         let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
         if let Some(fresh) = self.fresh {
-            self.add_fresh(velocity, moving, fresh, integrals, room, [temperature, distortion]);
+            self.add_fresh(velocity, moving, fresh, integrals, workspace, [temperature, distortion]);
             return;
         }
-        let Room { sums, source, .. } = room;
+        let Workspace { sums, source, .. } = workspace;
         let expands = self.expansion.is_some();
         for ((wave, depth), modes) in self.waves.iter().zip(&integrals.depths).zip(&self.modes) {
             let s = Complex::new(0.0, -wave.number * velocity);
@@ -263,16 +263,16 @@ impl Remainder {
         &self,
         velocity: f64,
         moving: f64,
-        (slowest, forgetting): (f64, Forgetting),
+        (slowest, image_damping): (f64, ImageDamping),
         integrals: &Integrals,
-        room: &mut Room,
+        workspace: &mut Workspace,
         [temperature, distortion]: [&mut Blocks; 2],
     ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
-        let Room { sums, source, .. } = room;
+        let Workspace { sums, source, .. } = workspace;
         let expands = self.expansion.is_some();
         // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
-        let forgotten = forgetting.rate(velocity);
+        let forgotten = image_damping.rate(velocity);
         let lasting = slowest * slowest / (slowest + forgotten);
         // What the states lose for that: never less, or what is left for the answer at once would be negative.
         let lost = forgotten.hypot(lasting);

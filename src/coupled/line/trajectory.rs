@@ -6,7 +6,7 @@ use crate::coupled::INPUTS;
 
 /// How temperature and expansion go over a piece: linearly between its ends.
 #[derive(Clone, Copy, Debug)]
-pub struct Heat {
+pub struct LumpedTemperature {
     /// Contact temperature at the ends, K.
     pub temperature: [f64; 2],
     /// Displacement of both surfaces by heat, m into the bodies.
@@ -26,16 +26,16 @@ pub struct Slipped {
     pub heat_per_pressure: f64,
 }
 
-impl Heat {
+impl LumpedTemperature {
     /// Nothing changes, nothing is carried by a bristle.
-    pub fn constant(temperature: f64, expansion: f64) -> Heat {
-        Heat { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
+    pub fn constant(temperature: f64, expansion: f64) -> LumpedTemperature {
+        LumpedTemperature { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
     }
 }
 
 /// The contact's conditions at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment {
+pub struct StageConditions {
     /// s: sign of the velocity, regularised where the law says so.
     pub sign: f64,
     /// s mu.
@@ -45,7 +45,7 @@ pub struct Moment {
     /// Speed that wears, m/s.
     pub speed: f64,
     /// Friction coefficient without Stribeck factor.
-    pub faded: f64,
+    pub kinetic_coefficient: f64,
     /// Contact temperature, K.
     pub temperature: f64,
     /// Displacement of both surfaces by heat, m into the bodies.
@@ -54,18 +54,18 @@ pub struct Moment {
     pub heat_per_pressure: Option<f64>,
 }
 
-impl Moment {
-    /// Takes the friction coefficient `faded` over; `direction` is s with the Stribeck factor. A bristle's force stays.
+impl StageConditions {
+    /// Takes the friction coefficient `kinetic_coefficient` over; `direction` is s with the Stribeck factor. A bristle's force stays.
     pub fn follow(&mut self, direction: f64) {
         if self.heat_per_pressure.is_none() {
-            self.signed_friction = direction * self.faded;
+            self.signed_friction = direction * self.kinetic_coefficient;
         }
     }
 
     /// Friction heat flux over the friction coefficient (without Stribeck factor) and the pressure, m/s.
     pub fn slip(&self, stribeck: f64) -> f64 {
         match self.heat_per_pressure {
-            Some(heat) if self.faded > 0.0 => heat / self.faded,
+            Some(heat) if self.kinetic_coefficient > 0.0 => heat / self.kinetic_coefficient,
             Some(_) => 0.0,
             None => stribeck * self.speed,
         }
@@ -77,27 +77,27 @@ const REST: f64 = 1e-12;
 
 /// Conditions over a piece.
 #[derive(Clone, Debug)]
-pub struct Path {
+pub struct InputTrajectory {
     inputs: [f64; INPUTS],
     slopes: Option<[f64; INPUTS]>,
     length: f64,
-    heat: Heat,
+    heat: LumpedTemperature,
     friction: FrictionLaw,
     mean_radius: f64,
     /// Which way it slides throughout the piece; 0 at rest.
     direction: f64,
 }
 
-impl Path {
+impl InputTrajectory {
     /// From the inputs at the start of a piece of `length` (s) and their rates.
-    pub fn new(line: &Line, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, length: f64, heat: Heat) -> Path {
+    pub fn new(line: &Line, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, length: f64, heat: LumpedTemperature) -> InputTrajectory {
         let (friction, mean_radius) = (line.friction.clone(), line.operators.scene.mean_radius);
         let direction = 0.0;
-        let path = Path { inputs: *inputs, slopes: slopes.copied(), length, heat, friction, mean_radius, direction };
+        let path = InputTrajectory { inputs: *inputs, slopes: slopes.copied(), length, heat, friction, mean_radius, direction };
         // At its ends, where it turns round, the velocity is 0 to rounding only: the middle tells.
         let middle = path.velocity(0.5 * length);
         let rests = middle.abs() <= REST * line.state.fastest;
-        Path { direction: if rests { 0.0 } else { middle.signum() }, ..path }
+        InputTrajectory { direction: if rests { 0.0 } else { middle.signum() }, ..path }
     }
 
     /// Sliding velocity at `time` (s from the start of the piece), m/s.
@@ -117,22 +117,22 @@ impl Path {
     }
 
     /// Conditions at `time` (s from the start of the piece).
-    pub fn at(&self, time: f64) -> Moment {
+    pub fn at(&self, time: f64) -> StageConditions {
         let part = time / self.length;
         let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * part;
         let velocity = self.velocity(time);
         let temperature = between(self.heat.temperature);
-        let faded = self.friction.faded(temperature);
+        let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);
         let regularised = self.friction.regularization_velocity > 0.0;
         let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
         let (signed_friction, speed) = match self.heat.slipped {
             Some(slipped) => (slipped.ratio, slipped.distance / self.length),
-            None => (sign * (faded * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
+            None => (sign * (kinetic_coefficient * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
         };
         let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
         let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
         let expansion = between(self.heat.expansion);
-        Moment { sign, signed_friction, load, speed, faded, temperature, expansion, heat_per_pressure }
+        StageConditions { sign, signed_friction, load, speed, kinetic_coefficient, temperature, expansion, heat_per_pressure }
     }
 
     /// Whether the contact is open or at rest throughout.

@@ -11,13 +11,13 @@
 //! friction is less heat; the nearer a pressure wave is to growing at once, the more pressure follows from that difference, and
 //! beyond some speed the repetition runs away however short the step is.
 
-use super::split::Split;
+use super::partition::HeatPartition;
 use crate::contact::dense;
-use crate::heat::line::Gains;
+use crate::heat::line::SurfaceInfluence;
 
 /// The derivative at the pressure and temperature of the repetition before. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
-pub struct Fading {
+pub struct FrictionJacobian {
     /// H, by columns, K per W/m2.
     rise: Vec<f64>,
     /// I - diag(s v p mu') H and its factors.
@@ -28,18 +28,18 @@ pub struct Fading {
     column: Vec<f64>,
 }
 
-impl Fading {
+impl FrictionJacobian {
     /// For `count` cells.
-    pub fn new(count: usize) -> Fading {
+    pub fn new(count: usize) -> FrictionJacobian {
         let square = || vec![0.0; count * count];
-        Fading { rise: square(), matrix: square(), exchanged: vec![0; count], heat: square(), column: vec![0.0; count] }
+        FrictionJacobian { rise: square(), matrix: square(), exchanged: vec![0; count], heat: square(), column: vec![0.0; count] }
     }
 
-    /// H of bodies with the given gains (`None`: an insulator) that share heat as `split` says; `half_resistance`: 1/(2 h_c), 0
+    /// H of bodies with the given gains (`None`: an insulator) that share heat as `partition` says; `half_resistance`: 1/(2 h_c), 0
     /// without exchange.
-    pub fn build(&mut self, split: &Split, gains: [Option<&Gains>; 2], half_resistance: f64) {
+    pub fn build(&mut self, partition: &HeatPartition, influence: [Option<&SurfaceInfluence>; 2], half_resistance: f64) {
         let count = self.column.len();
-        match gains {
+        match influence {
             [Some(punch), Some(strip)] => {
                 // (G_1 Y + G_2 (I - Y))/2
                 let (own, other) = (punch.temperature.as_slice(), strip.temperature.as_slice());
@@ -49,7 +49,7 @@ impl Fading {
                 for (entry, other) in self.rise.iter_mut().zip(other) {
                     *entry = 0.5 * other;
                 }
-                let shares = split.shares().chunks_exact(count);
+                let shares = partition.shares().chunks_exact(count);
                 for (target, share) in self.rise.chunks_exact_mut(count).zip(shares) {
                     dense::multiply_add(&self.matrix, share, target);
                 }
@@ -68,7 +68,7 @@ impl Fading {
 
     /// dQ/dp (by columns, m/s) of cells with friction heat `per_pressure` (m/s) that changes by `slope` (W/(m2 K)) with the
     /// temperature; both are 0 on cells that exchange none.
-    pub fn linearise(&mut self, per_pressure: impl Fn(usize) -> f64, slope: impl Fn(usize) -> f64) -> &[f64] {
+    pub fn linearize(&mut self, per_pressure: impl Fn(usize) -> f64, slope: impl Fn(usize) -> f64) -> &[f64] {
         let count = self.column.len();
         for (i, slope) in (0..count).map(|i| (i, slope(i))) {
             for j in 0..count {
@@ -102,33 +102,33 @@ mod tests {
     fn heat_changes_as_the_law_of_friction_says() {
         let count = 6;
         // As of a moving source: heat upstream is felt downstream more than the other way.
-        let gains = |scale: f64| Gains {
+        let influence = |scale: f64| SurfaceInfluence {
             temperature: DMatrix::from_fn(count, count, |i, j| {
                 scale * (1.0 + 0.1 * j as f64) / (1.0 + i.abs_diff(j) as f64)
             }),
             distortion: DMatrix::zeros(count, count),
         };
-        let (punch, strip) = (gains(2.0), gains(0.5));
+        let (punch, strip) = (influence(2.0), influence(0.5));
         // mu falls by a thousandth per kelvin from the temperature 0 on.
         let (slip, coefficient, fall) = (3.0, 0.4, 1e-3);
         let pressure: Vec<f64> = (0..count).map(|i| 10.0 + 3.0 * i as f64).collect();
         for pair in [[Some(&punch), Some(&strip)], [Some(&punch), None], [None, Some(&strip)]] {
-            let mut split = Split::new(&vec![1.0; count], &vec![1.0; count], 4.0);
-            split.build((1.0, 0.0), pair);
-            split.close(&[true; 6]);
-            let mut fading = Fading::new(count);
-            fading.build(&split, pair, 0.125);
+            let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], 4.0);
+            partition.build((1.0, 0.0), pair);
+            partition.close(&[true; 6]);
+            let mut friction_jacobian = FrictionJacobian::new(count);
+            friction_jacobian.build(&partition, pair, 0.125);
             // Temperatures of both surfaces by the laws of the split alone.
-            let felt = |heat: &[f64]| -> Vec<f64> {
+            let contact_temperature = |heat: &[f64]| -> Vec<f64> {
                 let mut own = vec![0.0; count];
                 match pair {
-                    [Some(_), Some(_)] => split.clone().share(heat, &mut own),
+                    [Some(_), Some(_)] => partition.clone().share(heat, &mut own),
                     [Some(_), None] => own.copy_from_slice(heat),
                     _ => {}
                 }
                 let other: Vec<f64> = (0..count).map(|i| heat[i] - own[i]).collect();
-                let rise = |gains: Option<&Gains>, flux: &[f64], i: usize| {
-                    gains.map(|gains| (0..count).map(|j| gains.temperature[(i, j)] * flux[j]).sum::<f64>())
+                let rise = |influence: Option<&SurfaceInfluence>, flux: &[f64], i: usize| {
+                    influence.map(|influence| (0..count).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>())
                 };
                 (0..count)
                     .map(|i| match (rise(pair[0], &own, i), rise(pair[1], &other, i)) {
@@ -141,18 +141,18 @@ mod tests {
             let solve = |pressure: &[f64]| -> Vec<f64> {
                 let mut heat = vec![0.0; count];
                 for _ in 0..400 {
-                    let felt = felt(&heat);
-                    heat = (0..count).map(|i| slip * coefficient * (1.0 - fall * felt[i]) * pressure[i]).collect();
+                    let contact_temperature = contact_temperature(&heat);
+                    heat = (0..count).map(|i| slip * coefficient * (1.0 - fall * contact_temperature[i]) * pressure[i]).collect();
                 }
                 heat
             };
             let heat = solve(&pressure);
-            let now = felt(&heat);
+            let now = contact_temperature(&heat);
             let mu = |i: usize| coefficient * (1.0 - fall * now[i]);
-            fading.linearise(|i| slip * mu(i), |i| -slip * pressure[i] * coefficient * fall);
+            friction_jacobian.linearize(|i| slip * mu(i), |i| -slip * pressure[i] * coefficient * fall);
             let change: Vec<f64> = (0..count).map(|i| 1e-4 * (1.0 - 0.5 * i as f64)).collect();
             let mut predicted = vec![0.0; count];
-            fading.add_heat(&change, &mut predicted);
+            friction_jacobian.add_heat(&change, &mut predicted);
             let moved: Vec<f64> = pressure.iter().zip(&change).map(|(p, more)| p + more).collect();
             for (i, (after, before)) in solve(&moved).iter().zip(&heat).enumerate() {
                 let found = after - before;

@@ -20,7 +20,7 @@ pub const RANK: usize = 8;
 
 /// Polynomials orthonormal on the cells, and what the waves give for them.
 #[derive(Clone, PartialEq, Debug)]
-pub struct GiveBack {
+pub struct RobinCorrection {
     transfer: f64,
     rank: usize,
     /// V: N x rank, by columns; even and odd by turns.
@@ -32,9 +32,9 @@ pub struct GiveBack {
     waves: Vec<[f64; RANK]>,
 }
 
-impl GiveBack {
+impl RobinCorrection {
     /// The space on `cells` for the heat transfer coefficient `transfer`.
-    pub fn new(cells: &Cells, transfer: f64, operators: &Operators) -> GiveBack {
+    pub fn new(cells: &Cells, transfer: f64, operators: &Operators) -> RobinCorrection {
         let (count, widths) = (cells.count(), cells.widths().to_vec());
         let rank = RANK.min(count);
         let mut polynomials: Vec<Vec<f64>> = Vec::new();
@@ -66,21 +66,21 @@ impl GiveBack {
             .collect();
         let mut unit = [0.0; RANK];
         unit[0] = (0..count).map(|i| widths[i] * polynomials[0][i]).sum();
-        GiveBack { transfer, rank, polynomials: polynomials.concat(), unit, widths, waves }
+        RobinCorrection { transfer, rank, polynomials: polynomials.concat(), unit, widths, waves }
     }
 
     /// V'W of the temperature that waves of these amplitudes (real and imaginary parts) give.
     pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
         // Two sums: the additions of one would wait for each other.
-        let mut levels = [[0.0; RANK]; 2];
+        let mut state_layout = [[0.0; RANK]; 2];
         for (wave, (row, (re, im))) in self.waves.iter().zip(amplitude[0].iter().zip(&amplitude[1])).enumerate() {
-            let level = &mut levels[wave % 2];
+            let level = &mut state_layout[wave % 2];
             for degree in 0..RANK / 2 {
                 level[2 * degree] += row[2 * degree] * re;
                 level[2 * degree + 1] += row[2 * degree + 1] * im;
             }
         }
-        std::array::from_fn(|degree| levels[0][degree] + levels[1][degree])
+        std::array::from_fn(|degree| state_layout[0][degree] + state_layout[1][degree])
     }
 
     /// How much of every polynomial is given back besides `flux` (W/m2), where the waves have the projected temperature
@@ -94,7 +94,7 @@ impl GiveBack {
         amounts
     }
 
-    /// Adds the fluxes given back to `flux`; see [`GiveBack::amounts`], which are returned.
+    /// Adds the fluxes given back to `flux`; see [`RobinCorrection::amounts`], which are returned.
     pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
         let amounts = self.amounts(answer, level, ambient, flux);
         self.lift(&amounts, flux);
@@ -143,10 +143,10 @@ impl GiveBack {
         }
     }
 
-    /// Adds to `gains` (N x N) of temperature or distortion the response by way of the fluxes given back.
-    pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, gains: &mut DMatrix<f64>) {
+    /// Adds to `influence` (N x N) of temperature or distortion the response by way of the fluxes given back.
+    pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
         let count = self.widths.len();
-        for (gain, response) in gains.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK)) {
+        for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK)) {
             let mut returned = [0.0; RANK];
             dense::multiply_add(parts.solution, response, &mut returned);
             dense::multiply_add(parts.lifted[moving], &returned, gain);

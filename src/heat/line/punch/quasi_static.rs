@@ -66,7 +66,7 @@ fn keep_parity(sign: f64, values: &mut [f64]) {
 
 impl Assembly<'_> {
     /// Gives what answers at once states of its own; call it when all other operators are complete.
-    pub(super) fn delay(&self, operators: &mut Operators) {
+    pub(super) fn give_first_order_dynamics(&self, operators: &mut Operators) {
         let count = self.cells.count();
         let beyond = self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len());
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);

@@ -5,8 +5,8 @@
 //! knots: a function of the arguments alone, whatever knots are kept.
 
 use super::answer::{Answer, AtOnce, Layout};
-use super::operators::{Forgetting, Operators};
-use super::step::{Interval, Room};
+use super::operators::{ImageDamping, Operators};
+use super::step::{Interval, Workspace};
 
 /// Turn of the shortest wave from knot to knot, rad: the cubic is off by .023 of its fourth power for that wave, and by less
 /// with the fourth power of the wave number for longer ones.
@@ -19,35 +19,35 @@ const SLOTS: [usize; 2] = [8, 4];
 /// Requests after which another length becomes the usual one.
 const REQUESTS: u32 = 3;
 
-/// Velocities of the knots: `v/turn + asinh(v/bend)/KNOT_BEND` is the number of a knot.
+/// Velocities of the knots: `v/phase + asinh(v/bend)/KNOT_BEND` is the number of a knot.
 #[derive(Clone, Copy, Debug)]
 struct Grid {
-    turn: f64,
+    phase: f64,
     /// Nothing bends: infinite.
     bend: f64,
 }
 
 impl Grid {
-    fn new(turn: f64, forgetting: &Forgetting) -> Grid {
-        Grid { turn, bend: if forgetting.per_length > 0.0 { forgetting.slow } else { f64::INFINITY } }
+    fn new(phase: f64, image_damping: &ImageDamping) -> Grid {
+        Grid { phase, bend: if image_damping.per_length > 0.0 { image_damping.slow } else { f64::INFINITY } }
     }
 
     /// Place of a velocity among the numbers of the knots.
     fn position(&self, velocity: f64) -> f64 {
-        velocity / self.turn + (velocity / self.bend).asinh() / KNOT_BEND
+        velocity / self.phase + (velocity / self.bend).asinh() / KNOT_BEND
     }
 
     /// Velocity of a knot.
-    fn knot(&self, number: i64) -> f64 {
+    fn node(&self, number: i64) -> f64 {
         let target = number as f64;
         if self.bend.is_infinite() {
-            return target * self.turn;
+            return target * self.phase;
         }
         // Newton's method in u = asinh(v/bend), where the place is convex: down from what either part alone would give.
         let distance = target.abs();
-        let mut u = (distance * KNOT_BEND).min((distance * self.turn / self.bend).asinh());
+        let mut u = (distance * KNOT_BEND).min((distance * self.phase / self.bend).asinh());
         for _ in 0..MOST_ITERATIONS {
-            let (part, slope) = (self.bend / self.turn * u.sinh(), self.bend / self.turn * u.cosh());
+            let (part, slope) = (self.bend / self.phase * u.sinh(), self.bend / self.phase * u.cosh());
             let change = (part + u / KNOT_BEND - distance) / (slope + KNOT_BEND.recip());
             u -= change;
             if change.abs() <= f64::EPSILON * u {
@@ -63,7 +63,7 @@ const MOST_ITERATIONS: usize = 20;
 
 /// See the module.
 #[derive(Clone, Debug)]
-pub struct Knots {
+pub struct InterpolationNodes {
     sets: [Set; 2],
 }
 
@@ -91,15 +91,15 @@ impl Set {
     }
 }
 
-impl Knots {
+impl InterpolationNodes {
     /// No knots yet; and no memory for them where nothing is interpolated.
-    pub fn new(layout: Layout, used: bool) -> Knots {
+    pub fn new(layout: Layout, used: bool) -> InterpolationNodes {
         let set = |slots: usize| Set {
             length: f64::NAN,
             requests: 0,
             slots: (0..slots).map(|_| Slot { number: i64::MIN, velocity: 0.0, answer: Answer::new(layout) }).collect(),
         };
-        Knots { sets: SLOTS.map(|slots| set(if used { slots } else { 0 })) }
+        InterpolationNodes { sets: SLOTS.map(|slots| set(if used { slots } else { 0 })) }
     }
 
     /// The set for a length.
@@ -135,11 +135,11 @@ impl Knots {
         length: f64,
         velocity: f64,
         immediate: AtOnce<'_>,
-        room: &mut Room,
+        workspace: &mut Workspace,
         answer: &mut Answer,
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let grid = Grid::new(KNOT_TURN / (shortest * length), &operators.forgetting);
+        let grid = Grid::new(KNOT_TURN / (shortest * length), &operators.image_damping);
         let set = self.set(length);
         let base = grid.position(velocity).floor() as i64;
         let slots = set.slots.len() as i64;
@@ -149,8 +149,8 @@ impl Knots {
             let number = base + k - 1;
             let own = &mut set.slots[slot(k)];
             if own.number != number {
-                (own.number, own.velocity) = (number, grid.knot(number));
-                interval.respond(operators, [own.velocity; 2], room, &mut own.answer);
+                (own.number, own.velocity) = (number, grid.node(number));
+                interval.respond(operators, [own.velocity; 2], workspace, &mut own.answer);
             }
             nodes[k as usize] = own.velocity;
         }

@@ -14,20 +14,20 @@ pub type Level = Range<usize>;
 pub type Parts<'a> = [&'a [f64]; 2];
 
 /// Places for waves with these numbers of states, each at least that of the next.
-pub fn levels(counts: &[usize]) -> Vec<Level> {
-    let mut levels = Vec::new();
+pub fn state_layout(counts: &[usize]) -> Vec<Level> {
+    let mut state_layout = Vec::new();
     let mut first = 0;
     for level in 0..counts.first().copied().unwrap_or(0) {
         let end = first + counts.iter().take_while(|count| **count > level).count();
-        levels.push(first..end);
+        state_layout.push(first..end);
         first = end;
     }
-    levels
+    state_layout
 }
 
 /// States of a wave, level by level.
-pub fn of_wave(levels: &[Level], wave: usize) -> impl Iterator<Item = usize> + '_ {
-    levels.iter().take_while(move |level| wave < level.len()).map(move |level| level.start + wave)
+pub fn of_mode(state_layout: &[Level], wave: usize) -> impl Iterator<Item = usize> + '_ {
+    state_layout.iter().take_while(move |level| wave < level.len()).map(move |level| level.start + wave)
 }
 
 /// Values of one level.
@@ -39,7 +39,7 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
 /// Amplitudes of the waves in states that are turned by their factors first, seen by two observations; by real and imaginary
 /// parts.
 pub fn observe(
-    levels: &[Level],
+    state_layout: &[Level],
     states: Parts<'_>,
     factors: Parts<'_>,
     seen: Parts<'_>,
@@ -51,9 +51,9 @@ pub fn observe(
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, states, factors, seen, [first, second]) = self;
+            let Self(state_layout, states, factors, seen, [first, second]) = self;
             let ([first_re, first_im], [second_re, second_im]) = (first, second);
-            for level in levels {
+            for level in state_layout {
                 let count = level.len();
                 let [re, im] = on(level, states);
                 let [cosine, sine] = on(level, factors);
@@ -73,7 +73,7 @@ pub fn observe(
     }
     let [first, second] = sums;
     first.iter_mut().chain(second.iter_mut()).for_each(|part| part.fill(0.0));
-    Arch::new().dispatch(Observe(levels, states, factors, seen, [first, second]));
+    Arch::new().dispatch(Observe(state_layout, states, factors, seen, [first, second]));
 }
 
 /// Adds to amplitudes those of other waves, each turned and weighted by a factor.
@@ -139,15 +139,15 @@ pub struct Carrier<'a> {
 }
 
 /// Carries the states over a step, from `before` to `after`; `heat` are the amplitudes of the fluxes of both stages.
-pub fn carry(levels: &[Level], before: Parts<'_>, after: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
+pub fn carry(state_layout: &[Level], before: Parts<'_>, after: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
     struct Carry<'a>(&'a [Level], Parts<'a>, [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
     impl WithSimd for Carry<'_> {
         type Output = ();
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, before, [all_re, all_im], carrier, [first, end]) = self;
-            for level in levels {
+            let Self(state_layout, before, [all_re, all_im], carrier, [first, end]) = self;
+            for level in state_layout {
                 let count = level.len();
                 let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
                 let [start_re, start_im] = on(level, before);
@@ -171,39 +171,39 @@ pub fn carry(levels: &[Level], before: Parts<'_>, after: [&mut [f64]; 2], carrie
             }
         }
     }
-    Arch::new().dispatch(Carry(levels, before, after, carrier, heat));
+    Arch::new().dispatch(Carry(state_layout, before, after, carrier, heat));
 }
 
-/// Factors of the states: the decay of each, times the turn and the common decay `faded` of its wave.
-pub fn turn(levels: &[Level], decay: &[f64], faded: f64, turns: Parts<'_>, factors: [&mut [f64]; 2]) {
+/// Factors of the states: the decay of each, times the turn and the common decay `damping` of its wave.
+pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<'_>, factors: [&mut [f64]; 2]) {
     struct Turn<'a>(&'a [Level], &'a [f64], f64, Parts<'a>, [&'a mut [f64]; 2]);
     impl WithSimd for Turn<'_> {
         type Output = ();
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, _: S) {
-            let Self(levels, decay, faded, turns, [all_re, all_im]) = self;
-            for level in levels {
+            let Self(state_layout, decay, damping, phases, [all_re, all_im]) = self;
+            for level in state_layout {
                 let count = level.len();
                 let decay = &decay[level.clone()];
                 let (re, im) = (&mut all_re[level.clone()], &mut all_im[level.clone()]);
-                let (cosine, sine) = (&turns[0][..count], &turns[1][..count]);
+                let (cosine, sine) = (&phases[0][..count], &phases[1][..count]);
                 for w in 0..count {
-                    let held = faded * decay[w];
+                    let held = damping * decay[w];
                     re[w] = cosine[w] * held;
                     im[w] = sine[w] * held;
                 }
             }
         }
     }
-    Arch::new().dispatch(Turn(levels, decay, faded, turns, factors));
+    Arch::new().dispatch(Turn(state_layout, decay, damping, phases, factors));
 }
 
-/// Largest angle, rad, that the polynomials of [`turns`] take.
+/// Largest angle, rad, that the polynomials of [`phases`] take.
 const SMALL_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
 
 /// `cos` and `sin` of `angle` times each of the numbers, which rise.
-pub fn turns(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
+pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
     struct Small<'a>(f64, &'a [f64], &'a mut [f64], &'a mut [f64]);
     impl WithSimd for Small<'_> {
         type Output = ();
@@ -270,7 +270,7 @@ mod tests {
         for angle in [0.0, 1e-9, -0.003, 0.01, 0.12, -5.0] {
             let numbers: Vec<f64> = (1..40).map(|n| 0.2 * f64::from(n)).collect();
             let (mut cosine, mut sine) = (vec![0.0; 39], vec![0.0; 39]);
-            turns(angle, &numbers, &mut cosine, &mut sine);
+            phases(angle, &numbers, &mut cosine, &mut sine);
             for (number, (c, s)) in numbers.iter().zip(cosine.iter().zip(&sine)) {
                 let x: f64 = angle * number;
                 assert!((c - x.cos()).abs() < 3e-16 && (s - x.sin()).abs() <= 3e-16 * x.abs(), "{x}: {c} {s}");
@@ -281,14 +281,14 @@ mod tests {
     #[test]
     fn every_wave_finds_its_states() {
         let counts = [3, 3, 2, 1];
-        let levels = levels(&counts);
-        assert_eq!(levels, [0..4, 4..7, 7..9]);
+        let state_layout = state_layout(&counts);
+        assert_eq!(state_layout, [0..4, 4..7, 7..9]);
         for (wave, count) in counts.iter().enumerate() {
-            assert_eq!(of_wave(&levels, wave).count(), *count);
+            assert_eq!(of_mode(&state_layout, wave).count(), *count);
         }
-        let mut all: Vec<usize> = (0..4).flat_map(|wave| of_wave(&levels, wave).collect::<Vec<_>>()).collect();
+        let mut all: Vec<usize> = (0..4).flat_map(|wave| of_mode(&state_layout, wave).collect::<Vec<_>>()).collect();
         all.sort_unstable();
         assert!(all.iter().copied().eq(0..9));
-        assert_eq!(levels.len(), 3);
+        assert_eq!(state_layout.len(), 3);
     }
 }

@@ -11,7 +11,7 @@ use nalgebra::Complex;
 
 /// See the module.
 #[derive(Debug)]
-pub struct Scan {
+pub struct ErrorSweep {
     frequencies: Vec<f64>,
     /// What a wave counts in the mean contact temperature per flux.
     weights: Vec<f64>,
@@ -22,7 +22,7 @@ pub struct Scan {
     scale: f64,
 }
 
-impl Scan {
+impl ErrorSweep {
     /// Of these waves, and the layers at each of them, as the cells see them.
     pub fn new(
         cells: &Cells,
@@ -32,7 +32,7 @@ impl Scan {
         (waves, layers): (&[Wave], &[Depth]),
         shapes: &Shapes,
         resolution: &Resolution,
-    ) -> Scan {
+    ) -> ErrorSweep {
         let width = 2.0 * cells.half_width();
         let weights: Vec<f64> = (0..waves.len())
             .map(|index| {
@@ -47,18 +47,18 @@ impl Scan {
         let points = 16;
         let frequencies: Vec<f64> =
             (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points))).collect();
-        let mut scan = Scan { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
-        for &frequency in &scan.frequencies {
+        let mut error_sweep = ErrorSweep { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
+        for &frequency in &error_sweep.frequencies {
             let s = Complex::new(0.0, frequency);
-            scan.exact.extend(layers.iter().map(|layer| layer.impedance(s)));
+            error_sweep.exact.extend(layers.iter().map(|layer| layer.impedance(s)));
             let error = mean.map(|mean| (mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
-            scan.mean.push(error.unwrap_or_default());
+            error_sweep.mean.push(error.unwrap_or_default());
         }
         let s = Complex::new(0.0, 1.0 / resolution.duration);
-        let parts = layers.iter().zip(&scan.weights).map(|(layer, weight)| layer.impedance(s) * *weight);
+        let parts = layers.iter().zip(&error_sweep.weights).map(|(layer, weight)| layer.impedance(s) * *weight);
         let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
-        scan.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
-        scan
+        error_sweep.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
+        error_sweep
     }
 
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
