@@ -16,7 +16,7 @@ pub use snapshot::Snapshot;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::lumped::limit;
-use crate::coupled::model::{Model, Operators};
+use crate::coupled::model::{Model, ModelOperators};
 use crate::plan::prepared::Prepared;
 use crate::scene::{Scene, value};
 use crate::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
@@ -559,7 +559,7 @@ impl Component {
     }
 
     /// What the present level is made of; `None` before initialisation.
-    pub fn operators(&self) -> Option<Operators> {
+    pub fn operators(&self) -> Option<ModelOperators> {
         self.model.as_ref().map(Model::operators)
     }
 }

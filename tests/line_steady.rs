@@ -5,9 +5,9 @@ use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
 use sliding_contact::elastic::{
     Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler,
 };
-use sliding_contact::exact::{CyclicHalfPlane, HolderKind, annular_pressure, one_way_rotating_pressure};
+use sliding_contact::exact::{CyclicHalfPlane, HolderKind, annular_pressure, unidirectional_rotating_pressure};
 use sliding_contact::steady::{
-    CycleProblem, SteadyError, ToAndFroProblem, can_run_in_to_and_fro, groove, punch_run_in,
+    CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, punch_run_in,
 };
 use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, Scheme, WearTerm, WearingContact};
 
@@ -50,7 +50,7 @@ impl Noise {
 }
 
 #[test]
-fn to_and_fro_on_the_half_plane() {
+fn reciprocating_on_the_half_plane() {
     let holders = [
         (Some(1.0), HolderKind::Rotate { relative_height: 1.0 }),
         (Some(0.4), HolderKind::Rotate { relative_height: 0.4 }),
@@ -62,7 +62,7 @@ fn to_and_fro_on_the_half_plane() {
         for count in [33, 65, 129, 257] {
             let cells = Cells::graded(1.0, count).unwrap();
             let (punch, strip) = (Rigid.compliance(&cells), half_plane(&cells));
-            let problem = ToAndFroProblem {
+            let problem = ReciprocatingProblem {
                 cells: &cells,
                 punch: &punch,
                 strip: &strip,
@@ -102,7 +102,7 @@ fn direct_cycle_equals_time_stepping() {
     let (punch, friction, wear_per_stroke) = (Rigid.compliance(&cells), 0.3, 0.7);
     for strip in [half_plane(&cells), layer(&cells)] {
         for pivot_height in [None, Some(1.1)] {
-            let problem = ToAndFroProblem {
+            let problem = ReciprocatingProblem {
                 cells: &cells,
                 punch: &punch,
                 strip: &strip,
@@ -152,7 +152,7 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
     let cells = Cells::graded(1.0, 65).unwrap();
     let (punch, strip, friction) = (Rigid.compliance(&cells), layer(&cells), 0.4);
     for pivot_height in [None, Some(0.9)] {
-        let problem = ToAndFroProblem {
+        let problem = ReciprocatingProblem {
             cells: &cells,
             punch: &punch,
             strip: &strip,
@@ -187,7 +187,7 @@ fn the_shape_of_the_cycle_gives_both_pressures() {
 fn the_cycle_minimises_the_strain_energy() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
-    let problem = ToAndFroProblem {
+    let problem = ReciprocatingProblem {
         cells: &cells,
         punch: &punch,
         strip: &strip,
@@ -223,7 +223,7 @@ fn the_cycle_minimises_the_strain_energy() {
 }
 
 #[test]
-fn one_way_closed_forms() {
+fn unidirectional_closed_forms() {
     let cells = Cells::graded(0.5, 65).unwrap();
     let run_in = |rate: &CellRate, tilt| punch_run_in(&cells, cells.widths(), rate, 1.0, tilt).unwrap();
     for exponent in [0.3, 1.0, 3.0] {
@@ -235,7 +235,7 @@ fn one_way_closed_forms() {
         let state = run_in(&power_rate(1.0), Tilt::ResultantAt(lever));
         for (x, p) in cells.centres().iter().zip(&state.pressure) {
             // The second moment of 65 cells of constant pressure falls short of L^3/12 by its cells' own.
-            assert!((p - one_way_rotating_pressure(*x, lever, 1.0)).abs() < 2e-3, "{lever} {x}");
+            assert!((p - unidirectional_rotating_pressure(*x, lever, 1.0)).abs() < 2e-3, "{lever} {x}");
         }
     }
     // Annulus from 1 to 2 m.
@@ -256,7 +256,7 @@ fn one_way_closed_forms() {
 }
 
 #[test]
-fn one_way_equals_time_stepping() {
+fn unidirectional_equals_time_stepping() {
     let cells = Cells::graded(1.0, 33).unwrap();
     for exponent in [0.3, 0.6, 1.0, 1.7, 3.0] {
         let rate = power_rate(exponent);
@@ -285,7 +285,7 @@ fn one_way_equals_time_stepping() {
 }
 
 #[test]
-fn one_way_pressure_minimises_the_wear_dissipation_power() {
+fn unidirectional_pressure_minimises_the_wear_dissipation_power() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (x, w) = (cells.centres(), cells.widths());
     let mut noise = Noise(3);
@@ -348,7 +348,7 @@ fn groove_on_a_winkler_foundation() {
 fn states_that_do_not_exist_are_refused() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (punch, strip) = (Rigid.compliance(&cells), half_plane(&cells));
-    let problem = |friction, pivot_height| ToAndFroProblem {
+    let problem = |friction, pivot_height| ReciprocatingProblem {
         cells: &cells,
         punch: &punch,
         strip: &strip,
@@ -366,18 +366,18 @@ fn states_that_do_not_exist_are_refused() {
     // Just below the limit it exists: nearly all of the contact is clipped.
     let cycle = problem(0.5, Some(0.99)).solve().unwrap();
     assert!(cycle.forward.iter().filter(|p| **p == 0.0).count() > 10);
-    assert_eq!(can_run_in_to_and_fro(true, true, true), Ok(()));
-    assert_eq!(can_run_in_to_and_fro(true, false, false), Ok(()));
-    assert_eq!(can_run_in_to_and_fro(true, true, false), Err(SteadyError::WearingStripToAndFro));
-    assert_eq!(can_run_in_to_and_fro(false, true, true), Err(SteadyError::NothingWears));
-    assert_eq!(can_run_in_to_and_fro(false, false, false), Err(SteadyError::NothingWears));
+    assert_eq!(can_run_in_reciprocating(true, true, true), Ok(()));
+    assert_eq!(can_run_in_reciprocating(true, false, false), Ok(()));
+    assert_eq!(can_run_in_reciprocating(true, true, false), Err(SteadyError::WearingStripReciprocating));
+    assert_eq!(can_run_in_reciprocating(false, true, true), Err(SteadyError::NothingWears));
+    assert_eq!(can_run_in_reciprocating(false, false, false), Err(SteadyError::NothingWears));
     let lifted = punch_run_in(&cells, cells.widths(), &power_rate(1.0), LOAD, Tilt::ResultantAt(1.0));
     assert!(matches!(lifted, Err(SteadyError::Tipping { .. })));
     let nothing = punch_run_in(&cells, cells.widths(), &CellRate::archard(0.0, 1.0), LOAD, Tilt::Fixed(0.0));
     assert_eq!(nothing, Err(SteadyError::NothingWears));
     for load in [0.0, -1.0, f64::NAN] {
         assert!(matches!(
-            ToAndFroProblem { load, ..problem(0.2, None) }.solve(),
+            ReciprocatingProblem { load, ..problem(0.2, None) }.solve(),
             Err(SteadyError::Invalid { quantity: "load", .. })
         ));
     }
@@ -400,7 +400,7 @@ fn general_cycle_is_the_programme_for_the_archard_law() {
     let (punch, strip, rate) = (Rigid.compliance(&cells), layer(&cells), power_rate(1.0));
     for pivot_height in [None, Some(0.5), Some(1.4)] {
         let cycle = cycle_problem(&cells, [&punch, &strip], &rate, pivot_height, [1.0; 2]).solve().unwrap();
-        let problem = ToAndFroProblem {
+        let problem = ReciprocatingProblem {
             cells: &cells,
             punch: &punch,
             strip: &strip,

@@ -3,7 +3,8 @@
 use sliding_contact::contact::{ContactSolver, ContactState, Normal, Tilt, pair_operators};
 use sliding_contact::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
 use sliding_contact::exact::{
-    GalinRelaxation, annular_pressure, one_way_rotating_pressure, winkler_relaxation_rate, worn_cylinder_half_width,
+    GalinRelaxation, annular_pressure, unidirectional_rotating_pressure, winkler_relaxation_rate,
+    worn_cylinder_half_width,
 };
 use sliding_contact::wear::line::{
     CellRate, Coefficient, Conditions, Integrator, Report, Scheme, StepError, WearTerm, WearingContact, explicit_limit,
@@ -46,7 +47,7 @@ fn advance(
     (state, report)
 }
 
-fn one_way(load: f64, tilt: Tilt, rate: CellRate) -> Conditions {
+fn unidirectional(load: f64, tilt: Tilt, rate: CellRate) -> Conditions {
     Conditions { signed_friction: 1.0, normal: Normal::Load(load), tilt, rate }
 }
 
@@ -59,7 +60,7 @@ fn winkler_decay_at_second_order() {
     // A tilted wavy shape in full contact, p - pm decays as exp(-k_w k s).
     let cells = Cells::graded(1.0, 17).unwrap();
     let gap: Vec<f64> = cells.centres().iter().map(|x| 0.2 * (3.0 * x).sin()).collect();
-    let conditions = one_way(2.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
+    let conditions = unidirectional(2.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
     let rate = winkler_relaxation_rate(2.0, 1.0, 1.0, 1.0);
     let error = |scheme: Scheme, steps: usize| {
         let mut contact = contact(&cells, &Winkler::new(2.0).unwrap(), 0.0, gap.clone());
@@ -91,7 +92,7 @@ fn winkler_small_deviations_decay_at_the_linearised_rate() {
     for exponent in [0.3, 0.7, 1.0, 1.6, 3.0] {
         let mean: f64 = 4.0;
         let gap: Vec<f64> = cells.centres().iter().map(|x| 1e-5 * x).collect();
-        let conditions = one_way(2.0 * mean, Tilt::Fixed(0.0), power_rate(exponent));
+        let conditions = unidirectional(2.0 * mean, Tilt::Fixed(0.0), power_rate(exponent));
         let mut contact = contact(&cells, &Winkler::new(2.0).unwrap(), 0.0, gap);
         let start = contact.pressure(&[0.0; 9], &conditions).unwrap().pressure;
         let rate = winkler_relaxation_rate(2.0, 1.0, exponent, mean);
@@ -108,7 +109,7 @@ fn galin_relaxation() {
     let galin = GalinRelaxation::new(150);
     for (count, bound) in [(64, 1e-3), (256, 1e-4)] {
         let cells = Cells::graded(1.0, count).unwrap();
-        let conditions = one_way(2.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
+        let conditions = unidirectional(2.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
         let mut contact = contact(&cells, &unit_half_plane(), 0.0, vec![0.0; count]);
         let mut worn = vec![0.0; count];
         let mut integrator = Integrator::new(Scheme::Sdirk2, 0.02 * bound, cells.count());
@@ -158,7 +159,7 @@ fn galin_eigenvalues() {
 fn explicit_bound_on_uniform_cells() {
     let count = 100;
     let cells = Cells::uniform(1.0, count).unwrap();
-    let conditions = one_way(200.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
+    let conditions = unidirectional(200.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
     let fresh = || contact(&cells, &unit_half_plane(), 0.0, vec![0.0; count]);
     let start = fresh().pressure(&vec![0.0; count], &conditions).unwrap();
     let limit = explicit_limit(&mut fresh(), &conditions, &start.pressure);
@@ -193,7 +194,7 @@ fn explicit_bound_on_uniform_cells() {
 fn explicit_bound_on_a_winkler_foundation() {
     let cells = Cells::graded(1.0, 12).unwrap();
     let mut contact = contact(&cells, &Winkler::new(4.0).unwrap(), 0.0, vec![0.0; 12]);
-    let conditions = one_way(2.0, Tilt::ResultantAt(0.2), CellRate::archard(1.0, 1.0));
+    let conditions = unidirectional(2.0, Tilt::ResultantAt(0.2), CellRate::archard(1.0, 1.0));
     let limit = explicit_limit(&mut contact, &conditions, &[1.0; 12]);
     assert!((limit - 0.5).abs() < 1e-12, "{limit}");
 }
@@ -203,7 +204,7 @@ fn steps_of_any_length_end_in_uniform_wear() {
     // 10,000 times the explicit limit and more, exponents from .3 to 3, friction, edges that unload.
     let cells = Cells::graded(1.0, 33).unwrap();
     for exponent in [0.3, 0.5, 1.0, 2.0, 3.0] {
-        let conditions = one_way(2.0, Tilt::Fixed(0.0), power_rate(exponent));
+        let conditions = unidirectional(2.0, Tilt::Fixed(0.0), power_rate(exponent));
         let gap: Vec<f64> = cells.centres().iter().map(|x| 3.0 * x * x).collect();
         let mut contact = contact(&cells, &unit_half_plane(), 0.5, gap);
         let mut worn = vec![0.0; 33];
@@ -235,7 +236,7 @@ impl EdgesLifting {
 
     fn conditions(&self, time: f64) -> Conditions {
         let load = 0.5 * (1.0 + 0.8 * (4.0 * time).sin());
-        one_way(load, Tilt::Fixed(0.0), power_rate(self.exponent))
+        unidirectional(load, Tilt::Fixed(0.0), power_rate(self.exponent))
     }
 
     fn contact(&self) -> WearingContact {
@@ -325,7 +326,7 @@ fn stages_satisfy_every_condition() {
             let worn: Vec<f64> = (0..33).map(|_| 3.0 * random().powi(4)).collect();
             let load = 10f64.powf(4.0 * random() - 2.0);
             let tilt = if round % 2 == 0 { Tilt::Fixed(0.1) } else { Tilt::ResultantAt(0.4) };
-            let conditions = one_way(load, tilt, power_rate(exponent));
+            let conditions = unidirectional(load, tilt, power_rate(exponent));
             let state = contact.stage(&worn, tau, &conditions).unwrap();
             let pressure = nalgebra::DVector::from_column_slice(&state.pressure);
             let displacement = contact.compliance(1.0) * &pressure;
@@ -348,7 +349,7 @@ fn stages_satisfy_every_condition() {
 #[test]
 fn tolerance_is_kept() {
     let cells = Cells::graded(1.0, 33).unwrap();
-    let conditions = one_way(2.0, Tilt::ResultantAt(0.1), power_rate(0.6));
+    let conditions = unidirectional(2.0, Tilt::ResultantAt(0.1), power_rate(0.6));
     let run = |tolerance: f64| {
         let mut contact = contact(&cells, &unit_half_plane(), 0.2, vec![0.0; 33]);
         let mut worn = vec![0.0; 33];
@@ -376,7 +377,7 @@ fn cylinder_wears_a_flat() {
     let stiff = HalfPlane { material: Material::new(1e6, 0.3).unwrap() };
     let gap = cells.means_from_primitive(|x| x.powi(3) / 6.0 / 2.0);
     let mut contact = contact(&cells, &stiff, 0.0, gap);
-    let conditions = one_way(1.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
+    let conditions = unidirectional(1.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
     let mut worn = vec![0.0; count];
     let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-2, cells.count());
     let exact = worn_cylinder_half_width(1.0, 1.0, 2.0, 0.1);
@@ -402,7 +403,7 @@ fn annular_punch_runs_in() {
         };
         let mut contact =
             WearingContact::new(&cells, &weights, compliance.clone(), &compliance * 0.0, vec![0.0; 33]).unwrap();
-        let conditions = one_way(2.0, Tilt::Fixed(0.0), rate);
+        let conditions = unidirectional(2.0, Tilt::Fixed(0.0), rate);
         let mut worn = vec![0.0; 33];
         let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, cells.count());
         for step in 0..60 {
@@ -420,11 +421,11 @@ fn annular_punch_runs_in() {
 }
 
 #[test]
-fn one_way_punch_free_to_rotate() {
+fn unidirectional_punch_free_to_rotate() {
     let cells = Cells::graded(0.5, 33).unwrap();
     for lever in [0.1, 1.0 / 6.0] {
         let mut contact = contact(&cells, &unit_half_plane(), 0.3, vec![0.0; 33]);
-        let conditions = one_way(1.0, Tilt::ResultantAt(lever), CellRate::archard(1.0, 1.0));
+        let conditions = unidirectional(1.0, Tilt::ResultantAt(lever), CellRate::archard(1.0, 1.0));
         let mut worn = vec![0.0; 33];
         let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, cells.count());
         for step in 0..60 {
@@ -435,7 +436,7 @@ fn one_way_punch_free_to_rotate() {
         }
         let state = contact.pressure(&worn, &conditions).unwrap();
         for (x, p) in cells.centres().iter().zip(&state.pressure) {
-            let error = p - one_way_rotating_pressure(*x, lever, 1.0);
+            let error = p - unidirectional_rotating_pressure(*x, lever, 1.0);
             // The moment is taken on cells of constant pressure: second order.
             assert!(error.abs() < 5e-3, "lever {lever} x {x}: {error:e}");
         }
@@ -447,7 +448,7 @@ fn a_load_of_zero_stops_the_wear() {
     let cells = Cells::graded(1.0, 9).unwrap();
     let mut contact = contact(&cells, &unit_half_plane(), 0.3, vec![0.0; 9]);
     for exponent in [0.3, 1.0, 3.0] {
-        let conditions = one_way(0.0, Tilt::ResultantAt(0.1), power_rate(exponent));
+        let conditions = unidirectional(0.0, Tilt::ResultantAt(0.1), power_rate(exponent));
         let mut worn = vec![1e-3; 9];
         let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3, 9);
         advance(&mut integrator, &mut contact, &mut worn, [0.0, 10.0], &|_| conditions.clone());
@@ -468,7 +469,7 @@ fn light_loads_on_wide_gaps_are_solved_to_rounding() {
         let gap = cells.centres().iter().map(|x| wide + 1e-6 * (9.0 * x).sin()).collect();
         let mut contact = contact(&cells, &unit_half_plane(), 0.0, gap);
         let mut touching = |load: f64| {
-            let conditions = one_way(load, Tilt::Fixed(0.0), rate.clone());
+            let conditions = unidirectional(load, Tilt::Fixed(0.0), rate.clone());
             let found = contact.stage(&[0.0; 33], 1e-12, &conditions).unwrap();
             let carried: f64 = found.pressure.iter().zip(cells.widths()).map(|(p, c)| p * c).sum();
             assert!((carried / load - 1.0).abs() < 1e-4, "{wide} {load:e}: {carried:e}");

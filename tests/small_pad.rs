@@ -2,7 +2,7 @@
 
 use sliding_contact::component::Component;
 use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::coupled::model::{Model, ModelOperators};
 use sliding_contact::scene::Scene;
 use sliding_contact::variables::{STARTS, find};
 use std::path::Path;
@@ -29,7 +29,7 @@ fn small_pad(cells: f64, tolerance: f64) -> [f64; STARTS.len()] {
 fn no_surface_cools_while_others_are_heated() {
     for (cells, tolerance) in [(33.0, 0.1), (17.0, 0.1), (33.0, 0.01)] {
         let scene = Scene::new(&small_pad(cells, tolerance), None).unwrap();
-        let operators = Operators::new(&scene).unwrap();
+        let operators = ModelOperators::new(&scene).unwrap();
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,
             ambient_temperature: scene.ambient_temperature,

@@ -6,7 +6,7 @@ use sliding_contact::elastic::scene::{cells_for, compliances};
 use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, Strip};
 use sliding_contact::scene::Scene;
 use sliding_contact::steady::scene::{Sliding, steady_state};
-use sliding_contact::steady::{BoxProgramme, ToAndFroProblem, punch_run_in};
+use sliding_contact::steady::{BoxProgramme, ReciprocatingProblem, punch_run_in};
 use sliding_contact::variables::{STARTS, find};
 use sliding_contact::wear::line::{CellRate, Coefficient, Conditions, Integrator, Scheme, WearTerm, WearingContact};
 use std::time::Instant;
@@ -46,7 +46,7 @@ fn no_pair_that_wears_evenly_has_less_strain_energy_than_the_cycle() {
     let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
     let mut noise = Noise(11);
     for pivot_height in [None, Some(1.0)] {
-        let problem = |friction| ToAndFroProblem {
+        let problem = |friction| ReciprocatingProblem {
             cells: &cells,
             punch: &punch,
             strip: &strip,

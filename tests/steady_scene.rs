@@ -149,8 +149,8 @@ fn every_exponent_body_and_pair_of_strokes_wears_evenly_in_equilibrium() {
                 ];
                 for sliding in [
                     None,
-                    Some(Sliding::ToAndFro { strokes: [3e-3, 3e-3], speeds: [0.01, 0.03] }),
-                    Some(Sliding::ToAndFro { strokes: [3e-3, 2e-3], speeds: [0.01, 0.01] }),
+                    Some(Sliding::Reciprocating { strokes: [3e-3, 3e-3], speeds: [0.01, 0.03] }),
+                    Some(Sliding::Reciprocating { strokes: [3e-3, 2e-3], speeds: [0.01, 0.01] }),
                 ] {
                     let solved = solve_as(&changes, sliding).unwrap_or_else(|e| panic!("{changes:?} {sliding:?}: {e}"));
                     solved.check_equilibrium();
@@ -162,12 +162,12 @@ fn every_exponent_body_and_pair_of_strokes_wears_evenly_in_equilibrium() {
 }
 
 #[test]
-fn one_way_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
-    let one_way = ("nominal.stroke", 0.0);
+fn unidirectional_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
+    let unidirectional = ("nominal.stroke", 0.0);
     for velocity in [0.01, -0.01] {
-        let sliding = Some(Sliding::OneWay { velocity });
+        let sliding = Some(Sliding::Unidirectional { velocity });
         // So much wear that the groove is half of the elastic displacement.
-        let both = [one_way, ("strip.wear_coefficient", 1e-11), ("punch.wear_coefficient", 1e-11)];
+        let both = [unidirectional, ("strip.wear_coefficient", 1e-11), ("punch.wear_coefficient", 1e-11)];
         let solved = solve_as(&both, sliding).unwrap();
         assert!(solved.state.strokes[0].pressure.iter().all(|p| (p / solved.mean() - 1.0).abs() < 1e-12));
         // The groove grows evenly from the leading edge: k pm times the distance from it.
@@ -178,7 +178,7 @@ fn one_way_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
         solved.check_equilibrium();
         solved.check_even_wear();
         // Only the strip: elastic punch, pressure falls off from the leading to the trailing edge.
-        let only = [one_way, ("strip.wear_coefficient", 1e-11), ("punch.wear_coefficient", 0.0)];
+        let only = [unidirectional, ("strip.wear_coefficient", 1e-11), ("punch.wear_coefficient", 0.0)];
         let solved = solve_as(&only, sliding).unwrap();
         assert_eq!(solved.state.kind, SteadyKind::Groove);
         solved.check_equilibrium();
@@ -188,7 +188,7 @@ fn one_way_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
         let left_behind = groove.iter().copied().fold(0.0, f64::max) * 0.01 * 0.01;
         assert!((left_behind / solved.state.volume_rates[1] - 1.0).abs() < 0.02, "{left_behind:e}");
     }
-    let lifting = solve(&[one_way, ("holder.constraint", 2.0), ("holder.pivot_height", 0.06)]);
+    let lifting = solve(&[unidirectional, ("holder.constraint", 2.0), ("holder.pivot_height", 0.06)]);
     // mu H = a/2 is beyond a third of the half-width: part of the contact lifts off.
     assert!(lifting.state.strokes[0].pressure[0] == 0.0);
     lifting.check_equilibrium();
@@ -353,7 +353,7 @@ fn levers_up_to_which_a_punch_does_not_rock_itself_round() {
 fn sums_of_a_state_are_those_of_its_strokes() {
     let solved = solve_as(
         &[("punch.wear_velocity_exponent", 0.5), ("contact.faces", 2.0), ("wear_acceleration", 7.0)],
-        Some(Sliding::ToAndFro { strokes: [4e-3, 2e-3], speeds: [0.02, 0.02] }),
+        Some(Sliding::Reciprocating { strokes: [4e-3, 2e-3], speeds: [0.02, 0.02] }),
     )
     .unwrap();
     let [to, fro] = [&solved.state.strokes[0], &solved.state.strokes[1]];

@@ -72,7 +72,7 @@ mod drives {
 
     #[test]
     fn the_line_converges_to_the_exact_pin_and_lumped_is_exact_but_for_the_pressure() {
-        let pin = problem("one_way_pin");
+        let pin = problem("unidirectional_pin");
         let peak = |cells| judged(&pin, &line(&pin, cells)).1.of(Quantity::PeakPressure);
         let (coarse, middle, fine) = (peak(9), peak(33), peak(65));
         assert!(coarse < 0.05 && middle < 5e-3 && fine < 2e-3, "{coarse} {middle} {fine}");
@@ -99,7 +99,7 @@ mod drives {
 
     #[test]
     fn what_fails_is_refused_or_stopped_and_says_why() {
-        let pin = problem("one_way_pin");
+        let pin = problem("unidirectional_pin");
         let explicit = Setting { scheme: Scheme::Explicit, step: 0.2, ..line(&pin, 33) };
         match pin.run(&explicit, &|| 0.0, f64::INFINITY).ending {
             Ending::Failed(time, text) => {
@@ -118,7 +118,7 @@ mod drives {
 
     #[test]
     fn heat_is_switched_off_only_where_neither_wear_nor_pressure_know_of_it() {
-        let pin = problem("one_way_pin");
+        let pin = problem("unidirectional_pin");
         let cold = Setting { heat: false, ..line(&pin, 17) };
         let ((warm_record, warm), (cold_record, errors)) = (judged(&pin, &line(&pin, 17)), judged(&pin, &cold));
         assert_eq!(cold_record.work, warm_record.work);
@@ -155,7 +155,7 @@ mod drives {
 
     #[test]
     fn errors_are_relative_to_the_largest_value_and_to_the_rise() {
-        let pin = problem("one_way_pin");
+        let pin = problem("unidirectional_pin");
         let ambient = 293.15;
         let truth = [[1.0, f64::NAN, -2.0, 8.0], [4.0, ambient + 10.0, 2.0, 4.0]];
         let found = [[1.2, 1e9, -2.0, 8.4], [4.0, ambient + 11.0, 2.0, f64::NAN]];

@@ -94,7 +94,7 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
 
 #[test]
 fn auto_that_carries_heat_by_its_mean_does_not_speak_of_the_explicit_scheme() {
-    use sliding_contact::coupled::line::operators::Operators;
+    use sliding_contact::coupled::line::operators::LineOperators;
     use sliding_contact::scene::{HeatAlongContact, Scene};
     let mut values = Packaged::stock().starts;
     values[reference("solver.fidelity") as usize] = LINE;
@@ -102,7 +102,7 @@ fn auto_that_carries_heat_by_its_mean_does_not_speak_of_the_explicit_scheme() {
     let mut scene = Scene::new(&values, None).unwrap();
     assert!(scene.strip.thermal_expansion > 0.0);
     scene.heat_along_contact = HeatAlongContact::ByItsMean;
-    let operators = Operators::new(&scene).unwrap();
+    let operators = LineOperators::new(&scene).unwrap();
     assert!(operators.heat.is_none());
     assert_eq!(operators.warnings(), SILENT);
 }
@@ -218,7 +218,7 @@ fn a_bristle_leaves_regularisation_without_effect() {
 }
 
 #[test]
-fn a_punch_that_rocks_itself_round_is_told_where_it_slides_to_and_fro() {
+fn a_punch_that_rocks_itself_round_is_told_where_it_slides_reciprocating() {
     let starts = |stroke: f64, height: f64| {
         let friction = Packaged::stock().starts[reference("contact.friction_coefficient") as usize];
         let half_width = 0.5 * Packaged::stock().starts[reference("punch.width") as usize];

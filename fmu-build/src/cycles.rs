@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use sliding_contact::coupled::line::cycle::map::sliding_scene;
 use sliding_contact::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
 use sliding_contact::coupled::line::heat::bodies::on_the_cells;
-use sliding_contact::coupled::line::operators::Operators;
+use sliding_contact::coupled::line::operators::LineOperators;
 use sliding_contact::scene::Scene;
 use sliding_contact::steady::thermal::nominal_half_strokes;
 use std::path::PathBuf;
@@ -124,7 +124,7 @@ fn course(arguments: &Arguments) -> Result<Course> {
     scene.nominal_duration = scene.nominal_duration.max(period * arguments.cycles);
     let warm = !arguments.cold && on_the_cells(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
-    let operators = Operators::with_heat(&sliding_scene(&scene), warm)
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), warm)
         .map_err(|error| anyhow::anyhow!(error))
         .with_context(|| format!("the scene {name}"))?;
     let mut map = CycleMap::new(operators, half_strokes, resolution)?;

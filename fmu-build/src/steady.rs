@@ -141,7 +141,7 @@ fn solve(arguments: &Arguments) -> Result<Solved> {
     let mut sliding = Sliding::nominal(&scene);
     match (arguments.return_speed, &mut sliding) {
         (None, _) => {}
-        (Some(speed), Sliding::ToAndFro { speeds, .. }) => speeds[1] = speed,
+        (Some(speed), Sliding::Reciprocating { speeds, .. }) => speeds[1] = speed,
         (Some(speed), _) => bail!(
             "--return-speed {speed} m/s: the scene {name} slides one way (nominal.stroke = {} m)",
             scene.nominal_stroke

@@ -4,7 +4,7 @@ use crate::output::print_line;
 use crate::scenes;
 use anyhow::Result;
 use serde_json::{Value, json};
-use sliding_contact::coupled::lumped::operators::{BodyOperators, Operators};
+use sliding_contact::coupled::lumped::operators::{BodyOperators, LumpedOperators};
 use sliding_contact::heat::flash::Flash;
 use sliding_contact::heat::reduced::{Observation, ReducedBody};
 use sliding_contact::scene::Scene;
@@ -47,7 +47,7 @@ pub fn tables(scene: Option<&str>, tolerance: Option<f64>) -> Result<Value> {
     if let Some(tolerance) = tolerance {
         scene.tolerance = tolerance;
     }
-    let operators = Operators::new(&scene);
+    let operators = LumpedOperators::new(&scene);
     Ok(json!({
         "tolerance": scene.tolerance,
         "faces": scene.faces,

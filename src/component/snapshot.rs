@@ -2,8 +2,8 @@
 
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use crate::coupled::INPUTS;
-use crate::coupled::lumped::state::{BodyState, State as MeanState};
-use crate::coupled::model::{Model, State};
+use crate::coupled::lumped::state::{BodyState, LumpedState};
+use crate::coupled::model::{Model, ModelState};
 use crate::plan::prepared::Prepared;
 use crate::scene::{Scene, value};
 use crate::variables::COUNT;
@@ -25,7 +25,7 @@ pub struct Snapshot {
     beyond_plan: bool,
     /// Friction coefficient and so on with which the model was built: the wear law refers to them.
     built: [f64; 3],
-    state: Option<State>,
+    state: Option<ModelState>,
 }
 
 impl Component {
@@ -152,11 +152,11 @@ impl Snapshot {
         self.inputs.iter().chain(&self.slopes).chain(&self.built).for_each(|&number| put(number));
         match &self.state {
             None => put(0.0),
-            Some(State::Lumped(mean)) => {
+            Some(ModelState::Lumped(mean)) => {
                 put(1.0);
                 mean.numbers().into_iter().for_each(put);
             }
-            Some(State::Line(mean, line)) => {
+            Some(ModelState::Line(mean, line)) => {
                 put(2.0);
                 mean.numbers().into_iter().for_each(&mut put);
                 line.iter().copied().for_each(put);
@@ -168,8 +168,8 @@ impl Snapshot {
     pub fn encoded_size(&self) -> usize {
         let state = match &self.state {
             None => 0,
-            Some(State::Lumped(mean)) => mean.numbers().len(),
-            Some(State::Line(mean, line)) => mean.numbers().len() + line.len(),
+            Some(ModelState::Lumped(mean)) => mean.numbers().len(),
+            Some(ModelState::Line(mean, line)) => mean.numbers().len() + line.len(),
         };
         8 * (7 + 2 * self.changed.len() + 2 * INPUTS + 3 + 1 + state)
     }
@@ -217,10 +217,10 @@ impl Snapshot {
         }
         match next()? {
             0.0 => {}
-            1.0 => snapshot.state = Some(State::Lumped(MeanState::from_numbers(numbers)?)),
+            1.0 => snapshot.state = Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?)),
             2.0 => {
-                let mean = MeanState::from_numbers(numbers)?;
-                snapshot.state = Some(State::Line(mean, numbers.by_ref().copied().collect()));
+                let mean = LumpedState::from_numbers(numbers)?;
+                snapshot.state = Some(ModelState::Line(mean, numbers.by_ref().copied().collect()));
             }
             _ => return None,
         }
@@ -228,8 +228,8 @@ impl Snapshot {
     }
 }
 
-impl MeanState {
-    /// All numbers of the state, in an order that [`State::from_numbers`] reads.
+impl LumpedState {
+    /// All numbers of the state, in an order that [`ModelState::from_numbers`] reads.
     fn numbers(&self) -> Vec<f64> {
         let mut out = Vec::with_capacity(96);
         for body in [&self.punch, &self.strip] {
@@ -253,8 +253,8 @@ impl MeanState {
         out
     }
 
-    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<MeanState> {
-        let mut state = MeanState::empty();
+    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<LumpedState> {
+        let mut state = LumpedState::empty();
         for body in [&mut state.punch, &mut state.strip] {
             read_row(numbers, &mut body.heat)?;
             for slot in body.received.iter_mut().chain([&mut body.depth, &mut body.worn]) {

@@ -206,7 +206,13 @@ impl Factors {
             shear: shear.data.into(),
             extras: (0..extras).map(|_| Extra { used: 0, name: 0, matrix: vec![0.0; count * count] }).collect(),
             added_compliance: None,
-            low_rank_update: CachedUpdate { acting: acting.clone(), current: true, rank: 0, left: room(), right: room() },
+            low_rank_update: CachedUpdate {
+                acting: acting.clone(),
+                current: true,
+                rank: 0,
+                left: room(),
+                right: room(),
+            },
             operator: None,
             positions: cells.centres().to_vec(),
             length: cells.half_width(),
@@ -314,7 +320,9 @@ impl Factors {
         let CachedUpdate { acting, rank, left, right, .. } = &self.low_rank_update;
         let added_compliance = self.added_compliance.map(|place| &self.extras[place]);
         let name = added_compliance.map_or(0, |added_compliance| added_compliance.name);
-        let fits = |c: &Composition| c.used > 0 && c.added_compliance == name && c.signed_friction == bits && c.acting == *acting;
+        let fits = |c: &Composition| {
+            c.used > 0 && c.added_compliance == name && c.signed_friction == bits && c.acting == *acting
+        };
         if let Some(position) = self.compositions.iter().position(fits) {
             self.compositions[position].used = self.clock;
             return position;

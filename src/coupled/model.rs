@@ -12,20 +12,20 @@ use std::sync::Arc;
 
 /// What a level is made of, shared by every state of a scene.
 #[derive(Clone, Debug)]
-pub enum Operators {
+pub enum ModelOperators {
     /// Uniform pressure.
-    Lumped(Arc<lumped::operators::Operators>),
+    Lumped(Arc<lumped::operators::LumpedOperators>),
     /// Cells.
-    Line(Arc<line::operators::Operators>),
+    Line(Arc<line::operators::LineOperators>),
 }
 
 /// Everything that changes.
 #[derive(Clone, PartialEq, Debug)]
-pub enum State {
+pub enum ModelState {
     /// Of the lumped level.
-    Lumped(lumped::state::State),
+    Lumped(lumped::state::LumpedState),
     /// Of the line level: mean, and the contact as numbers whose count the scene decides.
-    Line(lumped::state::State, Vec<f64>),
+    Line(lumped::state::LumpedState, Vec<f64>),
 }
 
 /// A scene at its level. The common one is stored in place, so that its step follows no pointer.
@@ -38,63 +38,65 @@ pub enum Model {
     Line(Box<Line>),
 }
 
-impl Operators {
+impl ModelOperators {
     /// Builds the level that the scene asks for.
     ///
     /// # Errors
     /// A text with the numbers where a body, or the run-in state, does not exist.
-    pub fn new(scene: &Scene) -> Result<Operators, String> {
+    pub fn new(scene: &Scene) -> Result<ModelOperators, String> {
         Ok(match scene.fidelity {
-            Fidelity::Line | Fidelity::Field => Operators::Line(Arc::new(line::operators::Operators::new(scene)?)),
-            _ => Operators::Lumped(Arc::new(lumped::operators::Operators::new(scene))),
+            Fidelity::Line | Fidelity::Field => {
+                ModelOperators::Line(Arc::new(line::operators::LineOperators::new(scene)?))
+            }
+            _ => ModelOperators::Lumped(Arc::new(lumped::operators::LumpedOperators::new(scene))),
         })
     }
 
     /// Builds the contact line of `scene`, whose lumped level these are, with their reduced bodies for its mean.
     ///
     /// # Errors
-    /// As [`Operators::new`].
-    pub fn line_beside(&self, scene: &Scene) -> Result<Operators, String> {
-        Ok(Operators::Line(Arc::new(line::operators::Operators::beside(scene, self.mean())?)))
+    /// As [`ModelOperators::new`].
+    pub fn line_beside(&self, scene: &Scene) -> Result<ModelOperators, String> {
+        Ok(ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, self.mean())?)))
     }
 
     /// Those of the mean, which every level has.
-    pub fn mean(&self) -> &lumped::operators::Operators {
+    pub fn mean(&self) -> &lumped::operators::LumpedOperators {
         match self {
-            Operators::Lumped(operators) => operators,
-            Operators::Line(operators) => &operators.mean,
+            ModelOperators::Lumped(operators) => operators,
+            ModelOperators::Line(operators) => &operators.mean,
         }
     }
 
     /// The scene they were built from.
     pub fn scene(&self) -> &Scene {
         match self {
-            Operators::Lumped(operators) => &operators.scene,
-            Operators::Line(operators) => &operators.scene,
+            ModelOperators::Lumped(operators) => &operators.scene,
+            ModelOperators::Line(operators) => &operators.scene,
         }
     }
 
     /// Cells of the contact; 1 at the lumped level.
     pub fn cells(&self) -> usize {
         match self {
-            Operators::Lumped(_) => 1,
-            Operators::Line(operators) => operators.count(),
+            ModelOperators::Lumped(_) => 1,
+            ModelOperators::Line(operators) => operators.count(),
         }
     }
 
     /// The same contact line with its heat by the mean: no elastic body is built anew. The lumped level is what it is.
-    pub fn with_mean_heat(&self) -> Operators {
+    pub fn with_mean_heat(&self) -> ModelOperators {
         match self {
-            Operators::Lumped(_) => self.clone(),
-            Operators::Line(operators) => Operators::Line(Arc::new(operators.with_heat_by_its_mean())),
+            ModelOperators::Lumped(_) => self.clone(),
+            ModelOperators::Line(operators) => ModelOperators::Line(Arc::new(operators.with_heat_by_its_mean())),
         }
     }
 
     /// What was chosen, for the log.
     pub fn plan(&self) -> String {
         let mean = match self {
-            Operators::Lumped(operators) => operators,
-            Operators::Line(operators) => &operators.mean,
+            ModelOperators::Lumped(operators) => operators,
+            ModelOperators::Line(operators) => &operators.mean,
         };
         let states = |body: &lumped::operators::BodyOperators| body.heat.as_ref().map_or(0, |heat| heat.count);
         let heat = format!(
@@ -104,16 +106,16 @@ impl Operators {
             mean.flash.as_ref().map_or(0, |flash| flash.decays.rate.len())
         );
         match self {
-            Operators::Lumped(_) => format!("level lumped; {heat}"),
-            Operators::Line(operators) => format!("level line; {}; {heat}", operators.plan()),
+            ModelOperators::Lumped(_) => format!("level lumped; {heat}"),
+            ModelOperators::Line(operators) => format!("level line; {}; {heat}", operators.plan()),
         }
     }
 
     /// What a user should know about the scene before it runs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = match self {
-            Operators::Lumped(_) => Vec::new(),
-            Operators::Line(operators) => operators.warnings(),
+            ModelOperators::Lumped(_) => Vec::new(),
+            ModelOperators::Line(operators) => operators.warnings(),
         };
         let scene = self.scene();
         if scene.stick_stiffness > 0.0 && scene.regularization_velocity > 0.0 {
@@ -127,13 +129,13 @@ impl Operators {
     }
 }
 
-impl State {
+impl ModelState {
     /// Whether the state can belong to `operators`.
-    pub fn fits(&self, operators: &Operators) -> bool {
+    pub fn fits(&self, operators: &ModelOperators) -> bool {
         match (self, operators) {
-            (State::Lumped(state), Operators::Lumped(operators)) => state.fits(operators),
-            (State::Line(mean, numbers), Operators::Line(operators)) => {
-                mean.fits(&operators.mean) && line::state::State::load(operators, numbers).is_some()
+            (ModelState::Lumped(state), ModelOperators::Lumped(operators)) => state.fits(operators),
+            (ModelState::Line(mean, numbers), ModelOperators::Line(operators)) => {
+                mean.fits(&operators.mean) && line::state::LineState::load(operators, numbers).is_some()
             }
             _ => false,
         }
@@ -151,18 +153,18 @@ macro_rules! each {
 
 impl Model {
     /// Starts from rest at the given inputs.
-    pub fn new(operators: &Operators, tunables: Tunables, inputs: &[f64; INPUTS]) -> Model {
+    pub fn new(operators: &ModelOperators, tunables: Tunables, inputs: &[f64; INPUTS]) -> Model {
         match operators {
-            Operators::Lumped(operators) => Model::Lumped(Lumped::new(operators.clone(), tunables, inputs)),
-            Operators::Line(operators) => Model::Line(Box::new(Line::new(operators.clone(), tunables, inputs))),
+            ModelOperators::Lumped(operators) => Model::Lumped(Lumped::new(operators.clone(), tunables, inputs)),
+            ModelOperators::Line(operators) => Model::Line(Box::new(Line::new(operators.clone(), tunables, inputs))),
         }
     }
 
     /// What the scene was made into.
-    pub fn operators(&self) -> Operators {
+    pub fn operators(&self) -> ModelOperators {
         match self {
-            Model::Lumped(model) => Operators::Lumped(model.operators().clone()),
-            Model::Line(model) => Operators::Line(model.operators().clone()),
+            Model::Lumped(model) => ModelOperators::Lumped(model.operators().clone()),
+            Model::Line(model) => ModelOperators::Line(model.operators().clone()),
         }
     }
 
@@ -173,23 +175,23 @@ impl Model {
     }
 
     /// Everything that changes, copied.
-    pub fn save(&self) -> State {
+    pub fn save(&self) -> ModelState {
         match self {
-            Model::Lumped(model) => State::Lumped(model.state().clone()),
+            Model::Lumped(model) => ModelState::Lumped(model.state().clone()),
             Model::Line(model) => {
                 let mut numbers = Vec::with_capacity(8 * model.operators().count() + 64);
                 model.save(&mut numbers);
-                State::Line(model.mean_state().clone(), numbers)
+                ModelState::Line(model.mean_state().clone(), numbers)
             }
         }
     }
 
     /// Replaces everything that changes with a state that fits.
-    pub fn set_state(&mut self, state: &State) {
+    pub fn set_state(&mut self, state: &ModelState) {
         match (self, state) {
-            (Model::Lumped(model), State::Lumped(state)) => model.set_state(state),
-            (Model::Line(model), State::Line(mean, numbers)) => {
-                if let Some(line) = line::state::State::load(model.operators(), numbers) {
+            (Model::Lumped(model), ModelState::Lumped(state)) => model.set_state(state),
+            (Model::Line(model), ModelState::Line(mean, numbers)) => {
+                if let Some(line) = line::state::LineState::load(model.operators(), numbers) {
                     model.set_state(mean, &line);
                 }
             }

@@ -19,4 +19,4 @@ pub use galin::GalinRelaxation;
 pub use hertz::HertzLine;
 pub use pressure_wave::PressureWave;
 pub use ring::{PartedRing, RadialBands};
-pub use wear::{annular_pressure, one_way_rotating_pressure, winkler_relaxation_rate, worn_cylinder_half_width};
+pub use wear::{annular_pressure, unidirectional_rotating_pressure, winkler_relaxation_rate, worn_cylinder_half_width};

@@ -30,7 +30,7 @@ pub fn annular_pressure(radius: f64, load: f64, radii: (f64, f64), exponents: (f
 
 /// Steady `p/pm` of a punch that slides one way, wears with b = 1 and can rotate: `1 + 12 e x/L^2`, `e = mu H` the
 /// lever of the resultant, L the width; valid for |e| <= L/6.
-pub fn one_way_rotating_pressure(x: f64, lever: f64, width: f64) -> f64 {
+pub fn unidirectional_rotating_pressure(x: f64, lever: f64, width: f64) -> f64 {
     1.0 + 12.0 * lever * x / (width * width)
 }
 
@@ -58,7 +58,7 @@ mod tests {
 
     #[test]
     fn rotating_punch_at_the_limit() {
-        let pressure = |x| one_way_rotating_pressure(x, 0.06 / 6.0, 0.06);
+        let pressure = |x| unidirectional_rotating_pressure(x, 0.06 / 6.0, 0.06);
         assert!(pressure(-0.03).abs() < 1e-15 && (pressure(0.03) - 2.0).abs() < 1e-15);
     }
 

@@ -20,10 +20,10 @@
 
 use super::Candidate;
 use super::cost::{self, build_cost};
-use super::trajectory::{NominalTrajectory, Run, distance};
 use super::model_level::{CELLS, ModelLevel};
+use super::trajectory::{NominalTrajectory, Run, distance};
 use crate::coupled::line::heat::bodies::on_the_cells;
-use crate::coupled::model::Operators;
+use crate::coupled::model::ModelOperators;
 use crate::scene::{HeatAlongContact, Scene};
 
 /// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which hold a step whose
@@ -61,11 +61,11 @@ pub struct Comparison {
     /// Every level with its error, by cost.
     pub candidates: Vec<Candidate>,
     /// The levels that were run, as they are for the scene.
-    pub operators: Vec<(ModelLevel, Operators)>,
+    pub operators: Vec<(ModelLevel, ModelOperators)>,
     /// The finest contact line that was run.
     pub finest: ModelLevel,
     /// Its operators.
-    pub line: Operators,
+    pub line: ModelOperators,
     /// Whether the error is known: the cells converge, and enough of the course was run.
     pub is_known: bool,
     /// Peak rise of the contact temperature, K.
@@ -81,7 +81,7 @@ pub struct Comparison {
 /// A level that was run.
 struct Level {
     model_level: ModelLevel,
-    operators: Operators,
+    operators: ModelOperators,
     run: Run,
 }
 
@@ -145,7 +145,8 @@ pub fn compare(
     let Judgement { mut candidates, ratio, is_known } = progress.judge(may_grow.then_some(enough))?;
     match scene.cells {
         0 => progress.extrapolate(&mut candidates, ratio),
-        own => candidates.retain(|candidate| candidate.model_level == ModelLevel::Lumped || candidate.model_level.cells() == own),
+        own => candidates
+            .retain(|candidate| candidate.model_level == ModelLevel::Lumped || candidate.model_level.cells() == own),
     }
     candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
     let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
@@ -176,7 +177,7 @@ fn doubled(cells: usize) -> usize {
 
 impl Progress<'_> {
     /// Runs the course on `operators`.
-    fn run(&mut self, operators: &Operators) -> Result<Run, String> {
+    fn run(&mut self, operators: &ModelOperators) -> Result<Run, String> {
         let per_step = cost::per_step(operators);
         let most = (RUN_PART * BUDGET / per_step).max(LEAST_STEPS);
         let run = self.course.run(operators, most as u32)?;
@@ -188,21 +189,21 @@ impl Progress<'_> {
         Ok(run)
     }
 
-    fn add(&mut self, model_level: ModelLevel, operators: Operators) -> Result<(), String> {
+    fn add(&mut self, model_level: ModelLevel, operators: ModelOperators) -> Result<(), String> {
         let run = self.run(&operators)?;
         self.levels.push(Level { model_level, operators, run });
         Ok(())
     }
 
-    fn lumped(&mut self, scene: &Scene) -> Result<Operators, String> {
-        let operators = Operators::new(&ModelLevel::Lumped.apply(scene))?;
+    fn lumped(&mut self, scene: &Scene) -> Result<ModelOperators, String> {
+        let operators = ModelOperators::new(&ModelLevel::Lumped.apply(scene))?;
         self.cost += build_cost(&operators);
         self.add(ModelLevel::Lumped, operators.clone())?;
         Ok(operators)
     }
 
     /// The contact line on `cells` cells beside the lumped level `mean`, and the same with its heat by the mean.
-    fn line(&mut self, scene: &Scene, cells: usize, mean: &Operators) -> Result<(), String> {
+    fn line(&mut self, scene: &Scene, cells: usize, mean: &ModelOperators) -> Result<(), String> {
         let model_level = ModelLevel::Line { cells, heat: self.heat };
         let line = mean.line_beside(&model_level.apply(scene))?;
         self.cost += build_cost(&line);

@@ -1,6 +1,6 @@
 //! What levels cost, counted: with constants calibrated once, in microseconds of a core of 3 GHz, so that no plan depends on a clock.
 
-use crate::coupled::model::Operators;
+use crate::coupled::model::ModelOperators;
 use crate::scene::Geometry;
 
 const LUMPED_STEP: f64 = 1.4;
@@ -16,10 +16,10 @@ const BUILD: [f64; 4] = [300.0, 1500.0, 500.0, 1200.0];
 const BUILD_STATE: [f64; 2] = [5.0, 1.7];
 
 /// Thermal states of both bodies where heat is on the cells.
-pub fn states(operators: &Operators) -> Option<usize> {
+pub fn states(operators: &ModelOperators) -> Option<usize> {
     match operators {
-        Operators::Lumped(_) => None,
-        Operators::Line(line) => line.heat.as_ref().map(|bodies| bodies.states[0] + bodies.states[1]),
+        ModelOperators::Lumped(_) => None,
+        ModelOperators::Line(line) => line.heat.as_ref().map(|bodies| bodies.states[0] + bodies.states[1]),
     }
 }
 
@@ -27,10 +27,10 @@ pub fn states(operators: &Operators) -> Option<usize> {
 ///
 /// Lumped: a constant. The line adds its pressure, c N^2 while factors are kept, and with heat on the cells c (1 + N^2/n^2)
 /// per thermal state, for the weights of the step and the influence matrices, and c N^2 for the heat partition.
-pub fn per_step(operators: &Operators) -> f64 {
+pub fn per_step(operators: &ModelOperators) -> f64 {
     match operators {
-        Operators::Lumped(_) => per_step_of(1, None),
-        Operators::Line(line) => per_step_of(line.count(), states(operators)),
+        ModelOperators::Lumped(_) => per_step_of(1, None),
+        ModelOperators::Line(line) => per_step_of(line.count(), states(operators)),
     }
 }
 
@@ -47,8 +47,8 @@ pub fn per_step_of(cells: usize, states: Option<usize>) -> f64 {
 }
 
 /// What it costs to build the operators of a level.
-pub fn build_cost(operators: &Operators) -> f64 {
-    let Operators::Line(line) = operators else { return BUILD[0] };
+pub fn build_cost(operators: &ModelOperators) -> f64 {
+    let ModelOperators::Line(line) = operators else { return BUILD[0] };
     let heat = line.heat.as_ref().map_or(0.0, |bodies| {
         let ring = if line.scene.geometry == Geometry::Annular { BUILD[3] } else { 0.0 };
         let states = bodies.states.iter().zip(BUILD_STATE).map(|(&count, cost)| count as f64 * cost).sum::<f64>();

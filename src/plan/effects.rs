@@ -3,7 +3,7 @@
 use super::Candidate;
 use super::groups::Groups;
 use super::model_level::ModelLevel;
-use crate::coupled::model::Operators;
+use crate::coupled::model::ModelOperators;
 use crate::scene::{HeatAlongContact, Scene};
 
 /// An effect.
@@ -25,18 +25,25 @@ pub struct Effect {
 }
 
 /// Judges the effects of a scene; `fine` is a contact line of it.
-pub fn judge(scene: &Scene, groups: &Groups, fine: &Operators, candidates: &[Candidate], chosen: ModelLevel) -> Vec<Effect> {
+pub fn judge(
+    scene: &Scene,
+    groups: &Groups,
+    fine: &ModelOperators,
+    candidates: &[Candidate],
+    chosen: ModelLevel,
+) -> Vec<Effect> {
     let uneven = match fine {
-        Operators::Line(line) => line.unevenness(),
-        Operators::Lumped(_) => Default::default(),
+        ModelOperators::Line(line) => line.unevenness(),
+        ModelOperators::Lumped(_) => Default::default(),
     };
     let distortion = groups.distortion_over_approach;
     let line = chosen != ModelLevel::Lumped;
     let by_cells = chosen.heat() == Some(HeatAlongContact::OnTheCells);
-    let find = |wanted: ModelLevel| candidates.iter().find(|candidate| candidate.model_level == wanted).map(Candidate::error);
+    let find =
+        |wanted: ModelLevel| candidates.iter().find(|candidate| candidate.model_level == wanted).map(Candidate::error);
     let cells = match fine {
-        Operators::Line(line) => line.count(),
-        Operators::Lumped(_) => 1,
+        ModelOperators::Line(line) => line.count(),
+        ModelOperators::Lumped(_) => 1,
     };
     let uniform = find(ModelLevel::Lumped).unwrap_or(0.0);
     let exact = find(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
@@ -49,8 +56,8 @@ pub fn judge(scene: &Scene, groups: &Groups, fine: &Operators, candidates: &[Can
     let total: f64 = felt.iter().sum();
     let share = |number: f64| if total > 0.0 && !line { uniform * number / total } else { 0.0 };
     let flash = match fine {
-        Operators::Line(line) => line.mean.flash.is_some(),
-        Operators::Lumped(_) => false,
+        ModelOperators::Line(line) => line.mean.flash.is_some(),
+        ModelOperators::Lumped(_) => false,
     };
     let wears = scene.strip.wear_coefficient > 0.0;
     vec![

@@ -23,20 +23,20 @@
 
 pub mod comparison;
 pub mod cost;
-pub mod trajectory;
 pub mod effects;
 pub mod groups;
-pub mod prepared;
 pub mod model_level;
+pub mod prepared;
 mod text;
+pub mod trajectory;
 
-use crate::coupled::model::Operators;
+use crate::coupled::model::ModelOperators;
 use crate::scene::Scene;
 use comparison::{Comparison, compare};
-use trajectory::NominalTrajectory;
 use effects::Effect;
 use groups::Groups;
 use model_level::ModelLevel;
+use trajectory::NominalTrajectory;
 
 /// Part of the tolerance that the error of the level and its cells may take.
 const SAFETY: f64 = 0.9;
@@ -117,7 +117,7 @@ pub struct Planned {
     /// The plan.
     pub plan: Plan,
     /// Of the chosen level.
-    pub operators: Operators,
+    pub operators: ModelOperators,
 }
 
 /// Plans `scene`.
@@ -182,7 +182,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
     let run = comparison.operators.into_iter().find(|(model_level, _)| *model_level == chosen.model_level);
     let operators = match run {
         Some((_, operators)) => operators,
-        None => Operators::new(&chosen.model_level.apply(scene))?,
+        None => ModelOperators::new(&chosen.model_level.apply(scene))?,
     };
     let groups = Groups::new(scene, comparison.rise);
     let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.model_level);
@@ -211,7 +211,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>) -> Resul
 }
 
 fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>) -> Result<Planned, String> {
-    let operators = Operators::new(&ModelLevel::Lumped.apply(scene))?;
+    let operators = ModelOperators::new(&ModelLevel::Lumped.apply(scene))?;
     let (states, order, reduction_error) = made_of(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
@@ -237,10 +237,10 @@ fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>) -> R
 }
 
 /// Thermal states of punch, strip and moving source, order of the time steps, error of the reduced bodies.
-fn made_of(operators: &Operators) -> ([usize; 3], u8, f64) {
+fn made_of(operators: &ModelOperators) -> ([usize; 3], u8, f64) {
     let (mean, line, order) = match operators {
-        Operators::Lumped(mean) => (mean, None, 3),
-        Operators::Line(line) => (&line.mean, line.heat.as_ref(), 2),
+        ModelOperators::Lumped(mean) => (mean, None, 3),
+        ModelOperators::Line(line) => (&line.mean, line.heat.as_ref(), 2),
     };
     if let Some(bodies) = line {
         return ([bodies.states[0], bodies.states[1], 0], order, bodies.error);

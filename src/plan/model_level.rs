@@ -63,7 +63,9 @@ impl fmt::Display for ModelLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ModelLevel::Lumped => f.write_str("lumped"),
-            ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean } => write!(f, "line, {cells} cells, mean heat"),
+            ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean } => {
+                write!(f, "line, {cells} cells, mean heat")
+            }
             ModelLevel::Line { cells, .. } => write!(f, "line, {cells} cells"),
         }
     }

@@ -1,7 +1,7 @@
 //! A scene made ready to run: its level, chosen by the user or by a plan, and what is known of its error.
 
 use super::{Plan, UNKNOWN};
-use crate::coupled::model::Operators;
+use crate::coupled::model::ModelOperators;
 use crate::scene::{Fidelity, Scene};
 
 /// Load, speed and friction work over the nominal ones up to which a plan holds: more than the largest speed of a sinusoid over its mean.
@@ -15,7 +15,7 @@ pub struct Prepared {
     /// Where the level was chosen for the user.
     pub plan: Option<Plan>,
     /// Of the level.
-    pub operators: Operators,
+    pub operators: ModelOperators,
 }
 
 impl Prepared {
@@ -26,7 +26,7 @@ impl Prepared {
     pub fn new(scene: &Scene) -> Result<Prepared, String> {
         let requested = scene.clone();
         if scene.fidelity != Fidelity::Auto {
-            return Ok(Prepared { requested, plan: None, operators: Operators::new(scene)? });
+            return Ok(Prepared { requested, plan: None, operators: ModelOperators::new(scene)? });
         }
         let planned = super::make(scene)?;
         Ok(Prepared { requested, plan: Some(planned.plan), operators: planned.operators })

@@ -2,7 +2,7 @@
 
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
-use crate::coupled::model::{Model, Operators};
+use crate::coupled::model::{Model, ModelOperators};
 use crate::scene::Scene;
 use crate::variables::{COUNT, reference};
 use std::f64::consts::PI;
@@ -98,7 +98,7 @@ impl NominalTrajectory {
     ///
     /// # Errors
     /// What a step refuses.
-    pub fn run(&self, operators: &Operators, most: u32) -> Result<Run, String> {
+    pub fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
         let scene = operators.scene();
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,

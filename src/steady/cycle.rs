@@ -86,7 +86,7 @@ impl CycleProblem<'_> {
     ///
     /// by Newton's method with an active set in the pressure difference r = p+ - p-, over which both pressures are
     /// Lipschitz continuous for every exponent; lambda1 and jump1 only where the punch can rotate. For b = 1 and equal
-    /// durations this is the quadratic programme of [`super::ToAndFroProblem`]. Where no steady cycle exists - the
+    /// durations this is the quadratic programme of [`super::ReciprocatingProblem`]. Where no steady cycle exists - the
     /// punch rocks itself round - it does not converge, and says so.
     pub fn solve(&self) -> Result<Cycle, SteadyError> {
         self.check()?;
@@ -193,7 +193,8 @@ impl CycleProblem<'_> {
                 let depth = depth[0] + depth[1] * shift(1, i);
                 let [low, high] = self.ends(i, depth);
                 if difference[i] >= high || difference[i] <= low {
-                    places[i] = if difference[i] >= high { BoundStatus::ForwardOnly } else { BoundStatus::BackwardOnly };
+                    places[i] =
+                        if difference[i] >= high { BoundStatus::ForwardOnly } else { BoundStatus::BackwardOnly };
                     changed = true;
                 }
             }

@@ -8,18 +8,18 @@ pub(crate) mod acceleration;
 mod box_programme;
 mod cycle;
 pub(crate) mod krylov;
-mod one_way;
+mod reciprocating;
 pub mod relative_velocity;
 mod rocking;
 pub mod scene;
 pub mod thermal;
-mod to_and_fro;
+mod unidirectional;
 
 pub use box_programme::{BoxProgramme, BoxSolution, ProgrammeError};
 pub use cycle::{Cycle, CycleProblem};
-pub use one_way::{OneWay, groove, groove_operator, punch_run_in};
+pub use reciprocating::{Reciprocating, ReciprocatingProblem};
 pub use rocking::rocking_limit;
-pub use to_and_fro::{ToAndFro, ToAndFroProblem};
+pub use unidirectional::{Unidirectional, groove, groove_operator, punch_run_in};
 
 use crate::contact::ContactError;
 use crate::wear::line::StageError;
@@ -67,7 +67,7 @@ pub enum SteadyError {
     /// A run-in punch is asked for, but only the strip wears: the punch keeps its shape.
     OnlyStripWears,
     /// A strip that wears on a straight to-and-fro track: its ends are hardly visited and never run in.
-    WearingStripToAndFro,
+    WearingStripReciprocating,
     /// With heat: nothing takes away what friction gives.
     NoHeatLeaves {
         /// Where heat could leave and does not.
@@ -131,7 +131,7 @@ impl fmt::Display for SteadyError {
                 "no run-in shape: only the strip wears, evenly on a closed path or as a groove that stays behind on a \
                  straight one, and the punch keeps its shape"
             ),
-            Self::WearingStripToAndFro => write!(
+            Self::WearingStripReciprocating => write!(
                 f,
                 "no steady state: the strip wears on a straight to-and-fro track, whose ends are hardly visited"
             ),
@@ -154,9 +154,9 @@ impl std::error::Error for SteadyError {}
 ///
 /// A strip that wears on a straight track never does: the ends of the track are hardly visited. On a closed path its wear
 /// is even along it and reshapes nothing, so the punch has to wear.
-pub fn can_run_in_to_and_fro(punch_wears: bool, strip_wears: bool, closed_path: bool) -> Result<(), SteadyError> {
+pub fn can_run_in_reciprocating(punch_wears: bool, strip_wears: bool, closed_path: bool) -> Result<(), SteadyError> {
     if strip_wears && !closed_path {
-        return Err(SteadyError::WearingStripToAndFro);
+        return Err(SteadyError::WearingStripReciprocating);
     }
     if punch_wears { Ok(()) } else { Err(SteadyError::NothingWears) }
 }

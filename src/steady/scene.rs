@@ -1,8 +1,8 @@
 //! From a scene to its steady state.
 
 use super::{
-    CycleProblem, SteadyError, ToAndFroProblem, can_run_in_to_and_fro, groove, groove_operator, positive, punch_run_in,
-    rocking_limit,
+    CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, groove_operator, positive,
+    punch_run_in, rocking_limit,
 };
 use crate::contact::friction::FrictionLaw;
 use crate::contact::{ContactError, ContactSolver, Normal, Tilt, pair_compliance};
@@ -17,12 +17,12 @@ use nalgebra::{DMatrix, DVector};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sliding {
     /// For ever one way, at this velocity in m/s, signed.
-    OneWay {
+    Unidirectional {
         /// v.
         velocity: f64,
     },
     /// To and fro, forward and backward half-strokes.
-    ToAndFro {
+    Reciprocating {
         /// Lengths of the half-strokes, in m.
         strokes: [f64; 2],
         /// Speeds on them, in m/s.
@@ -35,15 +35,15 @@ impl Sliding {
     pub fn nominal(scene: &Scene) -> Sliding {
         let velocity = scene.nominal_velocity;
         match scene.nominal_stroke > 0.0 {
-            true => Sliding::ToAndFro { strokes: [scene.nominal_stroke; 2], speeds: [velocity.abs(); 2] },
-            false => Sliding::OneWay { velocity },
+            true => Sliding::Reciprocating { strokes: [scene.nominal_stroke; 2], speeds: [velocity.abs(); 2] },
+            false => Sliding::Unidirectional { velocity },
         }
     }
 
     fn check(&self) -> Result<(), SteadyError> {
         match *self {
-            Sliding::OneWay { velocity } => positive("sliding speed", velocity.abs()),
-            Sliding::ToAndFro { strokes, speeds } => {
+            Sliding::Unidirectional { velocity } => positive("sliding speed", velocity.abs()),
+            Sliding::Reciprocating { strokes, speeds } => {
                 strokes.iter().try_for_each(|&stroke| positive("length of a half-stroke", stroke))?;
                 speeds.iter().try_for_each(|&speed| positive("sliding speed", speed))
             }
@@ -53,8 +53,8 @@ impl Sliding {
     /// Velocity and duration of every stroke; one-way sliding is one stroke of 1 s.
     fn strokes(&self) -> Vec<(f64, f64)> {
         match *self {
-            Sliding::OneWay { velocity } => vec![(velocity, 1.0)],
-            Sliding::ToAndFro { strokes, speeds } => {
+            Sliding::Unidirectional { velocity } => vec![(velocity, 1.0)],
+            Sliding::Reciprocating { strokes, speeds } => {
                 vec![(speeds[0], strokes[0] / speeds[0]), (-speeds[1], strokes[1] / speeds[1])]
             }
         }
@@ -214,7 +214,8 @@ impl<'a> Contact<'a> {
             velocity,
             duration,
             friction: kinetic_coefficient * law.stribeck(velocity) * law.sign(velocity),
-            rates: [&scene.punch, &scene.strip].map(|body| depth_rate(scene, body, &radii, velocity, kinetic_coefficient)),
+            rates: [&scene.punch, &scene.strip]
+                .map(|body| depth_rate(scene, body, &radii, velocity, kinetic_coefficient)),
         };
         Self {
             scene,
@@ -241,10 +242,10 @@ impl<'a> Contact<'a> {
             return self.without_shift();
         }
         if self.strokes.len() == 1 {
-            return if punch { self.one_way() } else { self.groove() };
+            return if punch { self.unidirectional() } else { self.groove() };
         }
-        can_run_in_to_and_fro(punch, strip, closed)?;
-        self.to_and_fro()
+        can_run_in_reciprocating(punch, strip, closed)?;
+        self.reciprocating()
     }
 
     /// Pivot height where friction acts on the punch's rotation.
@@ -272,7 +273,7 @@ impl<'a> Contact<'a> {
         (groove_operator(self.cells, direction(stroke.velocity)) * depth).as_slice().to_vec()
     }
 
-    fn one_way(&self) -> Result<SteadyState, SteadyError> {
+    fn unidirectional(&self) -> Result<SteadyState, SteadyError> {
         let stroke = &self.strokes[0];
         let run_in = punch_run_in(self.cells, &self.weights, &stroke.rates[0], self.load, self.tilt(stroke))?;
         let groove = match self.scene.path {
@@ -326,7 +327,7 @@ impl<'a> Contact<'a> {
         Ok(self.state(SteadyKind::RunIn, pressures, shape, vec![0.0; self.cells.count()]))
     }
 
-    fn to_and_fro(&self) -> Result<SteadyState, SteadyError> {
+    fn reciprocating(&self) -> Result<SteadyState, SteadyError> {
         let [punch, strip] = self.compliances;
         let [forward, backward] = [&self.strokes[0], &self.strokes[1]];
         let friction = [forward.friction, -backward.friction];
@@ -345,7 +346,7 @@ impl<'a> Contact<'a> {
             }
         }
         let (pressures, shape) = if symmetric && exponent == 1.0 {
-            let problem = ToAndFroProblem {
+            let problem = ReciprocatingProblem {
                 cells: self.cells,
                 punch,
                 strip,

@@ -8,8 +8,8 @@
 mod bodies;
 mod cycle;
 pub mod law;
-mod one_way;
 mod partition;
+mod unidirectional;
 
 pub use cycle::{cycle_map, nominal_half_strokes};
 
@@ -106,8 +106,8 @@ pub fn hot_state(
     heat_leaves(scene, speed)?;
     let scene = with_steady_bodies(scene, speed);
     match *sliding {
-        Sliding::OneWay { .. } => one_way::solve(&scene, cells, compliances, &cold, sliding),
-        Sliding::ToAndFro { strokes, speeds } => cycle::solve(&scene, cells, &cold, strokes, speeds),
+        Sliding::Unidirectional { .. } => unidirectional::solve(&scene, cells, compliances, &cold, sliding),
+        Sliding::Reciprocating { strokes, speeds } => cycle::solve(&scene, cells, &cold, strokes, speeds),
     }
 }
 

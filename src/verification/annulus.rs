@@ -7,7 +7,7 @@ use crate::elastic::Cells;
 use crate::exact::{PartedRing, RadialBands};
 use crate::heat::line::punch::{mate::reduce_mate, reduce};
 use crate::heat::line::reduced::ReducedHeat;
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 use crate::scene::Scene;
 use crate::variables::{STARTS, find};
 use std::f64::consts::PI;

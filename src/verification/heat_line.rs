@@ -4,8 +4,8 @@ use super::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_me
 use super::{Problem, known};
 use crate::elastic::{self, Cells, Material};
 use crate::heat::lateral::Lateral;
-use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 use crate::heat::slab::Base;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
@@ -18,7 +18,7 @@ fn refused(error: impl std::fmt::Display) -> String {
 }
 
 /// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
-fn unit(height: f64, base: Base, path: Path) -> StripProperties {
+fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
     StripProperties {
         height,
         conductivity: 1.0,
@@ -69,7 +69,7 @@ fn maximum(cells: &Cells, values: &[f64]) -> (f64, f64) {
 pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
     jaeger(&mut all);
-    one_way(&mut all);
+    unidirectional(&mut all);
     between_knots(&mut all);
     closed_paths(&mut all);
     oscillating(&mut all);
@@ -84,10 +84,10 @@ fn jaeger(all: &mut Vec<Problem>) {
     let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
     let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
     for (peclet, height, cells, path, resolution) in [
-        (0.1, 60.0, 65, Path::Closed(4000.0), slow),
-        (1.0, 12.0, 65, Path::OneWay, fast),
-        (10.0, 4.0, 65, Path::OneWay, fast),
-        (100.0, 1.0, 129, Path::OneWay, fast),
+        (0.1, 60.0, 65, SlidingPath::Closed(4000.0), slow),
+        (1.0, 12.0, 65, SlidingPath::Unidirectional, fast),
+        (10.0, 4.0, 65, SlidingPath::Unidirectional, fast),
+        (100.0, 1.0, 129, SlidingPath::Unidirectional, fast),
     ] {
         moving_band(all, peclet, None, move || {
             steady(&unit(height, Base::Held, path), cells, 1.0, resolution, 2.0 * peclet)
@@ -97,7 +97,7 @@ fn jaeger(all: &mut Vec<Problem>) {
         for (peclet, cells) in [(0.1, 65), (1.0, 65), (10.0, 65), (100.0, 129)] {
             moving_band(all, peclet, Some((height, base)), move || {
                 let resolution = if peclet < 1.0 { slow } else { fast };
-                steady(&unit(height, base_of(base), Path::OneWay), cells, 1.0, resolution, 2.0 * peclet)
+                steady(&unit(height, base_of(base), SlidingPath::Unidirectional), cells, 1.0, resolution, 2.0 * peclet)
             });
         }
     }
@@ -107,7 +107,7 @@ fn jaeger(all: &mut Vec<Problem>) {
 fn squares(all: &mut Vec<Problem>) {
     let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
     for (peclet, height, cells, path, resolution) in
-        [(1.0, 30.0, 33, Path::OneWay, fast), (10.0, 4.0, 33, Path::OneWay, fast)]
+        [(1.0, 30.0, 33, SlidingPath::Unidirectional, fast), (10.0, 4.0, 33, SlidingPath::Unidirectional, fast)]
     {
         all.push(Problem {
             name: format!("moving square by cells, half-space, {path:?}, Pe = {peclet}"),
@@ -184,7 +184,7 @@ fn moving_band(
 }
 
 /// Fresh material: the image sum, at every speed.
-fn one_way(all: &mut Vec<Problem>) {
+fn unidirectional(all: &mut Vec<Problem>) {
     for (base, label, height) in
         [(LayerBase::Held, "held", 0.4), (LayerBase::Held, "held", 40.0), (LayerBase::Insulated, "insulated", 2.0)]
     {
@@ -195,7 +195,7 @@ fn one_way(all: &mut Vec<Problem>) {
                 exact: Box::new(move || Ok(band_mean(peclet, Some((height, base))))),
                 scale: None,
                 compute: Box::new(move || {
-                    let properties = unit(height, base_of(base), Path::OneWay);
+                    let properties = unit(height, base_of(base), SlidingPath::Unidirectional);
                     let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
                     let (cells, values) = steady(&properties, 33, 1.0, resolution, 2.0 * peclet)?;
                     Ok(mean(&cells, &values))
@@ -221,7 +221,8 @@ fn between_knots(all: &mut Vec<Problem>) {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
                 let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance, way: f64::INFINITY };
                 let mut body =
-                    StripHeat::new(&unit(HEIGHT, Base::Held, Path::OneWay), &cells, &resolution).map_err(refused)?;
+                    StripHeat::new(&unit(HEIGHT, Base::Held, SlidingPath::Unidirectional), &cells, &resolution)
+                        .map_err(refused)?;
                 let errors = (0..COUNT).map(|k| {
                     let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
                     body.prepare(FOR_EVER, [2.0 * peclet; 2]);
@@ -263,7 +264,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
                     capacity,
                     convection: 0.0,
                     base: Base::Held,
-                    path: Path::Closed(path.length),
+                    path: SlidingPath::Closed(path.length),
                     expansion: None,
                     lateral: None,
                 };
@@ -287,7 +288,7 @@ fn oscillating(all: &mut Vec<Problem>) {
             scale: None,
             compute: Box::new(move || {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
-                let properties = unit(150.0, Base::Held, Path::Stroke { stroke: 1.0, length: 0.0 });
+                let properties = unit(150.0, Base::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
                 let step = 2.0 * PI / 64.0;
                 let resolution =
                     Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4, way: f64::INFINITY };
@@ -325,7 +326,7 @@ fn distortion(all: &mut Vec<Problem>) {
                 capacity: 7800.0 * 460.0,
                 convection: 0.0,
                 base: Base::Held,
-                path: Path::Stroke { stroke: 0.01, length: 0.0 },
+                path: SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
                 expansion: Some(expansion),
                 lateral: None,
             };

@@ -5,7 +5,7 @@ use super::{Problem, known};
 use crate::elastic::Cells;
 use crate::heat::line::punch::reduce;
 use crate::heat::line::reduced::ReducedHeat;
-use crate::heat::line::{GAMMA, ThermalBody, Stage, Surroundings};
+use crate::heat::line::{GAMMA, Stage, Surroundings, ThermalBody};
 use crate::scene::Scene;
 use crate::variables::{STARTS, find};
 use std::f64::consts::PI;

@@ -5,7 +5,7 @@ use super::reference::{ClosedPath, LayerBase};
 use super::{Problem, known};
 use crate::coupled::line::cycle::map::sliding_scene;
 use crate::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
-use crate::coupled::line::operators::Operators;
+use crate::coupled::line::operators::LineOperators;
 use crate::elastic::scene::{cells_for, compliances};
 use crate::exact::GalinRelaxation;
 use crate::scene::Scene;
@@ -96,8 +96,8 @@ fn largest(values: &[f64]) -> f64 {
 pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
     closed_paths(&mut all);
-    one_way(&mut all);
-    to_and_fro(&mut all);
+    unidirectional(&mut all);
+    reciprocating(&mut all);
     relaxation(&mut all);
     all
 }
@@ -139,7 +139,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
 }
 
 /// The line level stepped one way for as long as it takes.
-fn one_way(all: &mut Vec<Problem>) {
+fn unidirectional(all: &mut Vec<Problem>) {
     let way: &[(&str, f64)] = &[("nominal.stroke", 0.0), ("nominal.velocity", 0.05), ("nominal.duration", 400.0)];
     for (name, changes) in [
         ("straight path", &[][..]),
@@ -171,7 +171,7 @@ fn one_way(all: &mut Vec<Problem>) {
 }
 
 /// The line level stepped to and fro until its cycle is steady.
-fn to_and_fro(all: &mut Vec<Problem>) {
+fn reciprocating(all: &mut Vec<Problem>) {
     for (quantity, scale, bound) in [
         ("peak pressure at the end of a half-stroke, Pa", None, 1e-3),
         ("largest contact temperature in a cycle, K", Some(1.5), 2e-3),
@@ -234,7 +234,7 @@ fn relaxation(all: &mut Vec<Problem>) {
                     ("punch.wear_coefficient", 3e-3 / (cycles * 2e-3 * modulus)),
                     ("solver.cells", 65.0),
                 ])?;
-                let operators = Operators::with_heat(&sliding_scene(&scene), false)?;
+                let operators = LineOperators::with_heat(&sliding_scene(&scene), false)?;
                 let mut map = CycleMap::new(operators, nominal_half_strokes(&scene), Resolution::COLD).map_err(text)?;
                 let start = map.start();
                 let cells = map.operators().cells.clone();

@@ -4,7 +4,7 @@ use super::Problem;
 use crate::component::Values;
 use crate::elastic::Cells;
 use crate::heat::line::punch;
-use crate::heat::line::{GAMMA, ThermalBody, Stage, Surroundings};
+use crate::heat::line::{GAMMA, Stage, Surroundings, ThermalBody};
 use crate::scene::Scene;
 use crate::variables::{STARTS, find};
 use std::f64::consts::PI;

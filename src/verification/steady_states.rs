@@ -6,8 +6,8 @@ use super::{Problem, known};
 use crate::contact::{ContactState, Normal, Tilt, pair_operators};
 use crate::elastic::block::{Block, BlockProperties, Discretization};
 use crate::elastic::{Cells, Compliance, ElasticBody, Rigid};
-use crate::exact::{CyclicHalfPlane, HolderKind, annular_pressure, one_way_rotating_pressure};
-use crate::steady::{CycleProblem, ToAndFro, ToAndFroProblem, punch_run_in};
+use crate::exact::{CyclicHalfPlane, HolderKind, annular_pressure, unidirectional_rotating_pressure};
+use crate::steady::{CycleProblem, Reciprocating, ReciprocatingProblem, punch_run_in};
 use crate::wear::line::{CellRate, Conditions, Integrator, Scheme, WearTerm, WearingContact};
 
 /// Load per depth on a width of 2: a mean pressure of 1.
@@ -15,7 +15,7 @@ const LOAD: f64 = 2.0;
 
 pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
-    one_way(&mut all);
+    unidirectional(&mut all);
     half_planes(&mut all);
     stepping(&mut all);
     even_wear(&mut all);
@@ -28,14 +28,26 @@ fn text(error: impl std::fmt::Display) -> String {
 }
 
 /// Cycle of a rigid punch on a half-plane, E* = 1, nu = .3, a = 1.
-fn cycle(cells: &Cells, friction: f64, pivot_height: Option<f64>, wear_per_stroke: f64) -> Result<ToAndFro, String> {
+fn cycle(
+    cells: &Cells,
+    friction: f64,
+    pivot_height: Option<f64>,
+    wear_per_stroke: f64,
+) -> Result<Reciprocating, String> {
     let (punch, strip) = (Rigid.compliance(cells), half_plane()?.compliance(cells));
-    let problem =
-        ToAndFroProblem { cells, punch: &punch, strip: &strip, friction, load: LOAD, pivot_height, wear_per_stroke };
+    let problem = ReciprocatingProblem {
+        cells,
+        punch: &punch,
+        strip: &strip,
+        friction,
+        load: LOAD,
+        pivot_height,
+        wear_per_stroke,
+    };
     problem.solve().map_err(text)
 }
 
-fn one_way(all: &mut Vec<Problem>) {
+fn unidirectional(all: &mut Vec<Problem>) {
     for lever in [0.1, 1.0 / 6.0] {
         all.push(deviation(
             format!("one-way punch free to rotate, lever {lever:.3} of the width, 129 cells"),
@@ -44,7 +56,7 @@ fn one_way(all: &mut Vec<Problem>) {
                 let cells = Cells::graded(0.5, 129).map_err(text)?;
                 let rate = CellRate::uniform(1.0, 1.0, 1.0);
                 let state = punch_run_in(&cells, cells.widths(), &rate, 1.0, Tilt::ResultantAt(lever)).map_err(text)?;
-                let error = |(x, p): (&f64, &f64)| (p - one_way_rotating_pressure(*x, lever, 1.0)).abs();
+                let error = |(x, p): (&f64, &f64)| (p - unidirectional_rotating_pressure(*x, lever, 1.0)).abs();
                 Ok(cells.centres().iter().zip(&state.pressure).map(error).fold(0.0, f64::max))
             },
             1e-3,
@@ -212,14 +224,14 @@ const BLOCK_PRESSURES: [f64; 9] = [0.4340, 0.7023, 0.8403, 0.9299, 1.0, 1.0701, 
 /// Clipped width at either edge, over a.
 const BLOCK_CLIPPED: f64 = 0.112;
 
-fn block_cycle(count: usize) -> Result<(Cells, ToAndFro), String> {
+fn block_cycle(count: usize) -> Result<(Cells, Reciprocating), String> {
     let cells = Cells::graded(1.0, count).map_err(text)?;
     let properties = BlockProperties { width: 2.0, height: 2.0, youngs_modulus: 0.91, poissons_ratio: 0.3 };
     let block = Block::new(properties, Discretization::for_cells(2.0, 2.0, cells.edges(), 1e-4)).map_err(text)?;
     let compliance = block.compliance(cells.edges()).map_err(text)?;
     let punch = Compliance { normal: compliance.normal, shear: compliance.shear };
     let strip = Rigid.compliance(&cells);
-    let problem = ToAndFroProblem {
+    let problem = ReciprocatingProblem {
         cells: &cells,
         punch: &punch,
         strip: &strip,

@@ -8,11 +8,11 @@
 use crate::component::Values;
 use crate::coupled::INPUTS;
 use crate::coupled::line::Line;
-use crate::coupled::line::operators::Operators;
+use crate::coupled::line::operators::LineOperators;
 use crate::coupled::lumped::conditions::Tunables;
 use crate::elastic::scene::compliances;
 use crate::exact::instability;
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 use crate::scene::{STATIONS, Scene};
 use crate::variables::{STARTS, find};
 use nalgebra::{Complex, DMatrix};
@@ -135,7 +135,7 @@ impl WaveScene {
     /// What the scene or the line level refuses.
     pub fn build(&self) -> Result<WaveContact, String> {
         let scene = Scene::new(&self.starts()?, None).map_err(|broken| broken.to_string())?;
-        let operators = Arc::new(Operators::new(&scene)?);
+        let operators = Arc::new(LineOperators::new(&scene)?);
         let angles: Vec<f64> = operators.cells.centres().iter().map(|x| 2.0 * PI * x / WAVELENGTH).collect();
         Ok(WaveContact { scene: *self, operators, angles })
     }
@@ -154,7 +154,7 @@ fn critical_speed() -> f64 {
 #[derive(Debug)]
 pub struct WaveContact {
     scene: WaveScene,
-    operators: Arc<Operators>,
+    operators: Arc<LineOperators>,
     angles: Vec<f64>,
 }
 

@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn one_way_groove_is_half_the_depth_of_a_full_pass() {
+    fn unidirectional_groove_is_half_the_depth_of_a_full_pass() {
         // Depth per distance r: the groove under the contact grows from 0 at the leading edge to 2 a r.
         let mut track = Track::new(0.5, 0.0);
         let rate = 1e-3;

@@ -37,7 +37,7 @@ def line(fmus):
         component.slave.freeInstance()
 
 
-def to_and_fro(count):
+def reciprocating(count):
     """Inputs of `count` steps: sliding to and fro under a load that comes and goes."""
     phase = np.arange(count)
     return np.column_stack([1.5e-2 * np.sin(0.21 * phase), np.maximum(LOAD * np.cos(0.13 * phase), 0.0)])
@@ -53,7 +53,7 @@ def test_the_trapezoid_sum_of_the_pressure_is_the_load(line, cells):
     component = line({"solver.cells": cells, "wear_acceleration": 1000.0, **rotating})
     x, depth = component.get(*stations("x")), component.fmu.start("depth")
     shapes = []
-    for velocity, load in to_and_fro(40):
+    for velocity, load in reciprocating(40):
         component.set(sliding_velocity=velocity, normal_load=load)
         component.step(0.05)
         pressure = component.get(*PRESSURE)
@@ -67,7 +67,7 @@ def test_the_trapezoid_sum_of_the_pressure_is_the_load(line, cells):
 def test_replay_of_a_serialised_state_is_bit_identical(line):
     values = {"solver.cells": 129, "wear_acceleration": 100.0}
     component = line(values)
-    inputs = to_and_fro(60)
+    inputs = reciprocating(60)
     component.run(inputs[:30], 0.05, CHECKED)
     state = component.slave.getFMUstate()
     data = component.slave.serializeFMUstate(state)

@@ -175,7 +175,7 @@ fn stepping_ends_in_the_steady_state_found_directly() {
     let hotter = [&PADS[..], &radiating, &[("strip.convection", 10.0), ("punch.convection_forced", 20.0)]].concat();
     for changes in [&[][..], &PADS, &hotter] {
         let changes = [&steady[..], changes].concat();
-        let (_, hot) = found_directly(&changes, &Sliding::OneWay { velocity: 2.0 });
+        let (_, hot) = found_directly(&changes, &Sliding::Unidirectional { velocity: 2.0 });
         let mut drive = clutch(&changes);
         drive.set("normal_load", 500.0).set("sliding_velocity", 2.0);
         for step in 0..30 {
@@ -206,7 +206,7 @@ fn stepping_ends_in_the_steady_state_found_directly() {
 
 /// So does long sliding to and fro, on the whole circle and with two pads.
 #[test]
-fn stepping_to_and_fro_ends_in_the_cycle_found_directly() {
+fn stepping_reciprocating_ends_in_the_cycle_found_directly() {
     // Faster there than back: the heat comes and goes with the strokes.
     let (speeds, stroke) = ([3.0, 1.0], 0.5);
     let steady = [
@@ -228,7 +228,7 @@ fn stepping_to_and_fro_ends_in_the_cycle_found_directly() {
     ];
     for changes in [&[][..], &PADS] {
         let changes = [&steady[..], changes].concat();
-        let (made, hot) = found_directly(&changes, &Sliding::ToAndFro { strokes: [stroke; 2], speeds });
+        let (made, hot) = found_directly(&changes, &Sliding::Reciprocating { strokes: [stroke; 2], speeds });
         let mut drive = clutch(&changes);
         drive.set("normal_load", 500.0);
         let (mut least, mut highest) = (f64::INFINITY, 0.0_f64);

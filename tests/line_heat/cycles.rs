@@ -3,7 +3,7 @@
 use crate::drive::{Drive, scene};
 use sliding_contact::coupled::line::cycle::map::sliding_scene;
 use sliding_contact::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, SolveOptions};
-use sliding_contact::coupled::line::operators::Operators;
+use sliding_contact::coupled::line::operators::LineOperators;
 use sliding_contact::elastic::Cells;
 use sliding_contact::elastic::scene::{cells_for, compliances};
 use sliding_contact::exact::GalinRelaxation;
@@ -43,7 +43,7 @@ fn hot(scene: &Scene) -> Result<(Cells, HotState), SteadyError> {
 }
 
 /// The component with half-strokes of `steps` equal steps.
-fn to_and_fro(drive: &mut Drive, cycles: u32, steps: u32, mut watch: impl FnMut(&mut Drive, f64)) {
+fn reciprocating(drive: &mut Drive, cycles: u32, steps: u32, mut watch: impl FnMut(&mut Drive, f64)) {
     let (speed, stroke) = (0.01, 1e-3);
     for _ in 0..cycles {
         for velocity in [speed, -speed] {
@@ -64,9 +64,9 @@ fn stepping_ends_in_the_cycle_found_directly() {
         let line = [&[("solver.tolerance", 1e-4)], holder].concat();
         let mut drive = Drive::from_starts(&scene("reciprocating_punch"), &[SMALL, &line].concat());
         drive.set("normal_load", 1e3);
-        to_and_fro(&mut drive, 300, 10, |_, _| ());
+        reciprocating(&mut drive, 300, 10, |_, _| ());
         let (mut least, mut most, mut highest) = (f64::INFINITY, f64::NEG_INFINITY, [0.0; 2]);
-        to_and_fro(&mut drive, 1, 40, |drive, velocity| {
+        reciprocating(&mut drive, 1, 40, |drive, velocity| {
             let t = drive.get("contact_temperature");
             (least, most) = (least.min(t), most.max(t));
             highest[usize::from(velocity < 0.0)] = drive.get("pressure_max");
@@ -139,7 +139,7 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     let rocking = hot(&made(&[("holder.constraint", 2.0), ("holder.pivot_height", 8e-3)])).unwrap_err();
     assert!(matches!(rocking, SteadyError::RocksItselfRound { .. }), "{rocking}");
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
-    assert!(matches!(wearing, SteadyError::WearingStripToAndFro), "{wearing}");
+    assert!(matches!(wearing, SteadyError::WearingStripReciprocating), "{wearing}");
 }
 
 /// A contact that starts with the shape of the hot steady state wears evenly once it is hot.
@@ -151,9 +151,9 @@ fn a_run_in_start_is_that_of_the_hot_contact() {
         drive.set("normal_load", 1e3);
         let worn =
             |drive: &mut Drive| (3..=31).map(|i| drive.get(&format!("profile.wear_punch[{i}]"))).collect::<Vec<_>>();
-        to_and_fro(&mut drive, 60, 8, |_, _| ());
+        reciprocating(&mut drive, 60, 8, |_, _| ());
         let before = worn(&mut drive);
-        to_and_fro(&mut drive, 1, 8, |_, _| ());
+        reciprocating(&mut drive, 1, 8, |_, _| ());
         let depths: Vec<f64> = worn(&mut drive).iter().zip(before).map(|(after, before)| after - before).collect();
         let mean = depths.iter().sum::<f64>() / depths.len() as f64;
         depths.iter().map(|depth| (depth / mean - 1.0).abs()).fold(0.0, f64::max)
@@ -165,7 +165,7 @@ fn a_run_in_start_is_that_of_the_hot_contact() {
 
 /// One way: pressure, temperature and shape in one stroke are those after long stepping.
 #[test]
-fn one_way_stepping_ends_in_the_state_found_directly() {
+fn unidirectional_stepping_ends_in_the_state_found_directly() {
     let disc = [("strip.path", 2.0), ("strip.length", 0.05)];
     let cases: [(&str, &[(&str, f64)]); 4] = [
         ("closed path, both wear", &[disc[0], disc[1], ("strip.wear_coefficient", 1e-13)]),
@@ -252,7 +252,7 @@ fn heat_changes_the_steady_pressures_of_long_cycles_only() {
 
 fn map(changes: &[(&str, f64)], heat: bool) -> CycleMap {
     let scene = made(changes);
-    let operators = Operators::with_heat(&sliding_scene(&scene), heat).unwrap();
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), heat).unwrap();
     let resolution = if heat { Resolution { levels: 2, parts: 2 } } else { Resolution::COLD };
     CycleMap::new(operators, nominal_half_strokes(&scene), resolution).unwrap()
 }

@@ -12,7 +12,7 @@ fn scene_on(level: f64, cells: f64, changes: &[(&str, f64)]) -> Drive {
 }
 
 /// To and fro at 0.05 m/s, five times as fast as the example.
-fn to_and_fro(drive: &mut Drive, count: u32) {
+fn reciprocating(drive: &mut Drive, count: u32) {
     drive.set("normal_load", 1e4);
     for velocity in [0.05, -0.05] {
         drive.set("sliding_velocity", velocity);
@@ -41,8 +41,8 @@ fn the_reduced_punch_follows_the_unreduced_one() {
         ("punch.convection", 100.0),
     ];
     let [mut line, mut field] = [LINE, FIELD].map(|level| scene_on(level, 17.0, &changes));
-    to_and_fro(&mut line, 4);
-    to_and_fro(&mut field, 4);
+    reciprocating(&mut line, 4);
+    reciprocating(&mut field, 4);
     let rise = field.get("contact_temperature_max") - 293.15;
     for (name, scale, bound) in [
         ("temperature", rise, 1.5e-3),
@@ -68,7 +68,7 @@ fn the_reduced_punch_follows_the_unreduced_one() {
 fn pressure_and_wear_agree_as_the_cells_get_finer() {
     let values = |level: f64, cells: f64| {
         let mut drive = scene_on(level, cells, &[("nominal.velocity", 0.05), ("nominal.stroke", 0.015)]);
-        to_and_fro(&mut drive, 2);
+        reciprocating(&mut drive, 2);
         let pressure = profile(&mut drive, "pressure");
         // Away from the edges, where the pressure of a flat punch is not finite.
         [pressure[8..25].to_vec(), vec![drive.get("wear_depth"), drive.get("contact_temperature") - 293.15]]
@@ -89,12 +89,12 @@ fn pressure_and_wear_agree_as_the_cells_get_finer() {
 #[test]
 fn a_saved_state_of_the_reference_goes_on_to_the_same_bits() {
     let run = |drive: &mut Drive| -> Vec<u64> {
-        to_and_fro(drive, 1);
+        reciprocating(drive, 1);
         (7..250).map(|output| drive.0.get(output).to_bits()).collect()
     };
     for changes in [&[][..], &[("punch.top_thermal", 2.0)], &[("solver.scheme", 2.0)], &[("punch.conductivity", 0.0)]] {
         let mut drive = scene_on(FIELD, 9.0, changes);
-        to_and_fro(&mut drive, 1);
+        reciprocating(&mut drive, 1);
         let mut saved = Snapshot::default();
         drive.0.snapshot(&mut saved);
         let straight_on = run(&mut drive);

@@ -4,7 +4,7 @@ use crate::drive::{Drive, LUMPED, reference, scene};
 use sliding_contact::component::{Component, Message, Snapshot, Subject};
 use sliding_contact::coupled::INPUTS;
 use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::coupled::model::{Model, ModelOperators};
 use sliding_contact::plan::{self, model_level::ModelLevel};
 use sliding_contact::scene::{HeatAlongContact, Scene};
 use sliding_contact::variables::STARTS;
@@ -50,7 +50,8 @@ fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
     let mut starts = sliding_contact::scene::file::read(&path).unwrap().packaged.starts;
     let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
     assert!(
-        matches!(plan.model_level, ModelLevel::Line { .. }) && plan.estimated_error.is_some_and(|error| error < plan::UNKNOWN),
+        matches!(plan.model_level, ModelLevel::Line { .. })
+            && plan.estimated_error.is_some_and(|error| error < plan::UNKNOWN),
         "{plan:?}"
     );
     for (name, value) in [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-2)] {
@@ -285,7 +286,8 @@ fn above_the_critical_speed_the_error_is_not_known() {
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);
     let [coarse, fine] = [17, 33].map(|cells| {
-        let scene = ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells }.apply(&generated.scene(1e-2).unwrap());
+        let scene =
+            ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells }.apply(&generated.scene(1e-2).unwrap());
         runs::run(&generated, &scene).unwrap()
     });
     let errors = runs::distance(&coarse, &fine);
@@ -298,7 +300,7 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
 fn wear_is_found_to_rounding_at_129_cells() {
     let generated = generate(120);
     let model_level = ModelLevel::Line { cells: 129, heat: HeatAlongContact::OnTheCells };
-    let operators = Operators::new(&model_level.apply(&generated.scene(1e-4).unwrap())).unwrap();
+    let operators = ModelOperators::new(&model_level.apply(&generated.scene(1e-4).unwrap())).unwrap();
     let record = runs::run_with(&generated, &operators).unwrap();
     println!("{:?} internal steps", record.steps);
     assert!(record.steps.0 < 10_000, "{:?}", record.steps);
@@ -334,7 +336,7 @@ fn on(model_level: ModelLevel, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
         ambient_temperature: scene.ambient_temperature,
         wear_acceleration: 1.0,
     };
-    Model::new(&Operators::new(&model_level.apply(scene)).unwrap(), tunables, inputs)
+    Model::new(&ModelOperators::new(&model_level.apply(scene)).unwrap(), tunables, inputs)
 }
 
 /// Open, or standing under load, a contact line whose heat is the mean's solves no contact. With heat on the cells an open one

@@ -151,8 +151,10 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     // K c of steel, W2 s/(m4 K2).
     let effusivity_square = 46.0 * 7800.0 * 500.0;
-    let one_way = [("nominal.stroke", 0.0)];
-    for (convection, more) in [(1e4, &[][..]), (1e5, &[]), (1e4, &one_way), (1e5, &one_way), (1e6, &[]), (1e7, &[])] {
+    let unidirectional = [("nominal.stroke", 0.0)];
+    for (convection, more) in
+        [(1e4, &[][..]), (1e5, &[]), (1e4, &unidirectional), (1e5, &unidirectional), (1e6, &[]), (1e7, &[])]
+    {
         let changes = [&[("punch.convection", convection), ("strip.convection", convection)], more].concat();
         let runs = [40, 80, 160, 320].map(|parts| run_up_to(0.01, parts, &changes)[1].clone());
         let differences = [0, 1, 2].map(|k| distance(&runs[k], &runs[k + 1]));
@@ -168,7 +170,7 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
 /// The same one way, from rest with an acceleration that is there at once: forgetting what lies a period behind bends at the speed
 /// at which one period takes the whole time, and steps however short must see it bend.
 #[test]
-fn a_one_way_run_up_from_rest_is_of_second_order() {
+fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     let still = [("punch.convection", 0.0), ("strip.convection", 0.0)];
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let moving = [("punch.convection_forced", 1e5), ("strip.convection_forced", 1e5)];
@@ -188,7 +190,7 @@ fn a_one_way_run_up_from_rest_is_of_second_order() {
 /// Faster, the answers over the velocity are as fine as the tolerance asks, and so is the order: at a tolerance of .1 that of the
 /// temperature is seen down to 1e-4 of the rise.
 #[test]
-fn a_fast_one_way_run_up_is_of_second_order_as_far_as_the_tolerance_asks() {
+fn a_fast_unidirectional_run_up_is_of_second_order_as_far_as_the_tolerance_asks() {
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let changes = [("nominal.stroke", 0.0), ("solver.tolerance", 1e-4)];
     for last in [0.05, 0.1] {

@@ -3,7 +3,7 @@
 use crate::drive::{reference, scene};
 use sliding_contact::coupled::INPUTS;
 use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::coupled::model::{Model, ModelOperators};
 use sliding_contact::scene::Scene;
 
 /// Numbers of a run: internal steps that were accepted by step, and by these what was rejected, solved and factored.
@@ -29,7 +29,7 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     };
     let ambient = scene.ambient_temperature;
     let inputs = |velocity: f64| [velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
-    let mut model = Model::new(&Operators::new(&scene).unwrap(), tunables, &inputs(velocity(0)));
+    let mut model = Model::new(&ModelOperators::new(&scene).unwrap(), tunables, &inputs(velocity(0)));
     let mut run = |numbers: std::ops::Range<u32>| {
         for n in numbers {
             let mut slopes = [0.0; INPUTS];
@@ -54,10 +54,11 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
 
 /// What fresh material forgets answers at once and follows the velocity: operators of another one, or of the way back, do not serve.
 #[test]
-fn one_way_a_changing_speed_costs_what_a_held_one_does() {
-    let one_way = [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("nominal.stroke", 0.0), ("strip.path", 1.0)];
-    let held = work("reciprocating_punch", &one_way, 1e-3, |_| 0.012);
-    let swinging = work("reciprocating_punch", &one_way, 1e-3, |n| 0.012 + 0.003 * (0.01 * f64::from(n)).cos());
+fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
+    let unidirectional =
+        [("solver.fidelity", 3.0), ("solver.cells", 17.0), ("nominal.stroke", 0.0), ("strip.path", 1.0)];
+    let held = work("reciprocating_punch", &unidirectional, 1e-3, |_| 0.012);
+    let swinging = work("reciprocating_punch", &unidirectional, 1e-3, |n| 0.012 + 0.003 * (0.01 * f64::from(n)).cos());
     println!("held {held:?}, swinging {swinging:?}");
     assert!((1.9..2.3).contains(&held.solutions), "{held:?}");
     assert!((2.0..3.5).contains(&swinging.solutions) && swinging.factorisations < 0.5, "{swinging:?}");

@@ -202,7 +202,10 @@ fn a_parabola_whose_edge_wears_steeply_and_fades() {
         }
         let (worn, kinetic_coefficient) = (drive.get("wear_volume_punch"), drive.get("friction_coefficient"));
         // Hot enough, the friction is that of the cold contact again: only one factor of the table is below 1.
-        assert!(worn > 0.0 && kinetic_coefficient <= 0.25 && kinetic_coefficient > 0.18, "{step} s: {worn} {kinetic_coefficient}");
+        assert!(
+            worn > 0.0 && kinetic_coefficient <= 0.25 && kinetic_coefficient > 0.18,
+            "{step} s: {worn} {kinetic_coefficient}"
+        );
         lowest = lowest.min(kinetic_coefficient);
         assert!(drive.imbalance() < 1e-9, "{step} s: {:e}", drive.imbalance());
     }

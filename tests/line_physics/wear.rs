@@ -5,7 +5,7 @@ use super::drive::{Drive, scene};
 use sliding_contact::exact::{CyclicHalfPlane, HolderKind};
 use sliding_contact::variables::STARTS;
 
-fn drive_to_and_fro(drive: &mut Drive, half_strokes: u32, parts: u32, velocity: f64, stroke: f64) {
+fn drive_reciprocating(drive: &mut Drive, half_strokes: u32, parts: u32, velocity: f64, stroke: f64) {
     for half in 0..half_strokes {
         drive.set("sliding_velocity", if half % 2 == 0 { velocity } else { -velocity });
         for _ in 0..parts {
@@ -116,7 +116,7 @@ fn strokes_end_in_the_two_pressures_of_the_paper() {
         ("solver.tolerance", 1e-4),
     ]);
     drive.set("normal_load", 1e4);
-    drive_to_and_fro(&mut drive, 3000, 1, 0.01, 3e-3);
+    drive_reciprocating(&mut drive, 3000, 1, 0.01, 3e-3);
     let mean = 1e4 / 6e-4;
     // Mean over a half-stroke from its beginning and its end.
     let half_stroke = |drive: &mut Drive, velocity: f64| -> Vec<f64> {

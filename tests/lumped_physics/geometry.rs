@@ -123,7 +123,7 @@ fn line_contact_turns_about_its_mean_radius_and_angular_velocity_adds_to_the_sli
 }
 
 #[test]
-fn one_way_on_a_straight_path_is_the_moving_band_on_fresh_material() {
+fn unidirectional_on_a_straight_path_is_the_moving_band_on_fresh_material() {
     for (base, thermal) in [(LayerBase::Held, HELD), (LayerBase::Insulated, INSULATED)] {
         for velocity in [0.002, 0.05, 3.0] {
             let width = 0.02;
@@ -159,7 +159,7 @@ fn one_way_on_a_straight_path_is_the_moving_band_on_fresh_material() {
 }
 
 #[test]
-fn one_way_starts_like_a_half_space() {
+fn unidirectional_starts_like_a_half_space() {
     // Short against the time to slide over the contact and to conduct across it: T = 2 q sqrt(t/(pi k rho c)).
     let changes = [
         ("strip.path", 1.0),

@@ -122,7 +122,7 @@ fn lumped(amplitude: f64, frequency: f64, periods: u32, steps: u32) -> (f64, f64
 }
 
 #[test]
-fn to_and_fro_heating_follows_the_brute_force_solution() {
+fn reciprocating_heating_follows_the_brute_force_solution() {
     for (amplitude, frequency, periods) in [(0.001, 10.0, 20), (0.01, 2.0, 10), (0.05, 2.0, 6), (0.1, 10.0, 6)] {
         let brute = Brute { amplitude, frequency };
         let exact = brute.mean(periods, 400);

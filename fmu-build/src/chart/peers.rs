@@ -31,7 +31,7 @@ const PEERS: [Peer; 3] = [
     Peer {
         script: "tamaas_wear.py",
         name: "Tamaas",
-        scenes: &["one_way_pin"],
+        scenes: &["unidirectional_pin"],
         elsewhere: "solves half-spaces without heat; this scene has bodies of finite height, or heat that feeds back",
     },
     Peer {

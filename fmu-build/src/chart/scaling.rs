@@ -5,7 +5,7 @@ use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use anyhow::{Context, Result, anyhow};
 use serde_json::{Value, json};
 use sliding_contact::component::{Component, Values};
-use sliding_contact::coupled::model::Operators;
+use sliding_contact::coupled::model::ModelOperators;
 use sliding_contact::scene::Scene;
 use sliding_contact::variables::find;
 use sliding_contact::verification::drives;
@@ -66,7 +66,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
     let starts = |name: &str| {
         problems.iter().find(|problem| problem.name == name).map(|problem| problem.starts).context("a scene is missing")
     };
-    let (cold, hot) = (starts("one_way_pin")?, starts("hot_punch")?);
+    let (cold, hot) = (starts("unidirectional_pin")?, starts("hot_punch")?);
     let with = |values: &Values, changes: &[(&str, f64)]| -> Result<Values> {
         let mut values = *values;
         for (name, value) in changes {
@@ -136,7 +136,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
 /// Thermal states of both bodies and waves of the strip.
 fn sizes(values: &Values) -> Option<[f64; 2]> {
     let scene = Scene::new(values, None).ok()?;
-    let Ok(Operators::Line(operators)) = Operators::new(&scene) else { return None };
+    let Ok(ModelOperators::Line(operators)) = ModelOperators::new(&scene) else { return None };
     let heat = operators.heat.as_ref()?;
     Some([(heat.states[0] + heat.states[1]) as f64, heat.waves as f64])
 }

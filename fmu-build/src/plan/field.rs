@@ -9,7 +9,7 @@ use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
 use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, Operators};
+use sliding_contact::coupled::model::{Model, ModelOperators};
 use sliding_contact::plan;
 use sliding_contact::scene::{Fidelity, Scene};
 use sliding_contact::variables::find;
@@ -56,7 +56,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         }
         let mut finest = scene.clone();
         finest.fidelity = Fidelity::Field;
-        let field = Operators::new(&finest).map_err(|text| anyhow!(text))?;
+        let field = ModelOperators::new(&finest).map_err(|text| anyhow!(text))?;
         let step = file.packaged.experiment.step;
         let own = seconds_per_step(&scene, &planned.operators, step, STEPS[0])?;
         let reference = seconds_per_step(&scene, &field, step, STEPS[1])?;
@@ -73,7 +73,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
     Ok(())
 }
 
-fn seconds_per_step(scene: &Scene, operators: &Operators, step: f64, steps: usize) -> Result<f64> {
+fn seconds_per_step(scene: &Scene, operators: &ModelOperators, step: f64, steps: usize) -> Result<f64> {
     let ambient = scene.ambient_temperature;
     let tunables = Tunables {
         friction_coefficient: scene.friction_coefficient,

@@ -250,7 +250,7 @@ fn kept_factors_change_nothing_but_the_time() {
 }
 
 #[test]
-fn strokes_to_and_fro_factorise_twice() {
+fn strokes_reciprocating_factorise_twice() {
     let cells = Cells::graded(0.03, 33).unwrap();
     let strip = HalfPlane { material: steel() }.compliance(&cells);
     let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &strip);
@@ -271,7 +271,8 @@ fn strokes_to_and_fro_factorise_twice() {
 fn an_extra_compliance_adds_to_that_of_the_bodies() {
     let cells = Cells::graded(0.03, 17).unwrap();
     let compliance = half_plane(&cells, 0.2);
-    let added_compliance = DMatrix::from_fn(17, 17, |i, j| 1e-12 * f64::from(u8::from(i == j)) + 1e-14 * (i as f64 - j as f64));
+    let added_compliance =
+        DMatrix::from_fn(17, 17, |i, j| 1e-12 * f64::from(u8::from(i == j)) + 1e-14 * (i as f64 - j as f64));
     let gap = wavy(&cells, 3, 1e-6);
     let mut solver = ContactSolver::new(&cells, compliance.clone()).unwrap();
     let before = solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap();
@@ -283,7 +284,10 @@ fn an_extra_compliance_adds_to_that_of_the_bodies() {
     solver.set_active(&[true; 17]);
     assert_eq!(solver.solve(&gap, Normal::Load(1e5), Tilt::Fixed(0.0)).unwrap(), before);
     let bad = DMatrix::from_element(17, 17, f64::NAN);
-    assert!(matches!(solver.set_added_compliance(Some(&bad)), Err(ContactError::Invalid { quantity: "extra compliance", .. })));
+    assert!(matches!(
+        solver.set_added_compliance(Some(&bad)),
+        Err(ContactError::Invalid { quantity: "extra compliance", .. })
+    ));
 }
 
 #[test]

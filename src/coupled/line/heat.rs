@@ -18,17 +18,17 @@ mod evaluation;
 mod friction_jacobian;
 mod growth;
 mod outputs;
-mod prepare;
 pub mod partition;
 mod partitions;
+mod prepare;
 mod stage;
 mod staggered;
 mod start;
 pub mod state;
 
-use super::operators::Operators;
+use super::operators::LineOperators;
 use crate::coupled::fastest_growth::FastestGrowth;
-use crate::heat::line::{ThermalBody, Surroundings};
+use crate::heat::line::{Surroundings, ThermalBody};
 use crate::scene::Scheme;
 use crate::wear::line::WearingContact;
 use acceleration::Acceleration;
@@ -137,7 +137,7 @@ pub struct ThermalCoupling {
 
 impl ThermalCoupling {
     /// For the contact line of `operators`, which has bodies that conduct.
-    pub fn new(operators: &Operators, bodies: &Bodies) -> ThermalCoupling {
+    pub fn new(operators: &LineOperators, bodies: &Bodies) -> ThermalCoupling {
         let count = operators.count();
         let zeros = || vec![0.0; count];
         let pair = || [zeros(), zeros()];

@@ -11,11 +11,11 @@ pub mod heat;
 pub mod hottest;
 pub mod operators;
 mod outputs;
-mod trajectory;
 pub mod profile;
 mod saved;
 pub mod state;
 mod step;
+mod trajectory;
 mod wear_rates;
 
 use crate::contact::friction::FrictionLaw;
@@ -29,11 +29,11 @@ use crate::scene::Geometry;
 use crate::wear::line::{Conditions, WearingContact};
 use heat::ThermalCoupling;
 use heat::state::HeatState;
-use operators::Operators;
-use trajectory::{LumpedTemperature, StageConditions, InputTrajectory, Slipped};
-use state::State;
+use operators::LineOperators;
+use state::LineState;
 use std::sync::Arc;
 use step::Work;
+use trajectory::{InputTrajectory, LumpedTemperature, Slipped, StageConditions};
 
 /// Whether an input differs from what it was at the end of the last step by more than rounding, on the scale of what it is in this step
 /// and the last.
@@ -45,13 +45,13 @@ fn jumps(before: f64, now: f64, scale: f64) -> bool {
 /// A scene at the line level.
 #[derive(Clone, Debug)]
 pub struct Line {
-    operators: Arc<Operators>,
+    operators: Arc<LineOperators>,
     mean: Lumped,
     friction: FrictionLaw,
     tunables: Tunables,
-    state: State,
+    state: LineState,
     /// State before the step under way.
-    backup: (lumped::state::State, State),
+    backup: (lumped::state::LumpedState, LineState),
     /// The backup has the temperatures inside the bodies at the start of the step: where it has not, they have not changed.
     bodies_kept: bool,
     contact: WearingContact,
@@ -67,11 +67,11 @@ pub struct Line {
 
 impl Line {
     /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
-    pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
+    pub fn new(operators: Arc<LineOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
         let mut mean = Lumped::new(operators.mean.clone(), tunables, inputs);
         let mut friction = FrictionLaw::new(&operators.scene);
         friction.coefficient = tunables.friction_coefficient;
-        let mut state = State::new(&operators);
+        let mut state = LineState::new(&operators);
         if let Some(bodies) = &operators.heat {
             let scene = &operators.scene;
             let reference = mean.state().reference;
@@ -105,7 +105,7 @@ impl Line {
     }
 
     /// What the scene was made into.
-    pub fn operators(&self) -> &Arc<Operators> {
+    pub fn operators(&self) -> &Arc<LineOperators> {
         &self.operators
     }
 
@@ -115,12 +115,12 @@ impl Line {
     }
 
     /// The contact's state.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &LineState {
         &self.state
     }
 
     /// The mean's state.
-    pub fn mean_state(&self) -> &lumped::state::State {
+    pub fn mean_state(&self) -> &lumped::state::LumpedState {
         self.mean.state()
     }
 
@@ -137,7 +137,7 @@ impl Line {
     }
 
     /// Replaces everything that changes.
-    pub fn set_state(&mut self, mean: &lumped::state::State, line: &State) {
+    pub fn set_state(&mut self, mean: &lumped::state::LumpedState, line: &LineState) {
         self.mean.set_state(mean);
         self.state.copy_from(line);
         self.contact.set_status(&self.state.status);
@@ -297,7 +297,7 @@ impl Line {
         if follows_heat {
             self.work.mean.clone_from(self.mean.state());
             heat = self.step_mean(&loaded, None, length, true)?;
-            let before = std::mem::replace(&mut self.work.mean, lumped::state::State::empty());
+            let before = std::mem::replace(&mut self.work.mean, lumped::state::LumpedState::empty());
             self.mean.set_state(&before);
             self.work.mean = before;
         }

@@ -48,11 +48,11 @@ pub struct Unevenness {
 
 /// See the module.
 #[derive(Debug)]
-pub struct Operators {
+pub struct LineOperators {
     /// The scene it was built from.
     pub scene: Scene,
     /// Heat, friction and everything else that the mean pressure decides.
-    pub mean: Arc<lumped::operators::Operators>,
+    pub mean: Arc<lumped::operators::LumpedOperators>,
     /// The conducting bodies, where heat is carried along the contact line; `None`: by its mean.
     pub heat: Option<Bodies>,
     /// The cells.
@@ -88,32 +88,36 @@ pub struct Operators {
     pub rotates: bool,
 }
 
-impl Operators {
+impl LineOperators {
     /// Builds the contact line of `scene`.
     ///
     /// # Errors
     /// A text with the numbers where the bodies or the run-in shape do not exist.
-    pub fn new(scene: &Scene) -> Result<Operators, String> {
+    pub fn new(scene: &Scene) -> Result<LineOperators, String> {
         Self::with_heat(scene, on_the_cells(scene))
     }
 
     /// The same with the mean's reduced bodies of `known`, the lumped level of the same scene.
     ///
     /// # Errors
-    /// As [`Operators::new`].
-    pub fn beside(scene: &Scene, known: &lumped::operators::Operators) -> Result<Operators, String> {
+    /// As [`LineOperators::new`].
+    pub fn beside(scene: &Scene, known: &lumped::operators::LumpedOperators) -> Result<LineOperators, String> {
         Self::build(scene, on_the_cells(scene), Some(known))
     }
 
     /// The same with heat along the contact line, or without, whether it feeds back or not.
     ///
     /// # Errors
-    /// As [`Operators::new`].
-    pub fn with_heat(scene: &Scene, heat: bool) -> Result<Operators, String> {
+    /// As [`LineOperators::new`].
+    pub fn with_heat(scene: &Scene, heat: bool) -> Result<LineOperators, String> {
         Self::build(scene, heat, None)
     }
 
-    fn build(scene: &Scene, heat: bool, known: Option<&lumped::operators::Operators>) -> Result<Operators, String> {
+    fn build(
+        scene: &Scene,
+        heat: bool,
+        known: Option<&lumped::operators::LumpedOperators>,
+    ) -> Result<LineOperators, String> {
         let count = match (scene.cells, scene.fidelity) {
             (0, Fidelity::Field) => FINEST_CELLS,
             (0, _) => CHOSEN_CELLS,
@@ -155,9 +159,9 @@ impl Operators {
             .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
         let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
         let rotates = scene.constraint == Constraint::TranslateAndRotate;
-        let mean = Arc::new(lumped::operators::Operators::with_heat_of(&mean_scene(scene, heat), known));
+        let mean = Arc::new(lumped::operators::LumpedOperators::with_heat_of(&mean_scene(scene, heat), known));
         let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
-        let operators = Operators {
+        let operators = LineOperators {
             heat,
             profile: Profile::new(&cells),
             hottest: Hottest::new(&cells, scene.geometry == Geometry::Periodic),
@@ -236,11 +240,14 @@ impl Operators {
     }
 
     /// The same contact with its heat by the mean; nothing is built anew.
-    pub fn with_heat_by_its_mean(&self) -> Operators {
+    pub fn with_heat_by_its_mean(&self) -> LineOperators {
         let mut scene = self.scene.clone();
         scene.heat_along_contact = HeatAlongContact::ByItsMean;
-        Operators {
-            mean: Arc::new(lumped::operators::Operators::with_heat_of(&mean_scene(&scene, false), Some(&self.mean))),
+        LineOperators {
+            mean: Arc::new(lumped::operators::LumpedOperators::with_heat_of(
+                &mean_scene(&scene, false),
+                Some(&self.mean),
+            )),
             heat: None,
             cells: self.cells.clone(),
             weights: self.weights.clone(),

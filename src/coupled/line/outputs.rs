@@ -1,7 +1,7 @@
 //! Outputs and profiles of the line level, by value reference: the mean's, with what the contact line knows better.
 
 use super::Line;
-use super::operators::Operators;
+use super::operators::LineOperators;
 use super::trajectory::StageConditions;
 use crate::contact::Normal;
 use crate::coupled::scalar::Dual;
@@ -276,7 +276,7 @@ impl Line {
     }
 }
 
-impl Operators {
+impl LineOperators {
     /// Whether the contact line decides the load that the mean feels.
     pub fn decides_load(&self) -> bool {
         self.scene.holder_stiffness > 0.0 || self.scene.geometry == Geometry::Annular
@@ -292,7 +292,13 @@ impl Operators {
     }
 
     /// Calls `take(cell, punch rate, strip rate)` for every cell, m/s.
-    fn for_rates(&self, moment: &StageConditions, acceleration: f64, pressure: &[f64], mut take: impl FnMut(usize, f64, f64)) {
+    fn for_rates(
+        &self,
+        moment: &StageConditions,
+        acceleration: f64,
+        pressure: &[f64],
+        mut take: impl FnMut(usize, f64, f64),
+    ) {
         let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
         for i in 0..pressure.len() {
             let [punch, strip] = std::array::from_fn(|body| laws[body] * self.relative_rate(body, i, pressure[i]));

@@ -1,12 +1,12 @@
 //! The line level's state as numbers, and back.
 
-use super::operators::Operators;
-use super::state::State;
+use super::operators::LineOperators;
+use super::state::LineState;
 use crate::coupled::INPUTS;
 
-impl State {
+impl LineState {
     /// Takes over `other` without allocating.
-    pub fn copy_from(&mut self, other: &State) {
+    pub fn copy_from(&mut self, other: &LineState) {
         if let (Some(mine), Some(heat)) = (&mut self.heat, &other.heat) {
             mine.copy_bodies_from(heat);
         }
@@ -14,7 +14,7 @@ impl State {
     }
 
     /// Takes over everything but the temperatures inside the bodies.
-    pub fn copy_contact_from(&mut self, other: &State) {
+    pub fn copy_contact_from(&mut self, other: &LineState) {
         self.punch.copy_from_slice(&other.punch);
         self.strip.copy_from_slice(&other.strip);
         match (&mut self.track, &other.track) {
@@ -37,7 +37,7 @@ impl State {
         (self.error, self.steps, self.rejected) = (other.error, other.steps, other.rejected);
     }
 
-    /// Appends all numbers of the state, in an order that [`State::load`] reads.
+    /// Appends all numbers of the state, in an order that [`LineState::load`] reads.
     pub fn save(&self, out: &mut Vec<f64>) {
         out.push(self.punch.len() as f64);
         out.extend(&self.punch);
@@ -60,10 +60,10 @@ impl State {
         }
     }
 
-    /// Reads what [`State::save`] wrote for a state of `operators`; `None` if the numbers cannot be one.
-    pub fn load(operators: &Operators, numbers: &[f64]) -> Option<State> {
+    /// Reads what [`LineState::save`] wrote for a state of `operators`; `None` if the numbers cannot be one.
+    pub fn load(operators: &LineOperators, numbers: &[f64]) -> Option<LineState> {
         let numbers = &mut numbers.iter();
-        let mut state = State::new(operators);
+        let mut state = LineState::new(operators);
         let mut next = || numbers.next().copied();
         if next()? != operators.count() as f64 {
             return None;

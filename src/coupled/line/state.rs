@@ -1,14 +1,14 @@
 //! What changes along the contact line; everything a saved state needs.
 
 use super::heat::state::HeatState;
-use super::operators::{Operators, StripWear};
+use super::operators::{LineOperators, StripWear};
 use crate::coupled::INPUTS;
 use crate::numerics::maximum::all_finite;
 use crate::wear::line::{LineTrack, Status};
 
 /// See the module. Vectors have N values, one per cell.
 #[derive(Clone, PartialEq, Debug)]
-pub struct State {
+pub struct LineState {
     /// Worn depth of the punch, m.
     pub punch: Vec<f64>,
     /// Worn depth of the strip under the cells, m.
@@ -53,11 +53,11 @@ pub struct State {
     pub rejected: u64,
 }
 
-impl State {
+impl LineState {
     /// Nothing worn; bodies with heat along the line at the reference temperature.
-    pub fn new(operators: &Operators) -> State {
+    pub fn new(operators: &LineOperators) -> LineState {
         let zeros = vec![0.0; operators.count()];
-        State {
+        LineState {
             punch: zeros.clone(),
             strip: zeros.clone(),
             track: (operators.strip_wear == StripWear::Track)

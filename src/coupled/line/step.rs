@@ -12,8 +12,8 @@
 //! The embedded first-order solution bounds the error; the piece is cut into 2^n equal parts as it asks.
 
 use super::Line;
-use super::operators::{Operators, StripWear};
-use super::trajectory::{StageConditions, InputTrajectory};
+use super::operators::{LineOperators, StripWear};
+use super::trajectory::{InputTrajectory, StageConditions};
 use crate::contact::{ContactState, Normal};
 use crate::coupled::StepFailure;
 use crate::coupled::budget::Budget;
@@ -59,14 +59,14 @@ pub struct Work {
     pub status: Status,
     /// Load per depth, and the approach of the unworn bodies under it.
     pub reference: (f64, f64),
-    pub mean: lumped::state::State,
+    pub mean: lumped::state::LumpedState,
     /// What the communication step under way has cost.
     pub budget: Budget,
 }
 
 impl Work {
     /// Memory for a contact line.
-    pub fn new(operators: &Operators) -> Work {
+    pub fn new(operators: &LineOperators) -> Work {
         let count = operators.count();
         let zeros = || vec![0.0; count];
         let tracked = if operators.strip_wear == StripWear::Track { count } else { 0 };
@@ -86,7 +86,7 @@ impl Work {
             still: zeros(),
             status: Status::new(operators.count()),
             reference: (f64::NAN, 0.0),
-            mean: lumped::state::State::empty(),
+            mean: lumped::state::LumpedState::empty(),
             budget: Budget::new(count),
         }
     }
@@ -142,7 +142,8 @@ impl Line {
                     part += 1;
                     failures = 0;
                     // Error ~ h^2: room for doubling the step.
-                    let rejected_by_growth = self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
+                    let rejected_by_growth =
+                        self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
                     if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {
                         level -= 1;
                         part /= 2;
@@ -267,8 +268,12 @@ impl Line {
         let operators = &self.operators;
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
-        let coefficients =
-            operators.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, self.tunables.wear_acceleration);
+        let coefficients = operators.coefficients(
+            moment.speed,
+            moment.kinetic_coefficient,
+            moment.temperature,
+            self.tunables.wear_acceleration,
+        );
         let mut term = 0;
         for body in 0..2 {
             if operators.reshapes(body) {
@@ -416,8 +421,12 @@ impl Line {
             }
             return;
         }
-        let laws =
-            operators.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, self.tunables.wear_acceleration);
+        let laws = operators.coefficients(
+            moment.speed,
+            moment.kinetic_coefficient,
+            moment.temperature,
+            self.tunables.wear_acceleration,
+        );
         for j in 0..operators.count() {
             let pressure = self.state.pressure[j].max(1e-3 * REFERENCE_PRESSURE);
             let [punch, strip] = std::array::from_fn(|body| laws[body] * operators.relative_rate(body, j, pressure));

@@ -90,10 +90,24 @@ pub struct InputTrajectory {
 
 impl InputTrajectory {
     /// From the inputs at the start of a piece of `length` (s) and their rates.
-    pub fn new(line: &Line, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, length: f64, heat: LumpedTemperature) -> InputTrajectory {
+    pub fn new(
+        line: &Line,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+        heat: LumpedTemperature,
+    ) -> InputTrajectory {
         let (friction, mean_radius) = (line.friction.clone(), line.operators.scene.mean_radius);
         let direction = 0.0;
-        let path = InputTrajectory { inputs: *inputs, slopes: slopes.copied(), length, heat, friction, mean_radius, direction };
+        let path = InputTrajectory {
+            inputs: *inputs,
+            slopes: slopes.copied(),
+            length,
+            heat,
+            friction,
+            mean_radius,
+            direction,
+        };
         // At its ends, where it turns round, the velocity is 0 to rounding only: the middle tells.
         let middle = path.velocity(0.5 * length);
         let rests = middle.abs() <= REST * line.state.fastest;
@@ -132,7 +146,16 @@ impl InputTrajectory {
         let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
         let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
         let expansion = between(self.heat.expansion);
-        StageConditions { sign, signed_friction, load, speed, kinetic_coefficient, temperature, expansion, heat_per_pressure }
+        StageConditions {
+            sign,
+            signed_friction,
+            load,
+            speed,
+            kinetic_coefficient,
+            temperature,
+            expansion,
+            heat_per_pressure,
+        }
     }
 
     /// Whether the contact is open or at rest throughout.

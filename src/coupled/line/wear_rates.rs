@@ -1,11 +1,11 @@
 //! Depth rates of both bodies on the cells.
 
-use super::operators::{Operators, StripWear};
+use super::operators::{LineOperators, StripWear};
 use super::trajectory::StageConditions;
 use crate::coupled::scalar::Scalar;
 use crate::wear::law::REFERENCE_PRESSURE;
 
-impl Operators {
+impl LineOperators {
     /// Whether anything wears.
     #[inline]
     pub fn wears(&self) -> bool {
@@ -22,7 +22,13 @@ impl Operators {
     }
 
     /// Depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
-    pub(super) fn coefficients<S: Scalar>(&self, speed: S, kinetic_coefficient: S, temperature: S, acceleration: f64) -> [S; 2] {
+    pub(super) fn coefficients<S: Scalar>(
+        &self,
+        speed: S,
+        kinetic_coefficient: S,
+        temperature: S,
+        acceleration: f64,
+    ) -> [S; 2] {
         std::array::from_fn(|body| {
             let (law, factor) = &self.wear[body];
             law.rate(S::from(REFERENCE_PRESSURE), speed, kinetic_coefficient, temperature) * (factor * acceleration)
@@ -36,7 +42,7 @@ impl Operators {
         self.radial[body][i] * power(pressure / REFERENCE_PRESSURE, self.wear[body].0.pressure_exponent)
     }
 
-    /// Multiplies `rates`, of all cells, by [`Operators::relative_rate`].
+    /// Multiplies `rates`, of all cells, by [`LineOperators::relative_rate`].
     pub(super) fn scale_by_relative_rates(&self, body: usize, pressure: &[f64], rates: &mut [f64]) {
         let exponent = self.wear[body].0.pressure_exponent;
         let cells = rates.iter_mut().zip(self.radial[body].iter().zip(pressure));
@@ -47,7 +53,13 @@ impl Operators {
     }
 
     /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
-    pub(super) fn rates(&self, moment: &StageConditions, acceleration: f64, pressure: &[f64], rates: &mut [Vec<f64>; 2]) {
+    pub(super) fn rates(
+        &self,
+        moment: &StageConditions,
+        acceleration: f64,
+        pressure: &[f64],
+        rates: &mut [Vec<f64>; 2],
+    ) {
         let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
         for body in 0..2 {
             if laws[body] == 0.0 {

@@ -2,7 +2,7 @@
 
 use super::conditions::Conditions;
 use super::operators::BodyOperators;
-use super::state::State;
+use super::state::LumpedState;
 use super::step::{Attempt, Propagators, Stepper};
 use super::{KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::coupled::budget::Budget;
@@ -33,7 +33,7 @@ impl InputTrajectory<'_> {
 /// A plain step as a whole, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct AtOnce<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
-    state: &'a mut State,
+    state: &'a mut LumpedState,
     /// Conditions at the start and at the three points.
     at: [&'a Conditions; 4],
 }
@@ -142,7 +142,7 @@ impl Lumped {
         slopes: Option<&[f64; INPUTS]>,
         step: f64,
         is_too_long: bool,
-        backup: &mut Option<State>,
+        backup: &mut Option<LumpedState>,
     ) -> Result<(), StepFailure> {
         if self.near_end_of_body(inputs, slopes, step) {
             *backup = Some(self.state.clone());
@@ -183,7 +183,7 @@ impl Lumped {
         course: &InputTrajectory,
         length: f64,
         is_too_long: bool,
-        backup: &mut Option<State>,
+        backup: &mut Option<LumpedState>,
         budget: &mut Budget,
     ) -> Result<(), StepFailure> {
         let mut level = self.state.refinement + u8::from(is_too_long);

@@ -1,6 +1,6 @@
 //! What the inputs mean for the contact at one instant.
 
-use super::operators::{BodyOperators, Operators};
+use super::operators::{BodyOperators, LumpedOperators};
 use crate::coupled::Inputs;
 use crate::coupled::scalar::Scalar;
 use crate::scene::ThermalBoundary;
@@ -42,7 +42,7 @@ pub struct Conditions<S = f64> {
 impl<S: Scalar> Conditions<S> {
     /// Conditions of `inputs`; temperatures are counted from `reference` (K).
     #[inline]
-    pub fn new(operators: &Operators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
+    pub fn new(operators: &LumpedOperators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
         let scene = &operators.scene;
         let velocity = inputs.sliding_velocity + inputs.angular_velocity * scene.mean_radius;
         let sign = operators.friction.sign(velocity);

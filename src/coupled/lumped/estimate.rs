@@ -1,14 +1,14 @@
 //! Parts of the error estimate that both forms of the step share.
 
 use super::operators::BodyOperators;
-use super::state::State;
+use super::state::LumpedState;
 use super::step::Stepper;
 
 /// How much more than the tolerance of the flux `scale` (W/m2) the exchange between the bodies may be off at
 /// constant conditions. Its residual there belongs to the layer that the last jump of the inputs has left, which hardly
 /// outlasts the step: what counts is the temperature across `resistance` (K m2/W) beside the largest rise so far.
 #[inline]
-pub fn layer_allowance(resistance: f64, scale: f64, state: &State) -> f64 {
+pub fn layer_allowance(resistance: f64, scale: f64, state: &LumpedState) -> f64 {
     (state.peak_rise / (resistance * scale)).max(1.0)
 }
 

@@ -7,19 +7,19 @@
 use super::air::{Air, BESIDE, FAR};
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
-use super::operators::{BodyOperators, Operators};
+use super::operators::{BodyOperators, LumpedOperators};
 use super::point::{cooling_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
 use crate::numerics::maximum::{all_finite, maximum};
 
-use super::state::State;
+use super::state::LumpedState;
 use super::step::{Attempt, Stepper};
 use crate::heat::reduced::Port;
 
 const COOLING: usize = Port::Cooling as usize;
 
 /// Whether a scene can ever be in this regime.
-pub fn possible(operators: &Operators) -> bool {
+pub fn possible(operators: &LumpedOperators) -> bool {
     let scene = &operators.scene;
     operators.punch.heat.is_some()
         && operators.strip.heat.is_some()
@@ -154,7 +154,8 @@ impl Wearing<'_> {
     #[inline(always)]
     fn error(&self, stepper: &Stepper, body: &BodyOperators, rates: &Pair, peak: f64) -> f64 {
         // A product of a linear pressure and a linear speed has no third difference.
-        let is_quadratic = stepper.friction.regularization_velocity == 0.0 && body.wear.is_archard(self.kinetic_coefficient);
+        let is_quadratic =
+            stepper.friction.regularization_velocity == 0.0 && body.wear.is_archard(self.kinetic_coefficient);
         if is_quadratic || !body.wear.active() {
             return 0.0;
         }
@@ -180,7 +181,11 @@ impl Stepper<'_> {
     /// Carries `state` over the step if the regime and the error allow it; conditions `at` the start and the three points,
     /// all the same if `CONSTANT`. The moving source is prepared. Unless the error found is at most 1, nothing has changed.
     #[inline(always)]
-    pub fn fast_path<const CONSTANT: bool>(&mut self, state: &mut State, at: [&Conditions; 4]) -> Option<Attempt> {
+    pub fn fast_path<const CONSTANT: bool>(
+        &mut self,
+        state: &mut LumpedState,
+        at: [&Conditions; 4],
+    ) -> Option<Attempt> {
         let operators = self.operators;
         // The compiler then knows that they are the same.
         let at = if CONSTANT { [at[0]; 4] } else { at };
@@ -401,7 +406,7 @@ impl Stepper<'_> {
 mod tests {
     use super::super::Lumped;
     use super::super::conditions::Tunables;
-    use super::super::operators::Operators;
+    use super::super::operators::LumpedOperators;
     use crate::scene::Scene;
     use crate::variables::{STARTS, find, reference};
     use std::sync::Arc;
@@ -424,9 +429,9 @@ mod tests {
                 values[const { reference("strip.convection_forced") } as usize] = 0.0;
             }
             let scene = Scene::new(&values, None).unwrap();
-            let fast_path = Operators::new(&scene);
+            let fast_path = LumpedOperators::new(&scene);
             assert!(fast_path.fast_path);
-            let general = Operators { fast_path: false, ..fast_path.clone() };
+            let general = LumpedOperators { fast_path: false, ..fast_path.clone() };
             let tunables = Tunables {
                 friction_coefficient: scene.friction_coefficient,
                 ambient_temperature: scene.ambient_temperature,

@@ -1,6 +1,6 @@
 //! The moving source over one step, at a velocity that may change during it.
 
-use super::operators::Operators;
+use super::operators::LumpedOperators;
 use super::stage::{POINTS, averages};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 
@@ -101,7 +101,7 @@ impl FlashStep {
 
     /// Makes the weights those for `speeds` (m/s) at the start and at the three points of the step
     /// `step` (s), with the decays `at_rest` of [`decays_at_rest`]. A function of these alone, so that a replay gives the same bits.
-    pub fn prepare(&mut self, operators: &Operators, at_rest: &Row, speeds: [f64; 4], step: f64) {
+    pub fn prepare(&mut self, operators: &LumpedOperators, at_rest: &Row, speeds: [f64; 4], step: f64) {
         let [speed, ..] = speeds;
         if speeds == [speed; 4] {
             return self.prepare_steady(operators, at_rest, speed, step);
@@ -119,7 +119,7 @@ impl FlashStep {
 
     /// [`FlashStep::prepare`] at the constant speed `speed` (m/s).
     #[inline(always)]
-    pub fn prepare_steady(&mut self, operators: &Operators, at_rest: &Row, speed: f64, step: f64) {
+    pub fn prepare_steady(&mut self, operators: &LumpedOperators, at_rest: &Row, speed: f64, step: f64) {
         let Some(flash) = &operators.flash else { return };
         if self.steady && self.key.0[0] == speed && self.key.1 == step {
             return;
@@ -149,7 +149,7 @@ impl FlashStep {
 
     /// Makes the weights of the point 2/3, which only the error estimate needs.
     #[inline(always)]
-    pub fn prepare_middle(&mut self, operators: &Operators) {
+    pub fn prepare_middle(&mut self, operators: &LumpedOperators) {
         if let Some(flash) = &operators.flash
             && !self.has_middle
         {
@@ -306,7 +306,7 @@ impl FlashStep {
 
 #[cfg(test)]
 mod tests {
-    use super::super::operators::Operators;
+    use super::super::operators::LumpedOperators;
     use super::super::stage::weights;
     use super::*;
     use crate::scene::Scene;
@@ -314,7 +314,7 @@ mod tests {
 
     #[test]
     fn a_steady_speed_gives_the_weights_of_its_rates() {
-        let operators = Operators::new(&Scene::new(&STARTS, None).unwrap());
+        let operators = LumpedOperators::new(&Scene::new(&STARTS, None).unwrap());
         let flash = operators.flash.as_ref().unwrap();
         for step in [1e-5, 1e-3, 0.1, 20.0] {
             let at_rest = decays_at_rest(flash, step);
@@ -351,7 +351,7 @@ mod tests {
 
     #[test]
     fn a_changing_speed_is_followed_within_the_estimate() {
-        let operators = Operators::new(&Scene::new(&STARTS, None).unwrap());
+        let operators = LumpedOperators::new(&Scene::new(&STARTS, None).unwrap());
         let flash = operators.flash.as_ref().unwrap();
         for step in [1e-3, 0.01, 0.1] {
             let at_rest = decays_at_rest(flash, step);

@@ -4,15 +4,15 @@ mod advance;
 pub mod air;
 pub mod bristle;
 pub mod conditions;
+pub mod error_weights;
 mod estimate;
+mod fast_path;
 mod flash_step;
 pub mod four_fifths;
 pub mod interface;
 pub mod operators;
 pub mod outputs;
-mod fast_path;
 pub mod point;
-pub mod error_weights;
 pub mod stage;
 mod stage_body;
 mod stages;
@@ -25,14 +25,14 @@ use crate::coupled::{INPUTS, Inputs, StepFailure};
 use crate::scene::Scene;
 use conditions::{Conditions, Tunables};
 use flash_step::FlashStep;
-use operators::Operators;
+use operators::LumpedOperators;
 use point::{Frozen, Point};
 use pulp::Arch;
-use state::State;
+use state::LumpedState;
 use std::sync::Arc;
 use step::Propagators;
 
-/// Bits of [`State::limits`].
+/// Bits of [`LumpedState::limits`].
 pub mod limit {
     /// A wear limit is reached.
     pub const WEAR: u8 = 1;
@@ -98,10 +98,10 @@ pub fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure
 /// A scene at the lumped level.
 #[derive(Clone, Debug)]
 pub struct Lumped {
-    operators: Arc<Operators>,
+    operators: Arc<LumpedOperators>,
     friction: FrictionLaw,
     tunables: Tunables,
-    state: State,
+    state: LumpedState,
     frozen: Frozen,
     frozen_is_current: bool,
     /// Weights of recent step sizes; never part of the state, always rebuilt to the same bits.
@@ -118,9 +118,9 @@ pub struct Lumped {
 
 impl Lumped {
     /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
-    pub fn new(operators: Arc<Operators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
+    pub fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
         let ambient = tunables.ambient_temperature + Inputs::from_array(*inputs).ambient_temperature_offset;
-        let mut state = State::new(&operators, ambient);
+        let mut state = LumpedState::new(&operators, ambient);
         let mut friction = operators.friction.clone();
         friction.coefficient = tunables.friction_coefficient;
         let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &Inputs::from_array(*inputs)));
@@ -143,7 +143,7 @@ impl Lumped {
     }
 
     /// What the scene was made into.
-    pub fn operators(&self) -> &Arc<Operators> {
+    pub fn operators(&self) -> &Arc<LumpedOperators> {
         &self.operators
     }
 
@@ -153,7 +153,7 @@ impl Lumped {
     }
 
     /// Everything that changes.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &LumpedState {
         &self.state
     }
 
@@ -163,7 +163,7 @@ impl Lumped {
     }
 
     /// Replaces everything that changes.
-    pub fn set_state(&mut self, state: &State) {
+    pub fn set_state(&mut self, state: &LumpedState) {
         self.state.clone_from(state);
         self.frozen_is_current = false;
         self.forget_conditions();

@@ -90,7 +90,7 @@ impl FastPathBounds {
 
 /// See the module.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Operators {
+pub struct LumpedOperators {
     /// The scene it was built from.
     pub scene: Scene,
     pub punch: BodyOperators,
@@ -131,15 +131,15 @@ pub struct Operators {
     pub series_stiffness: f64,
 }
 
-impl Operators {
+impl LumpedOperators {
     /// Builds the lumped level of `scene`.
-    pub fn new(scene: &Scene) -> Operators {
+    pub fn new(scene: &Scene) -> LumpedOperators {
         Self::with_heat_of(scene, None)
     }
 
     /// The same with the reduced bodies, the moving source and the critical speed of `known`, whose scene has the same bodies, contact,
     /// nominal conditions and tolerance: wear, friction, holder and level may differ.
-    pub fn with_heat_of(scene: &Scene, known: Option<&Operators>) -> Operators {
+    pub fn with_heat_of(scene: &Scene, known: Option<&LumpedOperators>) -> LumpedOperators {
         let area = scene.contact_area() * scene.count;
         let (power_factor, effective_radius) = match scene.geometry {
             Geometry::Annular => {
@@ -178,7 +178,7 @@ impl Operators {
             if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
         let fades = !scene.friction_fade.flat;
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
-        let mut operators = Operators {
+        let mut operators = LumpedOperators {
             fast_path: false,
             unremarkable: FastPathBounds::new(scene),
             half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },

@@ -134,7 +134,8 @@ impl Lumped {
         };
         let kinetic = point.friction_coefficient * point.load * (faces * operators.power_factor);
         // At standstill the Stribeck factor is the static ratio.
-        let limit = point.kinetic_coefficient * point.load * (faces * operators.power_factor * scene.static_friction_ratio);
+        let limit =
+            point.kinetic_coefficient * point.load * (faces * operators.power_factor * scene.static_friction_ratio);
         let carries = if point.pressure.value() > 0.0 { 1.0 } else { 0.0 };
         let wearing = (point.wear_rate[0] + point.wear_rate[1]) * point.pressure * (operators.area * faces);
         let closed = state.punch.depth + self.strip_depth()

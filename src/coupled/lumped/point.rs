@@ -3,9 +3,9 @@
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
 use super::conditions::{Conditions, Tunables};
-use super::interface::{Side, HeatPartition, agree, apart, partition};
-use super::operators::{BodyOperators, Operators};
-use super::state::{BodyState, State};
+use super::interface::{HeatPartition, Side, agree, apart, partition};
+use super::operators::{BodyOperators, LumpedOperators};
+use super::state::{BodyState, LumpedState};
 use crate::contact::friction::FrictionLaw;
 use crate::coupled::scalar::Scalar;
 use crate::heat::STEFAN_BOLTZMANN;
@@ -45,7 +45,7 @@ impl FrozenBody {
 
 impl Frozen {
     /// Sums over `state`.
-    pub fn new(operators: &Operators, state: &State) -> Frozen {
+    pub fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
         let closed = if operators.series_stiffness > 0.0 {
             let rise = |body: &BodyOperators, state: &BodyState| match &body.heat {
                 Some(heat) => body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count),
@@ -169,9 +169,9 @@ fn raised<S: Scalar>(observation: &Observation, cooling: &[S; FACES]) -> S {
 
 /// Evaluates the contact with the states held.
 pub fn evaluate<S: Scalar>(
-    operators: &Operators,
+    operators: &LumpedOperators,
     friction: &FrictionLaw,
-    state: &State,
+    state: &LumpedState,
     frozen: &Frozen,
     tunables: &Tunables,
     conditions: &Conditions<S>,
@@ -216,8 +216,9 @@ pub fn evaluate<S: Scalar>(
         temperature = agree(friction, level, gain);
         flux = friction.kinetic_coefficient(temperature) * driver;
     }
-    let kinetic_at =
-        |temperature: S| friction.kinetic_coefficient(temperature) * conditions.stribeck * load * (faces * operators.power_factor);
+    let kinetic_at = |temperature: S| {
+        friction.kinetic_coefficient(temperature) * conditions.stribeck * load * (faces * operators.power_factor)
+    };
     // Sliding heats the contact, sticking does not: a bristle sticks where it is below the limit of its sliding.
     if let Some(bristle) = bristle
         && !bristle.force(state.bristle, conditions.velocity.value(), kinetic_at(temperature).value()).1
@@ -297,12 +298,12 @@ pub fn evaluate<S: Scalar>(
 }
 
 /// Temperature (K above the reference) at which fresh material arrives on a straight one-way path.
-pub fn strip_entry(operators: &Operators, state: &State) -> f64 {
+pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
     let initial = operators.strip.initial_temperature;
     if operators.strip_remembers || initial == 0.0 { 0.0 } else { initial - state.reference }
 }
 
-impl Operators {
+impl LumpedOperators {
     /// The bristle, if the scene has one.
     pub fn bristle(&self) -> Option<Bristle> {
         (self.scene.stick_stiffness > 0.0)

@@ -8,7 +8,7 @@ use super::interface::agree;
 use super::operators::BodyOperators;
 use super::stage::{BASIS, QUADRATURE};
 use super::stage_body::StageBody;
-use super::state::{BodyState, State};
+use super::state::{BodyState, LumpedState};
 use super::step::Stepper;
 use crate::numerics::maximum::maximum;
 
@@ -42,7 +42,7 @@ pub struct Stages {
 impl Stages {
     pub fn new(
         stepper: &Stepper,
-        state: &State,
+        state: &LumpedState,
         conditions: &[Conditions; 4],
         punch: &StageBody,
         strip: &StageBody,
@@ -86,7 +86,7 @@ impl Stages {
     }
 
     /// Contact load behind a caliper: wear relaxes it, expansion raises it.
-    pub fn loads(&mut self, stepper: &Stepper, state: &State, punch: &StageBody, strip: &StageBody) {
+    pub fn loads(&mut self, stepper: &Stepper, state: &LumpedState, punch: &StageBody, strip: &StageBody) {
         let operators = stepper.operators;
         if operators.series_stiffness == 0.0 {
             return;
@@ -141,7 +141,8 @@ impl Stages {
         } else {
             let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
             // The temperature is affine in the heats: columns of its gain, then one agreement per stage in turn.
-            let columns = [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.partition.temperatures(&self.partition.fluxes(unit)));
+            let columns =
+                [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.partition.temperatures(&self.partition.fluxes(unit)));
             for _ in 0..60 {
                 let old = self.heat;
                 for stage in 0..2 {
@@ -164,7 +165,8 @@ impl Stages {
         strip.flux[0] = fluxes.map(|flux| flux.1);
         let fades = !stepper.friction.fade.flat;
         if self.bristle.is_some() && fades {
-            self.kinetic_coefficient = self.temperature.map(|rise| stepper.friction.kinetic_coefficient(rise + self.reference));
+            self.kinetic_coefficient =
+                self.temperature.map(|rise| stepper.friction.kinetic_coefficient(rise + self.reference));
         }
         let caliper = stepper.operators.series_stiffness > 0.0;
         if caliper {
@@ -184,8 +186,9 @@ impl Stages {
     fn slide_bristle(&mut self, stepper: &Stepper) {
         let Some(bristle) = self.bristle else { return };
         let (operators, step) = (stepper.operators, stepper.propagators.step);
-        let limits =
-            [0, 1].map(|stage| self.limit(stepper, self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage]));
+        let limits = [0, 1].map(|stage| {
+            self.limit(stepper, self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage])
+        });
         let limit = Line::through_stages(limits, step);
         self.moved = bristle.advance(self.deflection_at_start, self.velocity, limit, step);
         let flux = 1.0 / (operators.scene.faces * operators.area);
@@ -249,7 +252,7 @@ impl Stages {
     /// Upper bound of [`Stages::error`] that needs no third point: at constant conditions the fluxes relax, and
     /// a relaxing flux is nowhere further from its line through both stages than half their difference.
     /// Infinite where that does not hold.
-    pub fn bound(&self, stepper: &Stepper, state: &State, constant: bool, punch: &StageBody) -> f64 {
+    pub fn bound(&self, stepper: &Stepper, state: &LumpedState, constant: bool, punch: &StageBody) -> f64 {
         let operators = stepper.operators;
         if !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature {
             return f64::INFINITY;
@@ -274,7 +277,7 @@ impl Stages {
     }
 
     /// Flux that errors are measured against, W/m2.
-    fn flux_scale(&self, stepper: &Stepper, state: &State, punch: &StageBody) -> f64 {
+    fn flux_scale(&self, stepper: &Stepper, state: &LumpedState, punch: &StageBody) -> f64 {
         let heat = maximum(self.heat[0].abs(), self.heat[1].abs());
         let exchanged = 0.1 * maximum(punch.flux[0][0].abs(), punch.flux[0][1].abs());
         maximum(heat, exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
@@ -284,7 +287,7 @@ impl Stages {
     pub fn error(
         &self,
         stepper: &Stepper,
-        state: &State,
+        state: &LumpedState,
         conditions: &[Conditions; 4],
         punch: &StageBody,
         strip: &StageBody,
@@ -324,9 +327,12 @@ impl Stages {
         }
         let kinetic_coefficient = stepper.friction.kinetic_coefficient(temperature + self.reference);
         if self.bristle.is_some() {
-            let limit = |kinetic_coefficient: f64, stribeck: f64, pressure: f64| self.limit(stepper, kinetic_coefficient, stribeck, pressure);
-            let straight =
-                between([0, 1].map(|stage| limit(self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage])));
+            let limit = |kinetic_coefficient: f64, stribeck: f64, pressure: f64| {
+                self.limit(stepper, kinetic_coefficient, stribeck, pressure)
+            };
+            let straight = between(
+                [0, 1].map(|stage| limit(self.kinetic_coefficient[stage], self.stribeck[stage], self.pressure[stage])),
+            );
             let excess = (limit(kinetic_coefficient, middle.stribeck, pressure) - straight) * self.moved.speed[1];
             let power = self.moved.power;
             let bent = power[1] + excess - between([power[0], power[2]]);
@@ -378,8 +384,12 @@ impl Stages {
         }
         let rate = |index: usize, pressure: f64, stages: [f64; 2]| {
             let between = |values: [f64; 2]| stages[0] * values[0] + stages[1] * values[1];
-            body.wear.rate(pressure, speeds[index], between(self.kinetic_coefficient), between(self.temperature) + self.reference)
-                * (body.wear_factor * stepper.tunables.wear_acceleration)
+            body.wear.rate(
+                pressure,
+                speeds[index],
+                between(self.kinetic_coefficient),
+                between(self.temperature) + self.reference,
+            ) * (body.wear_factor * stepper.tunables.wear_acceleration)
         };
         let caliper = operators.series_stiffness > 0.0;
         let pressure = |index: usize, stages: [f64; 2]| {

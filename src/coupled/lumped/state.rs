@@ -1,6 +1,6 @@
 //! What changes at the lumped level; everything a saved state needs.
 
-use super::operators::Operators;
+use super::operators::LumpedOperators;
 use crate::heat::flash::MAX_FLASH_STATES;
 use crate::heat::reduced::MAX_STATES;
 use crate::numerics::maximum::all_finite;
@@ -21,7 +21,7 @@ pub struct BodyState {
 
 /// See the module.
 #[derive(Clone, PartialEq, Debug)]
-pub struct State {
+pub struct LumpedState {
     pub punch: BodyState,
     pub strip: BodyState,
     /// States of the moving source, K.
@@ -68,7 +68,7 @@ pub struct NewHeat {
     pub received: [f64; 4],
 }
 
-/// What a step makes of a [`State`], before it is accepted.
+/// What a step makes of a [`LumpedState`], before it is accepted.
 pub struct NewState {
     pub punch: NewHeat,
     pub strip: NewHeat,
@@ -100,7 +100,7 @@ impl NewState {
 
     /// Carries `state` over.
     #[inline(always)]
-    pub fn commit(self, operators: &Operators, state: &mut State) {
+    pub fn commit(self, operators: &LumpedOperators, state: &mut LumpedState) {
         (state.punch.heat, state.punch.received) = (self.punch.heat, self.punch.received);
         (state.strip.heat, state.strip.received) = (self.strip.heat, self.strip.received);
         state.flash = self.flash;
@@ -110,9 +110,9 @@ impl NewState {
     }
 }
 
-impl State {
+impl LumpedState {
     /// At initialisation: bodies at their initial temperatures, nothing worn. `ambient` in K.
-    pub fn new(operators: &Operators, ambient: f64) -> State {
+    pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
         let start = |body: &super::operators::BodyOperators| {
             let mut state = BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
@@ -132,12 +132,12 @@ impl State {
         let track = operators
             .tracked
             .then(|| Track::new(0.5 * operators.scene.sliding_extent(), operators.scene.nominal_stroke));
-        State { punch, strip, track, reference, ..State::empty() }
+        LumpedState { punch, strip, track, reference, ..LumpedState::empty() }
     }
 
     /// All zero, no track.
-    pub fn empty() -> State {
-        State {
+    pub fn empty() -> LumpedState {
+        LumpedState {
             punch: BodyState::EMPTY,
             strip: BodyState::EMPTY,
             flash: [0.0; MAX_FLASH_STATES],
@@ -164,7 +164,7 @@ impl State {
 
     /// Takes the depths `worn` (m; punch, strip) off under a contact that moves on by `travel` (m).
     #[inline]
-    pub fn wear(&mut self, operators: &Operators, worn: [f64; 2], travel: f64) {
+    pub fn wear(&mut self, operators: &LumpedOperators, worn: [f64; 2], travel: f64) {
         self.punch.worn += worn[0];
         self.punch.depth += worn[0];
         self.strip.worn += worn[1];
@@ -177,7 +177,7 @@ impl State {
     }
 
     /// Whether the state can belong to `operators`.
-    pub fn fits(&self, operators: &Operators) -> bool {
+    pub fn fits(&self, operators: &LumpedOperators) -> bool {
         let within = |heat: &[f64], body: &super::operators::BodyOperators| {
             let count = body.heat.as_ref().map_or(0, |heat| heat.count);
             heat[count..].iter().all(|value| *value == 0.0)

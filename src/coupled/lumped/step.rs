@@ -9,12 +9,12 @@
 use super::air::Air;
 use super::conditions::{Conditions, Tunables};
 use super::flash_step::{FlashStep, decays_at_rest};
-use super::operators::{BodyOperators, Operators};
+use super::operators::{BodyOperators, LumpedOperators};
 use super::point::strip_entry;
 use super::stage::{Propagator, QUADRATURE};
 use super::stage_body::StageBody;
 use super::stages::Stages;
-use super::state::{NewState, State};
+use super::state::{LumpedState, NewState};
 use crate::contact::friction::FrictionLaw;
 use crate::heat::flash::MAX_FLASH_STATES;
 use crate::numerics::maximum::{all_finite, maximum};
@@ -32,7 +32,7 @@ pub struct Propagators {
 
 impl Propagators {
     /// Weights for the step `step` (s).
-    pub fn new(operators: &Operators, step: f64) -> Propagators {
+    pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
         let of = |body: &BodyOperators| {
             let cools = body.air.each_ref().map(Air::acts);
             body.heat.as_ref().map(|heat| Propagator::new(heat, step, cools))
@@ -52,7 +52,7 @@ pub struct Attempt {
 
 /// Everything a step needs that does not change during it.
 pub struct Stepper<'a> {
-    pub operators: &'a Operators,
+    pub operators: &'a LumpedOperators,
     pub friction: &'a FrictionLaw,
     pub tunables: &'a Tunables,
     pub propagators: &'a Propagators,
@@ -74,7 +74,7 @@ impl Stepper<'_> {
     /// Tries the step from `state`; `conditions` at the start and at the three points,
     /// all the same where `constant`. On success
     /// (error at most 1) `state` is carried over, otherwise it is left as it was.
-    pub fn attempt(&mut self, state: &mut State, conditions: &[Conditions; 4], constant: bool) -> Attempt {
+    pub fn attempt(&mut self, state: &mut LumpedState, conditions: &[Conditions; 4], constant: bool) -> Attempt {
         let operators = self.operators;
         let scene = &operators.scene;
         let step = self.propagators.step;
@@ -160,7 +160,11 @@ impl Stepper<'_> {
             distance: state.distance + if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() },
             worn: [step * mean(stages.rates[0]), step * mean(stages.rates[1])],
             end_temperature: stages.temperature[1],
-            end_force: stages.kinetic_coefficient[1] * last.stribeck * last.sign * stages.pressure[1] * operators.per_pressure,
+            end_force: stages.kinetic_coefficient[1]
+                * last.stribeck
+                * last.sign
+                * stages.pressure[1]
+                * operators.per_pressure,
         };
         if !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far]) {
             return Attempt { error: f64::INFINITY, hottest };

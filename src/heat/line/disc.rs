@@ -19,7 +19,7 @@
 //! while it is not, and the mean of that over the contact is the mean over the circle.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
-use super::{Account, CooledAhead, FACES, GAMMA, SurfaceInfluence, ThermalBody, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use std::sync::Arc;
@@ -255,7 +255,14 @@ impl ThermalBody for DiscHeat {
         }
     }
 
-    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        temperature: &mut [f64],
+    ) {
         let (ring, source) = self.split(state);
         self.ring.temperature_at_frozen_state(ring, surroundings, flux, velocity, temperature);
         Self::add(temperature, source.iter().copied());
@@ -360,7 +367,13 @@ mod tests {
             let mut state = vec![0.0; disc.states()];
             let all = step(&mut disc, &mut state, 1e7, [velocity; 2], &flux);
             let mut ring = vec![0.0; 5];
-            disc.ring.temperature_at_frozen_state(disc.split(&state).0, &Surroundings::default(), &flux, velocity, &mut ring);
+            disc.ring.temperature_at_frozen_state(
+                disc.split(&state).0,
+                &Surroundings::default(),
+                &flux,
+                velocity,
+                &mut ring,
+            );
             let mut held = vec![0.0; 5];
             disc.temperature_at_frozen_state(&state, &Surroundings::default(), &flux, velocity, &mut held);
             for i in 0..5 {

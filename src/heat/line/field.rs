@@ -22,14 +22,14 @@
 
 mod operators;
 
-use super::{Account, CooledAhead, FACES, GAMMA, SurfaceInfluence, ThermalBody, Stage, Surroundings};
+use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::elastic::Cells;
 use crate::elastic::block::{
     Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
 };
 use crate::scene::{Scene, ThermalBoundary};
 use faer::Mat;
-use operators::{Operators, Prepared, FieldWorkspace, TALLIES, dot, extrapolate};
+use operators::{FieldOperators, FieldWorkspace, Prepared, TALLIES, dot, extrapolate};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ const MESH_TOLERANCE: f64 = 1e-4;
 /// The unreduced punch.
 #[derive(Debug)]
 pub struct FieldHeat {
-    operators: Arc<Operators>,
+    operators: Arc<FieldOperators>,
     kept: Vec<Prepared>,
     current: usize,
     clock: u64,
@@ -91,7 +91,7 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
     } else {
         None
     };
-    let operators = Operators {
+    let operators = FieldOperators {
         widths: cells.widths().to_vec(),
         cells: block.cell_integrals(boundaries)?,
         unresolved: block.unresolved_response(boundaries)?,
@@ -142,7 +142,7 @@ impl FieldHeat {
         &self,
         state: &[f64],
         surroundings: &Surroundings,
-        observe: impl FnOnce(&Operators, &[f64], f64) -> T,
+        observe: impl FnOnce(&FieldOperators, &[f64], f64) -> T,
     ) -> T {
         let operators = &*self.operators;
         let origin = operators.origin(surroundings);
@@ -234,7 +234,14 @@ impl ThermalBody for FieldHeat {
         tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest + through_top;
     }
 
-    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        temperature: &mut [f64],
+    ) {
         self.of_state(state, surroundings, |operators, field, origin| {
             operators.means(field, temperature);
             for (i, mean) in temperature.iter_mut().enumerate() {
@@ -256,7 +263,7 @@ impl ThermalBody for FieldHeat {
 
     fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; FACES] {
         let mean =
-            |operators: &Operators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
+            |operators: &FieldOperators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
         self.of_state(state, surroundings, mean)
     }
 

@@ -229,7 +229,14 @@ pub trait ThermalBody: Debug + Send {
 
     /// Temperature (K above the reference) of the N cells with the state held and the flux `flux` into the cells, which
     /// acts at the sliding velocity `velocity` (m/s) through what answers at once only.
-    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]);
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        temperature: &mut [f64],
+    );
 
     /// Distortion of the N cells with the state held, m into the body; arguments as in [`ThermalBody::temperature_at_frozen_state`].
     fn distortion_at_frozen_state(

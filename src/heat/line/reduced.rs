@@ -16,7 +16,7 @@ mod weights;
 
 pub(super) use weights::{first_moment, mean_decay};
 
-use super::{Account, CooledAhead, FACES, GAMMA, SurfaceInfluence, ThermalBody, Stage, Surroundings, cache_capacity};
+use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity};
 use crate::contact::dense;
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
@@ -70,7 +70,7 @@ pub(super) struct ModeStates {
 
 /// What a reduced body is made of. Vectors by state unless said.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Operators {
+pub(super) struct ReducedOperators {
     /// Widths of the N cells, m.
     pub widths: Vec<f64>,
     pub modes: Vec<ModeStates>,
@@ -96,7 +96,7 @@ pub(super) struct Operators {
     pub ambient_flow: Observation,
     /// Heat flow out of the far face, all that passes it, W/m.
     pub far_flow: Observation,
-    /// Of ambient and far flow, see `Operators::passed`.
+    /// Of ambient and far flow, see `ReducedOperators::passed`.
     pub passed: [Observation; 2],
     /// Heat flow that enters through the cooled surface per unit of `cooling`, m.
     pub cooled_length: f64,
@@ -119,7 +119,7 @@ pub(super) struct Operators {
 /// A reduced body with the weights of its last steps.
 #[derive(Clone, Debug)]
 pub struct ReducedHeat {
-    operators: Arc<Operators>,
+    operators: Arc<ReducedOperators>,
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
     kept: Vec<Weights>,
@@ -130,7 +130,7 @@ pub struct ReducedHeat {
 }
 
 impl ReducedHeat {
-    pub(super) fn new(mut operators: Operators) -> Self {
+    pub(super) fn new(mut operators: ReducedOperators) -> Self {
         let sorted = modes::sort(&mut operators);
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
@@ -223,7 +223,7 @@ enum Tally {
 
 const TALLIES: usize = 4;
 
-impl Operators {
+impl ReducedOperators {
     fn states(&self) -> usize {
         self.rate.len()
     }
@@ -323,7 +323,14 @@ impl ThermalBody for ReducedHeat {
         tallies[Tally::FarTemperature as usize] = surroundings.far;
     }
 
-    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], _velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        temperature: &mut [f64],
+    ) {
         let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
         scratch.values.copy_from_slice(&state[..operators.states()]);
         self.observe(scratch, &surroundings.ports(), Some(temperature), None);

@@ -26,17 +26,17 @@ mod amplitudes;
 mod answer;
 mod blocks;
 mod depth;
-mod robin_correction;
+mod error_sweep;
 mod kept;
-mod nodes;
-mod state_layout;
 mod moving_kernel;
+mod nodes;
 mod operators;
 mod passive;
 mod propagate;
-mod static_correction;
-mod error_sweep;
+mod robin_correction;
 mod scratch;
+mod state_layout;
+mod static_correction;
 mod steady;
 mod step;
 #[cfg(test)]
@@ -46,15 +46,15 @@ mod waves;
 
 pub(crate) use depth::dilatation;
 pub use depth::{Depth, Expansion};
-pub use operators::{Path, Resolution, StripProperties};
+pub use operators::{Resolution, SlidingPath, StripProperties};
 
-use super::{Account, BESIDE, CooledAhead, FACES, SurfaceInfluence, ThermalBody, Stage, Surroundings};
+use super::{Account, BESIDE, CooledAhead, FACES, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::contact::dense;
 use crate::elastic::{Cells, OutOfRange};
 use crate::heat::reduced::{MAX_STATES, Observation, Port};
-use robin_correction::RANK;
 use kept::Kept;
-use operators::Operators;
+use operators::StripOperators;
+use robin_correction::RANK;
 use scratch::Scratch;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -74,7 +74,7 @@ const TAIL: usize = 4;
 /// A conducting strip as the cells of the contact see it.
 #[derive(Debug)]
 pub struct StripHeat {
-    operators: Arc<Operators>,
+    operators: Arc<StripOperators>,
     step: Step,
     scratch: RefCell<Scratch>,
 }
@@ -96,7 +96,7 @@ impl StripHeat {
     /// # Errors
     /// A property outside its range, named with its limit.
     pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Self, OutOfRange> {
-        let operators = Operators::new(properties, cells, resolution)?;
+        let operators = StripOperators::new(properties, cells, resolution)?;
         let (step, scratch) = (Step::new(&operators), Scratch::new(&operators));
         Ok(StripHeat { operators: Arc::new(operators), step, scratch: RefCell::new(scratch) })
     }
@@ -359,7 +359,14 @@ impl ThermalBody for StripHeat {
         self.advance_by(&mut self.scratch.borrow_mut(), [re, im], after, surroundings, [first, end]);
     }
 
-    fn temperature_at_frozen_state(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64], velocity: f64, temperature: &mut [f64]) {
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        temperature: &mut [f64],
+    ) {
         let operators = &*self.operators;
         let scratch = &mut *self.scratch.borrow_mut();
         self.held_amplitudes(scratch, state, false);

@@ -3,7 +3,7 @@
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::coupled::line::cycle::map::sliding_scene;
 use crate::coupled::line::cycle::{CycleError, CycleMap, Passage, Resolution, SolveOptions};
-use crate::coupled::line::operators::Operators;
+use crate::coupled::line::operators::LineOperators;
 use crate::elastic::Cells;
 use crate::scene::{InitialShape, Scene};
 use crate::steady::SteadyError;
@@ -26,7 +26,7 @@ pub fn nominal_half_strokes(scene: &Scene) -> [(f64, f64); 2] {
 /// # Errors
 /// What the bodies or the cycle refuse.
 pub fn cycle_map(scene: &Scene, sliding: [(f64, f64); 2], resolution: Resolution) -> Result<CycleMap, SteadyError> {
-    let operators = Operators::with_heat(&sliding_scene(scene), true).map_err(SteadyError::Heat)?;
+    let operators = LineOperators::with_heat(&sliding_scene(scene), true).map_err(SteadyError::Heat)?;
     Ok(CycleMap::new(operators, sliding, resolution)?)
 }
 

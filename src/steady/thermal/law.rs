@@ -140,8 +140,8 @@ fn root_mean_square(cells: &Cells, part: f64, values: impl Fn(usize) -> f64) -> 
 
 fn cold_state(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<SteadyState, SteadyError> {
     match Sliding::nominal(scene) {
-        sliding @ Sliding::ToAndFro { .. } => steady_state(scene, cells, compliances, &sliding),
-        Sliding::OneWay { .. } => {
+        sliding @ Sliding::Reciprocating { .. } => steady_state(scene, cells, compliances, &sliding),
+        Sliding::Unidirectional { .. } => {
             Err(SteadyError::Heat("the law is one of to-and-fro sliding: nominal.stroke = 0 m".into()))
         }
     }

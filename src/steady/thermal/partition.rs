@@ -150,7 +150,9 @@ mod tests {
                     assert_eq!(q1[i], 0.0);
                     continue;
                 }
-                let rise = |influence: &SurfaceInfluence, q: &[f64]| (0..count).map(|j| influence.temperature[(i, j)] * q[j]).sum::<f64>();
+                let rise = |influence: &SurfaceInfluence, q: &[f64]| {
+                    (0..count).map(|j| influence.temperature[(i, j)] * q[j]).sum::<f64>()
+                };
                 let jump = base[0][i] + rise(&punch, &q1) - base[1][i] - rise(&strip, &q2);
                 let residual =
                     if conductance > 0.0 { jump - 0.5 * (q2[i] - q1[i]) / conductance } else { q2[i] - q1[i] };

@@ -7,7 +7,7 @@ use super::Application;
 use crate::component::Component;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
-use crate::coupled::model::{Model, Operators};
+use crate::coupled::model::{Model, ModelOperators};
 use crate::plan::cost;
 use crate::scene::{Scene, value};
 use crate::variables::{COUNT, reference};
@@ -124,18 +124,18 @@ pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Resul
     run.seconds[1] = processor_seconds() - begin;
     if let Some(operators) = component.operators() {
         let begin = processor_seconds();
-        Operators::new(operators.scene())?;
+        ModelOperators::new(operators.scene())?;
         run.building = processor_seconds() - begin;
         run.level = level(&operators);
     }
     Ok(run)
 }
 
-fn level(operators: &Operators) -> String {
+fn level(operators: &ModelOperators) -> String {
     match operators {
-        Operators::Lumped(_) => "lumped".into(),
-        Operators::Line(line) if line.heat.is_none() => format!("line {}, mean heat", line.count()),
-        Operators::Line(line) => format!("line {}", line.count()),
+        ModelOperators::Lumped(_) => "lumped".into(),
+        ModelOperators::Line(line) if line.heat.is_none() => format!("line {}, mean heat", line.count()),
+        ModelOperators::Line(line) => format!("line {}", line.count()),
     }
 }
 
@@ -146,7 +146,7 @@ fn level(operators: &Operators) -> String {
 pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Result<Run, String> {
     let scene =
         Scene::new(&Setting::Line(cells).apply(&application.starts, tolerance), None).map_err(|broken| broken.0)?;
-    let operators = Operators::new(&scene)?;
+    let operators = ModelOperators::new(&scene)?;
     let ambient = scene.ambient_temperature;
     let tunables = Tunables {
         friction_coefficient: scene.friction_coefficient,

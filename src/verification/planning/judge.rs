@@ -145,7 +145,9 @@ pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Jud
             model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
         }
     }
-    let fixed = model_levels.into_iter().filter_map(|model_level| Some(outcome(model_level, &run(generated, &model_level.apply(&scene)).ok()?)));
+    let fixed = model_levels
+        .into_iter()
+        .filter_map(|model_level| Some(outcome(model_level, &run(generated, &model_level.apply(&scene)).ok()?)));
     Ok(Judged {
         tolerance,
         chosen,

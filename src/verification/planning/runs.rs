@@ -3,7 +3,7 @@
 use super::scenes::Generated;
 use crate::coupled::INPUTS;
 use crate::coupled::lumped::conditions::Tunables;
-use crate::coupled::model::{Model, Operators};
+use crate::coupled::model::{Model, ModelOperators};
 use crate::plan::cost;
 use crate::scene::{Scene, value};
 use crate::variables::COUNT;
@@ -29,7 +29,7 @@ pub struct Record {
 /// What the set-up or a step refuses.
 pub fn run(generated: &Generated, scene: &Scene) -> Result<Record, String> {
     let begin = processor_seconds();
-    let operators = Operators::new(scene)?;
+    let operators = ModelOperators::new(scene)?;
     let setup = processor_seconds() - begin;
     let mut record = run_with(generated, &operators)?;
     record.seconds[1] += setup;
@@ -40,7 +40,7 @@ pub fn run(generated: &Generated, scene: &Scene) -> Result<Record, String> {
 ///
 /// # Errors
 /// What a step refuses.
-pub fn run_with(generated: &Generated, operators: &Operators) -> Result<Record, String> {
+pub fn run_with(generated: &Generated, operators: &ModelOperators) -> Result<Record, String> {
     let begin = processor_seconds();
     let scene = operators.scene();
     let tunables = Tunables {

@@ -61,14 +61,14 @@ pub enum Group {
     /// Pad on a brake disc.
     Disc,
     /// Block sliding one way over fresh material.
-    OneWay,
+    Unidirectional,
     /// Facing of a clutch.
     Annular,
 }
 
 impl Group {
     /// All groups.
-    pub const ALL: [Group; 5] = [Group::Pin, Group::Reciprocating, Group::Disc, Group::OneWay, Group::Annular];
+    pub const ALL: [Group; 5] = [Group::Pin, Group::Reciprocating, Group::Disc, Group::Unidirectional, Group::Annular];
 
     /// Its name in tables.
     pub fn name(self) -> &'static str {
@@ -76,7 +76,7 @@ impl Group {
             Group::Pin => "pin",
             Group::Reciprocating => "reciprocating",
             Group::Disc => "disc",
-            Group::OneWay => "one-way",
+            Group::Unidirectional => "one-way",
             Group::Annular => "annular",
         }
     }
@@ -216,7 +216,7 @@ fn frame(group: Group, random: &mut Random, draft: &mut Draft) -> Frame {
             let pressure = random.scaled(0.2e6, 2e6);
             Frame { punch, strip: IRON, width, depth: 0.05, pressure, velocity, duration, stroke: 0.0 }
         }
-        Group::OneWay => {
+        Group::Unidirectional => {
             let (punch, strip) = random.one_of(&hard);
             let width = random.scaled(3e-3, 4e-2);
             // At least some widths, so that the strip's steady heating is met.
@@ -253,7 +253,7 @@ fn bodies(group: Group, frame: &Frame, random: &mut Random, draft: &mut Draft) {
     draft.set("punch.width", width);
     draft.set("depth", frame.depth);
     draft.set("contact.faces", 1.0);
-    let straight = matches!(group, Group::Reciprocating | Group::OneWay);
+    let straight = matches!(group, Group::Reciprocating | Group::Unidirectional);
     draft.set("strip.path", if straight { STRAIGHT } else { CLOSED });
     let (radius, punch_height, strip_height) = match group {
         Group::Pin => {
@@ -288,7 +288,7 @@ fn heat(group: Group, frame: &mut Frame, random: &mut Random, draft: &mut Draft)
     let friction = random.between(0.1, 0.6);
     draft.set("contact.friction_coefficient", friction);
     draft.set("contact.conductance", random.scaled(5e3, 2e5));
-    let straight = matches!(group, Group::Reciprocating | Group::OneWay);
+    let straight = matches!(group, Group::Reciprocating | Group::Unidirectional);
     draft.set("punch.top_thermal", random.one_of(&[1.0, 2.0, 3.0]));
     draft.set("strip.base_thermal", if straight { 1.0 } else { random.one_of(&[1.0, 2.0, 3.0]) });
     draft.set("punch.convection", random.scaled(5.0, 50.0));
@@ -304,7 +304,7 @@ fn heat(group: Group, frame: &mut Frame, random: &mut Random, draft: &mut Draft)
         _ => 1.0,
     };
     let flux = friction * frame.pressure * frame.velocity;
-    let time = if group == Group::OneWay { frame.width / frame.velocity } else { frame.duration };
+    let time = if group == Group::Unidirectional { frame.width / frame.velocity } else { frame.duration };
     let diffused = flux * time.sqrt() / (effusivity(&frame.punch) + effusivity(&frame.strip) / cover.min(1.0));
     // What the height holds bounds what diffuses in.
     let stored = frame.strip[2] * frame.strip[3] * draft.get("strip.height") / cover;
@@ -317,7 +317,7 @@ fn heat(group: Group, frame: &mut Frame, random: &mut Random, draft: &mut Draft)
     // The same path in less time: the rise grows with the speed, and falls with the square root of the duration.
     let faster = if missing > 1.0 { missing.powi(2).min(100.0) } else { 1.0 };
     frame.velocity *= faster;
-    frame.duration /= if group == Group::OneWay || group == Group::Reciprocating { faster } else { 1.0 };
+    frame.duration /= if group == Group::Unidirectional || group == Group::Reciprocating { faster } else { 1.0 };
     let rise = rise * faster.sqrt();
     let around = draft.get("depth") * frame.width * draft.get("punch.count");
     draft.set("nominal.load", pressure * around);
@@ -373,7 +373,7 @@ fn laws(_frame: &Frame, rise: f64, random: &mut Random, draft: &mut Draft) {
 }
 
 fn holder(group: Group, frame: &Frame, random: &mut Random, draft: &mut Draft) {
-    if matches!(group, Group::Pin | Group::Reciprocating | Group::OneWay | Group::Disc) && random.chance(0.3) {
+    if matches!(group, Group::Pin | Group::Reciprocating | Group::Unidirectional | Group::Disc) && random.chance(0.3) {
         draft.set("holder.constraint", 2.0);
         let lever = random.between(0.02, 0.35) * 0.5 * frame.width;
         draft.set("holder.pivot_height", lever / draft.get("contact.friction_coefficient"));

@@ -9,8 +9,8 @@
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::elastic::Cells;
-use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 use crate::heat::slab::Base;
 use crate::verification::path_modes::{PathModes, crank_nicolson, exact};
 use crate::verification::reference::{ClosedPath, LayerBase};
@@ -49,7 +49,7 @@ pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, Stri
         capacity: path.conductivity / path.diffusivity,
         convection: 0.0,
         base: Base::Held,
-        path: Path::Closed(path.length),
+        path: SlidingPath::Closed(path.length),
         expansion: None,
         lateral: None,
     };

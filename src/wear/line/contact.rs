@@ -2,7 +2,9 @@
 
 use super::rate::{CellRate, LocalState};
 use super::status::Status;
-use crate::contact::{ContactError, ContactProblem, ContactSolver, ContactState, Normal, LowRankUpdate, Tilt, WorkCounter};
+use crate::contact::{
+    ContactError, ContactProblem, ContactSolver, ContactState, LowRankUpdate, Normal, Tilt, WorkCounter,
+};
 use crate::elastic::Cells;
 use nalgebra::DMatrix;
 use std::fmt;

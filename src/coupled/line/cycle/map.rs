@@ -5,11 +5,11 @@ use super::tangent::Tangent;
 use crate::coupled::line::Line;
 #[cfg(doc)]
 use crate::coupled::line::hottest::Hottest;
-use crate::coupled::line::operators::{Operators, StripWear};
+use crate::coupled::line::operators::{LineOperators, StripWear};
 use crate::coupled::lumped::conditions::Tunables;
 use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::STEFAN_BOLTZMANN;
-use crate::heat::line::{GAMMA, ThermalBody, Surroundings};
+use crate::heat::line::{GAMMA, Surroundings, ThermalBody};
 use crate::scene::{Body, Scene, Scheme, ThermalBoundary};
 use std::fmt;
 use std::sync::Arc;
@@ -215,7 +215,7 @@ impl CycleMap {
     /// A strip that wears on a straight track, whose shape is not one of the cells; friction or wear that follow a
     /// temperature which the contact line does not carry.
     pub fn new(
-        mut operators: Operators,
+        mut operators: LineOperators,
         sliding: [(f64, f64); 2],
         resolution: Resolution,
     ) -> Result<CycleMap, CycleError> {
@@ -268,7 +268,7 @@ impl CycleMap {
     }
 
     /// Operators of the contact line.
-    pub fn operators(&self) -> &Operators {
+    pub fn operators(&self) -> &LineOperators {
         self.line.operators()
     }
 
@@ -495,7 +495,7 @@ impl Watch {
         }
     }
 
-    fn see(&mut self, temperature: &[Vec<f64>; 2], operators: &Operators, step: f64) {
+    fn see(&mut self, temperature: &[Vec<f64>; 2], operators: &LineOperators, step: f64) {
         let widths = operators.cells.widths();
         let highest = operators.hottest.of(temperature);
         if highest > self.highest || highest.is_nan() {

@@ -14,7 +14,7 @@
 
 use super::map::{CycleError, CycleMap, Passage};
 use super::solve::{Equation, Newton, Solution, SolveOptions};
-use crate::coupled::line::state::State;
+use crate::coupled::line::state::LineState;
 use crate::numerics::maximum::maximum;
 use crate::steady::krylov::gmres;
 
@@ -40,7 +40,7 @@ const ASTRAY: f64 = 1e4;
 struct Iterate {
     memory: Vec<f64>,
     /// State of the contact line from which the cycle starts: what it remembers besides decides where its iterations begin.
-    before: State,
+    before: LineState,
 }
 
 impl CycleMap {
@@ -165,7 +165,7 @@ impl CycleMap {
         }
     }
 
-    fn pass_from(&mut self, before: &State, memory: &[f64]) -> Result<Passage, CycleError> {
+    fn pass_from(&mut self, before: &LineState, memory: &[f64]) -> Result<Passage, CycleError> {
         self.line.state.clone_from(before);
         self.pass(memory)
     }

@@ -133,7 +133,8 @@ impl Line {
             false => weighted(&heat.kinetic_coefficient, &self.work.end.pressure, &operators.torque_weights),
         };
         state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
-        let fade = if self.friction.coefficient > 0.0 { state.kinetic_coefficient / self.friction.coefficient } else { 1.0 };
+        let fade =
+            if self.friction.coefficient > 0.0 { state.kinetic_coefficient / self.friction.coefficient } else { 1.0 };
         if (fade / state.reference.fade - 1.0).abs() > ZONE {
             state.reference.fade = fade;
         }

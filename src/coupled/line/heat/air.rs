@@ -29,7 +29,8 @@ pub fn balance(
         }
         let [[a, b], [c, d]] = matrix;
         let determinant = a * d - b * c;
-        let change = [(residual[0] * d - b * residual[1]) / determinant, (a * residual[1] - c * residual[0]) / determinant];
+        let change =
+            [(residual[0] * d - b * residual[1]) / determinant, (a * residual[1] - c * residual[0]) / determinant];
         flux.iter_mut().zip(change).for_each(|(flux, change)| *flux += change);
         if change.iter().zip(&flux).all(|(change, flux)| change.abs() <= AGREEMENT * flux.abs()) {
             break;

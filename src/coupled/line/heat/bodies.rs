@@ -1,13 +1,13 @@
 //! The conducting bodies of a scene, and whether the contact line carries their heat.
 
-use crate::coupled::lumped::operators::moving_source;
 use crate::coupled::lumped::error_weights::{ErrorWeight, error_weights};
+use crate::coupled::lumped::operators::moving_source;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{self, Cells, Material};
 use crate::heat::lateral::Lateral;
 use crate::heat::line::ThermalBody;
 use crate::heat::line::disc::DiscHeat;
-use crate::heat::line::strip::{Expansion, Path, Resolution, StripHeat, StripProperties};
+use crate::heat::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
 use crate::heat::line::{field, punch};
 use crate::heat::slab::Base;
 use crate::numerics::maximum::maximum;
@@ -83,8 +83,8 @@ impl Bodies {
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
         let whole = scene.tolerance.max(FINEST);
-        let [of_the_mean, tolerance] =
-            [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance].map(|part| (part * scene.tolerance).max(FINEST));
+        let [of_the_mean, tolerance] = [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance]
+            .map(|part| (part * scene.tolerance).max(FINEST));
         let duration = scene.nominal_duration;
         let punch: Option<Box<dyn ThermalBody>> = if scene.fidelity == Fidelity::Field {
             field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
@@ -155,20 +155,22 @@ fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn T
 }
 
 /// Path of the contact as the strip's heat sees it.
-fn path_of(scene: &Scene) -> Path {
+fn path_of(scene: &Scene) -> SlidingPath {
     match scene.path {
-        scene::Path::Closed => Path::Closed(scene.length / scene.count),
+        scene::Path::Closed => SlidingPath::Closed(scene.length / scene.count),
         scene::Path::Straight if scene.nominal_stroke > 0.0 => {
-            Path::Stroke { stroke: scene.nominal_stroke, length: scene.length }
+            SlidingPath::Stroke { stroke: scene.nominal_stroke, length: scene.length }
         }
-        scene::Path::Straight => Path::OneWay,
+        scene::Path::Straight => SlidingPath::Unidirectional,
     }
 }
 
 /// Shortest step that is to be resolved, s: a 60th of a cycle of to-and-fro sliding, a thousandth of everything else.
 pub fn shortest(scene: &Scene) -> f64 {
     let cycle = match path_of(scene) {
-        Path::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => 2.0 * stroke / scene.nominal_velocity / 60.0,
+        SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {
+            2.0 * stroke / scene.nominal_velocity / 60.0
+        }
         _ => f64::INFINITY,
     };
     cycle.min(1e-3 * scene.nominal_duration)

@@ -20,7 +20,9 @@ impl ThermalCoupling {
                         known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
                     }
                     match (stage, self.staggered) {
-                        (Stage::End, false) => own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion),
+                        (Stage::End, false) => {
+                            own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion)
+                        }
                         _ => own.free_response(&state.bodies[side], around, stage, known, free_response, distortion),
                     }
                 }
@@ -42,7 +44,11 @@ impl ThermalCoupling {
         let s = stage as usize;
         self.partitions[s].close(&self.closed);
         let known = !self.refactored[s] && self.is_solved_directly(self.partitions[s].open().len());
-        self.exact[s] = known && self.kinetic_coefficient.iter().all(|kinetic_coefficient| kinetic_coefficient * slip == self.reference.per_pressure);
+        self.exact[s] = known
+            && self
+                .kinetic_coefficient
+                .iter()
+                .all(|kinetic_coefficient| kinetic_coefficient * slip == self.reference.per_pressure);
         let per_pressure = self.reference.per_pressure;
         if !self.refactored[s] {
             let (place, made) = (self.partitions.place(s), self.partitions[s].thermal_compliance(per_pressure));
@@ -78,7 +84,8 @@ impl ThermalCoupling {
         let s = stage as usize;
         let Some(friction_jacobian) = &mut self.friction_jacobian else { return Ok(()) };
         let (closed, pressure) = (&self.closed, &self.pressure);
-        let (kinetic_coefficient, contact_temperature, ratio) = (&self.kinetic_coefficient, &self.contact_temperature, &self.ratio);
+        let (kinetic_coefficient, contact_temperature, ratio) =
+            (&self.kinetic_coefficient, &self.contact_temperature, &self.ratio);
         let heat = friction_jacobian.linearize(
             |i| if closed[i] { slip * ratio[i] * kinetic_coefficient[i] } else { 0.0 },
             |i| if closed[i] { slip * ratio[i] * pressure[i] * friction.fall(contact_temperature[i]) } else { 0.0 },
@@ -104,7 +111,9 @@ impl ThermalCoupling {
         let s = stage as usize;
         let conducts = self.conducts();
         let exchanges = conducts == [true, true] && self.half_resistance > 0.0;
-        for ((per_pressure, kinetic_coefficient), ratio) in self.per_pressure.iter_mut().zip(&self.kinetic_coefficient).zip(&self.ratio) {
+        for ((per_pressure, kinetic_coefficient), ratio) in
+            self.per_pressure.iter_mut().zip(&self.kinetic_coefficient).zip(&self.ratio)
+        {
             *per_pressure = kinetic_coefficient * slip * ratio;
         }
         let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);

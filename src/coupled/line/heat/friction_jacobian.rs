@@ -32,12 +32,23 @@ impl FrictionJacobian {
     /// For `count` cells.
     pub fn new(count: usize) -> FrictionJacobian {
         let square = || vec![0.0; count * count];
-        FrictionJacobian { rise: square(), matrix: square(), exchanged: vec![0; count], heat: square(), column: vec![0.0; count] }
+        FrictionJacobian {
+            rise: square(),
+            matrix: square(),
+            exchanged: vec![0; count],
+            heat: square(),
+            column: vec![0.0; count],
+        }
     }
 
     /// H of bodies with the given gains (`None`: an insulator) that share heat as `partition` says; `half_resistance`: 1/(2 h_c), 0
     /// without exchange.
-    pub fn build(&mut self, partition: &HeatPartition, influence: [Option<&SurfaceInfluence>; 2], half_resistance: f64) {
+    pub fn build(
+        &mut self,
+        partition: &HeatPartition,
+        influence: [Option<&SurfaceInfluence>; 2],
+        half_resistance: f64,
+    ) {
         let count = self.column.len();
         match influence {
             [Some(punch), Some(strip)] => {
@@ -142,7 +153,9 @@ mod tests {
                 let mut heat = vec![0.0; count];
                 for _ in 0..400 {
                     let contact_temperature = contact_temperature(&heat);
-                    heat = (0..count).map(|i| slip * coefficient * (1.0 - fall * contact_temperature[i]) * pressure[i]).collect();
+                    heat = (0..count)
+                        .map(|i| slip * coefficient * (1.0 - fall * contact_temperature[i]) * pressure[i])
+                        .collect();
                 }
                 heat
             };

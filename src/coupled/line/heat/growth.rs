@@ -24,7 +24,7 @@
 use super::ThermalCoupling;
 use crate::coupled::instability::driving_body;
 use crate::coupled::line::Line;
-use crate::coupled::line::operators::Operators;
+use crate::coupled::line::operators::LineOperators;
 use crate::coupled::lumped::limit;
 use crate::coupled::{INPUTS, StepFailure};
 use crate::heat::line::{GAMMA, Stage};
@@ -46,7 +46,7 @@ const SURELY_STABLE: f64 = 0.5;
 /// Penalty on a change of the load against the largest diagonal entry.
 const PENALTY: f64 = 1e4;
 
-impl Operators {
+impl LineOperators {
     /// w = k K/(mu alpha (1 + nu) kd): what wear takes off a growing pressure wave against what heat adds to it, k the depth
     /// that both bodies lose per pressure and distance at nominal load and speed, `acceleration` times as fast as in truth. Of
     /// the body whose waves grow first. 0 where nothing grows.
@@ -115,7 +115,8 @@ impl Line {
 
     fn friction_at(&self, inputs: &[f64; INPUTS]) -> f64 {
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
-        let kinetic_coefficient = self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
+        let kinetic_coefficient =
+            self.state.heat.as_ref().map_or(self.friction.coefficient, |heat| heat.kinetic_coefficient);
         kinetic_coefficient * self.friction.stribeck(velocity)
     }
 
@@ -221,8 +222,10 @@ impl ThermalCoupling {
                 punch.prepare(step / (GAMMA * GROWTH), self.velocity);
             }
             let [punch, strip] = &self.bodies;
-            let influence =
-                [punch.as_ref().map(|own| own.influence(Stage::First)), strip.as_ref().map(|own| own.influence(Stage::End))];
+            let influence = [
+                punch.as_ref().map(|own| own.influence(Stage::First)),
+                strip.as_ref().map(|own| own.influence(Stage::End)),
+            ];
             self.watched.build(key, influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);

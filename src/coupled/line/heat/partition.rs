@@ -155,7 +155,8 @@ impl HeatPartition {
         }
         for (norms, influence) in self.norms.iter_mut().zip(influence) {
             *norms = influence.map_or([0.0; 2], |influence| {
-                [&influence.temperature, &influence.distortion].map(|matrix| norm(matrix, &self.widths, &mut self.column))
+                [&influence.temperature, &influence.distortion]
+                    .map(|matrix| norm(matrix, &self.widths, &mut self.column))
             });
         }
         match influence {
@@ -414,7 +415,9 @@ impl HeatPartition {
         let count = self.closed.len();
         self.per_pressure = f64::NAN;
         self.thermal_compliance.fill(0.0);
-        for (target, column) in self.thermal_compliance.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count)) {
+        for (target, column) in
+            self.thermal_compliance.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count))
+        {
             dense::multiply_add(self.distortion.as_slice(), column, target);
         }
         &self.thermal_compliance

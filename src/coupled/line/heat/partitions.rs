@@ -119,7 +119,10 @@ mod tests {
             let mut fresh = partition();
             build(&mut fresh, step as f64);
             fresh.thermal_compliance(2.0);
-            assert_eq!((partitions[0].shares(), partitions[0].thermal_compliance_values()), (fresh.shares(), fresh.thermal_compliance_values()));
+            assert_eq!(
+                (partitions[0].shares(), partitions[0].thermal_compliance_values()),
+                (fresh.shares(), fresh.thermal_compliance_values())
+            );
         };
         for turn in 0..5 * most {
             take(&mut partitions, 1 + turn % most);

@@ -2,7 +2,7 @@
 
 use super::air::{balance, cooling};
 use super::bodies::cooled_part;
-use super::{ThermalCoupling, FrozenJacobian};
+use super::{FrozenJacobian, ThermalCoupling};
 use crate::coupled::Inputs;
 use crate::coupled::line::Line;
 use crate::coupled::line::trajectory::InputTrajectory;
@@ -36,7 +36,11 @@ impl Line {
         }
         (heat.refactored, heat.iterations) = ([false; 2], 0);
         let flat = operators.scene.friction_fade.flat;
-        let kinetic_coefficient = if flat { self.friction.kinetic_coefficient(0.0) } else { self.friction.coefficient * state.reference.fade };
+        let kinetic_coefficient = if flat {
+            self.friction.kinetic_coefficient(0.0)
+        } else {
+            self.friction.coefficient * state.reference.fade
+        };
         let (stribeck, sign) = (self.friction.stribeck(reference_velocity), self.friction.sign(reference_velocity));
         heat.reference = FrozenJacobian {
             velocity: reference_velocity,
@@ -121,7 +125,8 @@ impl Line {
 impl ThermalCoupling {
     /// Difference of velocity (m/s) that hardly changes how a step of `step` s answers heat.
     fn validity_radius(&self, step: f64) -> f64 {
-        let velocity_radius = self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
+        let velocity_radius =
+            self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
         velocity_radius.min(REACH * (self.diffusivity / step).sqrt())
     }
 }

@@ -121,13 +121,17 @@ impl Line {
         let sign = moment.sign;
         let fades = !operators.scene.friction_fade.flat;
         let by_cell = operators.wears_by_cell();
-        for (contact_temperature, (punch, strip)) in heat.contact_temperature.iter_mut().zip(earlier[0].iter().zip(&earlier[1])) {
+        for (contact_temperature, (punch, strip)) in
+            heat.contact_temperature.iter_mut().zip(earlier[0].iter().zip(&earlier[1]))
+        {
             *contact_temperature = 0.5 * (punch + strip) + reference;
         }
         match fades {
             true => {
                 let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.contact_temperature);
-                cells.for_each(|(kinetic_coefficient, contact_temperature)| *kinetic_coefficient = self.friction.kinetic_coefficient(*contact_temperature));
+                cells.for_each(|(kinetic_coefficient, contact_temperature)| {
+                    *kinetic_coefficient = self.friction.kinetic_coefficient(*contact_temperature)
+                });
             }
             false => heat.kinetic_coefficient.fill(self.friction.kinetic_coefficient(0.0)),
         }
@@ -141,7 +145,8 @@ impl Line {
         let mut residual_norm: Option<f64> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
             if fades {
-                moment.kinetic_coefficient = weighted(&heat.kinetic_coefficient, &heat.pressure, &operators.torque_weights);
+                moment.kinetic_coefficient =
+                    weighted(&heat.kinetic_coefficient, &heat.pressure, &operators.torque_weights);
                 moment.follow(sign * stribeck);
                 slip = moment.slip(stribeck);
                 heat.temperatures_current = false;
@@ -194,7 +199,10 @@ impl Line {
                 for i in 0..count {
                     let [punch, strip] = &heat.temperature[s];
                     let contact_temperature = 0.5 * (punch[i] + strip[i]) + reference;
-                    unlike = maximum(unlike, (contact_temperature - heat.contact_temperature[i]).abs() / contact_temperature.abs().max(1.0));
+                    unlike = maximum(
+                        unlike,
+                        (contact_temperature - heat.contact_temperature[i]).abs() / contact_temperature.abs().max(1.0),
+                    );
                     heat.contact_temperature[i] = contact_temperature;
                     heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(contact_temperature);
                 }
@@ -202,7 +210,8 @@ impl Line {
             let active_set_settled = heat.update_active_set(&found.pressure);
             let of_series = [pressures.remaining_error(change), temperatures.remaining_error(residual)];
             // What an accelerated repetition changes follows no series.
-            let [remaining_error, unlike_surfaces] = residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
+            let [remaining_error, unlike_surfaces] =
+                residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
             let remaining_error = maximum(remaining_error, unlike_surfaces / TEMPERATURE);
             if active_set_settled && unlike <= AGREEMENT && (heat.exact[s] || remaining_error <= enough) {
                 heat.iterations = heat.iterations.max(iteration);
@@ -225,8 +234,12 @@ impl Line {
     fn wear_at_reference(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, tau: f64) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
-        let reference =
-            operators.coefficients(heat.reference.speed, heat.reference.kinetic_coefficient, moment.temperature, acceleration);
+        let reference = operators.coefficients(
+            heat.reference.speed,
+            heat.reference.kinetic_coefficient,
+            moment.temperature,
+            acceleration,
+        );
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
             let residual = tau * (heat.laws[body][0] - reference[body]);
@@ -242,12 +255,22 @@ impl Line {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
         if !by_cell {
-            let uniform = operators.coefficients(moment.speed, heat.kinetic_coefficient[0], heat.contact_temperature[0], acceleration);
+            let uniform = operators.coefficients(
+                moment.speed,
+                heat.kinetic_coefficient[0],
+                heat.contact_temperature[0],
+                acceleration,
+            );
             heat.laws.iter_mut().zip(uniform).for_each(|(laws, own)| laws.fill(own));
             return;
         }
         for i in 0..heat.contact_temperature.len() {
-            let own = operators.coefficients(moment.speed, heat.kinetic_coefficient[i], heat.contact_temperature[i], acceleration);
+            let own = operators.coefficients(
+                moment.speed,
+                heat.kinetic_coefficient[i],
+                heat.contact_temperature[i],
+                acceleration,
+            );
             (heat.laws[0][i], heat.laws[1][i]) = (own[0], own[1]);
         }
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));

@@ -39,7 +39,7 @@ use crate::coupled::StepFailure;
 use crate::coupled::budget::MOST_STEPS;
 use crate::coupled::line::Line;
 use crate::coupled::line::operators::StripWear;
-use crate::coupled::line::trajectory::{StageConditions, InputTrajectory};
+use crate::coupled::line::trajectory::{InputTrajectory, StageConditions};
 use crate::coupled::scalar::Dual;
 use crate::heat::line::{GAMMA, Stage};
 use crate::wear::line::{Disturbance, StageError};
@@ -68,7 +68,11 @@ impl From<StageError> for Refusal {
 
 impl Line {
     /// Carries contact and heat over a piece one after the other, in one step, or as many as a track in the strip asks.
-    pub(in crate::coupled::line) fn staggered(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
+    pub(in crate::coupled::line) fn staggered(
+        &mut self,
+        path: &InputTrajectory,
+        length: f64,
+    ) -> Result<(), StepFailure> {
         let mut parts: u32 = 1;
         let far = |line: &Line, step: f64| line.too_far(path, 0.0, step) || line.too_far(path, length - step, step);
         // More parts than a communication step may try end below.
@@ -104,7 +108,13 @@ impl Line {
     }
 
     /// Pressure and wear, then heat; left in `work` and `heat`.
-    fn split_step(&mut self, heat: &mut ThermalCoupling, path: &InputTrajectory, start: f64, step: f64) -> Result<(), Refusal> {
+    fn split_step(
+        &mut self,
+        heat: &mut ThermalCoupling,
+        path: &InputTrajectory,
+        start: f64,
+        step: f64,
+    ) -> Result<(), Refusal> {
         let operators = self.operators.clone();
         let mut moment = path.at(start + step);
         let velocity = path.velocity(start + step);
@@ -164,7 +174,8 @@ impl Line {
         }
         let stribeck = self.friction.stribeck(velocity);
         if !operators.scene.friction_fade.flat {
-            moment.kinetic_coefficient = weighted(&heat.kinetic_coefficient, &self.state.pressure, &operators.torque_weights);
+            moment.kinetic_coefficient =
+                weighted(&heat.kinetic_coefficient, &self.state.pressure, &operators.torque_weights);
             moment.follow(moment.sign * stribeck);
         }
         moment.slip(stribeck)

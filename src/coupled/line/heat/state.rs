@@ -131,7 +131,13 @@ impl HeatState {
                 heat.uniform(rise[body], &mut state.bodies[body]);
                 state.start[body] = entries(heat.account(&state.bodies[body]));
                 let mut moved = zeros();
-                heat.distortion_at_frozen_state(&state.bodies[body], &Default::default(), &state.flux[body], 0.0, &mut moved);
+                heat.distortion_at_frozen_state(
+                    &state.bodies[body],
+                    &Default::default(),
+                    &state.flux[body],
+                    0.0,
+                    &mut moved,
+                );
                 state.distortion.iter_mut().zip(&moved).for_each(|(sum, value)| *sum += value);
             }
         }
@@ -252,9 +258,11 @@ impl HeatState {
         }
         self.pressure_slope.copy_from_slice(&other.pressure_slope);
         self.distortion.copy_from_slice(&other.distortion);
-        (self.kinetic_coefficient, self.dissipated, self.cooling) = (other.kinetic_coefficient, other.dissipated, other.cooling);
+        (self.kinetic_coefficient, self.dissipated, self.cooling) =
+            (other.kinetic_coefficient, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);
-        (self.lagging, self.last_step, self.rejected_by_growth) = (other.lagging, other.last_step, other.rejected_by_growth);
+        (self.lagging, self.last_step, self.rejected_by_growth) =
+            (other.lagging, other.last_step, other.rejected_by_growth);
     }
 
     /// Appends all numbers.

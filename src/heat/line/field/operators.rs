@@ -3,7 +3,7 @@
 use crate::elastic::block::{
     BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition,
 };
-use crate::heat::line::{FACES, GAMMA, SurfaceInfluence, Stage, Surroundings};
+use crate::heat::line::{FACES, GAMMA, Stage, SurfaceInfluence, Surroundings};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::DMatrix;
@@ -14,7 +14,7 @@ use std::fmt;
 pub const TALLIES: usize = 4;
 
 /// What a scene makes of the punch. Vectors over the unknowns hold one number for each.
-pub struct Operators {
+pub struct FieldOperators {
     pub block: ThermalBlock,
     pub widths: Vec<f64>,
     /// Integrals of the shape functions over the cells.
@@ -38,7 +38,7 @@ pub struct Operators {
     pub total_capacity: f64,
 }
 
-impl fmt::Debug for Operators {
+impl fmt::Debug for FieldOperators {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Operators").field("cells", &self.widths.len()).field("degrees", &self.degrees()).finish()
     }
@@ -57,14 +57,17 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    pub fn empty(operators: &Operators) -> Prepared {
+    pub fn empty(operators: &FieldOperators) -> Prepared {
         let count = operators.widths.len();
         Prepared {
             step: f64::NAN,
             euler: false,
             last_used: 0,
             factor: operators.block.empty_factor(),
-            influence: SurfaceInfluence { temperature: DMatrix::zeros(count, count), distortion: DMatrix::zeros(count, count) },
+            influence: SurfaceInfluence {
+                temperature: DMatrix::zeros(count, count),
+                distortion: DMatrix::zeros(count, count),
+            },
             cooled_rise: [[0.0; FACES]; FACES],
         }
     }
@@ -84,7 +87,7 @@ pub struct FieldWorkspace {
 }
 
 impl FieldWorkspace {
-    pub fn new(operators: &Operators) -> Result<FieldWorkspace, BlockError> {
+    pub fn new(operators: &FieldOperators) -> Result<FieldWorkspace, BlockError> {
         let (degrees, count) = (operators.degrees(), operators.widths.len());
         let field = || vec![0.0; degrees];
         Ok(FieldWorkspace {
@@ -102,7 +105,7 @@ pub fn dot(left: &[f64], right: &[f64]) -> f64 {
     left.iter().zip(right).map(|(left, right)| left * right).sum()
 }
 
-impl Operators {
+impl FieldOperators {
     pub fn degrees(&self) -> usize {
         self.block.degrees()
     }
@@ -189,7 +192,13 @@ impl Operators {
         (if euler { step } else { GAMMA * step }).recip().max(1e-10 * slowest)
     }
 
-    pub fn prepare(&self, step: f64, euler: bool, prepared: &mut Prepared, room: &mut FieldWorkspace) -> Result<(), BlockError> {
+    pub fn prepare(
+        &self,
+        step: f64,
+        euler: bool,
+        prepared: &mut Prepared,
+        room: &mut FieldWorkspace,
+    ) -> Result<(), BlockError> {
         // Of no use to anybody until it is done.
         prepared.step = f64::NAN;
         self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;

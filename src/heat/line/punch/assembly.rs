@@ -7,7 +7,7 @@ use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::elastic::Cells;
-use crate::heat::line::reduced::{ModeStates, Observation, Operators, PORTS};
+use crate::heat::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
 use nalgebra::DMatrix;
 
 /// A mode across with its states, and the shape that acts without delay.
@@ -178,11 +178,11 @@ impl<'a> Assembly<'a> {
         Some(steady)
     }
 
-    pub fn operators(&self) -> Operators {
+    pub fn operators(&self) -> ReducedOperators {
         let cells = self.cells.count();
         let count = self.modes.iter().map(|mode| mode.states.len()).sum();
         let width = 2.0 * self.across.half_width;
-        let mut operators = Operators {
+        let mut operators = ReducedOperators {
             widths: self.across.weights(self.cells),
             modes: Vec::with_capacity(self.modes.len()),
             rate: Vec::with_capacity(count),
@@ -259,7 +259,7 @@ impl<'a> Assembly<'a> {
     }
 
     /// Remainders of the cells' temperatures by the ports, and the temperatures of the cooled faces.
-    fn ports(&self, operators: &mut Operators) {
+    fn ports(&self, operators: &mut ReducedOperators) {
         let length = operators.cooled_length;
         // A surface that has no area is not looked at.
         let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
@@ -307,7 +307,7 @@ impl<'a> Assembly<'a> {
 
     /// Flows and stored heat. Observed flows and the balance of heat over-determine them; the balance is kept exactly: the
     /// stored heat is what the flows will carry away, and what no state holds back leaves at once.
-    fn flows(&self, operators: &mut Operators) {
+    fn flows(&self, operators: &mut ReducedOperators) {
         let transfer = self.cooled.transfer;
         let (losing, open) = (transfer > 0.0, self.depth.top != Top::Transfer(0.0));
         let mut k = 0;

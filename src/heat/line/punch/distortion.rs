@@ -14,7 +14,7 @@ use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, DISTORTING_MODES, FAR, SUMMED_MODES};
 use crate::elastic::block::{Block, BlockError, BlockProperties, Discretization, FunctionsAcross};
 use crate::elastic::{Base, Cells};
-use crate::heat::line::reduced::{Operators, PORTS};
+use crate::heat::line::reduced::{PORTS, ReducedOperators};
 use crate::heat::line::strip::dilatation;
 use crate::numerics::factorization::{self, Unfactorable};
 use crate::numerics::grading::towards_face;
@@ -253,7 +253,7 @@ impl LayerDilatation {
 
 impl Assembly<'_> {
     /// Distortion by the states, and what fast and short-waved fields do without delay.
-    pub(super) fn distort(&self, distortion: &Distortion, operators: &mut Operators) -> Result<(), BlockError> {
+    pub(super) fn distort(&self, distortion: &Distortion, operators: &mut ReducedOperators) -> Result<(), BlockError> {
         let positions = distortion.positions();
         let (depth, cells) = (&self.depth, self.cells);
         let mut fields = Vec::new();

@@ -76,7 +76,7 @@ pub fn reduce_mate(
 mod tests {
     use super::*;
     use crate::heat::line::punch::tests::Run;
-    use crate::heat::line::{Account, GAMMA, ThermalBody, Surroundings};
+    use crate::heat::line::{Account, GAMMA, Surroundings, ThermalBody};
     use crate::variables::{STARTS, reference};
 
     /// A disc of 12 mm, 75 to 114 mm, with changed parameters.

@@ -21,7 +21,7 @@
 use super::SUMMED_MODES;
 use super::across::Wave;
 use super::assembly::Assembly;
-use crate::heat::line::reduced::{ModeStates, Operators};
+use crate::heat::line::reduced::{ModeStates, ReducedOperators};
 use crate::numerics::factorization;
 use crate::numerics::maximum::{self, maximum};
 use nalgebra::{Complex, DMatrix, DVectorView};
@@ -66,7 +66,7 @@ fn keep_parity(sign: f64, values: &mut [f64]) {
 
 impl Assembly<'_> {
     /// Gives what answers at once states of its own; call it when all other operators are complete.
-    pub(super) fn give_first_order_dynamics(&self, operators: &mut Operators) {
+    pub(super) fn give_first_order_dynamics(&self, operators: &mut ReducedOperators) {
         let count = self.cells.count();
         let beyond = self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len());
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
@@ -147,7 +147,7 @@ impl Assembly<'_> {
             operators.uniform.push(0.0);
             operators.stored.push(0.0);
             operators.input.iter_mut().for_each(|input| input.push(0.0));
-            let Operators { cooled, far_face, ambient_flow, far_flow, .. } = &mut *operators;
+            let ReducedOperators { cooled, far_face, ambient_flow, far_flow, .. } = &mut *operators;
             for observed in [cooled, far_face, ambient_flow, far_flow] {
                 observed.states.push(0.0);
             }

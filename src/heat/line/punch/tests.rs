@@ -1,4 +1,4 @@
-use super::super::{Account, GAMMA, ThermalBody, Stage, Surroundings};
+use super::super::{Account, GAMMA, Stage, Surroundings, ThermalBody};
 use super::*;
 use crate::variables::{STARTS, reference};
 use crate::verification::unreduced_punch::Unreduced;
@@ -158,9 +158,18 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         // What is held between steps is what the step ended with.
         let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
         run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
-        run.heat.distortion_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut distortion_at_frozen_state);
+        run.heat.distortion_at_frozen_state(
+            &run.state,
+            &run.surroundings,
+            &spiked,
+            0.0,
+            &mut distortion_at_frozen_state,
+        );
         assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
-        assert!(largest_difference(&distortion_at_frozen_state, &run.distortion) < 1e-12 * largest(&distortion_at_frozen_state));
+        assert!(
+            largest_difference(&distortion_at_frozen_state, &run.distortion)
+                < 1e-12 * largest(&distortion_at_frozen_state)
+        );
     }
     // The exact response, which the states and their remainder share out between them.
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);

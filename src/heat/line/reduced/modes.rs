@@ -3,7 +3,7 @@
 //! Where the cells are symmetric about the middle and every mode is even or odd, its values on one half of them are enough: even
 //! modes see and show the sums of opposite cells, odd ones their differences, at half of the work.
 
-use super::{Operators, PORTS, StageWeights};
+use super::{PORTS, ReducedOperators, StageWeights};
 use crate::contact::dense;
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
@@ -67,7 +67,7 @@ fn parity(values: &[f64]) -> Option<f64> {
 
 /// Sorts the modes of the operators so that the even ones come first, with their states; how many these are of either. All of
 /// them where one is neither even nor odd.
-pub fn sort(operators: &mut Operators) -> [usize; 2] {
+pub fn sort(operators: &mut ReducedOperators) -> [usize; 2] {
     let count = operators.widths.len();
     let distortion = |state: usize| operators.distortion.get(state * count..(state + 1) * count);
     let signs: Option<Vec<f64>> = (operators.modes.iter())
@@ -115,7 +115,7 @@ pub fn sort(operators: &mut Operators) -> [usize; 2] {
 
 impl Modes {
     /// Takes modes and distortion of the operators over, which [`sort`] has sorted with this outcome.
-    pub fn new(operators: &mut Operators, [even_modes, even_states]: [usize; 2]) -> Modes {
+    pub fn new(operators: &mut ReducedOperators, [even_modes, even_states]: [usize; 2]) -> Modes {
         let (cells, modes) = (operators.widths.len(), std::mem::take(&mut operators.modes));
         let distortion = std::mem::take(&mut operators.distortion);
         // Nothing to tell apart where there are no modes, or none is odd.

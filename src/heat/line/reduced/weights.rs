@@ -1,7 +1,7 @@
 //! Weights of the states for one step: each follows fluxes that are linear over a stage without error.
 
 use super::modes::{Modes, Scratch};
-use super::{COOLING, FAR, Operators};
+use super::{COOLING, FAR, ReducedOperators};
 use crate::contact::dense;
 use crate::heat::line::{FACES, GAMMA, SurfaceInfluence};
 
@@ -34,7 +34,7 @@ pub struct StageWeights {
     pub influence: SurfaceInfluence,
 }
 
-impl Operators {
+impl ReducedOperators {
     pub(super) fn allocate(&self) -> Weights {
         let states = || vec![0.0; self.states()];
         let cells = self.widths.len();

@@ -6,7 +6,7 @@
 use super::scratch::Scratch;
 use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
 use crate::contact::dense;
-use crate::heat::line::{GAMMA, ThermalBody, Surroundings};
+use crate::heat::line::{GAMMA, Surroundings, ThermalBody};
 
 impl StripHeat {
     /// Carries the mean wave and the account over the step; `effective` are its mean fluxes, contact and returned.

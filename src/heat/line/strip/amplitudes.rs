@@ -1,8 +1,8 @@
 //! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
 
 use super::robin_correction::RANK;
-use super::state_layout::{Carrier, Parts, add_products, carry, observe};
 use super::scratch::Scratch;
+use super::state_layout::{Carrier, Parts, add_products, carry, observe};
 use super::step::StageWeights;
 use super::{StripHeat, TAIL};
 use crate::contact::dense;

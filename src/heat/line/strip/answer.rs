@@ -1,8 +1,8 @@
 //! What a stage's answer to fluxes is made of, as far as it depends on the velocity: linear in everything, so that answers
 //! at neighbouring velocities can be interpolated.
 
+use super::operators::StripOperators;
 use super::robin_correction::RANK;
-use super::operators::Operators;
 use crate::contact::dense;
 use crate::heat::line::SurfaceInfluence;
 use nalgebra::DMatrix;
@@ -18,7 +18,7 @@ pub struct Layout {
 
 impl Layout {
     /// For a strip; states are carried to the end of a step only.
-    pub fn new(operators: &Operators, at_end: bool) -> Layout {
+    pub fn new(operators: &StripOperators, at_end: bool) -> Layout {
         Layout {
             count: operators.widths.len(),
             states: if at_end { operators.rate.len() } else { 0 },

@@ -5,7 +5,7 @@
 //! knots: a function of the arguments alone, whatever knots are kept.
 
 use super::answer::{Answer, AtOnce, Layout};
-use super::operators::{ImageDamping, Operators};
+use super::operators::{ImageDamping, StripOperators};
 use super::step::{Interval, Workspace};
 
 /// Turn of the shortest wave from knot to knot, rad: the cubic is off by .023 of its fourth power for that wave, and by less
@@ -130,7 +130,7 @@ impl InterpolationNodes {
     )]
     pub fn interpolate(
         &mut self,
-        operators: &Operators,
+        operators: &StripOperators,
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,

@@ -1,11 +1,11 @@
 //! What a strip's conduction is made of, built once and shared by every copy.
 
 use super::depth::{Depth, DepthModes, Expansion};
-use super::robin_correction::RobinCorrection;
-use super::kept::Kept;
-use super::state_layout::{Level, state_layout, of_mode};
-use super::static_correction::StaticCorrection;
 use super::error_sweep::ErrorSweep;
+use super::kept::Kept;
+use super::robin_correction::RobinCorrection;
+use super::state_layout::{Level, of_mode, state_layout};
+use super::static_correction::StaticCorrection;
 use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave, harmonics};
 use crate::contact::dense;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 /// Path of the contact on the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Path {
+pub enum SlidingPath {
     /// Closed after this length, m (circumference over the number of equal punches); at least the contact's width.
     Closed(f64),
     /// To and fro: the length of one stroke, m, on a strip of this length, m (0: as long as is felt).
@@ -29,7 +29,7 @@ pub enum Path {
         length: f64,
     },
     /// One way, over material that has never been under the contact before.
-    OneWay,
+    Unidirectional,
 }
 
 /// A conducting strip.
@@ -46,7 +46,7 @@ pub struct StripProperties {
     /// Condition at the base.
     pub base: Base,
     /// Where the contact goes.
-    pub path: Path,
+    pub path: SlidingPath,
     /// Thermal expansion; `None`: the surface does not move under heat.
     pub expansion: Option<Expansion>,
     /// Conduction out of the plane; `None`: the strip is as deep as the contact.
@@ -104,7 +104,7 @@ impl ImageDamping {
 
 /// See the module.
 #[derive(Debug)]
-pub struct Operators {
+pub struct StripOperators {
     pub widths: Vec<f64>,
     pub half: usize,
     pub period: f64,
@@ -181,14 +181,14 @@ impl StripProperties {
         OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
         match self.path {
             // Rounding of the width must not refuse full periodic contact.
-            Path::Closed(length) => OutOfRange::unless(
+            SlidingPath::Closed(length) => OutOfRange::unless(
                 length.is_finite() && length >= width * (1.0 - 1e-12),
                 "strip length",
                 length,
                 "at least the width of the contact zone",
             ),
-            Path::OneWay => Ok(()),
-            Path::Stroke { stroke, .. } => {
+            SlidingPath::Unidirectional => Ok(()),
+            SlidingPath::Stroke { stroke, .. } => {
                 OutOfRange::unless(stroke > 0.0 && stroke.is_finite(), "stroke", stroke, "positive, in m")
             }
         }
@@ -204,10 +204,12 @@ impl StripProperties {
             reach = reach.min(self.height);
         }
         match self.path {
-            Path::Closed(length) => (length.max(width), f64::INFINITY),
+            SlidingPath::Closed(length) => (length.max(width), f64::INFINITY),
             // A stroke longer than planned still finds its own track.
-            Path::Stroke { stroke, length } => ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke),
-            Path::OneWay => {
+            SlidingPath::Stroke { stroke, length } => {
+                ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
+            }
+            SlidingPath::Unidirectional => {
                 // On a short way no copy of the contact comes near heat that is not its own.
                 let apart = FREE_OF_COPIES * (width + way + 8.0 * reach);
                 ((width + 8.0 * reach).max(apart.min(SHORTEST_WAY * width)), f64::INFINITY)
@@ -216,9 +218,13 @@ impl StripProperties {
     }
 }
 
-impl Operators {
+impl StripOperators {
     /// See [`super::StripHeat::new`].
-    pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Operators, OutOfRange> {
+    pub fn new(
+        properties: &StripProperties,
+        cells: &Cells,
+        resolution: &Resolution,
+    ) -> Result<StripOperators, OutOfRange> {
         let width = 2.0 * cells.half_width();
         properties.check(width)?;
         for (quantity, value) in [("duration", resolution.duration), ("shortest step", resolution.shortest)] {
@@ -243,7 +249,7 @@ impl Operators {
         let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
         let shortest_wave = (fastest / diffusivity).sqrt();
         let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
-        let fresh = properties.path == Path::OneWay;
+        let fresh = properties.path == SlidingPath::Unidirectional;
         let forgets = fresh && width + resolution.way > period;
         let image_damping = ImageDamping {
             per_length: if forgets { FORGOTTEN / period } else { 0.0 },
@@ -260,7 +266,8 @@ impl Operators {
         let mean = slab.reduce(resolution.duration, tolerance);
         let layers: Vec<Depth> =
             waves.iter().map(|wave| Depth::new(&slab, expansion, wave.number).spreading(properties.lateral)).collect();
-        let error_sweep = ErrorSweep::new(cells, &slab, (!fresh).then_some(&mean), period, (&waves, &layers), &shapes, resolution);
+        let error_sweep =
+            ErrorSweep::new(cells, &slab, (!fresh).then_some(&mean), period, (&waves, &layers), &shapes, resolution);
         let mut modes: Vec<DepthModes> = Vec::new();
         let mut error = f64::INFINITY;
         for ratio in SHIFT_RATIOS {
@@ -314,7 +321,7 @@ impl Operators {
             fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
         };
         let table = VelocityTable::new(static_correction, slow, limit, tolerance);
-        let mut operators = Operators {
+        let mut operators = StripOperators {
             half: shapes.half(),
             period,
             diffusivity,
@@ -396,7 +403,7 @@ impl Operators {
         (&state[first..first + count], &state[first + count..first + 2 * count])
     }
 
-    /// See [`Operators::wave_states`].
+    /// See [`StripOperators::wave_states`].
     pub fn wave_states_mut<'a>(&self, state: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
         let (first, count) = (self.mean_states(), self.rate.len());
         state[first..first + 2 * count].split_at_mut(count)
@@ -470,7 +477,7 @@ impl Operators {
 /// or closed), `-alpha (1+nu) h` where it can.
 fn mean_distortion(properties: &StripProperties, expansion: &Expansion) -> f64 {
     let nu = expansion.material.poissons_ratio();
-    let free = expansion.base == elastic::Base::Smooth && !matches!(properties.path, Path::Closed(_));
+    let free = expansion.base == elastic::Base::Smooth && !matches!(properties.path, SlidingPath::Closed(_));
     let restrained = if free { 1.0 } else { 1.0 - nu };
     -expansion.coefficient * (1.0 + nu) / restrained * properties.height
 }

@@ -10,7 +10,7 @@
 //! ```
 
 use super::answer::{Answer, Parts};
-use super::operators::Operators;
+use super::operators::StripOperators;
 use crate::contact::dense;
 use crate::elastic::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
@@ -34,7 +34,7 @@ pub struct RobinCorrection {
 
 impl RobinCorrection {
     /// The space on `cells` for the heat transfer coefficient `transfer`.
-    pub fn new(cells: &Cells, transfer: f64, operators: &Operators) -> RobinCorrection {
+    pub fn new(cells: &Cells, transfer: f64, operators: &StripOperators) -> RobinCorrection {
         let (count, widths) = (cells.count(), cells.widths().to_vec());
         let rank = RANK.min(count);
         let mut polynomials: Vec<Vec<f64>> = Vec::new();
@@ -146,7 +146,8 @@ impl RobinCorrection {
     /// Adds to `influence` (N x N) of temperature or distortion the response by way of the fluxes given back.
     pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
         let count = self.widths.len();
-        for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK)) {
+        for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK))
+        {
             let mut returned = [0.0; RANK];
             dense::multiply_add(parts.solution, response, &mut returned);
             dense::multiply_add(parts.lifted[moving], &returned, gain);

@@ -1,7 +1,7 @@
 //! Memory that the evaluations work in.
 
+use super::operators::StripOperators;
 use super::robin_correction::RANK;
-use super::operators::Operators;
 
 /// Work space of the evaluations.
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    pub fn new(operators: &Operators) -> Scratch {
+    pub fn new(operators: &StripOperators) -> Scratch {
         let (count, half, waves) = (operators.widths.len(), operators.half, operators.waves.len());
         let halves = || [vec![0.0; half], vec![0.0; half]];
         let parts = || [vec![0.0; waves], vec![0.0; waves]];

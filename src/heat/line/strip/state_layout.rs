@@ -139,7 +139,13 @@ pub struct Carrier<'a> {
 }
 
 /// Carries the states over a step, from `before` to `after`; `heat` are the amplitudes of the fluxes of both stages.
-pub fn carry(state_layout: &[Level], before: Parts<'_>, after: [&mut [f64]; 2], carrier: Carrier<'_>, heat: [Parts<'_>; 2]) {
+pub fn carry(
+    state_layout: &[Level],
+    before: Parts<'_>,
+    after: [&mut [f64]; 2],
+    carrier: Carrier<'_>,
+    heat: [Parts<'_>; 2],
+) {
     struct Carry<'a>(&'a [Level], Parts<'a>, [&'a mut [f64]; 2], Carrier<'a>, [Parts<'a>; 2]);
     impl WithSimd for Carry<'_> {
         type Output = ();

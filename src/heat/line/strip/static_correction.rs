@@ -134,7 +134,8 @@ impl Workspace {
     /// For these integrals: nothing in it grows later.
     pub fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> Workspace {
         let at_rest = integrals.removed_at_rest.as_ref().map_or(0, |integral| integral.waves.len());
-        let counts = [static_correction.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
+        let counts =
+            [static_correction.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
         let most = counts.into_iter().max().unwrap_or(0);
         Workspace {
             sums: Sums {

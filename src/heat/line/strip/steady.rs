@@ -57,7 +57,7 @@ mod tests {
             height: 0.02,
             base: crate::heat::slab::Base::Held,
             convection: 30.0,
-            path: Path::Stroke { stroke: 0.05, length: 0.0 },
+            path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
             expansion: Some(expansion),
             lateral: None,
         };

@@ -6,10 +6,10 @@ pub mod stage;
 pub use interval::{Interval, OWN, Workspace};
 pub use stage::StageWeights;
 
-use super::operators::Operators;
+use super::operators::StripOperators;
 use super::steady::SteadySteps;
 use crate::contact::dense;
-use crate::heat::line::{GAMMA, SurfaceInfluence, Stage, cache_capacity};
+use crate::heat::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
 use nalgebra::DMatrix;
 
 /// Relative change of the velocity over a step up to which what answers at once changes linearly.
@@ -44,7 +44,7 @@ struct DirectFeedthrough {
 }
 
 impl DirectFeedthrough {
-    fn new(operators: &Operators) -> DirectFeedthrough {
+    fn new(operators: &StripOperators) -> DirectFeedthrough {
         let count = operators.widths.len();
         let moving = if operators.expands { count } else { 0 };
         let matrices = || (f64::NAN, 0, [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)]);
@@ -52,7 +52,7 @@ impl DirectFeedthrough {
     }
 
     /// Place of the responses at a velocity.
-    fn find(&mut self, operators: &Operators, velocity: f64) -> usize {
+    fn find(&mut self, operators: &StripOperators, velocity: f64) -> usize {
         let velocity = rounded(velocity);
         self.clock += 1;
         let found = self.known.iter().position(|known| known.0 == velocity);
@@ -92,7 +92,7 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Step {
-    pub fn new(operators: &Operators) -> Step {
+    pub fn new(operators: &StripOperators) -> Step {
         // Where steps are few their answers are kept elsewhere.
         let kept = if operators.kept.is_none() { cache_capacity(operators.widths.len()) } else { 0 };
         Step {
@@ -114,7 +114,7 @@ impl Step {
         }
     }
 
-    pub fn prepare(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+    pub fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         if self.length == length && self.velocity == velocity && !self.euler {
             return;
         }
@@ -155,7 +155,7 @@ impl Step {
     }
 
     /// Finds the answers of both stages.
-    fn find(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+    fn find(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         let [_, middle] = to_first_stage(velocity);
         let Step { first, end, workspace, immediate, .. } = self;
         let last = immediate.find(operators, velocity[1]);
@@ -173,7 +173,7 @@ impl Step {
     }
 
     /// One implicit Euler step: both stages are its end.
-    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+    pub fn prepare_euler(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         if self.length == length && self.velocity == velocity && self.euler {
             return;
         }

@@ -3,12 +3,12 @@ mod exact;
 mod kept;
 mod thresholds;
 
-use super::{Expansion, Path, StripHeat, StripProperties};
+use super::{Expansion, SlidingPath, StripHeat, StripProperties};
 use crate::elastic::{self, Cells, Material};
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 use crate::heat::slab::Base;
 
-fn unit(height: f64, base: Base, path: Path) -> StripProperties {
+fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
     StripProperties {
         height,
         conductivity: 1.0,
@@ -21,11 +21,11 @@ fn unit(height: f64, base: Base, path: Path) -> StripProperties {
     }
 }
 
-pub fn steel(height: f64, base: Base, path: Path, convection: f64) -> StripProperties {
+pub fn steel(height: f64, base: Base, path: SlidingPath, convection: f64) -> StripProperties {
     StripProperties { conductivity: 55.0, capacity: 7800.0 * 460.0, convection, ..unit(height, base, path) }
 }
 
-fn cast_iron(height: f64, base: Base, path: Path) -> StripProperties {
+fn cast_iron(height: f64, base: Base, path: SlidingPath) -> StripProperties {
     StripProperties { conductivity: 54.0, capacity: 7200.0 * 460.0, ..unit(height, base, path) }
 }
 
@@ -35,7 +35,7 @@ fn expanding(nu: f64, base: elastic::Base) -> Option<Expansion> {
 }
 
 /// Expanding steel, 20 mm high, with air above and below.
-pub fn cooled_steel(path: Path) -> StripProperties {
+pub fn cooled_steel(path: SlidingPath) -> StripProperties {
     let expansion = expanding(0.3, elastic::Base::Bonded);
     StripProperties { expansion, ..steel(0.02, Base::Convecting(300.0), path, 500.0) }
 }

@@ -230,13 +230,13 @@ mod tests {
     use super::*;
     use crate::elastic::Cells;
     use crate::heat::line::strip::tests::steel;
-    use crate::heat::line::strip::{Path, Resolution, StripHeat};
-    use crate::heat::line::{ThermalBody, Stage};
+    use crate::heat::line::strip::{Resolution, SlidingPath, StripHeat};
+    use crate::heat::line::{Stage, ThermalBody};
     use crate::heat::slab::Base;
 
     const HALF_WIDTH: f64 = 0.02;
 
-    fn strip(cells: &Cells, path: Path, resolution: &Resolution) -> StripHeat {
+    fn strip(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> StripHeat {
         StripHeat::new(&steel(0.02, Base::Held, path, 0.0), cells, resolution).unwrap()
     }
 
@@ -251,7 +251,7 @@ mod tests {
 
     /// Midway between two knots, under a uniform flux: how far the table is from the sum over the waves at that very velocity, and
     /// how far what is passive is from that sum as it is; relative to the whole steady temperature.
-    fn errors(cells: &Cells, path: Path, resolution: &Resolution) -> [f64; 2] {
+    fn errors(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> [f64; 2] {
         let mut body = strip(cells, path, resolution);
         let operators = body.operators.clone();
         let (table, count) = (&operators.table, cells.count());
@@ -282,11 +282,13 @@ mod tests {
     #[test]
     fn between_the_knots_the_table_keeps_to_a_tenth_of_the_tolerance() {
         let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
-        for path in [Path::Closed(0.3), Path::Stroke { stroke: 0.05, length: 0.0 }, Path::OneWay] {
+        for path in
+            [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, SlidingPath::Unidirectional]
+        {
             for tolerance in [5e-2, 1e-2, 1e-3, 1e-4] {
                 for shortest in [1e-1, 1e-3] {
                     // What slides one way passes from remembering to forgetting within the thousand steps.
-                    let duration = if path == Path::OneWay { 1e3 * shortest } else { 100.0 };
+                    let duration = if path == SlidingPath::Unidirectional { 1e3 * shortest } else { 100.0 };
                     let resolution = Resolution { duration, shortest, tolerance, way: f64::INFINITY };
                     let [between, passive] = errors(&cells, path, &resolution);
                     println!("{path:?} {tolerance:.0e} {shortest:.0e}: between {between:.1e}, passive {passive:.1e}");
@@ -307,12 +309,12 @@ mod tests {
             table.respond(0, velocity, &mut response);
             (response, table.nodes.iter().filter(|node| node.get().is_some()).count())
         };
-        let (between, several) = answer(strip(&cells, Path::OneWay, &resolution));
-        let (there, one) = answer(strip(&cells, Path::OneWay, &resolution).for_few_steps(velocity));
+        let (between, several) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution));
+        let (there, one) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution).for_few_steps(velocity));
         assert_eq!((several, one), (STENCIL, 1));
         assert!(largest((between - &there).iter().copied()) < 1e-3 * largest(there.iter().copied()));
         // Once knots are known they stay where they are.
-        let mut body = strip(&cells, Path::OneWay, &resolution);
+        let mut body = strip(&cells, SlidingPath::Unidirectional, &resolution);
         body.expect(velocity);
         let spacing = body.operators.table.spacing;
         body = body.for_few_steps(0.7 * velocity);

@@ -55,7 +55,7 @@ fn worn_volume_is_the_integral_of_the_law() {
 }
 
 #[test]
-fn shape_after_strokes_to_and_fro_is_that_of_brute_force() {
+fn shape_after_strokes_reciprocating_is_that_of_brute_force() {
     let cells = Cells::graded(0.5, 17).unwrap();
     let mut random = Random(3);
     let mut track = LineTrack::new(&cells, 1.7);

@@ -15,7 +15,9 @@ fn bodies(count: usize) -> [SurfaceInfluence; 2] {
 fn both_laws_hold_on_the_cells_in_contact() {
     let count = 7;
     let [punch, strip] = bodies(count);
-    let rise = |influence: &SurfaceInfluence, q: &[f64], i: usize| (0..count).map(|j| influence.temperature[(i, j)] * q[j]).sum::<f64>();
+    let rise = |influence: &SurfaceInfluence, q: &[f64], i: usize| {
+        (0..count).map(|j| influence.temperature[(i, j)] * q[j]).sum::<f64>()
+    };
     let base = [[3.0, 1.0, 9.0, 2.0, 0.0, -1.0, 5.0], [0.5; 7]];
     for closed in [[true; 7], [true, true, false, true, true, true, false]] {
         let heat: Vec<f64> = (0..7).map(|i| if closed[i] { 4.0 + i as f64 } else { 0.0 }).collect();
@@ -63,7 +65,9 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
             let mut q1 = vec![0.0; count];
             partition.share_all(&heat, &mut q1);
             // Both laws of the interface, and no flux elsewhere.
-            let sum = |influence: &DMatrix<f64>, q: &[f64], i: usize| (0..count).map(|j| influence[(i, j)] * q[j]).sum::<f64>();
+            let sum = |influence: &DMatrix<f64>, q: &[f64], i: usize| {
+                (0..count).map(|j| influence[(i, j)] * q[j]).sum::<f64>()
+            };
             let q2: Vec<f64> = heat.iter().zip(&q1).map(|(heat, q)| heat - q).collect();
             let mut apart = partition.apart().iter();
             for i in 0..count {

@@ -4,9 +4,9 @@ use crate::heat::line::GAMMA;
 use crate::heat::line::strip::CONTACT;
 use crate::heat::line::strip::answer::Answer;
 use crate::heat::line::strip::blocks::Blocks;
-use crate::heat::line::strip::state_layout::of_mode;
-use crate::heat::line::strip::operators::Operators;
+use crate::heat::line::strip::operators::StripOperators;
 use crate::heat::line::strip::propagate::Motion;
+use crate::heat::line::strip::state_layout::of_mode;
 use nalgebra::{Complex, DMatrix};
 
 /// Index of the stage's own flux among its weights.
@@ -34,7 +34,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    pub fn new(operators: &Operators) -> Workspace {
+    pub fn new(operators: &StripOperators) -> Workspace {
         let (count, waves) = (operators.widths.len(), operators.waves.len());
         let moving = if operators.expands { count } else { 0 };
         Workspace {
@@ -47,7 +47,7 @@ impl Workspace {
     }
 
     /// Sums the waves by their gains.
-    pub fn sum_waves(&mut self, operators: &Operators) {
+    pub fn sum_waves(&mut self, operators: &StripOperators) {
         let moving = 1 + usize::from(operators.expands);
         for (blocks, influence) in self.blocks.iter_mut().zip(&self.influence).take(moving) {
             blocks.clear();
@@ -68,7 +68,13 @@ impl Interval<'_> {
     }
 
     /// The answer for a velocity that is linear over the interval.
-    pub fn respond(&self, operators: &Operators, velocity: [f64; 2], workspace: &mut Workspace, answer: &mut Answer) {
+    pub fn respond(
+        &self,
+        operators: &StripOperators,
+        velocity: [f64; 2],
+        workspace: &mut Workspace,
+        answer: &mut Answer,
+    ) {
         let [warm, moved] = &mut workspace.influence;
         warm.fill(Complex::from(0.0));
         moved.fill(Complex::from(0.0));
@@ -84,13 +90,13 @@ impl Interval<'_> {
     }
 
     /// Rate at which fresh material makes forget, and its factor over the interval.
-    fn damping_of_images(&self, operators: &Operators, velocity: [f64; 2]) -> (f64, f64) {
+    fn damping_of_images(&self, operators: &StripOperators, velocity: [f64; 2]) -> (f64, f64) {
         let fade = operators.image_damping.mean(velocity);
         (fade, (-fade * self.length).exp())
     }
 
     /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
-    pub fn assemble(&self, operators: &Operators, workspace: &mut Workspace, answer: &mut Answer) {
+    pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, answer: &mut Answer) {
         let mean = &operators.mean;
         let Workspace { blocks, slow, turned, .. } = workspace;
         for (moving, slow) in slow.iter_mut().enumerate() {
@@ -123,7 +129,7 @@ impl Interval<'_> {
     }
 
     /// The weights of the known fluxes and, at the end, those in the states, without the gains.
-    pub fn weigh(&self, operators: &Operators, velocity: [f64; 2], answer: &mut Answer) {
+    pub fn weigh(&self, operators: &StripOperators, velocity: [f64; 2], answer: &mut Answer) {
         self.weigh_states(operators, velocity, answer, |_, _, _| {});
     }
 
@@ -131,7 +137,7 @@ impl Interval<'_> {
     #[inline(always)]
     fn weigh_states(
         &self,
-        operators: &Operators,
+        operators: &StripOperators,
         velocity: [f64; 2],
         answer: &mut Answer,
         mut see: impl FnMut(usize, usize, Complex<f64>),

@@ -4,9 +4,9 @@ use super::add;
 use super::interval::{Interval, Workspace, stage_fluxes};
 use crate::heat::line::strip::answer::{Answer, AtOnce, Layout};
 use crate::heat::line::strip::nodes::InterpolationNodes;
-use crate::heat::line::strip::state_layout::{self, of_mode, phases};
-use crate::heat::line::strip::operators::Operators;
+use crate::heat::line::strip::operators::StripOperators;
 use crate::heat::line::strip::propagate::Motion;
+use crate::heat::line::strip::state_layout::{self, of_mode, phases};
 use crate::heat::line::{GAMMA, Stage};
 use nalgebra::Complex;
 
@@ -54,7 +54,7 @@ impl StageWeights {
     }
 
     /// With memory for the answers of `kept` steps.
-    pub fn new(operators: &Operators, at_end: bool, kept: usize) -> StageWeights {
+    pub fn new(operators: &StripOperators, at_end: bool, kept: usize) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
         let layout = Layout::new(operators, at_end);
         StageWeights {
@@ -73,7 +73,7 @@ impl StageWeights {
 
     pub fn prepare(
         &mut self,
-        operators: &Operators,
+        operators: &StripOperators,
         length: f64,
         velocity: [f64; 2],
         immediate: AtOnce<'_>,
@@ -101,13 +101,13 @@ impl StageWeights {
     }
 
     /// The same where the answer is there.
-    pub fn resume(&mut self, operators: &Operators, length: f64, velocity: [f64; 2]) {
+    pub fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         self.take_length(operators, length);
         self.carry(operators, velocity);
     }
 
     /// What depends on the length of the interval alone.
-    pub fn take_length(&mut self, operators: &Operators, length: f64) {
+    pub fn take_length(&mut self, operators: &StripOperators, length: f64) {
         let mean = &operators.mean;
         if self.length != length {
             self.length = length;
@@ -124,7 +124,7 @@ impl StageWeights {
     }
 
     /// Factors of the waves' states over the interval.
-    pub fn carry(&mut self, operators: &Operators, velocity: [f64; 2]) {
+    pub fn carry(&mut self, operators: &StripOperators, velocity: [f64; 2]) {
         let fade = operators.image_damping.mean(velocity);
         let damping = (-fade * self.length).exp();
         let [cosine, sine] = &mut self.phases;
@@ -139,7 +139,13 @@ impl StageWeights {
     }
 
     /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
-    pub fn prepare_euler(&mut self, operators: &Operators, length: f64, velocity: [f64; 2], workspace: &mut Workspace) {
+    pub fn prepare_euler(
+        &mut self,
+        operators: &StripOperators,
+        length: f64,
+        velocity: [f64; 2],
+        workspace: &mut Workspace,
+    ) {
         // The next step of two stages makes its own decays.
         self.length = f64::NAN;
         let mean = &operators.mean;

@@ -2,17 +2,17 @@
 
 use super::{expanding, march, mean, steel, uneven};
 use crate::elastic::Cells;
-use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{GAMMA, ThermalBody, Stage, Surroundings};
+use crate::heat::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::heat::line::{GAMMA, Stage, Surroundings, ThermalBody};
 use crate::heat::slab::Base;
 
 #[test]
 fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
     for (base, path, convection, cooling) in [
-        (Base::Held, Path::Closed(0.3), 0.0, 0.0),
-        (Base::Insulated, Path::Stroke { stroke: 0.01, length: 0.0 }, 3000.0, 0.0),
-        (Base::Convecting(500.0), Path::Closed(0.1), 2000.0, -700.0),
-        (Base::Convecting(500.0), Path::OneWay, 1000.0, -300.0),
+        (Base::Held, SlidingPath::Closed(0.3), 0.0, 0.0),
+        (Base::Insulated, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 3000.0, 0.0),
+        (Base::Convecting(500.0), SlidingPath::Closed(0.1), 2000.0, -700.0),
+        (Base::Convecting(500.0), SlidingPath::Unidirectional, 1000.0, -300.0),
     ] {
         let mut properties = steel(0.02, base, path, convection);
         properties.expansion = expanding(0.3, crate::elastic::Base::Bonded);
@@ -58,7 +58,9 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
 
 #[test]
 fn cooling_that_falls_over_a_step_falls_over_its_parts() {
-    for path in [Path::Closed(0.3), Path::Stroke { stroke: 0.01, length: 0.0 }, Path::OneWay] {
+    for path in
+        [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, SlidingPath::Unidirectional]
+    {
         let properties = steel(0.02, Base::Convecting(500.0), path, 0.0);
         let cells = Cells::graded(0.02, 12).unwrap();
         let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
@@ -117,7 +119,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         assert!((cooled[0] - cooled[1]).abs() < 1e-3 * fall * rise, "{path:?}: {cooled:?}");
         // What lags behind is what the contact lacks of the cooling.
         assert!(lagged.abs() < 0.3 * (20.0 - cooled[0]), "{path:?}: {ahead:?} {cooled:?}");
-        if path == Path::OneWay {
+        if path == SlidingPath::Unidirectional {
             assert!(lagged.abs() < 1e-9 && ahead.lagging == 0.0, "{ahead:?} {cooled:?}");
         }
     }
@@ -126,7 +128,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
 #[test]
 fn convection_acts_beside_the_contact_only() {
     // So good a conductor that it is of one temperature: all heat leaves through the free surface.
-    let mut properties = steel(0.02, Base::Insulated, Path::Closed(0.3), 400.0);
+    let mut properties = steel(0.02, Base::Insulated, SlidingPath::Closed(0.3), 400.0);
     properties.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
     let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4, way: f64::INFINITY };
@@ -148,7 +150,7 @@ fn convection_acts_beside_the_contact_only() {
 #[test]
 fn everything_at_one_temperature_stays_there() {
     for base in [Base::Held, Base::Insulated, Base::Convecting(300.0)] {
-        let properties = steel(0.02, base, Path::Closed(0.3), 100.0);
+        let properties = steel(0.02, base, SlidingPath::Closed(0.3), 100.0);
         let cells = Cells::graded(0.05, 9).unwrap();
         let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -174,12 +176,12 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let length = 0.0754;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
     let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4, way: f64::INFINITY };
-    let body = |conductivity: f64, capacity: f64, path: Path| {
+    let body = |conductivity: f64, capacity: f64, path: SlidingPath| {
         let properties = StripProperties { conductivity, capacity, ..steel(0.05, Base::Held, path, 0.0) };
         StripHeat::new(&properties, &cells, &resolution).unwrap()
     };
-    for path in [Path::Closed(length), Path::Closed(2.0 * length), Path::OneWay] {
-        let (mut still, mut moving) = (body(55.0, 3.588e6, Path::Closed(length)), body(1.46, 1.991e6, path));
+    for path in [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional] {
+        let (mut still, mut moving) = (body(55.0, 3.588e6, SlidingPath::Closed(length)), body(1.46, 1.991e6, path));
         for velocity in [0.01, 0.05, 0.5] {
             for step in [1e-3, 3e-3, 1e-2, 0.1] {
                 still.prepare(step, [0.0; 2]);

@@ -2,8 +2,8 @@
 
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::elastic::Cells;
-use crate::heat::line::strip::{Path, Resolution, StripHeat};
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::strip::{Resolution, SlidingPath, StripHeat};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 use crate::heat::slab::Base;
 use crate::verification::reference::{ClosedPath, LayerBase, band_mean};
 
@@ -18,7 +18,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
             diffusivity: 54.0 / (7200.0 * 460.0),
             base: layer,
         };
-        let properties = cast_iron(0.011, base, Path::Closed(0.74));
+        let properties = cast_iron(0.011, base, SlidingPath::Closed(0.74));
         let cells = Cells::graded(0.0475, 33).unwrap();
         let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -46,7 +46,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
 #[test]
 fn half_space_at_short_times() {
     // Far from the edges of a wide contact at rest: 84.375 K after 1 s of 1 MW/m2.
-    let properties = cast_iron(0.1, Base::Insulated, Path::Closed(0.5));
+    let properties = cast_iron(0.1, Base::Insulated, SlidingPath::Closed(0.5));
     let cells = Cells::graded(0.1, 33).unwrap();
     let resolution = Resolution { duration: 1.0, shortest: 0.02, tolerance: 1e-4, way: f64::INFINITY };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -59,7 +59,7 @@ fn half_space_at_short_times() {
 #[test]
 fn oscillating_band_on_a_half_plane() {
     let cells = Cells::graded(1.0, 33).unwrap();
-    let properties = unit(150.0, Base::Held, Path::Stroke { stroke: 1.0, length: 0.0 });
+    let properties = unit(150.0, Base::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
     let period = 2.0 * std::f64::consts::PI;
     let per_period = 64;
     let step = period / per_period as f64;
@@ -86,7 +86,7 @@ fn jaeger_on_a_long_closed_path() {
     for (peclet, height, max, at, layer) in
         [(0.1, 38.0, 2.20033, -0.2435, 1e-3), (1.0, 12.0, 0.99185, -0.6664, 2e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
     {
-        let properties = unit(height, Base::Held, Path::Closed(2000.0));
+        let properties = unit(height, Base::Held, SlidingPath::Closed(2000.0));
         let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         body.prepare(1e12, [2.0 * peclet; 2]);
@@ -109,7 +109,7 @@ fn jaeger_on_a_long_closed_path() {
 #[test]
 fn heated_half_plane_curves_by_its_flux() {
     // u'' = alpha (1+nu) q/K where the flux q enters, steady, at rest.
-    let mut properties = steel(100.0, Base::Held, Path::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
+    let mut properties = steel(100.0, Base::Held, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
     properties.expansion = expanding(0.3, crate::elastic::Base::Smooth);
     let cells = Cells::graded(0.1, 33).unwrap();
     let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
@@ -129,7 +129,7 @@ fn heated_half_plane_curves_by_its_flux() {
 fn full_periodic_contact_is_the_layer_wave_by_wave() {
     // A flux that varies once round the ring: its cells' values hold only the aliases n, N - n, N + n, ... of one wave.
     let length = 0.2;
-    let mut properties = steel(0.02, Base::Held, Path::Closed(length), 0.0);
+    let mut properties = steel(0.02, Base::Held, SlidingPath::Closed(length), 0.0);
     properties.expansion = expanding(0.3, crate::elastic::Base::Bonded);
     let count = 32;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
@@ -167,14 +167,14 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
 }
 
 #[test]
-fn one_way_on_fresh_material_is_the_moving_source_at_every_speed() {
+fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
     let cells = Cells::graded(1.0, 33).unwrap();
     for (height, base, layer) in [
         (40.0, Base::Held, LayerBase::Held),
         (0.4, Base::Held, LayerBase::Held),
         (2.0, Base::Insulated, LayerBase::Insulated),
     ] {
-        let properties = unit(height, base, Path::OneWay);
+        let properties = unit(height, base, SlidingPath::Unidirectional);
         let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         println!("{:?} period {} {} states error {:.1e}", body.size(), body.period(), body.states(), body.error());
@@ -194,18 +194,19 @@ fn one_way_on_fresh_material_is_the_moving_source_at_every_speed() {
 }
 
 #[test]
-fn one_way_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
+fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
     for peclet in [0.1, 1.0, 10.0] {
-        let mut one_way = StripHeat::new(&unit(40.0, Base::Held, Path::OneWay), &cells, &resolution).unwrap();
+        let mut unidirectional =
+            StripHeat::new(&unit(40.0, Base::Held, SlidingPath::Unidirectional), &cells, &resolution).unwrap();
         // The exact transient: a closed path that the contact does not go round within the time.
-        let round = Path::Closed(600.0);
+        let round = SlidingPath::Closed(600.0);
         let mut exact = StripHeat::new(&unit(40.0, Base::Held, round), &cells, &resolution).unwrap();
-        let (mut state, mut reference) = (vec![0.0; one_way.states()], vec![0.0; exact.states()]);
+        let (mut state, mut reference) = (vec![0.0; unidirectional.states()], vec![0.0; exact.states()]);
         let steady = band_mean(peclet, Some((40.0, LayerBase::Held)));
         for (step, steps) in [(0.02, 5), (0.1, 5), (0.4, 5), (2.0, 5)] {
-            let computed = mean(&cells, &march(&mut one_way, &mut state, step, steps, |_| 2.0 * peclet));
+            let computed = mean(&cells, &march(&mut unidirectional, &mut state, step, steps, |_| 2.0 * peclet));
             let expected = mean(&cells, &march(&mut exact, &mut reference, step, steps, |_| 2.0 * peclet));
             println!("Pe {peclet} step {step}: {computed} {expected} {:.1e}", (computed - expected) / steady);
             assert!((computed - expected).abs() < 0.02 * steady, "{peclet} {step}: {computed} {expected}");
@@ -218,8 +219,11 @@ fn a_short_way_on_fresh_material_needs_no_long_period() {
     let (width, velocity, duration) = (0.04, 0.4, 0.2);
     let cells = Cells::graded(0.5 * width, 9).unwrap();
     // The exact transient: a closed path that the contact does not go round within the time.
-    let paths =
-        [(Path::Closed(1.0), f64::INFINITY), (Path::OneWay, f64::INFINITY), (Path::OneWay, velocity * duration)];
+    let paths = [
+        (SlidingPath::Closed(1.0), f64::INFINITY),
+        (SlidingPath::Unidirectional, f64::INFINITY),
+        (SlidingPath::Unidirectional, velocity * duration),
+    ];
     let [exact, long, short] = paths.map(|(path, way)| {
         let resolution = Resolution { duration, shortest: 1e-3 * duration, tolerance: 1e-3, way };
         let mut body = StripHeat::new(&steel(0.02, Base::Held, path, 0.0), &cells, &resolution).unwrap();

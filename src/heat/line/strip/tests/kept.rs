@@ -2,8 +2,8 @@
 
 use super::{cooled_steel, expanding, steel, uneven, unit};
 use crate::elastic::Cells;
-use crate::heat::line::strip::{Path, Resolution, StripHeat, StripProperties};
-use crate::heat::line::{SurfaceInfluence, ThermalBody, Stage, Surroundings};
+use crate::heat::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::heat::line::{Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::heat::slab::Base;
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use std::sync::Arc;
 fn answers_do_not_depend_on_when_they_were_found() {
     let cells = Cells::graded(0.03, 9).unwrap();
     let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-2, way: f64::INFINITY };
-    for path in [Path::OneWay, Path::Stroke { stroke: 0.02, length: 0.0 }] {
+    for path in [SlidingPath::Unidirectional, SlidingPath::Stroke { stroke: 0.02, length: 0.0 }] {
         let properties = StripProperties { convection: 0.2, ..unit(0.5, Base::Held, path) };
         let strip = || StripHeat::new(&properties, &cells, &resolution).unwrap();
         let influence = |body: &mut StripHeat, velocity: f64| {
@@ -37,7 +37,7 @@ fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
     let cells = Cells::graded(0.02, 9).unwrap();
     let properties = StripProperties {
         expansion: expanding(0.3, crate::elastic::Base::Bonded),
-        ..steel(0.02, Base::Held, Path::Stroke { stroke: 0.05, length: 0.0 }, 30.0)
+        ..steel(0.02, Base::Held, SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, 30.0)
     };
     let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2, way: f64::INFINITY };
     let body = || StripHeat::new(&properties, &cells, &resolution).unwrap().for_few_steps(0.1);
@@ -69,7 +69,7 @@ fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
 fn the_way_back_has_the_answers_of_the_way_there_mirrored() {
     let cells = Cells::graded(0.02, 9).unwrap();
     let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2, way: f64::INFINITY };
-    for path in [Path::Closed(0.3), Path::Stroke { stroke: 0.05, length: 0.0 }] {
+    for path in [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }] {
         let properties = cooled_steel(path);
         let body = || StripHeat::new(&properties, &cells, &resolution).unwrap().for_few_steps(0.1);
         let (mut mirrored, mut found) = (body(), body());

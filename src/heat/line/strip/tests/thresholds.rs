@@ -4,8 +4,8 @@ use super::{cooled_steel, uneven};
 use crate::elastic::Cells;
 use crate::heat::line::strip::propagate::LARGEST_DRIFT;
 use crate::heat::line::strip::step::stage::{LEAST_DRIFT, SHORT_TURN};
-use crate::heat::line::strip::{Path, Resolution, StripHeat};
-use crate::heat::line::{ThermalBody, Stage, Surroundings};
+use crate::heat::line::strip::{Resolution, SlidingPath, StripHeat};
+use crate::heat::line::{Stage, Surroundings, ThermalBody};
 
 /// Temperatures at the end of a step.
 fn temperatures(body: &mut StripHeat, state: &[f64], flux: &[f64], step: f64, velocity: [f64; 2]) -> Vec<f64> {
@@ -24,7 +24,7 @@ fn temperatures(body: &mut StripHeat, state: &[f64], flux: &[f64], step: f64, ve
 fn temperatures_are_finite_and_continuous_over_every_threshold() {
     let cells = Cells::graded(0.02, 9).unwrap();
     let resolution = Resolution { duration: 10.0, shortest: 0.02, tolerance: 1e-2, way: f64::INFINITY };
-    for path in [Path::OneWay, Path::Stroke { stroke: 0.05, length: 0.0 }] {
+    for path in [SlidingPath::Unidirectional, SlidingPath::Stroke { stroke: 0.05, length: 0.0 }] {
         let mut body = StripHeat::new(&cooled_steel(path), &cells, &resolution).unwrap();
         let flux = uneven(&cells, 1);
         let mut state = vec![0.0; body.states()];

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 /// A punch that wears with b = 1 (or both bodies, on a closed path) while it slides to and fro with equal half-strokes
 /// under a constant load.
 #[derive(Clone, Copy, Debug)]
-pub struct ToAndFroProblem<'a> {
+pub struct ReciprocatingProblem<'a> {
     /// The cells.
     pub cells: &'a Cells,
     /// Punch.
@@ -25,9 +25,9 @@ pub struct ToAndFroProblem<'a> {
     pub wear_per_stroke: f64,
 }
 
-/// Steady cycle of a [`ToAndFroProblem`].
+/// Steady cycle of a [`ReciprocatingProblem`].
 #[derive(Clone, Debug)]
-pub struct ToAndFro {
+pub struct Reciprocating {
     /// Pressure while v > 0, N cell means, in Pa; the mean over the half-stroke where wear per stroke counts.
     pub forward: Vec<f64>,
     /// Pressure while v < 0.
@@ -43,7 +43,7 @@ pub struct ToAndFro {
     pub energy: f64,
 }
 
-impl ToAndFroProblem<'_> {
+impl ReciprocatingProblem<'_> {
     /// Solves `p+- = pm +- d` from
     ///
     /// ```text
@@ -52,7 +52,7 @@ impl ToAndFroProblem<'_> {
     ///
     /// C with `wear_per_stroke/2` on its diagonal, w the cell widths. The worn depth per cycle is uniform because
     /// `p+ + p-` is. Where |d| = pm the pressure is 0 in one direction and twice the mean in the other.
-    pub fn solve(&self) -> Result<ToAndFro, SteadyError> {
+    pub fn solve(&self) -> Result<Reciprocating, SteadyError> {
         let programme = self.programme()?;
         let count = self.cells.count();
         let mean = self.load / (2.0 * self.cells.half_width());
@@ -83,7 +83,14 @@ impl ToAndFroProblem<'_> {
         let least = shape.iter().copied().fold(f64::INFINITY, f64::min);
         shape.iter_mut().for_each(|w| *w -= least);
         let energy = 0.5 * (programme.quadratic * d).dot(d) + programme.linear.dot(d);
-        Ok(ToAndFro { forward, backward, shape, approach_jump: 2.0 * lambda[0], tilt_jump: 2.0 * lambda[1], energy })
+        Ok(Reciprocating {
+            forward,
+            backward,
+            shape,
+            approach_jump: 2.0 * lambda[0],
+            tilt_jump: 2.0 * lambda[1],
+            energy,
+        })
     }
 
     /// The quadratic programme in d, after refusing what has no steady state.

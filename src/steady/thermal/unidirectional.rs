@@ -16,7 +16,7 @@ use crate::coupled::line::heat::bodies::{Bodies, cooled_part};
 use crate::coupled::line::hottest::Hottest;
 use crate::elastic::scene::relative_radii;
 use crate::elastic::{Cells, Compliance};
-use crate::heat::line::{BESIDE, FACES, FAR, ThermalBody, Stage, Surroundings};
+use crate::heat::line::{BESIDE, FACES, FAR, Stage, Surroundings, ThermalBody};
 use crate::numerics::factorization;
 use crate::numerics::maximum::maximum;
 use crate::scene::{Body, Geometry, Path, Scene, ThermalBoundary};
@@ -147,7 +147,8 @@ impl Problem<'_> {
         let (relative, rest) = iterate.split_at(count);
         let (felt, cooled) = rest.split_at(count);
         let (ambient, velocity) = (self.scene().ambient_temperature, self.velocity());
-        let kinetic_coefficient: Vec<f64> = felt.iter().map(|t| self.friction.kinetic_coefficient(t + ambient)).collect();
+        let kinetic_coefficient: Vec<f64> =
+            felt.iter().map(|t| self.friction.kinetic_coefficient(t + ambient)).collect();
         let stribeck: f64 = self.friction.stribeck(velocity);
         let sign: f64 = self.friction.sign(velocity);
         let weights = &self.contact.weights;
@@ -171,7 +172,9 @@ impl Problem<'_> {
         let conducts = influence.map(|influence| influence.is_some());
         self.partition.prepare((self.step, [velocity; 2]), influence, closed);
         let kinetic_coefficient = kinetic_coefficient.iter().zip(&self.radii);
-        let slip: Vec<f64> = kinetic_coefficient.map(|(kinetic_coefficient, radius)| kinetic_coefficient * stribeck * sign * velocity * radius).collect();
+        let slip: Vec<f64> = kinetic_coefficient
+            .map(|(kinetic_coefficient, radius)| kinetic_coefficient * stribeck * sign * velocity * radius)
+            .collect();
         let extra = &self.partition.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
         // The heat that the surfaces exchange without friction.
         let mut exchanged = zero.clone();

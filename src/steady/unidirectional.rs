@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Steady state of a punch that wears while it slides one way.
 #[derive(Clone, Debug, PartialEq)]
-pub struct OneWay {
+pub struct Unidirectional {
     /// N cell means of the pressure, in Pa.
     pub pressure: Vec<f64>,
     /// Rate at which the punch sinks at x = 0, in m/s (per unit of time of the rate).
@@ -19,7 +19,7 @@ pub struct OneWay {
     pub dissipation: f64,
 }
 
-impl OneWay {
+impl Unidirectional {
     /// Worn depth (N values, m, least value 0) under which elasticity gives this pressure: `g0 + w + A p` is a rigid
     /// motion, where the pressure is positive; elsewhere just enough for the gap to be 0.
     pub fn shape(&self, initial_gap: &[f64], compliance: &DMatrix<f64>) -> Vec<f64> {
@@ -42,7 +42,7 @@ pub fn punch_run_in(
     rate: &CellRate,
     load: f64,
     tilt: Tilt,
-) -> Result<OneWay, SteadyError> {
+) -> Result<Unidirectional, SteadyError> {
     positive("load", load)?;
     let (count, x) = (cells.count(), cells.centres());
     assert_eq!(weights.len(), count, "one weight per cell");
@@ -81,7 +81,7 @@ pub fn punch_run_in(
     let sinking = sinking_for(tilting);
     let pressure = pressures(sinking, tilting);
     let dissipation = sum(&pressure, &|i| rate.rate(i, pressure[i]));
-    Ok(OneWay { pressure, sinking_rate: sinking - tilting * centre, tilting_rate: tilting, dissipation })
+    Ok(Unidirectional { pressure, sinking_rate: sinking - tilting * centre, tilting_rate: tilting, dissipation })
 }
 
 /// Steady groove of a wearing strip on a fresh straight path: the strip comes in unworn at the leading edge and leaves
