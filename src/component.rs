@@ -13,13 +13,13 @@ pub use inputs::{LARGEST_INPUT, SHORTEST_STEP};
 pub use messages::Messages;
 pub use snapshot::Snapshot;
 
-use crate::coupled::INPUTS;
-use crate::coupled::lumped::conditions::Tunables;
-use crate::coupled::lumped::limit;
-use crate::coupled::model::{Model, ModelOperators};
-use crate::plan::prepared::Prepared;
-use crate::scene::{Scene, value};
-use crate::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
+use model::INPUTS;
+use model::levels::{Model, ModelOperators};
+use model::lumped::conditions::Tunables;
+use model::lumped::limit;
+use model::plan::prepared::Prepared;
+use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
+use scene::{Scene, value};
 use std::sync::Arc;
 
 /// Subject of a log message; the FMI categories are made from it.
@@ -262,7 +262,7 @@ impl Component {
         let known = self.prepared.take().filter(|prepared| prepared.requested == *scene);
         let prepared = match known {
             Some(prepared) => prepared,
-            None => Arc::new(Prepared::new(scene)?),
+            None => Arc::new(Prepared::new(scene, steady::run_in)?),
         };
         let inputs = inputs_of(&self.values);
         let tunables = tunables_of(&self.values);
@@ -275,7 +275,7 @@ impl Component {
         Ok(())
     }
 
-    /// Stores a parameter that [`crate::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
+    /// Stores a parameter that [`scene::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
     pub fn set_parameter(&mut self, reference: ValueReference, value: f64) {
         self.values[reference as usize] = value;
         // The ambient temperature and its offset belong together.

@@ -6,17 +6,4 @@
 #![allow(clippy::needless_range_loop)]
 
 pub mod component;
-pub mod contact;
-pub mod coupled;
-pub mod elastic;
-pub mod exact;
 pub mod fmi2;
-pub mod heat;
-pub mod numerics;
-pub mod plan;
-pub mod scene;
-pub mod slot;
-pub mod steady;
-pub mod variables;
-pub mod verification;
-pub mod wear;

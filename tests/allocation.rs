@@ -1,11 +1,11 @@
 //! A step allocates nothing once the component is initialised: at any level, and when it says something.
 //! (The explicit scheme, there to be compared, is left out: it asks for eigenvalues at every step.)
 
+use scene::slot;
+use scene::variables::{Kind, STARTS, find, lookup};
 use sliding_contact::component::Component;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, Logger, Status};
-use sliding_contact::slot;
-use sliding_contact::variables::{Kind, STARTS, find, lookup};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::ffi::{CString, c_char, c_void};

@@ -1,15 +1,15 @@
 //! Inputs at the thresholds of the step, one unit in the last place beside them and at the edges of the range of numbers, held and
 //! linear: a step gives finite outputs that do not jump, or says why not and changes nothing.
 
+use scene::variables::{STARTS, find};
 use sliding_contact::component::Component;
-use sliding_contact::variables::{STARTS, find};
 use std::path::Path;
 use std::sync::Arc;
 
 fn component(name: &str, changes: &[(&str, f64)]) -> Component {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
     let mut starts = STARTS;
-    starts.copy_from_slice(&sliding_contact::scene::file::read(&path).unwrap().packaged.starts);
+    starts.copy_from_slice(&scene_file::read(&path).unwrap().packaged.starts);
     for (name, value) in changes {
         starts[find(name).unwrap() as usize] = *value;
     }

@@ -1,13 +1,12 @@
 //! Contact pressure on cells against closed forms: Hertz and flat punches, cell means at |x| < .9 a.
 
-use sliding_contact::contact::{ContactSolver, ContactState, Normal, Tilt, pair_compliance, pair_operators};
-use sliding_contact::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid};
-use sliding_contact::exact::{FlatPunch, HertzLine, friction_exponent};
-use sliding_contact::wear::line::{
-    CellRate, Conditions, ContactRate, Disturbance, Integrator, Scheme, Status, WearingContact,
-};
+use contact::wear::line::{CellRate, Conditions, ContactRate, Disturbance, Status, WearingContact};
+use contact::{ContactSolver, ContactState, Normal, Tilt, pair_compliance, pair_operators};
+use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
+use exact::{FlatPunch, HertzLine, friction_exponent};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use verification::integrator::{Integrator, Scheme};
 
 /// Counts the allocations of every thread.
 struct Counting;

@@ -1,8 +1,9 @@
 //! Where contact and wear methods tend to fail: each case says what must come out.
 
-use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
-use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip};
-use sliding_contact::wear::line::{CellRate, Conditions, Integrator, Report, Scheme, StepError, WearingContact};
+use contact::wear::line::{CellRate, Conditions, WearingContact};
+use contact::{ContactState, Normal, Tilt, pair_operators};
+use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip};
+use verification::integrator::{Integrator, Report, Scheme, StepError};
 
 fn half_plane(cells: &Cells) -> Compliance {
     HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(cells)

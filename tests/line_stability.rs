@@ -1,13 +1,14 @@
 //! Where wear steps are stable, and extreme bodies and speeds: each case says what must come out.
 
+use contact::wear::line::{CellRate, Conditions, Direction, LineTrack, WearingContact};
+use contact::{ContactState, Normal, Tilt};
+use elasticity::block::{Block, BlockProperties, Discretization};
+use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Strip};
 use nalgebra::DMatrix;
-use sliding_contact::contact::{ContactState, Normal, Tilt};
-use sliding_contact::elastic::block::{Block, BlockProperties, Discretization};
-use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Strip};
-use sliding_contact::steady::groove;
-use sliding_contact::verification::stability::Verdict;
-use sliding_contact::verification::stability::wear_step::{Method, Relaxation};
-use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, LineTrack, Scheme, WearingContact};
+use steady::groove;
+use verification::integrator::{Integrator, Scheme};
+use verification::stability::Verdict;
+use verification::stability::wear_step::{Method, Relaxation};
 
 const LOAD: f64 = 2.0;
 
@@ -253,9 +254,7 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
 
 #[test]
 fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
-    use sliding_contact::verification::stability::growth_step::{
-        Method, contact as waves, hidden_from, measured_hidden_from, run,
-    };
+    use verification::stability::growth_step::{Method, contact as waves, hidden_from, measured_hidden_from, run};
     let split = waves(8, Method::Staggered).unwrap();
     for (ratio, step, expected) in
         [(0.6, 0.05, Verdict::Right), (2.0, 0.01, Verdict::Right), (5.0, 0.5, Verdict::Inexact)]
@@ -292,8 +291,8 @@ fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
 
 #[test]
 fn wear_holds_waves_down_to_the_threshold_of_theory() {
-    use sliding_contact::exact::instability::critical_ratio;
-    use sliding_contact::verification::stability::wear_speed::{contact, growth, run};
+    use exact::instability::critical_ratio;
+    use verification::stability::wear_speed::{contact, growth, run};
     for wear in [0.5, 1.2] {
         let contact = contact(16, wear).unwrap();
         let critical = critical_ratio(wear);
@@ -311,7 +310,7 @@ fn wear_holds_waves_down_to_the_threshold_of_theory() {
 
 #[test]
 fn the_default_follows_jumps_and_turning_waves_where_other_schemes_do_not() {
-    use sliding_contact::verification::stability::{Grid, peclet, reversal};
+    use verification::stability::{Grid, peclet, reversal};
     let map = reversal::map(Grid::Coarse, &|_| {}).unwrap();
     for point in &map.panels[0].points {
         assert!(point.y < 10.0 || point.verdict == Verdict::Rings, "{point:?}");
@@ -329,7 +328,7 @@ fn the_default_follows_jumps_and_turning_waves_where_other_schemes_do_not() {
 
 #[test]
 fn the_heat_split_is_right_for_every_conductance_and_for_bodies_that_hardly_conduct() {
-    use sliding_contact::verification::stability::conductance::run;
+    use verification::stability::conductance::run;
     for (ratio, conductance) in
         [(0.02, 0.0), (0.02, 1e2), (0.02, 1e5), (0.02, 1e12), (1.0, 1e12), (1e-6, 1e12), (1e-8, 1e6), (0.0, 1e12)]
     {

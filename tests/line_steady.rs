@@ -1,15 +1,12 @@
 //! Direct steady states against closed forms, against time stepping, and as the minima they are said to be.
 
+use contact::wear::line::{CellRate, Conditions, Direction, WearTerm, WearingContact};
+use contact::{ContactState, Normal, Tilt, pair_operators};
+use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
+use exact::{CyclicHalfPlane, HolderKind, annular_pressure, unidirectional_rotating_pressure};
 use nalgebra::DVector;
-use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
-use sliding_contact::elastic::{
-    Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler,
-};
-use sliding_contact::exact::{CyclicHalfPlane, HolderKind, annular_pressure, unidirectional_rotating_pressure};
-use sliding_contact::steady::{
-    CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, punch_run_in,
-};
-use sliding_contact::wear::line::{CellRate, Conditions, Direction, Integrator, Scheme, WearTerm, WearingContact};
+use steady::{CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, punch_run_in};
+use verification::integrator::{Integrator, Scheme};
 
 const LOAD: f64 = 2.0;
 

@@ -1,14 +1,13 @@
 //! Wear of the contact line against closed forms: Winkler, Galin, cylinder, annulus, rotating punch.
 
-use sliding_contact::contact::{ContactSolver, ContactState, Normal, Tilt, pair_operators};
-use sliding_contact::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
-use sliding_contact::exact::{
+use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
+use contact::{ContactSolver, ContactState, Normal, Tilt, pair_operators};
+use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
+use exact::{
     GalinRelaxation, annular_pressure, unidirectional_rotating_pressure, winkler_relaxation_rate,
     worn_cylinder_half_width,
 };
-use sliding_contact::wear::line::{
-    CellRate, Coefficient, Conditions, Integrator, Report, Scheme, StepError, WearTerm, WearingContact, explicit_limit,
-};
+use verification::integrator::{Integrator, Report, Scheme, StepError};
 
 /// E* = 1 and a = 1, k = 1: time is the tau of the exact solution.
 fn unit_half_plane() -> HalfPlane {

@@ -1,14 +1,14 @@
 //! A reversal on a communication point is the same whether rounding has left the velocity at 0 or a little beside it.
 
+use scene::variables::{STARTS, find};
 use sliding_contact::component::Component;
-use sliding_contact::variables::{STARTS, find};
 use std::path::Path;
 use std::sync::Arc;
 
 fn component(name: &str, changes: &[(&str, f64)]) -> Component {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
     let mut starts = STARTS;
-    starts.copy_from_slice(&sliding_contact::scene::file::read(&path).unwrap().packaged.starts);
+    starts.copy_from_slice(&scene_file::read(&path).unwrap().packaged.starts);
     for (name, value) in changes {
         starts[find(name).unwrap() as usize] = *value;
     }

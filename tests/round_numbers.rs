@@ -4,8 +4,8 @@
 //! A step that succeeds leaves finite outputs; one that fails says why and changes nothing. Tame inputs do not fail. `cargo test`
 //! takes a deterministic selection of the runs; `ROUND_NUMBERS=12000` makes so many, and prints what was found.
 
+use scene::variables::{STARTS, ValueReference, find};
 use sliding_contact::component::Component;
-use sliding_contact::variables::{STARTS, ValueReference, find};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -134,7 +134,7 @@ fn start_values(name: &str) -> Vec<f64> {
         return STARTS.to_vec();
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
-    sliding_contact::scene::file::read(&path).unwrap().packaged.starts.to_vec()
+    scene_file::read(&path).unwrap().packaged.starts.to_vec()
 }
 
 /// All shipped scenes and the stock one, in the order of their names.

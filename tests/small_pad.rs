@@ -1,17 +1,17 @@
 //! Small pads far above their nominal speed: what a flux on few cells heats does not cool the others.
 
+use model::levels::{Model, ModelOperators};
+use model::lumped::conditions::Tunables;
+use scene::Scene;
+use scene::variables::{STARTS, find};
 use sliding_contact::component::Component;
-use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, ModelOperators};
-use sliding_contact::scene::Scene;
-use sliding_contact::variables::{STARTS, find};
 use std::path::Path;
 use std::sync::Arc;
 
 fn small_pad(cells: f64, tolerance: f64) -> [f64; STARTS.len()] {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/disc_brake/scene.toml");
     let mut starts = STARTS;
-    starts.copy_from_slice(&sliding_contact::scene::file::read(&path).unwrap().packaged.starts);
+    starts.copy_from_slice(&scene_file::read(&path).unwrap().packaged.starts);
     for (name, value) in [
         ("punch.width", 0.020),
         ("punch.count", 3.0),
@@ -29,7 +29,7 @@ fn small_pad(cells: f64, tolerance: f64) -> [f64; STARTS.len()] {
 fn no_surface_cools_while_others_are_heated() {
     for (cells, tolerance) in [(33.0, 0.1), (17.0, 0.1), (33.0, 0.01)] {
         let scene = Scene::new(&small_pad(cells, tolerance), None).unwrap();
-        let operators = ModelOperators::new(&scene).unwrap();
+        let operators = ModelOperators::new(&scene, steady::run_in).unwrap();
         let tunables = Tunables {
             friction_coefficient: scene.friction_coefficient,
             ambient_temperature: scene.ambient_temperature,

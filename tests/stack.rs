@@ -1,8 +1,8 @@
 //! Stack that the component needs, measured: it depends on the scene and not on the values of its inputs, and stays within what
 //! the page in the FMU says.
 
+use scene::variables::{COUNT, STARTS, find};
 use sliding_contact::component::Component;
-use sliding_contact::variables::{COUNT, STARTS, find};
 use std::hint::black_box;
 use std::ptr;
 use std::sync::Arc;

@@ -1,15 +1,16 @@
 //! Steady states as the minima they are said to be, over the whole set of admissible pressures, and their cost.
 
+use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
+use contact::{ContactState, Normal, Tilt, pair_operators};
+use elasticity::discretization::{cells_for, compliances};
+use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, Strip};
 use nalgebra::{DMatrix, DVector};
-use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
-use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, Strip};
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::scene::{Sliding, steady_state};
-use sliding_contact::steady::{BoxProgramme, ReciprocatingProblem, punch_run_in};
-use sliding_contact::variables::{STARTS, find};
-use sliding_contact::wear::line::{CellRate, Coefficient, Conditions, Integrator, Scheme, WearTerm, WearingContact};
+use scene::Scene;
+use scene::variables::{STARTS, find};
 use std::time::Instant;
+use steady::states::{Sliding, steady_state};
+use steady::{BoxProgramme, ReciprocatingProblem, punch_run_in};
+use verification::integrator::{Integrator, Scheme};
 
 const COUNT: usize = 33;
 

@@ -1,15 +1,16 @@
 //! Steady states of scenes: every kind against its own equations on the contact, and what must be refused.
 
+use contact::wear::rocking::rocking_limit;
+use contact::{ContactSolver, Normal, Tilt, pair_compliance};
+use elasticity::discretization::{cells_for, compliances, load_weights};
+use elasticity::{Cells, Compliance};
+use exact::annular_pressure;
 use nalgebra::DVector;
-use sliding_contact::contact::{ContactSolver, Normal, Tilt, pair_compliance};
-use sliding_contact::elastic::scene::{cells_for, compliances, load_weights};
-use sliding_contact::elastic::{Cells, Compliance};
-use sliding_contact::exact::annular_pressure;
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::relative_velocity::{ElasticVelocity, assess};
-use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, run_in_shape, steady_state};
-use sliding_contact::steady::{SteadyError, rocking_limit};
-use sliding_contact::variables::{STARTS, find};
+use scene::Scene;
+use scene::variables::{STARTS, find};
+use steady::SteadyError;
+use steady::relative_velocity::{ElasticVelocity, assess};
+use steady::states::{Sliding, SteadyKind, SteadyState, run_in_shape, steady_state};
 
 /// A steel punch of 60 mm on a steel strip, 10 kN, to and fro over 3 mm.
 const PUNCH: &[(&str, f64)] = &[
@@ -76,7 +77,7 @@ impl Solved {
         let gap: Vec<f64> = self.state.shape.iter().zip(&self.state.groove).map(|(s, g)| s + g).collect();
         for stroke in &self.state.strokes {
             let matrix = pair_compliance(&self.bodies[0], &self.bodies[1], stroke.friction);
-            let rotates = self.scene.constraint == sliding_contact::scene::Constraint::TranslateAndRotate;
+            let rotates = self.scene.constraint == scene::Constraint::TranslateAndRotate;
             let tilt =
                 if rotates { Tilt::ResultantAt(stroke.friction * self.scene.pivot_height) } else { Tilt::Fixed(0.0) };
             let mut solver = ContactSolver::with_weights(&self.cells, &weights, matrix).unwrap();
@@ -359,7 +360,7 @@ fn sums_of_a_state_are_those_of_its_strokes() {
     let [to, fro] = [&solved.state.strokes[0], &solved.state.strokes[1]];
     assert!((to.duration - 0.2).abs() < 1e-15 && (fro.duration - 0.1).abs() < 1e-15);
     let depth = |p: f64| 7.0 * 3.9e-14 * p * 0.02f64.sqrt();
-    let volume = |stroke: &sliding_contact::steady::scene::SteadyStroke| {
+    let volume = |stroke: &steady::states::SteadyStroke| {
         let worn = DVector::from_iterator(33, stroke.pressure.iter().map(|&p| depth(p)));
         solved.cells.integral(worn.as_slice()) * 0.01 * 2.0 * stroke.duration / 0.3
     };

@@ -1,6 +1,6 @@
 //! Every problem with a known answer is solved within its bound: the rows of `cargo fmu verify`.
 
-use sliding_contact::verification::problems;
+use verification::problems;
 
 #[test]
 fn every_problem_is_solved_within_its_bound() {
@@ -45,13 +45,12 @@ fn a_wrong_or_undefined_value_does_not_pass() {
 }
 
 /// The harness of the charts: scenes over time, judged by their truth.
-#[cfg(feature = "scene-file")]
 mod drives {
+    use scene::variables::reference;
+    use scene::{Fidelity, Scheme};
     use sliding_contact::component::Component;
-    use sliding_contact::scene::{Fidelity, Scheme};
-    use sliding_contact::variables::reference;
-    use sliding_contact::verification::drives::{DriveProblem, Ending, Errors, Quantity, Record, Setting, problems};
     use std::sync::Arc;
+    use verification::drives::{DriveProblem, Ending, Errors, Quantity, Record, Setting, problems};
 
     fn problem(name: &str) -> DriveProblem {
         problems().unwrap().into_iter().find(|problem| problem.name == name).unwrap()

@@ -1,8 +1,8 @@
 //! Every warning: where it must be logged, and a scene beside it where it must not.
 
+use scene::slot::Packaged;
+use scene::variables::find;
 use sliding_contact::component::{Component, Subject};
-use sliding_contact::slot::Packaged;
-use sliding_contact::variables::find;
 use std::sync::Arc;
 
 const LUMPED: f64 = 2.0;
@@ -94,15 +94,15 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
 
 #[test]
 fn auto_that_carries_heat_by_its_mean_does_not_speak_of_the_explicit_scheme() {
-    use sliding_contact::coupled::line::operators::LineOperators;
-    use sliding_contact::scene::{HeatAlongContact, Scene};
+    use model::line::operators::LineOperators;
+    use scene::{HeatAlongContact, Scene};
     let mut values = Packaged::stock().starts;
     values[reference("solver.fidelity") as usize] = LINE;
     values[reference("solver.cells") as usize] = 9.0;
     let mut scene = Scene::new(&values, None).unwrap();
     assert!(scene.strip.thermal_expansion > 0.0);
     scene.heat_along_contact = HeatAlongContact::ByItsMean;
-    let operators = LineOperators::new(&scene).unwrap();
+    let operators = LineOperators::new(&scene, steady::run_in).unwrap();
     assert!(operators.heat.is_none());
     assert_eq!(operators.warnings(), SILENT);
 }

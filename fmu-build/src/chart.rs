@@ -17,9 +17,9 @@ use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use measure::Point;
 use serde_json::{Value, json};
-use sliding_contact::verification::drives::{self, DriveProblem, Sample};
 use std::fs;
 use std::path::{Path, PathBuf};
+use verification::drives::{self, DriveProblem, Sample};
 
 /// Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes.
 ///

@@ -4,8 +4,8 @@
 //! (`sliding_velocity [km/h]`) or with a unit spelled behind it (`speed_km_per_h`). Lines that begin with `#` are notes.
 
 use anyhow::{Context, Result, anyhow, bail};
-use sliding_contact::scene::file::quantity;
-use sliding_contact::variables::units::{SECOND, Unit};
+use scene::variables::units::{SECOND, Unit};
+use scene_file::quantity;
 use std::path::{Path, PathBuf};
 
 /// Name of the column that every file must have.
@@ -180,7 +180,7 @@ impl<'a> Found<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sliding_contact::variables::units::{KELVIN, METRE_PER_SECOND, NEWTON};
+    use scene::variables::units::{KELVIN, METRE_PER_SECOND, NEWTON};
 
     fn accepted() -> Vec<Column> {
         let speed = Column { required: true, unit_required: true, ..Column::optional("speed", &METRE_PER_SECOND) };

@@ -5,14 +5,14 @@ use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
 use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
+use model::line::cycle::map::sliding_scene;
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
+use model::line::heat::bodies::on_the_cells;
+use model::line::operators::LineOperators;
+use scene::Scene;
 use serde_json::{Value, json};
-use sliding_contact::coupled::line::cycle::map::sliding_scene;
-use sliding_contact::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
-use sliding_contact::coupled::line::heat::bodies::on_the_cells;
-use sliding_contact::coupled::line::operators::LineOperators;
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::thermal::nominal_half_strokes;
 use std::path::PathBuf;
+use steady::thermal::nominal_half_strokes;
 
 /// Carry a scene that slides to and fro over many cycles at nominal load and speed.
 ///
@@ -124,7 +124,7 @@ fn course(arguments: &Arguments) -> Result<Course> {
     scene.nominal_duration = scene.nominal_duration.max(period * arguments.cycles);
     let warm = !arguments.cold && on_the_cells(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
-    let operators = LineOperators::with_heat(&sliding_scene(&scene), warm)
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), warm, steady::run_in)
         .map_err(|error| anyhow::anyhow!(error))
         .with_context(|| format!("the scene {name}"))?;
     let mut map = CycleMap::new(operators, half_strokes, resolution)?;

@@ -7,9 +7,9 @@ mod inputs;
 use std::path::PathBuf;
 
 use anyhow::{Result, anyhow, bail};
+use model::plan::{self, Plan};
+use scene::{Fidelity, Scene};
 use serde_json::{Value, json};
-use sliding_contact::plan::{self, Plan};
-use sliding_contact::scene::{Fidelity, Scene};
 
 use crate::output::{self, print_line};
 use crate::scenes;
@@ -110,7 +110,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     // The plan is printed also where the scene fixes its level.
     let fixed = scene.fidelity;
     scene.fidelity = Fidelity::Auto;
-    let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
+    let planned = plan::make(&scene, steady::run_in).map_err(|text| anyhow!(text))?;
     if arguments.json {
         print_line!("{:#}", record(&planned.plan));
         return Ok(());

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use sliding_contact::scene::Scene;
-use sliding_contact::scene::file::{self, SceneFile};
-use sliding_contact::slot::{LARGEST_TOLERANCE, Packaged};
+use scene::Scene;
+use scene::slot::{LARGEST_TOLERANCE, Packaged};
+use scene_file::{self, SceneFile};
 
 use crate::project;
 
@@ -21,7 +21,7 @@ pub fn load(scene: Option<&str>) -> Result<SceneFile> {
         return Ok(SceneFile { packaged: Packaged::stock(), description: String::new(), given: Vec::new() });
     };
     let path = locate(scene)?;
-    file::read(&path).with_context(|| format!("the scene {}", path.display()))
+    scene_file::read(&path).with_context(|| format!("the scene {}", path.display()))
 }
 
 /// Gives one variable of a scene another start value: `assignment` is a line of a scene file, `key = value`, in which
@@ -36,7 +36,7 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     let as_it_is =
         value.parse::<f64>().is_ok() || value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value);
     let value = if as_it_is { value.to_owned() } else { format!("\"{value}\"") };
-    let line = file::parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
+    let line = scene_file::parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
         .with_context(|| format!("setting {assignment}"))?;
     if line.given.is_empty() {
         bail!("{key} is no variable of the scene");
@@ -128,7 +128,7 @@ mod tests {
             assign(&mut scene, assignment).unwrap();
         }
         let starts = |name: &str| {
-            let reference = sliding_contact::variables::find(name).unwrap() as usize;
+            let reference = scene::variables::find(name).unwrap() as usize;
             [before.packaged.starts[reference], scene.packaged.starts[reference]]
         };
         assert_eq!(starts("holder.pivot_height"), [0.0, 0.03]);

@@ -6,10 +6,10 @@ use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use sliding_contact::verification::stability::{self, Definition, Grid, Map, Verdict};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
+use verification::stability::{self, Definition, Grid, Map, Verdict};
 
 /// Compute stability maps: where each method is right, rings, grows or refuses, with the bound of the theory.
 ///
@@ -261,7 +261,7 @@ fn record(name: &str, map: &Map) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sliding_contact::verification::stability::{Curve, Point};
+    use verification::stability::{Curve, Point};
 
     fn sample() -> Map {
         let axis = |label| stability::Axis { label, logarithmic: true, range: Some((0.1, 10.0)) };

@@ -6,14 +6,14 @@ mod law;
 use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail};
+use elasticity::Cells;
+use elasticity::discretization::{cells_for, compliances};
+use model::line::profile::Profile;
+use scene::{Constraint, STATIONS, Scene};
 use serde_json::{Value, json};
-use sliding_contact::coupled::line::profile::Profile;
-use sliding_contact::elastic::Cells;
-use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::scene::{Constraint, STATIONS, Scene};
-use sliding_contact::steady::relative_velocity::{RelativeVelocity, assess};
-use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
-use sliding_contact::steady::thermal::{HotState, has_hot_state, hot_state};
+use steady::relative_velocity::{RelativeVelocity, assess};
+use steady::states::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
+use steady::thermal::{HotState, has_hot_state, hot_state};
 
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
@@ -345,7 +345,7 @@ impl Solved {
         let over = |values: &[f64], unit: f64| x.iter().zip(values).map(|(&x, v)| (x, unit * v)).collect::<Vec<_>>();
         let half_width = 1e3 * self.cells.half_width();
         let axis = || {
-            let along = self.scene.geometry == sliding_contact::scene::Geometry::Annular;
+            let along = self.scene.geometry == scene::Geometry::Annular;
             Axis::new(if along { "radius less the mean one, mm" } else { "x along the sliding direction, mm" })
                 .over(-half_width, half_width)
         };

@@ -3,11 +3,11 @@
 use crate::output::print_line;
 use crate::scenes;
 use anyhow::Result;
+use conduction::flash::Flash;
+use conduction::reduced::{Observation, ReducedBody};
+use model::lumped::operators::{BodyOperators, LumpedOperators};
+use scene::Scene;
 use serde_json::{Value, json};
-use sliding_contact::coupled::lumped::operators::{BodyOperators, LumpedOperators};
-use sliding_contact::heat::flash::Flash;
-use sliding_contact::heat::reduced::{Observation, ReducedBody};
-use sliding_contact::scene::Scene;
 
 /// Print the tables of a scene's lumped level as JSON: decay rates, residues and remainders of both bodies and of the
 /// moving source, and the rate that sliding adds to its decays.

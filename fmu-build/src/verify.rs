@@ -4,7 +4,7 @@ use crate::output::{print_line, print_text};
 use anyhow::{Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use sliding_contact::verification::{Row, problems};
+use verification::{Row, problems};
 
 /// Solve problems with a known answer and compare: exact and computed value, error, bound and cost.
 ///

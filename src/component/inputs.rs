@@ -1,9 +1,9 @@
 //! What the inputs of a step must satisfy. They are stored as they come; the step that would use them refuses them.
 
 use super::Component;
-use crate::coupled::INPUTS;
-use crate::scene::{ThermalBoundary, value};
-use crate::variables::{Kind, ValueReference, lookup, reference};
+use model::INPUTS;
+use scene::variables::{Kind, ValueReference, lookup, reference};
+use scene::{ThermalBoundary, value};
 
 /// Largest magnitude of an input, in its SI unit. What follows from inputs within it (their products, the powers of the
 /// wear law, the fourth power of a temperature) stays far within the range of numbers.

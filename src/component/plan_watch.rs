@@ -1,9 +1,9 @@
 //! Leaving what was planned for: the level stays, the log says so once, and the error is unknown from then on.
 
 use super::{Component, Subject, inputs_of};
-use crate::coupled::INPUTS;
-use crate::coupled::lumped::limit;
-use crate::scene::value;
+use model::INPUTS;
+use model::lumped::limit;
+use scene::value;
 
 impl Component {
     /// Looks whether the step that ended still was what the plan is for: within the nominal conditions, and below the critical speed

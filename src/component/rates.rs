@@ -1,8 +1,8 @@
 //! Time derivatives of the outputs at a communication point.
 
 use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, GROUPS, group, inputs_of};
-use crate::coupled::model::Model;
-use crate::variables::{COUNT, ValueReference};
+use model::levels::Model;
+use scene::variables::{COUNT, ValueReference};
 
 /// Length of the look ahead over the length of the last step: its error is the square of this.
 const AHEAD: f64 = 1e-3;

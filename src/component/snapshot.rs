@@ -1,13 +1,12 @@
 //! A saved state of the component: everything that matters, nothing that can be rebuilt.
 
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
-use crate::coupled::INPUTS;
-use crate::coupled::lumped::state::{BodyState, LumpedState};
-use crate::coupled::model::{Model, ModelState};
-use crate::plan::prepared::Prepared;
-use crate::scene::{Scene, value};
-use crate::variables::COUNT;
-use crate::wear::track::Track;
+use model::INPUTS;
+use model::levels::{Model, ModelState};
+use model::lumped::state::LumpedState;
+use model::plan::prepared::Prepared;
+use scene::variables::COUNT;
+use scene::{Scene, value};
 use std::sync::Arc;
 
 /// Parameters that differ from the start values, inputs with their derivatives, phase and states.
@@ -93,7 +92,7 @@ impl Component {
                         .map_err(|broken| broken.to_string())?;
                     match known.as_ref().filter(|prepared| prepared.requested == scene) {
                         Some(known) => known.clone(),
-                        None => Arc::new(Prepared::new(&scene)?),
+                        None => Arc::new(Prepared::new(&scene, steady::run_in)?),
                     }
                 }
             };
@@ -226,90 +225,4 @@ impl Snapshot {
         }
         numbers.next().is_none().then_some(snapshot)
     }
-}
-
-impl LumpedState {
-    /// All numbers of the state, in an order that [`ModelState::from_numbers`] reads.
-    fn numbers(&self) -> Vec<f64> {
-        let mut out = Vec::with_capacity(96);
-        for body in [&self.punch, &self.strip] {
-            row(&mut out, &body.heat);
-            out.extend(body.received);
-            out.extend([body.depth, body.worn]);
-        }
-        row(&mut out, &self.flash);
-        out.extend([self.position, self.distance, self.dissipated, self.bristle]);
-        out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
-        out.extend([self.end_temperature, self.end_force]);
-        out.extend(self.far_start);
-        out.extend(self.far);
-        out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
-        if let Some(track) = &self.track {
-            out.push(1.0);
-            track.save(&mut out);
-        } else {
-            out.push(0.0);
-        }
-        out
-    }
-
-    fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<LumpedState> {
-        let mut state = LumpedState::empty();
-        for body in [&mut state.punch, &mut state.strip] {
-            read_row(numbers, &mut body.heat)?;
-            for slot in body.received.iter_mut().chain([&mut body.depth, &mut body.worn]) {
-                *slot = *numbers.next()?;
-            }
-        }
-        read_row(numbers, &mut state.flash)?;
-        let mut next = || numbers.next().copied();
-        state.position = next()?;
-        state.distance = next()?;
-        state.dissipated = next()?;
-        state.bristle = next()?;
-        state.peak_rise = next()?;
-        state.peak_flux = next()?;
-        state.peak_wear = next()?;
-        state.reference = next()?;
-        state.error = next()?;
-        state.end_temperature = next()?;
-        state.end_force = next()?;
-        for slot in state.far_start.iter_mut().chain(&mut state.far) {
-            *slot = next()?;
-        }
-        state.limits = next()? as u8;
-        state.refinement = next()? as u8;
-        state.steps = next()? as u64;
-        state.rejected = next()? as u64;
-        if next()? != 0.0 {
-            let mut track = Track::new(1.0, 0.0);
-            track.load(numbers)?;
-            state.track = Some(track);
-        }
-        Some(state)
-    }
-}
-
-/// Writes a row without its trailing zeros.
-fn row(out: &mut Vec<f64>, values: &[f64]) {
-    let count = values.iter().rposition(|value| value.to_bits() != 0).map_or(0, |last| last + 1);
-    out.push(count as f64);
-    out.extend(&values[..count]);
-}
-
-fn read_row(numbers: &mut std::slice::Iter<'_, f64>, values: &mut [f64]) -> Option<()> {
-    let count = *numbers.next()?;
-    if !(0.0..=values.len() as f64).contains(&count) {
-        return None;
-    }
-    for slot in &mut values[..count as usize] {
-        *slot = *numbers.next()?;
-    }
-    Some(())
-}
-
-impl BodyState {
-    /// All zero.
-    pub const EMPTY: BodyState =
-        BodyState { heat: [0.0; crate::heat::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
 }

@@ -165,7 +165,7 @@ mod tests {
             step_finished: None,
             component_environment: (&raw mut notes).cast(),
         };
-        let guid = std::ffi::CString::new(crate::slot::current().unwrap().guid()).unwrap();
+        let guid = std::ffi::CString::new(scene::slot::current().unwrap().guid()).unwrap();
         let instance = Instance::instantiate(&callbacks, Some(c"test"), CO_SIMULATION, Some(&guid), false).unwrap();
         let handle = INSTANCES.insert(instance).unwrap();
         body(handle);

@@ -20,9 +20,9 @@ use super::policy::{Fault, Function, Phase};
 use super::state::Clock;
 use super::types::{CO_SIMULATION, CallbackFunctions, Real, Status, Type};
 use crate::component::{Component, Subject, Values};
-use crate::slot;
 use problem::argument;
 pub use problem::{Outcome, Problem};
+use scene::slot;
 use variables::Scratch;
 
 /// The scene of this library with what every instance needs of it, made once.

@@ -1,6 +1,6 @@
 //! The FMI 2.0 co-simulation interface in C: the only module that knows FMI and C.
 //!
-//! It holds no formula: what a variable is stands in [`crate::variables`], what it is worth in
+//! It holds no formula: what a variable is stands in [`scene::variables`], what it is worth in
 //! [`crate::component`]. Here stand who may call what when, and what the call answers.
 //!
 //! | module | about |

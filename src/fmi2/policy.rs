@@ -27,7 +27,7 @@
 #![forbid(unsafe_code)]
 
 use super::types::Status;
-use crate::variables::{COUNT, Causality, FLAT, Kind, TABLE, ValueReference, Variability};
+use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE, ValueReference, Variability};
 
 /// Phase of an instance. The discriminants are the bits of the masks.
 #[repr(u8)]
@@ -258,7 +258,7 @@ impl Access {
     const TYPE_SHIFT: u32 = 5;
     const INPUT: u8 = 0x80;
 
-    const fn of(row: &crate::variables::Row) -> Access {
+    const fn of(row: &scene::variables::Row) -> Access {
         let settable = match (row.causality, row.variability) {
             (Causality::Parameter, Variability::Tunable) => UNTIL_TERMINATED,
             (Causality::Parameter, _) => BEFORE,
@@ -392,7 +392,7 @@ pub fn same_time_within(time: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::variables::{find, lookup};
+    use scene::variables::{find, lookup};
 
     #[test]
     fn access_follows_causality_and_variability() {

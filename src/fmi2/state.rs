@@ -159,7 +159,7 @@ fn checksum(bytes: &[u8]) -> u64 {
 mod tests {
     use super::*;
     use crate::component::Component;
-    use crate::variables::STARTS;
+    use scene::variables::STARTS;
     use std::sync::Arc;
 
     const GUID: &str = "{01234567-89ab-cdef-0123-456789abcdef}";

@@ -2,9 +2,9 @@
 
 use std::ptr;
 
+use scene::variables::COUNT;
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::Status;
-use sliding_contact::variables::COUNT;
 
 use crate::importer::Stage::{self, *};
 use crate::importer::{Importer, STAGES, reference};

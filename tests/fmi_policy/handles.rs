@@ -115,7 +115,7 @@ fn a_thousand_instances_do_not_know_of_each_other() {
 #[test]
 fn two_threads_on_one_instance_get_errors_and_leave_it_whole() {
     let importer = Importer::at(Stage::Stepping);
-    let reference = sliding_contact::variables::find("sliding_velocity").unwrap();
+    let reference = scene::variables::find("sliding_velocity").unwrap();
     std::thread::scope(|scope| {
         for worker in 0..2_u32 {
             let importer = &importer;

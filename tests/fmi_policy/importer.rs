@@ -5,9 +5,9 @@ use std::ffi::CString;
 use std::ptr;
 use std::sync::Mutex;
 
+use scene::{slot, variables};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, FmuState, Logger, Status};
-use sliding_contact::{slot, variables};
 
 /// A phase of the state machine, and how an importer gets there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

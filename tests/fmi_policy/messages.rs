@@ -98,7 +98,7 @@ fn tolerance(importer: &Importer, own: Option<f64>) -> String {
 
 #[test]
 fn without_a_tolerance_of_the_importer_that_of_the_default_experiment_counts() {
-    let declared = sliding_contact::slot::current().unwrap().experiment.tolerance;
+    let declared = scene::slot::current().unwrap().experiment.tolerance;
     assert_ne!(declared, 1e-3);
     let importer = Importer::with_logging(true);
     for (own, wanted) in [
@@ -115,7 +115,7 @@ fn without_a_tolerance_of_the_importer_that_of_the_default_experiment_counts() {
 
 #[test]
 fn the_declared_tolerance_gives_what_the_same_number_from_the_importer_gives() {
-    let declared = sliding_contact::slot::current().unwrap().experiment.tolerance;
+    let declared = scene::slot::current().unwrap().experiment.tolerance;
     let run = |own: Option<f64>| {
         let importer = Importer::with_logging(true);
         tolerance(&importer, own);

@@ -189,7 +189,7 @@ fn random_values_never_give_a_crash_or_garbage() {
         let importer = Importer::new();
         level(&importer, seed);
         for _ in 0..150 {
-            let one = random.below(sliding_contact::variables::COUNT + 2) as u32;
+            let one = random.below(scene::variables::COUNT + 2) as u32;
             let value = random.real();
             let status = match random.below(12) {
                 0 | 1 => importer.set_reals(&[one], &[value]),

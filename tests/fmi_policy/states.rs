@@ -2,9 +2,9 @@
 
 use std::ptr;
 
+use scene::variables::{COUNT, Causality, Kind, lookup};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{FmuState, Status};
-use sliding_contact::variables::{COUNT, Causality, Kind, lookup};
 
 use crate::importer::{Importer, Stage};
 

@@ -1,11 +1,11 @@
 //! Heat on the cells of an annular contact: a ring on the ring that it slides over.
 
 use crate::drive::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
+use elasticity::discretization::{cells_for, compliances};
+use scene::Scene;
 use sliding_contact::component::Snapshot;
-use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::scene::Sliding;
-use sliding_contact::steady::thermal::{HotState, hot_state};
+use steady::states::Sliding;
+use steady::thermal::{HotState, hot_state};
 
 /// The clutch of the examples on the contact line.
 fn clutch(changes: &[(&str, f64)]) -> Drive {

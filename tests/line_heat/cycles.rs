@@ -1,18 +1,18 @@
 //! Steady states with heat and jumps over cycles, against time stepping.
 
 use crate::drive::{Drive, scene};
-use sliding_contact::coupled::line::cycle::map::sliding_scene;
-use sliding_contact::coupled::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, SolveOptions};
-use sliding_contact::coupled::line::operators::LineOperators;
-use sliding_contact::elastic::Cells;
-use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::exact::GalinRelaxation;
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::SteadyError;
-use sliding_contact::steady::scene::{Sliding, SteadyKind, steady_state};
-use sliding_contact::steady::thermal::law::{endless_cycles, law};
-use sliding_contact::steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
-use sliding_contact::variables::find;
+use elasticity::Cells;
+use elasticity::discretization::{cells_for, compliances};
+use exact::GalinRelaxation;
+use model::line::cycle::map::sliding_scene;
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution, SolveOptions};
+use model::line::operators::LineOperators;
+use scene::Scene;
+use scene::variables::find;
+use steady::SteadyError;
+use steady::states::{Sliding, SteadyKind, steady_state};
+use steady::thermal::law::{endless_cycles, law};
+use steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
 
 /// The reciprocating punch at a tenth of its size: heat settles in 2 s, ten cycles, and the wear in some fifty.
 const SMALL: &[(&str, f64)] = &[
@@ -252,7 +252,7 @@ fn heat_changes_the_steady_pressures_of_long_cycles_only() {
 
 fn map(changes: &[(&str, f64)], heat: bool) -> CycleMap {
     let scene = made(changes);
-    let operators = LineOperators::with_heat(&sliding_scene(&scene), heat).unwrap();
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), heat, steady::run_in).unwrap();
     let resolution = if heat { Resolution { levels: 2, parts: 2 } } else { Resolution::COLD };
     CycleMap::new(operators, nominal_half_strokes(&scene), resolution).unwrap()
 }

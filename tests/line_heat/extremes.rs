@@ -1,7 +1,7 @@
 //! Heat along the contact line where numbers become large, small or 0.
 
 use crate::drive::{Drive, scene};
-use sliding_contact::verification::planning::scenes::generate;
+use verification::planning::scenes::generate;
 
 fn scene_on_line(changes: &[(&str, f64)]) -> Drive {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 1e-3)];

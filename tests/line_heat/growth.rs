@@ -176,7 +176,7 @@ fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
     let w = wear * CAPACITY / (FRICTION * EXPANSION * 1.3);
     let start = |acceleration: f64| {
         let changes = [("punch.wear_coefficient", wear), ("wear_acceleration", acceleration)];
-        Drive::attempt(&sliding_contact::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &changes))
+        Drive::attempt(&scene::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &changes))
     };
     let warned = |drive: &mut Drive| {
         drive.set("normal_load", 1e4).set("sliding_velocity", 0.01).step(1e-3);
@@ -199,6 +199,6 @@ fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
     assert_eq!(warned(&mut drive), 1);
     // Wear that is as fast by itself is physics.
     let own = [("punch.wear_coefficient", wear / w)];
-    let natural = Drive::attempt(&sliding_contact::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &own));
+    let natural = Drive::attempt(&scene::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &own));
     assert_eq!(warned(&mut natural.unwrap()), 0);
 }

@@ -1,7 +1,6 @@
 //! Heat along the contact line through the component alone: account, distortion, order, states.
 
 // The example scenes are files.
-#![cfg(feature = "scene-file")]
 #![allow(clippy::needless_range_loop, reason = "stations read as the formulas they are when they are indexed")]
 
 #[path = "../lumped_physics/drive.rs"]

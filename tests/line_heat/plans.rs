@@ -1,17 +1,17 @@
 //! What auto chooses, and what happens when a run leaves the plan.
 
 use crate::drive::{Drive, LUMPED, reference, scene};
+use model::INPUTS;
+use model::levels::{Model, ModelOperators};
+use model::lumped::conditions::Tunables;
+use model::plan::{self, model_level::ModelLevel};
+use scene::variables::STARTS;
+use scene::{HeatAlongContact, Scene};
 use sliding_contact::component::{Component, Message, Snapshot, Subject};
-use sliding_contact::coupled::INPUTS;
-use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, ModelOperators};
-use sliding_contact::plan::{self, model_level::ModelLevel};
-use sliding_contact::scene::{HeatAlongContact, Scene};
-use sliding_contact::variables::STARTS;
-use sliding_contact::verification::planning::judge::{judge, truth};
-use sliding_contact::verification::planning::runs;
-use sliding_contact::verification::planning::scenes::{Group, generate};
 use std::sync::Arc;
+use verification::planning::judge::{judge, truth};
+use verification::planning::runs;
+use verification::planning::scenes::{Group, generate};
 
 /// Generated scenes of three groups, quick ones among the first.
 const SEEDS: [u64; 3] = [0, 3, 9];
@@ -47,8 +47,8 @@ fn generated_scenes_are_reproducible_and_of_every_group() {
 #[test]
 fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pin_on_disk/scene.toml");
-    let mut starts = sliding_contact::scene::file::read(&path).unwrap().packaged.starts;
-    let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
+    let mut starts = scene_file::read(&path).unwrap().packaged.starts;
+    let plan = plan::make(&Scene::new(&starts, None).unwrap(), steady::run_in).unwrap().plan;
     assert!(
         matches!(plan.model_level, ModelLevel::Line { .. })
             && plan.estimated_error.is_some_and(|error| error < plan::UNKNOWN),
@@ -71,7 +71,7 @@ fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
 #[test]
 fn the_same_scene_has_the_same_plan() {
     let scene = generate(5).scene(1e-2).unwrap();
-    let [one, other] = [plan::make(&scene).unwrap(), plan::make(&scene).unwrap()];
+    let [one, other] = [plan::make(&scene, steady::run_in).unwrap(), plan::make(&scene, steady::run_in).unwrap()];
     assert_eq!(one.plan, other.plan);
     assert!(one.plan.candidates.len() > 5 && one.plan.effects.len() == 8, "{:#?}", one.plan);
     // Finer rungs have smaller errors and cost more.
@@ -89,7 +89,7 @@ fn planning_costs_what_it_may_and_covers_the_nominal_duration() {
     for seed in [1, 5, 7, 12, 18, 24] {
         let generated = generate(seed);
         for tolerance in [1e-1, 1e-2] {
-            let plan = plan::make(&generated.scene(tolerance).unwrap()).unwrap().plan;
+            let plan = plan::make(&generated.scene(tolerance).unwrap(), steady::run_in).unwrap().plan;
             let name = format!("{} at {tolerance:e}: {plan:#?}", generated.name());
             assert!(plan.planning_cost <= 1e6 && plan.compared_steps > 20, "{name}");
             let repeated = generated.group == Group::Reciprocating;
@@ -274,7 +274,7 @@ fn above_the_critical_speed_the_error_is_not_known() {
     for (name, value) in [("solver.fidelity", 1.0), ("solver.tolerance", 1e-2)] {
         starts[reference(name) as usize] = value;
     }
-    let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
+    let plan = plan::make(&Scene::new(&starts, None).unwrap(), steady::run_in).unwrap().plan;
     assert!(plan.groups.speed_over_critical > 1.0, "{plan:#?}");
     assert!(!plan.meets && plan.estimated_error == Some(plan::UNKNOWN), "{plan:#?}");
     assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
@@ -300,7 +300,7 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
 fn wear_is_found_to_rounding_at_129_cells() {
     let generated = generate(120);
     let model_level = ModelLevel::Line { cells: 129, heat: HeatAlongContact::OnTheCells };
-    let operators = ModelOperators::new(&model_level.apply(&generated.scene(1e-4).unwrap())).unwrap();
+    let operators = ModelOperators::new(&model_level.apply(&generated.scene(1e-4).unwrap()), steady::run_in).unwrap();
     let record = runs::run_with(&generated, &operators).unwrap();
     println!("{:?} internal steps", record.steps);
     assert!(record.steps.0 < 10_000, "{:?}", record.steps);
@@ -310,7 +310,7 @@ fn plan_of(name: &str, tolerance: f64) -> plan::Plan {
     let mut starts = scene(name);
     starts[reference("solver.tolerance") as usize] = tolerance;
     let scene = Scene::new(&starts, None).unwrap();
-    plan::make(&scene).unwrap().plan
+    plan::make(&scene, steady::run_in).unwrap().plan
 }
 
 #[test]
@@ -336,7 +336,7 @@ fn on(model_level: ModelLevel, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
         ambient_temperature: scene.ambient_temperature,
         wear_acceleration: 1.0,
     };
-    Model::new(&ModelOperators::new(&model_level.apply(scene)).unwrap(), tunables, inputs)
+    Model::new(&ModelOperators::new(&model_level.apply(scene), steady::run_in).unwrap(), tunables, inputs)
 }
 
 /// Open, or standing under load, a contact line whose heat is the mean's solves no contact. With heat on the cells an open one
@@ -386,7 +386,7 @@ fn accelerated_wear_is_compared_as_well() {
     for (name, value) in [("wear_acceleration", 10.0), ("nominal.duration", 2.5), ("solver.tolerance", 1e-2)] {
         starts[reference(name) as usize] = value;
     }
-    let plan = plan::make(&Scene::new(&starts, None).unwrap()).unwrap().plan;
+    let plan = plan::make(&Scene::new(&starts, None).unwrap(), steady::run_in).unwrap().plan;
     assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error < 1e-2), "{plan:#?}");
 }

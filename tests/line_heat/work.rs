@@ -1,10 +1,10 @@
 //! Counted work of steps with heat whose speed changes: solutions of the contact problem, matrix factorisations, internal steps.
 
 use crate::drive::{reference, scene};
-use sliding_contact::coupled::INPUTS;
-use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, ModelOperators};
-use sliding_contact::scene::Scene;
+use model::INPUTS;
+use model::levels::{Model, ModelOperators};
+use model::lumped::conditions::Tunables;
+use scene::Scene;
 
 /// Numbers of a run: internal steps that were accepted by step, and by these what was rejected, solved and factored.
 #[derive(Debug)]
@@ -29,7 +29,7 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     };
     let ambient = scene.ambient_temperature;
     let inputs = |velocity: f64| [velocity, scene.nominal_load, 0.0, 0.0, 0.0, ambient, ambient];
-    let mut model = Model::new(&ModelOperators::new(&scene).unwrap(), tunables, &inputs(velocity(0)));
+    let mut model = Model::new(&ModelOperators::new(&scene, steady::run_in).unwrap(), tunables, &inputs(velocity(0)));
     let mut run = |numbers: std::ops::Range<u32>| {
         for n in numbers {
             let mut slopes = [0.0; INPUTS];

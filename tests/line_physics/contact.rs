@@ -1,7 +1,7 @@
 //! Pressure at one instant: closed forms, balances, the holder.
 
 use super::drive::Drive;
-use sliding_contact::exact::{FlatPunch, HertzLine, friction_exponent};
+use exact::{FlatPunch, HertzLine, friction_exponent};
 
 /// Rigid punch, 60 mm wide and 10 mm deep, on a half-plane of E = 200 GPa, nu = .3; friction .25, no heat feeds back.
 pub const BASE: &[(&str, f64)] = &[
@@ -142,7 +142,7 @@ fn pivot_moves_the_resultant_to_the_leading_edge() {
         assert!(drive.get("tilt") * velocity > 0.0);
     }
     let tipping = Drive::attempt(
-        &sliding_contact::variables::STARTS,
+        &scene::variables::STARTS,
         &[BASE, &[("holder.constraint", 2.0), ("holder.pivot_height", 0.12)]].concat(),
     );
     let text = tipping.err().unwrap();

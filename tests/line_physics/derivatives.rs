@@ -2,7 +2,7 @@
 
 use super::contact::line;
 use super::drive::{Drive, Random, reference};
-use sliding_contact::variables::{COUNT, Causality, Kind, ValueReference, lookup};
+use scene::variables::{COUNT, Causality, Kind, ValueReference, lookup};
 
 const INPUTS: [(&str, f64); 7] = [
     ("sliding_velocity", 5.0),

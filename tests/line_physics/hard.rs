@@ -148,7 +148,7 @@ fn a_punch_that_rocks_itself_round_says_so_and_runs() {
     assert!(jump(99) < jump(199) && jump(199) < jump(299) && jump(399) > 1.1 * jump(99), "{tilts:?}");
     // Run-in starts are refused there, with the reason.
     let text = Drive::attempt(
-        &sliding_contact::variables::STARTS,
+        &scene::variables::STARTS,
         &[BASE, &changes, &[("contact.initial_shape", 3.0), ("strip.path", 1.0), ("strip.length", 0.0)]].concat(),
     )
     .err()

@@ -2,7 +2,6 @@
 //! forms, the direct steady states and finer steps.
 
 // The example scenes are files.
-#![cfg(feature = "scene-file")]
 // Stations and cells read as the formulas they are when they are written with indices.
 #![allow(clippy::needless_range_loop)]
 

@@ -2,8 +2,8 @@
 
 use super::contact::{BASE, line, stations, trapezoid};
 use super::drive::{Drive, scene};
-use sliding_contact::exact::{CyclicHalfPlane, HolderKind};
-use sliding_contact::variables::STARTS;
+use exact::{CyclicHalfPlane, HolderKind};
+use scene::variables::STARTS;
 
 fn drive_reciprocating(drive: &mut Drive, half_strokes: u32, parts: u32, velocity: f64, stroke: f64) {
     for half in 0..half_strokes {
@@ -209,7 +209,7 @@ fn heat_is_that_of_the_mean() {
 #[test]
 fn example_wears_towards_its_steady_cycle() {
     let mut starts = scene("reciprocating_punch");
-    starts[sliding_contact::variables::find("solver.fidelity").unwrap() as usize] = 3.0;
+    starts[scene::variables::find("solver.fidelity").unwrap() as usize] = 3.0;
     let mut drive = Drive::from_starts(&starts, &[("solver.cells", 17.0)]);
     drive.set("normal_load", 1e4);
     let mut first = f64::NAN;

@@ -142,11 +142,7 @@ fn an_insulator_takes_nothing() {
         assert!((jump - 0.25 * flux / 2e4).abs() < 1e-6 * 200.0, "{jump}");
     }
     assert!(
-        Drive::attempt(
-            &sliding_contact::variables::STARTS,
-            &[("punch.conductivity", 0.0), ("strip.conductivity", 0.0)]
-        )
-        .is_err()
+        Drive::attempt(&scene::variables::STARTS, &[("punch.conductivity", 0.0), ("strip.conductivity", 0.0)]).is_err()
     );
 }
 
@@ -236,7 +232,7 @@ fn the_ambient_offset_and_the_tunable_ambient_are_the_same() {
 
 #[test]
 fn an_external_temperature_of_nothing_is_an_error_that_says_so() {
-    let text = Drive::attempt(&sliding_contact::variables::STARTS, &[("strip.base_thermal", EXTERNAL)]).err().unwrap();
+    let text = Drive::attempt(&scene::variables::STARTS, &[("strip.base_thermal", EXTERNAL)]).err().unwrap();
     assert!(text.contains("strip.external_temperature = 0 K") && text.contains("strip.base_thermal"), "{text}");
     let mut drive = Drive::stock(&[("strip.base_thermal", EXTERNAL), ("strip.external_temperature", 330.0)]);
     drive.set("strip.external_temperature", 0.0);

@@ -1,7 +1,7 @@
 //! The component as the tests drive it: by names, from the stock scene or one of the examples.
 
+use scene::variables::{STARTS, ValueReference, find};
 use sliding_contact::component::{Component, Values};
-use sliding_contact::variables::{STARTS, ValueReference, find};
 use std::sync::Arc;
 
 pub const AUTO: f64 = 1.0;
@@ -82,7 +82,7 @@ impl Drive {
 /// Start values of an example scene by the name of its folder.
 pub fn scene(name: &str) -> Values {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
-    sliding_contact::scene::file::read(&path).unwrap().packaged.starts
+    scene_file::read(&path).unwrap().packaged.starts
 }
 
 /// Every example scene with the load and the velocity it is made for.

@@ -1,7 +1,7 @@
 //! Line and annular contact, faces, several punches, straight and closed paths.
 
 use super::drive::{Drive, HELD, INSULATED};
-use sliding_contact::verification::reference::{LayerBase, band_mean};
+use exact::reference::{LayerBase, band_mean};
 
 const OUTPUTS: [&str; 14] = [
     "friction_force",

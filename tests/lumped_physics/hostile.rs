@@ -2,8 +2,8 @@
 //! everything as it was.
 
 use super::drive::{Drive, EXTERNAL, scene};
+use scene::variables::{COUNT, Causality, STARTS, lookup};
 use sliding_contact::component::Component;
-use sliding_contact::variables::{COUNT, Causality, STARTS, lookup};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What a case must come to.

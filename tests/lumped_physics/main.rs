@@ -2,7 +2,6 @@
 //! derivatives and limits, against closed forms, fine steps and brute force.
 
 // The example scenes are files.
-#![cfg(feature = "scene-file")]
 
 mod balance;
 mod bristle;

@@ -1,8 +1,8 @@
 //! A replay from a saved state gives the same bits, whatever was called before it was saved.
 
 use super::drive::{Drive, LUMPED, Random, reference};
+use scene::variables::{COUNT, STARTS};
 use sliding_contact::component::{Component, Snapshot};
-use sliding_contact::variables::{COUNT, STARTS};
 use std::sync::Arc;
 
 const INPUTS: [&str; 3] = ["sliding_velocity", "normal_load", "ambient_temperature_offset"];
@@ -14,7 +14,7 @@ fn bits(component: &mut Component) -> Vec<u64> {
 /// The names of the variables that differ.
 fn differing(left: &[u64], right: &[u64]) -> Vec<String> {
     let name = |reference: usize| {
-        let (row, element) = sliding_contact::variables::lookup(reference as u32).unwrap();
+        let (row, element) = scene::variables::lookup(reference as u32).unwrap();
         row.element_name(element)
     };
     (0..COUNT).filter(|&i| left[i] != right[i]).map(name).collect()

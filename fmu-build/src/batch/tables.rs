@@ -3,7 +3,7 @@
 use crate::columns::{self, Column};
 use anyhow::{Context, Result, bail};
 use fmu_host::{Causality, Description, Variable};
-use sliding_contact::variables::{self, units};
+use scene::variables::{self, units};
 use std::path::Path;
 
 /// A design: one row per scene, cells as texts.

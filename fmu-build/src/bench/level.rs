@@ -8,9 +8,9 @@ use super::line::Solution;
 use super::{Cost, TURNS};
 use crate::scenes;
 use anyhow::{Context, Result, anyhow, ensure};
+use exact::GalinRelaxation;
+use scene::variables::{STARTS, find};
 use sliding_contact::component::{Component, Snapshot, Values};
-use sliding_contact::exact::GalinRelaxation;
-use sliding_contact::variables::{STARTS, find};
 use std::sync::Arc;
 use std::time::Instant;
 

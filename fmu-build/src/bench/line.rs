@@ -5,15 +5,16 @@
 
 use super::{Cost, TURNS};
 use anyhow::{Result, anyhow, ensure};
+use contact::wear::line::{CellRate, Coefficient, Conditions, WearingContact};
+use contact::{ContactState, Normal, Tilt, WorkCounter, pair_operators};
+use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting as lu;
 use faer::perm::PermRef;
 use faer::{Mat, Par};
 use nalgebra::DMatrix;
-use sliding_contact::contact::{ContactState, Normal, Tilt, WorkCounter, pair_operators};
-use sliding_contact::elastic::{Cells, ElasticBody, HalfPlane, Material, Rigid};
-use sliding_contact::wear::line::{CellRate, Coefficient, Conditions, Integrator, Scheme, WearingContact};
 use std::time::Instant;
+use verification::integrator::{Integrator, Scheme};
 
 /// Steps of a turn, and how many of them are timed together: few, so that other work on the machine seldom falls between.
 const STEPS: usize = 60;

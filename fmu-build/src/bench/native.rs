@@ -283,7 +283,7 @@ impl Variables {
     /// # Errors
     /// Where the table of variables has them no more.
     pub fn of_the_contact() -> Result<Self> {
-        let reference = |name| sliding_contact::variables::find(name).with_context(|| format!("no variable {name}"));
+        let reference = |name| scene::variables::find(name).with_context(|| format!("no variable {name}"));
         Ok(Self {
             inputs: [reference("sliding_velocity")?, reference("normal_load")?],
             outputs: [reference("wear_depth")?, reference("contact_temperature")?, reference("friction_force")?],

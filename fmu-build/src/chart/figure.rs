@@ -3,7 +3,7 @@
 use super::measure::Point;
 use super::{Chart, table};
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
-use sliding_contact::verification::drives::Quantity;
+use verification::drives::Quantity;
 
 /// What stands on the horizontal axis.
 type Cost = fn(&Point) -> f64;

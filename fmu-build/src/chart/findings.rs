@@ -3,8 +3,8 @@
 use super::Chart;
 use super::measure::Point;
 use serde_json::{Value, json};
-use sliding_contact::verification::drives::Quantity;
 use std::fmt;
+use verification::drives::Quantity;
 
 /// Error that a setting must reach.
 const WANTED: f64 = 1e-2;
@@ -177,7 +177,7 @@ impl Findings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sliding_contact::verification::drives::{Errors, problems};
+    use verification::drives::{Errors, problems};
 
     #[test]
     fn only_runs_that_model_what_is_asked_are_compared() {

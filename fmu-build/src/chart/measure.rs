@@ -1,7 +1,7 @@
 //! Runs the settings of a family and takes their time.
 
 use super::{Chart, clock};
-use sliding_contact::verification::drives::{Ending, Errors, Family, Quantity, Record, Sample};
+use verification::drives::{Ending, Errors, Family, Quantity, Record, Sample};
 
 /// What a run may take.
 pub struct Budget {

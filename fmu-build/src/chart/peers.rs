@@ -9,12 +9,12 @@ use super::Chart;
 use super::measure::Point;
 use crate::{package, project, python};
 use anyhow::{Context, Result, bail};
+use scene::STATIONS;
+use scene::variables::TABLE;
 use serde_json::{Value, json};
-use sliding_contact::scene::STATIONS;
-use sliding_contact::variables::TABLE;
-use sliding_contact::verification::drives::{DriveProblem, Errors, Sample};
 use std::io::Write;
 use std::process::{Command, Stdio};
+use verification::drives::{DriveProblem, Errors, Sample};
 
 /// Rows of the inputs that a peer receives per communication step, linear between them.
 const ROWS: u32 = 10;

@@ -3,16 +3,16 @@
 use super::{clock, machine};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use anyhow::{Context, Result, anyhow};
+use model::levels::ModelOperators;
+use scene::Scene;
+use scene::variables::find;
 use serde_json::{Value, json};
 use sliding_contact::component::{Component, Values};
-use sliding_contact::coupled::model::ModelOperators;
-use sliding_contact::scene::Scene;
-use sliding_contact::variables::find;
-use sliding_contact::verification::drives;
 use std::fmt::{self, Write as _};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use verification::drives;
 
 /// Steps timed together; the fastest of [`CHUNKS`] counts.
 const STEPS: usize = 20;
@@ -136,7 +136,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
 /// Thermal states of both bodies and waves of the strip.
 fn sizes(values: &Values) -> Option<[f64; 2]> {
     let scene = Scene::new(values, None).ok()?;
-    let Ok(ModelOperators::Line(operators)) = ModelOperators::new(&scene) else { return None };
+    let Ok(ModelOperators::Line(operators)) = ModelOperators::new(&scene, steady::run_in) else { return None };
     let heat = operators.heat.as_ref()?;
     Some([(heat.states[0] + heat.states[1]) as f64, heat.waves as f64])
 }

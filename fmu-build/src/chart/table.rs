@@ -1,8 +1,8 @@
 //! The CSV file beside a chart.
 
 use super::{Chart, machine};
-use sliding_contact::verification::drives::Quantity;
 use std::fmt::Write as _;
+use verification::drives::Quantity;
 
 /// Everything that was measured, one row per run, under a header of comments.
 pub fn of(chart: &Chart) -> String {

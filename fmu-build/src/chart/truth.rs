@@ -4,10 +4,10 @@ use super::{clock, machine};
 use crate::output::print_line;
 use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
-use sliding_contact::verification::drives::{DriveProblem, Sample, Truth};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
+use verification::drives::{DriveProblem, Sample, Truth};
 
 fn path(problem: &DriveProblem) -> PathBuf {
     project::root().join("documentation/accuracy/truth").join(format!("{}.csv", problem.name))
@@ -98,7 +98,7 @@ fn read(text: &str, problem: &DriveProblem) -> Result<Option<(String, Vec<Sample
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sliding_contact::verification::drives::problems;
+    use verification::drives::problems;
 
     #[test]
     fn a_kept_truth_is_read_back_for_its_own_scene_only() {

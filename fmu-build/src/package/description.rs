@@ -1,11 +1,11 @@
 //! modelDescription.xml of a scene, made from the variable table.
 
-use sliding_contact::fmi2::policy::OUTPUT_DERIVATIVE_ORDER;
-use sliding_contact::slot::Packaged;
-use sliding_contact::variables::units::{UNITS, Unit};
-use sliding_contact::variables::{
+use scene::slot::Packaged;
+use scene::variables::units::{UNITS, Unit};
+use scene::variables::{
     COUNT, Causality, Depends, EnumerationType, Initial, Kind, Row, TABLE, ValueReference, Variability, lookup,
 };
+use sliding_contact::fmi2::policy::OUTPUT_DERIVATIVE_ORDER;
 
 use super::xml::{Attribute, Xml, number, numeric, text};
 
@@ -339,7 +339,7 @@ mod tests {
             (0..COUNT as u32).filter(|&reference| lookup(reference).unwrap().0.causality == Causality::Output);
         assert_eq!(outputs, expected.map(|reference| reference + 1).collect::<Vec<_>>());
         let dependencies = |from: usize, name: &str| {
-            let index = (sliding_contact::variables::find(name).unwrap() + 1).to_string();
+            let index = (scene::variables::find(name).unwrap() + 1).to_string();
             elements[from..].iter().find(|element| element.1.get("index") == Some(&index)).unwrap().1["dependencies"]
                 .clone()
         };

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use quick_xml::escape::escape;
-use sliding_contact::scene::file::SceneFile;
-use sliding_contact::slot::STOCK_NAME;
-use sliding_contact::variables::units::Unit;
-use sliding_contact::variables::{Causality, Kind, Row, TABLE, reference};
+use scene::slot::STOCK_NAME;
+use scene::variables::units::Unit;
+use scene::variables::{Causality, Kind, Row, TABLE, reference};
+use scene_file::SceneFile;
 
 use super::description::{LOG_CATEGORIES, SUMMARY, enumerations, variability};
 use super::xml::number;
@@ -155,7 +155,7 @@ fn enumeration_tables() -> String {
 mod tests {
     use super::*;
     use crate::scenes;
-    use sliding_contact::coupled::lumped::limit;
+    use model::lumped::limit;
 
     #[test]
     fn every_variable_stands_in_the_page_and_no_place_is_left_open() {
@@ -211,23 +211,23 @@ mod tests {
     fn every_message_of_the_model_stands_in_the_page() {
         let page = plain(MESSAGES);
         let sources = [
-            ("rules", include_str!("../../../src/scene/rules.rs"), "broken(", 20),
-            ("lumped level", include_str!("../../../src/coupled/lumped/advance.rs"), "StepFailure(", 1),
-            ("work of a step", include_str!("../../../src/coupled/budget.rs"), "StepFailure(", 1),
-            ("bodies worn through", include_str!("../../../src/coupled/lumped/mod.rs"), "StepFailure(", 1),
-            ("line level", include_str!("../../../src/coupled/line/mod.rs"), "StepFailure(", 1),
-            ("operator split", include_str!("../../../src/coupled/line/heat/staggered.rs"), "StepFailure(", 1),
-            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "Err(", 1),
-            ("growth", include_str!("../../../src/coupled/line/heat/growth.rs"), "write!(", 2),
-            ("step of the line", include_str!("../../../src/coupled/line/step.rs"), "StepFailure(", 3),
-            ("steady states", include_str!("../../../src/steady/mod.rs"), "write!(", 7),
-            ("contact", include_str!("../../../src/contact/problem.rs"), "write!(", 4),
-            ("wear stage", include_str!("../../../src/wear/line/contact.rs"), "write!(", 1),
+            ("rules", include_str!("../../../crates/scene/src/rules.rs"), "broken(", 20),
+            ("lumped level", include_str!("../../../crates/model/src/lumped/advance.rs"), "StepFailure(", 1),
+            ("work of a step", include_str!("../../../crates/model/src/budget.rs"), "StepFailure(", 1),
+            ("bodies worn through", include_str!("../../../crates/model/src/lumped/mod.rs"), "StepFailure(", 1),
+            ("line level", include_str!("../../../crates/model/src/line/mod.rs"), "StepFailure(", 1),
+            ("operator split", include_str!("../../../crates/model/src/line/heat/staggered.rs"), "StepFailure(", 1),
+            ("growth", include_str!("../../../crates/model/src/line/heat/growth.rs"), "Err(", 1),
+            ("growth", include_str!("../../../crates/model/src/line/heat/growth.rs"), "write!(", 2),
+            ("step of the line", include_str!("../../../crates/model/src/line/step.rs"), "StepFailure(", 3),
+            ("steady states", include_str!("../../../crates/steady/src/lib.rs"), "write!(", 7),
+            ("contact", include_str!("../../../crates/contact/src/problem.rs"), "write!(", 4),
+            ("wear stage", include_str!("../../../crates/contact/src/wear/line/contact.rs"), "write!(", 1),
             ("steps", include_str!("../../../src/component.rs"), "return Err(", 2),
-            ("warnings", include_str!("../../../src/coupled/model.rs"), "warnings.push(", 1),
+            ("warnings", include_str!("../../../crates/model/src/levels.rs"), "warnings.push(", 1),
             (
                 "warnings of the line",
-                include_str!("../../../src/coupled/line/operators.rs"),
+                include_str!("../../../crates/model/src/line/operators.rs"),
                 "warnings.push(format!(",
                 1,
             ),
@@ -235,7 +235,7 @@ mod tests {
             ("limits", include_str!("../../../src/component.rs"), "(limit::WEAR, ", 1),
             ("limits", include_str!("../../../src/component.rs"), "limit::VALIDITY,", 1),
             ("limits with values", include_str!("../../../src/component.rs"), "let text = format_args!(", 3),
-            ("temperatures", include_str!("../../../src/scene/warnings.rs"), "    format!(", 1),
+            ("temperatures", include_str!("../../../crates/scene/src/warnings.rs"), "    format!(", 1),
             ("instance", include_str!("../../../src/fmi2/instance.rs"), "refuse(&format!(", 2),
             ("instance", include_str!("../../../src/fmi2/instance.rs"), "refuse(", 1),
             ("instance", include_str!("../../../src/fmi2/instance.rs"), "argument(", 3),

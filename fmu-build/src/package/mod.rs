@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
-use sliding_contact::scene::file::SceneFile;
-use sliding_contact::slot;
+use scene::slot;
+use scene_file::SceneFile;
 
 use crate::output::{self, print_line};
 use crate::{project, scenes};

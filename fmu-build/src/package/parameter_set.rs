@@ -1,8 +1,8 @@
 //! A scene as an SSP parameter set (System Structure Parameter Values 1.0), for the stock FMU.
 
-use sliding_contact::scene::file::SceneFile;
-use sliding_contact::variables::units::{UNITS, Unit};
-use sliding_contact::variables::{Kind, lookup};
+use scene::variables::units::{UNITS, Unit};
+use scene::variables::{Kind, lookup};
+use scene_file::SceneFile;
 
 use super::description::{SUMMARY, enumerations};
 use super::xml::{Xml, number, text};
@@ -85,13 +85,12 @@ fn unit_definition(xml: &mut Xml, unit: &Unit) {
 mod tests {
     use quick_xml::Reader;
     use quick_xml::events::Event;
-    use sliding_contact::scene::file;
 
     use super::*;
 
     #[test]
     fn what_the_scene_sets_is_in_the_set_and_nothing_else() {
-        let scene = file::parse(
+        let scene = scene_file::parse(
             "name = \"bench\"\npunch.width = \"60 mm\"\ncontact.faces = 3\ncontact.shear_coupling = false\n\
              strip.path = \"straight\"\ncontact.friction_fade.factor = [1, 1, 1, 1, 1, 1, 1, 0.25]",
         )

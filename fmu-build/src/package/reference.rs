@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow};
+use scene::slot::Packaged;
+use scene::variables::{ValueReference, find, reference};
 use sliding_contact::component::Component;
-use sliding_contact::slot::Packaged;
-use sliding_contact::variables::{ValueReference, find, reference};
 
 use super::archive::Files;
 use super::description::MODEL_IDENTIFIER;

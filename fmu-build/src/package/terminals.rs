@@ -92,7 +92,7 @@ fn corners((x, y): (f64, f64), half: f64) -> [super::xml::Attribute<'static>; 4]
 
 #[cfg(test)]
 mod tests {
-    use sliding_contact::variables::{Causality, TABLE, find, lookup};
+    use scene::variables::{Causality, TABLE, find, lookup};
 
     use super::*;
 

@@ -8,12 +8,12 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
-use sliding_contact::coupled::lumped::conditions::Tunables;
-use sliding_contact::coupled::model::{Model, ModelOperators};
-use sliding_contact::plan;
-use sliding_contact::scene::{Fidelity, Scene};
-use sliding_contact::variables::find;
-use sliding_contact::verification::planning::runs::processor_seconds;
+use model::levels::{Model, ModelOperators};
+use model::lumped::conditions::Tunables;
+use model::plan;
+use scene::variables::find;
+use scene::{Fidelity, Scene};
+use verification::planning::runs::processor_seconds;
 
 use crate::chart::machine;
 use crate::output::print_line;
@@ -48,7 +48,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         starts[tolerance as usize] = TOLERANCE;
         let mut scene = Scene::new(&starts, None).map_err(|broken| anyhow!("{broken}"))?;
         scene.fidelity = Fidelity::Auto;
-        let planned = plan::make(&scene).map_err(|text| anyhow!(text))?;
+        let planned = plan::make(&scene, steady::run_in).map_err(|text| anyhow!(text))?;
         if !planned.plan.meets {
             writeln!(table, "# left out: {name}: {}", planned.plan.reason)?;
             print_line!("{name}: {}", planned.plan.reason);
@@ -56,7 +56,7 @@ pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
         }
         let mut finest = scene.clone();
         finest.fidelity = Fidelity::Field;
-        let field = ModelOperators::new(&finest).map_err(|text| anyhow!(text))?;
+        let field = ModelOperators::new(&finest, steady::run_in).map_err(|text| anyhow!(text))?;
         let step = file.packaged.experiment.step;
         let own = seconds_per_step(&scene, &planned.operators, step, STEPS[0])?;
         let reference = seconds_per_step(&scene, &field, step, STEPS[1])?;

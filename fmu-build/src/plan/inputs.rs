@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
+use scene::variables::{COUNT, Causality, Kind, TABLE, find, units::KELVIN};
+use scene_file::SceneFile;
 use serde_json::{Value, json};
-use sliding_contact::scene::file::SceneFile;
-use sliding_contact::variables::{COUNT, Causality, Kind, TABLE, find, units::KELVIN};
-use sliding_contact::verification::applications::Application;
-use sliding_contact::verification::applications::trial::{Run, Setting, errors, largest, remaining, run};
+use verification::applications::Application;
+use verification::applications::trial::{Run, Setting, errors, largest, remaining, run};
 
 use crate::columns::{self, Column};
 

@@ -3,7 +3,7 @@
 use crate::columns::{self, Column, Table};
 use crate::project;
 use anyhow::{Context, Result, bail};
-use sliding_contact::variables::units::METRE_PER_SECOND;
+use scene::variables::units::METRE_PER_SECOND;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use super::Example;
 use crate::scenes;
 use anyhow::{Context, Result, bail};
 use fmu_host::Description;
-use sliding_contact::variables;
+use scene::variables;
 use std::f64::consts::PI;
 use std::fs::File;
 use std::io::Read;

@@ -2,12 +2,12 @@
 
 use super::{Solved, direction, largest, number};
 use crate::plot::{Axis, Legend, Mark, Panel, Series};
+use elasticity::Cells;
+use model::lumped::HIGHEST_VALID_TEMPERATURE;
+use scene::Scene;
 use serde_json::{Value, json};
-use sliding_contact::coupled::lumped::HIGHEST_VALID_TEMPERATURE;
-use sliding_contact::elastic::Cells;
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::scene::SteadyState;
-use sliding_contact::steady::thermal::HotState;
+use steady::states::SteadyState;
+use steady::thermal::HotState;
 
 const ZERO_CELSIUS: f64 = 273.15;
 

@@ -2,14 +2,14 @@
 
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use anyhow::{Context, Result};
+use elasticity::discretization::{cells_for, compliances};
 use indicatif::{ProgressBar, ProgressStyle};
+use scene::Scene;
 use serde_json::{Value, json};
-use sliding_contact::elastic::scene::{cells_for, compliances};
-use sliding_contact::scene::Scene;
-use sliding_contact::steady::thermal::law::{Differences, LawPoint, endless_cycles, law};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
+use steady::thermal::law::{Differences, LawPoint, endless_cycles, law};
 
 /// log10 of the shortest and the longest cycle over the thermal time, and points in a decade.
 const DECADES: [i32; 2] = [-3, 2];

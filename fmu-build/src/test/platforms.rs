@@ -8,7 +8,7 @@ use crate::bench;
 use crate::package::{self, Platform};
 use crate::project;
 use anyhow::{Context, Result, bail, ensure};
-use sliding_contact::variables::{Causality, Kind, TABLE, find};
+use scene::variables::{Causality, Kind, TABLE, find};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};

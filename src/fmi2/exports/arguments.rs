@@ -7,7 +7,7 @@ use core::marker::PhantomData;
 
 use crate::fmi2::instance::Problem;
 use crate::fmi2::policy::Fault;
-use crate::variables::COUNT;
+use scene::variables::COUNT;
 
 /// Most elements of an array of variables: each once. A larger number is an uninitialised one.
 pub const MOST_VARIABLES: usize = COUNT;

@@ -5,7 +5,7 @@
 use crate::fmi2::policy::{self, Fault, Phase, Type};
 use crate::fmi2::registry::Refused;
 use crate::fmi2::types::{DO_STEP_STATUS, LAST_SUCCESSFUL_TIME, PENDING_STATUS, StatusKind, TERMINATED};
-use crate::variables::{self, COUNT, Causality, ValueReference, Variability};
+use scene::variables::{self, COUNT, Causality, ValueReference, Variability};
 
 /// A refused or failed call.
 #[derive(Debug)]

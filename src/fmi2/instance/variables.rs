@@ -7,7 +7,7 @@ use super::problem::{self, Outcome, Problem, argument, reference_problem};
 use crate::fmi2::exports::arguments::{Sink, Source};
 use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE_ORDER};
 use crate::fmi2::types::{Integer, Real};
-use crate::variables::{self, Causality, ValueReference};
+use scene::variables::{self, Causality, ValueReference};
 
 /// Arguments of `fmi2GetDirectionalDerivative`, kept so that calling it again allocates nothing.
 #[derive(Default)]

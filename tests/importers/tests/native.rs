@@ -5,7 +5,7 @@ use fmi::fmi2::import::Fmi2Import;
 use fmi::fmi2::instance::{CoSimulation, Common, Instance};
 use fmi::import;
 use fmi::traits::FmiImport;
-use sliding_contact::variables;
+use scene::variables;
 use std::path::PathBuf;
 
 /// File named by an environment variable that `cargo fmu test --importers` sets.

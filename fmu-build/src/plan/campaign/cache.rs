@@ -8,8 +8,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use sliding_contact::verification::applications::Application;
-use sliding_contact::verification::applications::trial::{Run, Setting, errors, fine_run, largest, remaining, run};
+use verification::applications::Application;
+use verification::applications::trial::{Run, Setting, errors, fine_run, largest, remaining, run};
 
 use super::{FIXED, TOLERANCES};
 use crate::project;

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use sliding_contact::verification::applications::trial::{self, Setting, errors_so_far, largest};
-use sliding_contact::verification::applications::{self, Application};
+use verification::applications::trial::{self, Setting, errors_so_far, largest};
+use verification::applications::{self, Application};
 
 use cache::{Fixed, Reference};
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use sliding_contact::verification::applications::trial::largest;
+use verification::applications::trial::largest;
 
 use super::{Outcome, TOLERANCES, Trial, Tried};
 use crate::chart::machine;

@@ -4,9 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use sliding_contact::scene::file;
-use sliding_contact::verification::applications::trial::Setting;
 use toml_edit::{DocumentMut, Item, Table, Value};
+use verification::applications::trial::Setting;
 
 /// Value of `solver.fidelity`, and of `solver.cells` on a line.
 pub fn level(setting: Setting) -> (&'static str, Option<usize>) {
@@ -29,7 +28,7 @@ pub fn settings(path: &Path, setting: Setting, tolerance: f64) -> Result<()> {
 }
 
 fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
-    file::parse(text)?;
+    scene_file::parse(text)?;
     let mut document: DocumentMut = text.parse()?;
     let solver = document.entry("solver").or_insert_with(|| Item::Table(Table::new()));
     let Some(solver) = solver.as_table_like_mut() else { bail!("solver is no table") };
@@ -53,17 +52,17 @@ fn changed(text: &str, setting: Setting, tolerance: f64) -> Result<String> {
     }
     set("tolerance", tolerance.into());
     let changed = document.to_string();
-    file::parse(&changed).context("the changed scene")?;
+    scene_file::parse(&changed).context("the changed scene")?;
     Ok(changed)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sliding_contact::variables::find;
+    use scene::variables::find;
 
     fn of(text: &str, name: &str) -> f64 {
-        file::parse(text).unwrap().packaged.starts[find(name).unwrap() as usize]
+        scene_file::parse(text).unwrap().packaged.starts[find(name).unwrap() as usize]
     }
 
     #[test]

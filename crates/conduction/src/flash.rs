@@ -1,0 +1,391 @@
+//! The moving source reduced to a few states whose rates follow the velocity.
+//!
+//! At rest the contact's local heating is a sum of decays: `H(s) = sum r_k/(s + lambda_k)`. Sliding
+//! carries heat away from under the contact as if every decay were faster by one rate `sigma(v)`:
+//!
+//! ```text
+//! dx_k/dt = -(lambda_k + sigma(v)) x_k + r_k q,     T = sum x_k
+//! ```
+//!
+//! with sigma(v) from the exact kernel, `H(sigma(v)) = R(v)`. That is exact at rest for every history and
+//! at every steady velocity; in between it has the right short-time limit (the effusivity of a
+//! half-space) and forgets over the time that the contact takes to slide over its own length. Above
+//! that rate the states are quasi-steady by themselves and T = R(v) q.
+//!
+//! The states come from H at a few real frequencies by the symmetric Loewner pencil (a rational
+//! Krylov reduction that needs only values of H), so their rates and residues are positive.
+
+use super::moving_source::{MovingSource, Part};
+use nalgebra::{Complex, DMatrix, DVector};
+use numerics::factorization;
+
+/// Most states of the flash part, and of the track part.
+pub const MAX_FLASH_STATES: usize = 8;
+
+/// Sum of decays `r/(s + lambda)` in ascending order of rate, with positive residues.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Decays {
+    /// Rates lambda, 1/s.
+    pub rate: Vec<f64>,
+    /// Residues r, K m2/J.
+    pub residue: Vec<f64>,
+}
+
+impl Decays {
+    /// Value at the real frequency `s`.
+    pub fn at(&self, s: f64) -> f64 {
+        self.rate.iter().zip(&self.residue).map(|(rate, residue)| residue / (rate + s)).sum()
+    }
+
+    /// Interpolates `response` and its derivative at the frequencies `shifts` (ascending, > 0); fewer
+    /// where the pencil runs out of digits. `response` must be a Stieltjes function of `s`.
+    pub fn interpolate(shifts: &[f64], response: impl Fn(Complex<f64>) -> Complex<f64>) -> Decays {
+        let values: Vec<(f64, f64)> = shifts
+            .iter()
+            .map(|&s| {
+                // A complex step gives the derivative without cancellation.
+                let step = 1e-20 * s;
+                let value = response(Complex::new(s, step));
+                (value.re, value.im / step)
+            })
+            .collect();
+        let mut used: Vec<usize> = (0..shifts.len()).collect();
+        while !used.is_empty() {
+            if let Some(decays) = Decays::from_pencil(shifts, &values, &used) {
+                return decays;
+            }
+            // Every second frequency is better conditioned, down to one, which works wherever the values are numbers.
+            used = if used.len() > 1 { used.iter().copied().step_by(2).collect() } else { Vec::new() };
+        }
+        Decays { rate: vec![f64::NAN], residue: vec![f64::NAN] }
+    }
+
+    fn from_pencil(shifts: &[f64], values: &[(f64, f64)], used: &[usize]) -> Option<Decays> {
+        let count = used.len();
+        let entry = |i: usize, j: usize| {
+            let ((si, (hi, di)), (sj, (hj, _))) =
+                ((shifts[used[i]], values[used[i]]), (shifts[used[j]], values[used[j]]));
+            if i == j { (-di, hi + si * di) } else { ((hi - hj) / (sj - si), (si * hi - sj * hj) / (si - sj)) }
+        };
+        // Scaled to a unit diagonal of the mass.
+        let scale: Vec<f64> = (0..count).map(|i| entry(i, i).0.sqrt().recip()).collect();
+        let mass = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).0);
+        let stiffness = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).1);
+        let load = DVector::from_fn(count, |i, _| scale[i] * values[used[i]].0);
+        let factor = factorization::cholesky(mass).ok()?.l();
+        if factor.diagonal().min() < 1e-6 {
+            return if count > 1 { None } else { Some(Decays::single(&values[used[0]], shifts[used[0]])) };
+        }
+        let half = factor.solve_lower_triangular(&stiffness)?;
+        let reduced = factor.solve_lower_triangular(&half.transpose())?;
+        let eigen = factorization::symmetric_eigen(0.5 * (&reduced + reduced.transpose())).ok()?;
+        let weights = eigen.eigenvectors.transpose() * factor.solve_lower_triangular(&load)?;
+        let mut pairs: Vec<(f64, f64)> =
+            eigen.eigenvalues.iter().zip(weights.iter()).map(|(&rate, &weight)| (rate, weight * weight)).collect();
+        pairs.sort_by(|left, right| left.0.total_cmp(&right.0));
+        if count > 1 && pairs[0].0 < 0.0 {
+            return None;
+        }
+        Some(Decays {
+            rate: pairs.iter().map(|pair| pair.0.max(0.0)).collect(),
+            residue: pairs.iter().map(|pair| pair.1).collect(),
+        })
+    }
+
+    fn single(value: &(f64, f64), shift: f64) -> Decays {
+        let rate = (-value.0 / value.1 - shift).max(0.0);
+        Decays { rate: vec![rate], residue: vec![value.0 * (rate + shift)] }
+    }
+}
+
+/// The reduced moving source of a strip.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Flash {
+    /// Decays of the part that moves with the contact, at rest.
+    pub decays: Decays,
+    /// The same in rows of fixed length for the time step: rate 1 and residue 0 beyond the last.
+    pub rates: [f64; MAX_FLASH_STATES],
+    /// See `rates`.
+    pub residues: [f64; MAX_FLASH_STATES],
+    /// Decays of the part that stays in a stroke's track.
+    pub track: Decays,
+    speed: SpeedTable,
+}
+
+impl Flash {
+    /// Reduces `source` for histories between `duration` and its `tolerance`-th part squared.
+    pub fn new(source: &MovingSource, duration: f64, tolerance: f64) -> Flash {
+        let diffusivity = source.slab().diffusivity();
+        let own = diffusivity / source.half_length().powi(2);
+        // Slower than the whole duration, and than the contact's own diffusion time over the path, nothing changes.
+        let slowest = (0.3 / duration).max(1e-6 * own);
+        let fastest = (10.0 * own / tolerance).max(10.0 * slowest);
+        let count = (2.0 + (fastest / slowest).log10() * (0.25 - 0.25 * tolerance.log10())).round();
+        let count = count.clamp(2.0, MAX_FLASH_STATES as f64) as usize;
+        let shifts: Vec<f64> =
+            (0..count).map(|i| slowest * (fastest / slowest).powf(i as f64 / (count - 1) as f64)).collect();
+        let decays = Decays::interpolate(&shifts, |s| source.response(Part::Flash, s, 0.0));
+        let track = if source.has_track() {
+            Decays::interpolate(&shifts, |s| source.response(Part::Track, s, 0.0))
+        } else {
+            Decays::default()
+        };
+        let speed = SpeedTable::new(source, &decays);
+        let row = |values: &[f64], rest: f64| std::array::from_fn(|k| values.get(k).copied().unwrap_or(rest));
+        Flash { rates: row(&decays.rate, 1.0), residues: row(&decays.residue, 0.0), decays, track, speed }
+    }
+
+    /// Rate sigma(v), 1/s, by which sliding at `speed` = |v| (m/s) adds to every decay.
+    #[inline(always)]
+    pub fn sliding_rate(&self, speed: f64) -> f64 {
+        self.speed.rate(speed)
+    }
+
+    /// Quasi-steady resistance R(v), K m2/W.
+    pub fn resistance(&self, speed: f64) -> f64 {
+        self.decays.at(self.sliding_rate(speed))
+    }
+}
+
+/// ln sigma over ln v as a cubic spline on equidistant knots, continued straight.
+#[derive(Clone, PartialEq, Debug)]
+struct SpeedTable {
+    /// ln of the lowest speed.
+    low: f64,
+    /// Value and slope per knot spacing at every knot.
+    nodes: Vec<(f64, f64)>,
+    /// Leading bits of the lowest speed of `cubics`.
+    first: u64,
+    /// The same curve without logarithm and exponential: coefficients of a cubic of the part of the piece passed, on
+    /// every piece between speeds that agree in their leading bits, that is between (16 + i)/16 2^e and (17 + i)/16 2^e.
+    /// Differs from the spline by less than 1e-6 of sigma where sliding is felt within the duration, elsewhere by less than
+    /// 1e-3 of sigma and the slowest decay together.
+    cubics: Vec<[f64; 4]>,
+}
+
+/// Bits of a number's fraction that a piece of [`SpeedTable::cubics`] leaves free: four of 52 are fixed.
+const FREE_BITS: u32 = 48;
+
+/// Knots of the speed table per unit of ln v.
+const KNOTS_PER_UNIT: f64 = 3.0;
+
+impl SpeedTable {
+    fn new(source: &MovingSource, decays: &Decays) -> SpeedTable {
+        let own = source.slab().diffusivity() / source.half_length();
+        let (low, high) = ((1e-3 * own).ln(), (1e8 * own).ln());
+        let count = ((high - low) * KNOTS_PER_UNIT).ceil() as usize + 1;
+        let mut values = Vec::with_capacity(count);
+        let mut guess = 0.0;
+        let resistances = resistances(source, low, count);
+        for resistance in resistances {
+            guess = solve_rate(decays, resistance, guess);
+            // Slower than a ten-thousandth of the slowest state nothing is told from rest.
+            values.push(guess.max(1e-4 * decays.rate[0]).max(1e-30).ln());
+        }
+        let slopes = spline_slopes(&values);
+        let mut table =
+            SpeedTable { low, nodes: values.into_iter().zip(slopes).collect(), first: 0, cubics: Vec::new() };
+        table.first = (low.exp().to_bits() >> FREE_BITS) + 1;
+        let last = high.exp().to_bits() >> FREE_BITS;
+        table.cubics = (table.first..last)
+            .map(|leading| {
+                let [left, right] = [leading, leading + 1].map(|leading| f64::from_bits(leading << FREE_BITS));
+                let [(value, slope), (next, next_slope)] = [left, right].map(|speed| table.by_spline(speed));
+                let (slope, next_slope, rise) = (slope * (right - left), next_slope * (right - left), next - value);
+                [value, slope, 3.0 * rise - 2.0 * slope - next_slope, slope + next_slope - 2.0 * rise]
+            })
+            .collect();
+        table
+    }
+
+    /// sigma (1/s) at `speed` >= 0 (m/s).
+    #[inline(always)]
+    fn rate(&self, speed: f64) -> f64 {
+        if speed <= 0.0 {
+            return 0.0;
+        }
+        let bits = speed.to_bits();
+        match self.cubics.get((bits >> FREE_BITS).wrapping_sub(self.first) as usize) {
+            Some([c0, c1, c2, c3]) => {
+                // The part of the piece passed is what the free bits say.
+                let x = (bits & ((1 << FREE_BITS) - 1)) as f64 * (1.0 / (1_u64 << FREE_BITS) as f64);
+                c0 + x * (c1 + x * (c2 + x * c3))
+            }
+            None => self.by_spline(speed).0,
+        }
+    }
+
+    /// sigma and its derivative by the speed (> 0) from the spline.
+    #[inline(never)]
+    fn by_spline(&self, speed: f64) -> (f64, f64) {
+        let position = (speed.ln() - self.low) * KNOTS_PER_UNIT;
+        let last = self.nodes.len() - 1;
+        let (logarithm, slope) = if position <= 0.0 {
+            (self.nodes[0].0 + position * self.nodes[0].1, self.nodes[0].1)
+        } else if position >= last as f64 {
+            (self.nodes[last].0 + (position - last as f64) * self.nodes[last].1, self.nodes[last].1)
+        } else {
+            let index = position as usize;
+            let x = position - index as f64;
+            let ((left, left_slope), (right, right_slope)) = (self.nodes[index], self.nodes[index + 1]);
+            let rise = right - left;
+            let (c2, c3) = (3.0 * rise - 2.0 * left_slope - right_slope, left_slope + right_slope - 2.0 * rise);
+            (left + x * (left_slope + x * (c2 + x * c3)), left_slope + x * (2.0 * c2 + x * 3.0 * c3))
+        };
+        let rate = logarithm.exp();
+        (rate, rate * slope * KNOTS_PER_UNIT / speed)
+    }
+}
+
+/// Resistances at `count` knots from the speed exp(`low`) on.
+fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
+    let at = |node: usize| source.resistance((low + node as f64 / KNOTS_PER_UNIT).exp());
+    if !source.spreads() {
+        return (0..count).map(at).collect();
+    }
+    // Ten times the work for each: those between by a spline through the logarithms. They differ by less than 1e-3.
+    let values: Vec<f64> = (0..=count.div_ceil(APART)).map(|node| at(node * APART).ln()).collect();
+    let slopes = spline_slopes(&values);
+    let between = |node: usize| {
+        let (index, x) = (node / APART, (node % APART) as f64 / APART as f64);
+        let (left, right) = (values[index], values[index + 1]);
+        let (first, second, rise) = (slopes[index], slopes[index + 1], right - left);
+        let (c2, c3) = (3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise);
+        (left + x * (first + x * (c2 + x * c3))).exp()
+    };
+    (0..count).map(between).collect()
+}
+
+/// Knots from one exact resistance of a source that spreads out of the plane to the next.
+const APART: usize = 3;
+
+/// sigma >= 0 with `decays(sigma) = resistance`, by Newton on 1/decays (nearly linear in sigma);
+/// 0 where the resistance is not below that at rest.
+fn solve_rate(decays: &Decays, resistance: f64, guess: f64) -> f64 {
+    if resistance >= decays.at(0.0) {
+        return 0.0;
+    }
+    let mut rate = guess;
+    for _ in 0..60 {
+        let value = decays.at(rate);
+        let slope: f64 = -decays.rate.iter().zip(&decays.residue).map(|(l, r)| r / (l + rate).powi(2)).sum::<f64>();
+        // Solve 1/value = 1/resistance linearised: the step keeps rate >= 0.
+        let step = (1.0 / resistance - 1.0 / value) * value * value / -slope;
+        let next = (rate + step).max(0.1 * rate);
+        if (next - rate).abs() <= 1e-14 * next {
+            return next;
+        }
+        rate = next;
+    }
+    rate
+}
+
+/// Slopes of the natural cubic spline through equidistant values, per spacing.
+fn spline_slopes(values: &[f64]) -> Vec<f64> {
+    let count = values.len();
+    let mut diagonal = vec![4.0; count];
+    let mut slopes: Vec<f64> =
+        (0..count).map(|i| 3.0 * (values[(i + 1).min(count - 1)] - values[i.saturating_sub(1)])).collect();
+    diagonal[0] = 2.0;
+    diagonal[count - 1] = 2.0;
+    for i in 1..count {
+        let factor = 1.0 / diagonal[i - 1];
+        diagonal[i] -= factor;
+        slopes[i] -= factor * slopes[i - 1];
+    }
+    slopes[count - 1] /= diagonal[count - 1];
+    for i in (0..count - 1).rev() {
+        slopes[i] = (slopes[i] - slopes[i + 1]) / diagonal[i];
+    }
+    slopes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::moving_source::Path;
+    use super::super::slab::{Base, CoolingPort, Slab};
+    use super::*;
+
+    fn disc(base: Base) -> Slab {
+        Slab {
+            height: 0.011,
+            conductivity: 54.0,
+            capacity: 7200.0 * 460.0,
+            surface_transfer: 0.0,
+            volume_transfer: 0.0,
+            base,
+            cooling: CoolingPort::Surface,
+        }
+    }
+
+    #[test]
+    fn every_speed_gives_the_exact_resistance() {
+        for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
+            for base in [Base::Insulated, Base::Held] {
+                let source = MovingSource::new(disc(base), 0.0275, path);
+                let flash = Flash::new(&source, 1000.0, 1e-3);
+                for exponent in -30..=60 {
+                    let speed = 10f64.powf(f64::from(exponent) / 10.0) * 1e-2;
+                    let exact = source.resistance(speed);
+                    if flash.sliding_rate(speed) < 1e-3 {
+                        // So slow that the whole duration, 1000 s, is too short to tell it from rest.
+                        continue;
+                    }
+                    let error = flash.resistance(speed) / exact - 1.0;
+                    assert!(error.abs() < 5e-4, "{path:?} {base:?} v {speed}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_cubics_are_the_spline() {
+        for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
+            let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
+            let flash = Flash::new(&source, 1000.0, 1e-3);
+            let (table, slowest) = (&flash.speed, flash.decays.rate[0]);
+            let (mut felt, mut worst): (f64, f64) = (0.0, 0.0);
+            // From below the table to above it, in steps that meet its pieces everywhere.
+            for step in 0..40_000 {
+                let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
+                let (by_spline, by_cubic) = (table.by_spline(speed).0, table.rate(speed));
+                let error = (by_cubic - by_spline).abs();
+                worst = worst.max(error / (by_spline + slowest));
+                if by_spline > 1e-3 {
+                    felt = felt.max(error / by_spline);
+                }
+            }
+            println!("{path:?}: {felt:e} {worst:e}");
+            assert!(felt < 1e-6 && worst < 1e-3, "{path:?}: {felt:e} {worst:e}");
+        }
+    }
+
+    #[test]
+    fn at_rest_the_decays_follow_the_exact_response() {
+        for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
+            let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
+            let flash = Flash::new(&source, 1000.0, 1e-3);
+            let scale = flash.decays.at(1e-3);
+            println!("{path:?}: {:?}", flash.decays);
+            for exponent in -6..6 {
+                let s = 10f64.powf(f64::from(exponent) / 2.0);
+                let exact = source.response(Part::Flash, Complex::from(s), 0.0).re;
+                assert!(
+                    (flash.decays.at(s) - exact).abs() < 2e-3 * scale,
+                    "{path:?} s {s}: {} {exact}",
+                    flash.decays.at(s)
+                );
+            }
+            assert!(flash.decays.rate.iter().chain(&flash.decays.residue).all(|value| *value >= 0.0));
+        }
+    }
+
+    #[test]
+    fn the_pencil_recovers_a_sum_of_decays() {
+        let exact = |s: Complex<f64>| 2.0 / (s + 1.0) + 5.0 / (s + 40.0);
+        let decays = Decays::interpolate(&[0.3, 30.0], exact);
+        for (computed, expected) in decays.rate.iter().zip([1.0, 40.0]).chain(decays.residue.iter().zip([2.0, 5.0])) {
+            assert!((computed / expected - 1.0).abs() < 1e-9, "{computed} {expected}");
+        }
+    }
+}

@@ -1,0 +1,422 @@
+//! The mate of an annular contact that covers a part of the circle: a ring in the mean round the circle, and what it is hotter
+//! under the contact than in that mean.
+//!
+//! ```text
+//! T_i = (ring)_i + sum_k x_ik,    dx_ik/dt = -[lambda_k + sigma(rho_i^2 v)]/rho_i^2 x_ik + r_k/rho_i q_i,   rho_i = r_i/r_m
+//! ```
+//!
+//! The ring ([`super::punch::mate`]) conducts along the radius. The moving source acts at every radius by itself, with the
+//! decays that the lumped level has for it at the mean radius ([`Flash`]): a contact on an arc of rho times the length, at rho
+//! times the speed, heats a half-space like the one at the mean radius at rho^2 times the speed, only rho times as much
+//! and rho^2 times as slowly. Exact at the mean radius; elsewhere where the heat under the contact does not reach the base
+//! while the contact passes.
+//!
+//! Over a stage of the length L in which the speed changes, what a state has at the start decays by the mean of its rate, and a
+//! flux is kept as long as at the constant rate `rate(end) - 1/2 (change of the rate) m_2/m_1` with the moments `m_n` of
+//! `y^n exp(-rate L y)` from 0 to 1: of second order in steps that are short against the decay as well as in long ones.
+//!
+//! Heat under the contact does not bend the surface: round the circle the material swells while it is heated and shrinks
+//! while it is not, and the mean of that over the contact is the mean over the circle.
+
+use super::reduced::{ReducedHeat, first_moment, mean_decay};
+use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use crate::flash::{Flash, MAX_FLASH_STATES};
+use nalgebra::DMatrix;
+use std::sync::Arc;
+
+/// What a scene makes of the moving source, cell by cell.
+#[derive(Debug)]
+struct Source {
+    flash: Flash,
+    /// rho.
+    ratio: Vec<f64>,
+}
+
+/// Weights of one state at a stage; see [`super::reduced`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Weights {
+    decay: f64,
+    /// Times the residue, K m2/W.
+    known: f64,
+    own: f64,
+}
+
+#[derive(Clone, Debug)]
+struct DiscStage {
+    weights: Vec<Weights>,
+    influence: SurfaceInfluence,
+}
+
+/// The mate with the weights of one step.
+#[derive(Clone, Debug)]
+pub struct DiscHeat {
+    ring: ReducedHeat,
+    source: Arc<Source>,
+    /// Step, velocities, whether it is one of implicit Euler.
+    key: Option<(f64, [f64; 2], bool)>,
+    stages: [DiscStage; 2],
+}
+
+impl DiscHeat {
+    /// The ring, and the source at the cells of the relative radii `ratio`.
+    pub fn new(ring: ReducedHeat, flash: Flash, ratio: Vec<f64>) -> DiscHeat {
+        let count = ratio.len();
+        let zeros = || DMatrix::zeros(count, count);
+        let stage = || DiscStage {
+            weights: vec![Weights::default(); count * MAX_FLASH_STATES],
+            influence: SurfaceInfluence { temperature: zeros(), distortion: zeros() },
+        };
+        DiscHeat { ring, source: Arc::new(Source { flash, ratio }), key: None, stages: [stage(), stage()] }
+    }
+
+    fn select(&mut self, step: f64, velocity: [f64; 2], euler: bool) {
+        match euler {
+            true => self.ring.prepare_euler(step, velocity),
+            false => self.ring.prepare(step, velocity),
+        }
+        let key = Some((step, velocity, euler));
+        if self.key == key {
+            return;
+        }
+        self.key = key;
+        let source = &*self.source;
+        let at = |part: f64| velocity[0] + (velocity[1] - velocity[0]) * part;
+        for (stage, end) in [(Stage::First, GAMMA), (Stage::End, 1.0)] {
+            let DiscStage { weights, influence } = &mut self.stages[stage as usize];
+            influence.temperature.copy_from(&self.ring.influence(stage).temperature);
+            influence.distortion.copy_from(&self.ring.influence(stage).distortion);
+            for (i, (ratio, own)) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)).enumerate() {
+                let square = ratio * ratio;
+                let rate = |part: f64| source.flash.sliding_rate(square * at(part).abs()) / square;
+                let sliding = match (euler, velocity[0] == velocity[1]) {
+                    (true, _) | (false, true) => Sliding::constant(rate(1.0)),
+                    (false, false) => Sliding::new(rate(0.0), rate(0.5 * end), rate(end)),
+                };
+                for (k, weights) in own.iter_mut().enumerate() {
+                    let at_rest = source.flash.rates[k] / square;
+                    let residue = source.flash.residues[k] / ratio;
+                    *weights = match (euler, stage) {
+                        (true, _) => Weights::euler(at_rest + sliding.end, residue, step),
+                        (false, Stage::First) => Weights::first(at_rest, &sliding, residue, step),
+                        (false, Stage::End) => Weights::end(at_rest, &sliding, residue, step),
+                    };
+                }
+                influence.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
+            }
+        }
+    }
+
+    /// State of the ring with its account, and of the source, which comes first.
+    fn split<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+        let (source, ring) = state.split_at(self.source_states());
+        (ring, source)
+    }
+
+    fn source_states(&self) -> usize {
+        self.source.ratio.len() * MAX_FLASH_STATES
+    }
+
+    /// Adds what the source heats the cells by.
+    fn add(temperature: &mut [f64], values: impl Iterator<Item = f64>) {
+        for (i, value) in values.enumerate() {
+            temperature[i / MAX_FLASH_STATES] += value;
+        }
+    }
+}
+
+/// What sliding adds to every decay over a stage, 1/s.
+struct Sliding {
+    start: f64,
+    mean: f64,
+    end: f64,
+}
+
+impl Sliding {
+    fn constant(rate: f64) -> Sliding {
+        Sliding { start: rate, mean: rate, end: rate }
+    }
+
+    /// From the rates at the start, in the middle and at the end of the stage; the mean by Simpson's rule.
+    fn new(start: f64, middle: f64, end: f64) -> Sliding {
+        Sliding { start, mean: (start + 4.0 * middle + end) / 6.0, end }
+    }
+
+    /// Rate times length at which a flux is kept as long as over a stage of `length` s.
+    fn keeping(&self, at_rest: f64, length: f64) -> f64 {
+        let last = (at_rest + self.end) * length;
+        if self.start == self.end {
+            return last;
+        }
+        last - 0.5 * (self.end - self.start) * length * moment_ratio(last)
+    }
+}
+
+/// m_2/m_1 of y^n exp(-x y) from 0 to 1, in [0, 2/3].
+fn moment_ratio(x: f64) -> f64 {
+    if x < 0.5 {
+        let first = 0.5 - x * (1.0 / 3.0 - x * (1.0 / 8.0 - x / 30.0));
+        return (1.0 / 3.0 - x * (1.0 / 4.0 - x * (1.0 / 10.0 - x / 36.0))) / first;
+    }
+    let first = first_moment(x);
+    (2.0 * first - (-x).exp()) / (x * first)
+}
+
+impl Weights {
+    /// See [`super::reduced`] for the fluxes of both stages.
+    fn first(at_rest: f64, sliding: &Sliding, residue: f64, step: f64) -> Weights {
+        let length = GAMMA * step;
+        let kept = sliding.keeping(at_rest, length);
+        Weights {
+            decay: (-(at_rest + sliding.mean) * length).exp(),
+            known: residue * length * first_moment(kept),
+            own: residue * length * mean_decay(kept),
+        }
+    }
+
+    fn end(at_rest: f64, sliding: &Sliding, residue: f64, step: f64) -> Weights {
+        let kept = sliding.keeping(at_rest, step);
+        let known = step * first_moment(kept) / (1.0 - GAMMA);
+        let decay = (-(at_rest + sliding.mean) * step).exp();
+        Weights { decay, known: residue * known, own: residue * (step * mean_decay(kept) - known) }
+    }
+
+    fn euler(rate: f64, residue: f64, step: f64) -> Weights {
+        let decay = (1.0 + rate * step).recip();
+        Weights { decay, known: 0.0, own: residue * step * decay }
+    }
+}
+
+impl ThermalBody for DiscHeat {
+    fn cells(&self) -> usize {
+        self.source.ratio.len()
+    }
+
+    fn states(&self) -> usize {
+        self.source_states() + self.ring.states()
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (source, ring) = state.split_at_mut(self.source_states());
+        self.ring.uniform(rise, ring);
+        source.fill(0.0);
+    }
+
+    fn decay_rates(&self) -> Vec<f64> {
+        self.decay_rates_while_sliding(0.0)
+    }
+
+    fn decay_rates_while_sliding(&self, velocity: f64) -> Vec<f64> {
+        let Source { flash, ratio } = &*self.source;
+        let of_the_cell = |ratio: &f64| {
+            let square = ratio * ratio;
+            let sliding = flash.sliding_rate(square * velocity.abs());
+            std::array::from_fn::<f64, MAX_FLASH_STATES, _>(|k| (flash.rates[k] + sliding) / square)
+        };
+        ratio.iter().flat_map(of_the_cell).chain(self.ring.decay_rates()).collect()
+    }
+
+    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
+        self.select(step, velocity, false);
+    }
+
+    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
+        self.select(step, velocity, true);
+    }
+
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.stages[stage as usize].influence
+    }
+
+    fn free_response(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let (ring, source) = self.split(state);
+        self.ring.free_response(ring, surroundings, stage, known, temperature, distortion);
+        let weights = &self.stages[stage as usize].weights;
+        let left = source.iter().zip(weights).enumerate();
+        Self::add(
+            temperature,
+            left.map(|(k, (state, weights))| weights.decay * state + weights.known * known[k / MAX_FLASH_STATES]),
+        );
+    }
+
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let (source, ring) = state.split_at_mut(self.source_states());
+        self.ring.advance(ring, surroundings, first, end);
+        for (k, (state, weights)) in source.iter_mut().zip(&self.stages[Stage::End as usize].weights).enumerate() {
+            let i = k / MAX_FLASH_STATES;
+            *state = weights.decay * *state + weights.known * first[i] + weights.own * end[i];
+        }
+    }
+
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        temperature: &mut [f64],
+    ) {
+        let (ring, source) = self.split(state);
+        self.ring.temperature_at_frozen_state(ring, surroundings, flux, velocity, temperature);
+        Self::add(temperature, source.iter().copied());
+    }
+
+    fn distortion_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        distortion: &mut [f64],
+    ) {
+        self.ring.distortion_at_frozen_state(self.split(state).0, surroundings, flux, velocity, distortion);
+    }
+
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
+        self.ring.cooled_temperature(self.split(state).0, surroundings, flux)
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        self.ring.cooled_ahead(self.split(state).0, surroundings, first, end)
+    }
+
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        self.ring.flows(self.split(state).0, surroundings, flux)
+    }
+
+    fn mean_temperature(&self, state: &[f64]) -> f64 {
+        self.ring.mean_temperature(self.split(state).0)
+    }
+
+    fn account(&self, state: &[f64]) -> Account {
+        self.ring.account(self.split(state).0)
+    }
+
+    fn error(&self) -> f64 {
+        self.ring.error()
+    }
+
+    fn error_of_the_mean(&self) -> f64 {
+        self.ring.error_of_the_mean()
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lateral::Lateral;
+    use crate::line::punch::mate::reduce_mate;
+    use crate::moving_source::{MovingSource, Path};
+    use crate::slab::{Base, CoolingPort, Slab};
+    use elasticity::Cells;
+    use elasticity::discretization::relative_radii;
+    use scene::Scene;
+    use scene::variables::{STARTS, reference};
+
+    /// Two pads on a disc of 12 mm.
+    fn disc() -> (DiscHeat, Flash, Vec<f64>) {
+        let mut values = STARTS;
+        for (name, value) in [
+            ("contact.geometry", 2.0),
+            ("contact.mean_radius", 0.1),
+            ("punch.width", 0.04),
+            ("depth", 0.08),
+            ("punch.count", 2.0),
+            ("strip.path", 2.0),
+            ("strip.length", 0.0),
+            ("strip.height", 0.012),
+            ("strip.base_thermal", 1.0),
+        ] {
+            values[reference(name) as usize] = value;
+        }
+        let scene = Scene::new(&values, None).unwrap();
+        let cells = Cells::graded(0.02, 5).unwrap();
+        let ring = reduce_mate(&scene, &cells, 1e-3, 100.0).unwrap().unwrap();
+        let slab = Slab {
+            height: scene.strip.height,
+            conductivity: scene.strip.conductivity,
+            capacity: scene.strip.capacity(),
+            surface_transfer: scene.strip.convection,
+            volume_transfer: 0.0,
+            base: Base::Insulated,
+            cooling: CoolingPort::Surface,
+        };
+        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));
+        let flash = Flash::new(&source.spreading(Lateral::of(&scene)), scene.nominal_duration, scene.tolerance);
+        let ratio = relative_radii(&scene, &cells);
+        (DiscHeat::new(ring, flash.clone(), ratio.clone()), flash, ratio)
+    }
+
+    fn step(disc: &mut DiscHeat, state: &mut [f64], step: f64, velocity: [f64; 2], flux: &[f64]) -> Vec<f64> {
+        let around = Surroundings::default();
+        disc.prepare(step, velocity);
+        let (mut temperature, mut distortion) = (vec![0.0; 5], vec![0.0; 5]);
+        disc.free_response(state, &around, Stage::End, flux, &mut temperature, &mut distortion);
+        let influence = disc.influence(Stage::End);
+        for i in 0..5 {
+            temperature[i] += (0..5).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
+        }
+        disc.advance(state, &around, flux, flux);
+        temperature
+    }
+
+    #[test]
+    fn steady_sliding_heats_every_radius_by_its_own_resistance() {
+        let (mut disc, flash, ratio) = disc();
+        let flux = [1.0, 2.0, 1.5, 0.5, 1.0];
+        for velocity in [0.3, -12.0] {
+            let mut state = vec![0.0; disc.states()];
+            let all = step(&mut disc, &mut state, 1e7, [velocity; 2], &flux);
+            let mut ring = vec![0.0; 5];
+            disc.ring.temperature_at_frozen_state(
+                disc.split(&state).0,
+                &Surroundings::default(),
+                &flux,
+                velocity,
+                &mut ring,
+            );
+            let mut held = vec![0.0; 5];
+            disc.temperature_at_frozen_state(&state, &Surroundings::default(), &flux, velocity, &mut held);
+            for i in 0..5 {
+                let own = ratio[i] * flash.resistance(ratio[i] * ratio[i] * f64::abs(velocity)) * flux[i];
+                assert!((all[i] - ring[i] - own).abs() < 1e-9 * all[i], "{velocity} {i}");
+                assert!((held[i] - all[i]).abs() < 1e-9 * all[i]);
+            }
+        }
+        // Similar: half the length at twice the speed, on a half-space.
+        assert!((ratio[2] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn steps_of_a_constant_flux_are_exact_and_those_of_a_changing_speed_of_second_order() {
+        let (mut disc, ..) = disc();
+        let flux = [1.0, 2.0, 1.5, 0.5, 1.0];
+        let mut run = |parts: u32, last: f64| {
+            let mut state = vec![0.0; disc.states()];
+            let mut temperature = Vec::new();
+            for part in 0..parts {
+                let at = |part: u32| 2.0 + (last - 2.0) * f64::from(part) / f64::from(parts);
+                let velocity = [at(part), at(part + 1)];
+                temperature = step(&mut disc, &mut state, 0.2 / f64::from(parts), velocity, &flux);
+            }
+            temperature
+        };
+        let (one, many) = (run(1, 2.0), run(7, 2.0));
+        assert!(one.iter().zip(&many).all(|(one, many)| (one / many - 1.0).abs() < 1e-12), "{one:?} {many:?}");
+        let exact = run(640, 6.0);
+        let error = |values: Vec<f64>| values.iter().zip(&exact).map(|(a, b)| (a - b).abs()).sum::<f64>();
+        let order = (error(run(10, 6.0)) / error(run(40, 6.0))).log2() / 2.0;
+        assert!((1.8..2.3).contains(&order), "{order}");
+    }
+}

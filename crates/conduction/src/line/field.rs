@@ -1,0 +1,318 @@
+//! Heat in the punch by its finite elements, unreduced: what the reduced punch is judged against.
+//!
+//! ```text
+//! M dT/dt + K T = F q + ports
+//! ```
+//!
+//! on the hp mesh of [`ThermalBlock`], graded to all four corners, with elements that are small against the smallest cell of
+//! the contact. Time is stepped as the contact is, by SDIRK2 with the fluxes of the two stages,
+//!
+//! ```text
+//! (K + M/(gamma h)) T_1 = M T_0/(gamma h) + F q_1 + ports
+//! (K + M/(gamma h)) T_2 = M [T_0 + (1 - gamma)/gamma (T_1 - T_0)]/(gamma h) + F q_2 + ports
+//! ```
+//!
+//! second order and L-stable (the deviation of the first stage's flux at its start is of no use to it), with `h [(1 - gamma) q_1 + gamma q_2]` as the heat that enters. The sparse factor of a step
+//! size, and the gains that N responses to unit fluxes give, are kept for the last few sizes. What elements
+//! cannot resolve of fluxes that jump between cells acts without delay ([`ThermalBlock::unresolved_response`]).
+//!
+//! Every step costs sparse solutions with thousands of unknowns, a new step size a factorisation and N more: this is a
+//! reference, not a level to run for long. The memory for all of it is taken when the body is made (the matrix product keeps
+//! some of its own for every thread, taken the first time that it runs there).
+
+mod operators;
+
+use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use elasticity::Cells;
+use elasticity::block::{
+    Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
+};
+use faer::Mat;
+use operators::{FieldOperators, FieldWorkspace, Prepared, TALLIES, dot, extrapolate};
+use scene::{Scene, ThermalBoundary};
+use std::cell::RefCell;
+use std::sync::Arc;
+
+/// Step sizes whose factors are kept.
+const KEPT: usize = 4;
+
+/// Layers of elements towards the contact's corners beyond those that elasticity asks for: the mean temperature of an edge
+/// cell needs elements that are small against it.
+const EXTRA_LAYERS: usize = 3;
+
+/// Accuracy asked of the mesh, see [`Discretization::for_cells`].
+const MESH_TOLERANCE: f64 = 1e-4;
+
+/// The unreduced punch.
+#[derive(Debug)]
+pub struct FieldHeat {
+    operators: Arc<FieldOperators>,
+    kept: Vec<Prepared>,
+    current: usize,
+    clock: u64,
+    room: RefCell<FieldWorkspace>,
+}
+
+/// The punch of `scene`; None where it is an insulator.
+///
+/// # Errors
+/// A block that is too flat or slender for its mesh, or of a Poisson's ratio out of range.
+pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, BlockError> {
+    let body = &scene.punch;
+    if body.conductivity == 0.0 {
+        return Ok(None);
+    }
+    let (width, height) = (2.0 * cells.half_width(), body.height);
+    let boundaries = cells.edges();
+    let coarse = Discretization::for_cells(width, height, boundaries, MESH_TOLERANCE);
+    let discretization = Discretization { contact_layers: coarse.contact_layers + EXTRA_LAYERS, ..coarse };
+    let plain = 2.0 * height * scene.depth * scene.count;
+    let cooled = if body.cooled_area > 0.0 { body.cooled_area / plain } else { 1.0 };
+    let properties = ThermalProperties {
+        width,
+        height,
+        conductivity: body.conductivity,
+        volumetric_heat_capacity: body.capacity(),
+        side_convection: body.convection * cooled,
+        top: match body.far_thermal {
+            ThermalBoundary::Held | ThermalBoundary::External => TopCondition::Held,
+            ThermalBoundary::Convecting => TopCondition::Convecting(body.convection),
+            ThermalBoundary::Insulated => TopCondition::Convecting(0.0),
+        },
+    };
+    let block = ThermalBlock::new(properties, discretization)?;
+    let distortion = if body.thermal_expansion > 0.0 {
+        // A surface that is free is distorted by heat whatever the stiffness.
+        let elastic = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio: body.poissons_ratio };
+        let elastic = Block::new(elastic, discretization)?;
+        let by_field = elastic.distortion_operator(&block, boundaries)? * faer::Scale(body.thermal_expansion);
+        let uniform = elastic.uniform_distortion(boundaries)?;
+        Some((by_field, uniform.iter().map(|moved| body.thermal_expansion * moved).collect()))
+    } else {
+        None
+    };
+    let operators = FieldOperators {
+        widths: cells.widths().to_vec(),
+        cells: block.cell_integrals(boundaries)?,
+        unresolved: block.unresolved_response(boundaries)?,
+        distortion,
+        uniform: vector(&block.uniform_field()),
+        capacity: vector(&block.uniform_capacity()),
+        sides: vector(&block.side_integrals()),
+        top: vector(&block.top_load()),
+        far_face: vector(&block.top_integrals()),
+        outflow: block.top_outflow().map(|outflow| (vector(&outflow.by_field), outflow.by_outside)),
+        properties,
+        cooled,
+        total_capacity: properties.volumetric_heat_capacity * width * height,
+        block,
+    };
+    let room = FieldWorkspace::new(&operators)?;
+    let kept = (0..KEPT).map(|_| Prepared::empty(&operators)).collect();
+    Ok(Some(FieldHeat { operators: Arc::new(operators), kept, current: 0, clock: 0, room: RefCell::new(room) }))
+}
+
+/// The only column of a matrix.
+fn vector(matrix: &Mat<f64>) -> Vec<f64> {
+    matrix.col(0).iter().copied().collect()
+}
+
+impl FieldHeat {
+    fn select(&mut self, step: f64, euler: bool) {
+        self.clock += 1;
+        let known = self.kept.iter().position(|prepared| prepared.step == step && prepared.euler == euler);
+        self.current = known.unwrap_or_else(|| {
+            let oldest = (0..KEPT).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            let (prepared, room) = (&mut self.kept[oldest], self.room.get_mut());
+            // The shift keeps the matrix definite, so there is always a factor.
+            self.operators
+                .prepare(step, euler, prepared, room)
+                .unwrap_or_else(|error| panic!("punch, step of {step} s: {error}"));
+            oldest
+        });
+        self.kept[self.current].last_used = self.clock;
+    }
+
+    fn prepared(&self) -> &Prepared {
+        &self.kept[self.current]
+    }
+
+    /// What `observe` sees of the field of a state, with the temperature that it counts from.
+    fn of_state<T>(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        observe: impl FnOnce(&FieldOperators, &[f64], f64) -> T,
+    ) -> T {
+        let operators = &*self.operators;
+        let origin = operators.origin(surroundings);
+        let room = &mut *self.room.borrow_mut();
+        operators.field(state, origin, &mut room.start);
+        observe(operators, &room.start, origin)
+    }
+}
+
+impl ThermalBody for FieldHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.degrees() + TALLIES
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (field, tallies) = state.split_at_mut(self.operators.degrees());
+        field.iter_mut().zip(&self.operators.uniform).for_each(|(t, uniform)| *t = rise * uniform);
+        tallies.fill(0.0);
+        tallies[TALLIES - 1] = rise;
+    }
+
+    fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
+        self.select(step, false);
+    }
+
+    fn prepare_euler(&mut self, step: f64, _velocity: [f64; 2]) {
+        self.select(step, true);
+    }
+
+    fn influence(&self, _stage: Stage) -> &SurfaceInfluence {
+        // Both stages share the matrix.
+        &self.prepared().influence
+    }
+
+    fn free_response(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let (operators, prepared) = (&*self.operators, self.prepared());
+        let origin = operators.origin(surroundings);
+        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        operators.field(state, origin, start);
+        let until = surroundings.until(Stage::First);
+        if stage == Stage::First || prepared.euler {
+            operators.solve(prepared, start, None, &until, workspace, late);
+        } else {
+            operators.solve(prepared, start, Some(known), &until, workspace, early);
+            extrapolate(start, early);
+            operators.solve(prepared, start, None, surroundings, workspace, late);
+        }
+        operators.observe(late, origin, temperature, distortion);
+    }
+
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let (operators, prepared) = (&*self.operators, self.prepared());
+        let (origin, step) = (operators.origin(surroundings), prepared.step);
+        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        let before = operators.stored(state);
+        operators.field(state, origin, start);
+        operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [&mut *early, &mut *late]);
+        let flows = [early, &mut *late].map(|field| operators.ambient_flow(field, surroundings));
+        let ambient = if prepared.euler { flows[1] } else { (1.0 - GAMMA) * flows[0] + GAMMA * flows[1] };
+        let heat = |flux: &[f64]| flux.iter().zip(&operators.widths).map(|(q, c)| q * c).sum::<f64>();
+        let received = step * ((1.0 - GAMMA) * heat(first) + GAMMA * heat(end));
+        let length = 2.0 * operators.properties.height * operators.cooled;
+        let lost = step * (ambient - length * surroundings.mean_cooling());
+        let degrees = operators.degrees();
+        for ((state, field), uniform) in state.iter_mut().zip(&*late).zip(&operators.uniform) {
+            *state = field + origin * uniform;
+        }
+        state[degrees + 3] = surroundings.far;
+        let gained = operators.stored(state) - before;
+        let tallies = &mut state[degrees..];
+        tallies[0] += received;
+        tallies[1] += lost;
+        // The top takes what the balance leaves; an insulated one nothing, and rounding goes to the sides.
+        let rest = received - gained - lost;
+        let through_top = step * operators.top_width() * surroundings.mean_far();
+        tallies[2] -= through_top;
+        tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest + through_top;
+    }
+
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        temperature: &mut [f64],
+    ) {
+        self.of_state(state, surroundings, |operators, field, origin| {
+            operators.means(field, temperature);
+            for (i, mean) in temperature.iter_mut().enumerate() {
+                *mean += origin + (0..flux.len()).map(|j| operators.unresolved[(i, j)] * flux[j]).sum::<f64>();
+            }
+        });
+    }
+
+    fn distortion_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        _flux: &[f64],
+        _velocity: f64,
+        distortion: &mut [f64],
+    ) {
+        self.of_state(state, surroundings, |operators, field, origin| operators.distort(field, origin, distortion));
+    }
+
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; FACES] {
+        let mean =
+            |operators: &FieldOperators, field: &[f64], origin| operators.cooled_means(field).map(|mean| mean + origin);
+        self.of_state(state, surroundings, mean)
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let (operators, prepared) = (&*self.operators, self.prepared());
+        let origin = operators.origin(surroundings);
+        let FieldWorkspace { workspace, start, early, late, .. } = &mut *self.room.borrow_mut();
+        operators.field(state, origin, start);
+        operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [early, late]);
+        let temperature = operators.cooled_means(late).map(|mean| mean + origin);
+        CooledAhead { temperature, rise: prepared.cooled_rise, lagging: 0.0 }
+    }
+
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; 2] {
+        self.of_state(state, surroundings, |operators, field, origin| {
+            let outside = surroundings.ambient - origin;
+            let far = match (&operators.outflow, operators.properties.top) {
+                (Some((by_field, by_outside)), _) => dot(by_field, field) - by_outside * outside,
+                (None, TopCondition::Convecting(transfer)) => {
+                    dot(&operators.top, field) - transfer * operators.properties.width * outside
+                }
+                (None, TopCondition::Held) => 0.0,
+            };
+            [operators.ambient_flow(field, surroundings), far - operators.top_width() * surroundings.far]
+        })
+    }
+
+    fn mean_temperature(&self, state: &[f64]) -> f64 {
+        self.operators.stored(state) / self.operators.total_capacity
+    }
+
+    fn account(&self, state: &[f64]) -> Account {
+        let tallies = &state[self.operators.degrees()..];
+        Account { received: tallies[0], stored: self.operators.stored(state), ambient: tallies[1], far: tallies[2] }
+    }
+
+    fn error(&self) -> f64 {
+        // Nothing is reduced.
+        0.0
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        let operators = self.operators.clone();
+        // Room that nothing was prepared in costs no memory until something is.
+        let copy = |prepared: &Prepared| {
+            if prepared.step.is_nan() { Prepared::empty(&operators) } else { prepared.clone() }
+        };
+        let kept = self.kept.iter().map(copy).collect();
+        let room = RefCell::new(FieldWorkspace::new(&operators).unwrap_or_else(|error| panic!("punch: {error}")));
+        Box::new(FieldHeat { operators, kept, current: self.current, clock: self.clock, room })
+    }
+}

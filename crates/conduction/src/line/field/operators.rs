@@ -1,0 +1,292 @@
+//! The finite elements of a punch: loads, solutions of both stages, and what is observed of a field.
+
+use crate::line::{FACES, GAMMA, Stage, SurfaceInfluence, Surroundings};
+use elasticity::block::{BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, Par};
+use nalgebra::DMatrix;
+use std::fmt;
+
+/// Entries of the state behind the temperatures: heat received, lost to the air, lost through the top (J/m), temperature of
+/// the top.
+pub const TALLIES: usize = 4;
+
+/// What a scene makes of the punch. Vectors over the unknowns hold one number for each.
+pub struct FieldOperators {
+    pub block: ThermalBlock,
+    pub widths: Vec<f64>,
+    /// Integrals of the shape functions over the cells.
+    pub cells: Vec<Vec<(usize, f64)>>,
+    pub unresolved: DMatrix<f64>,
+    /// Displacement into the body by unit values of the unknowns, n x N, and by 1 K everywhere, m/K; None: nothing expands.
+    pub distortion: Option<(Mat<f64>, Vec<f64>)>,
+    pub uniform: Vec<f64>,
+    pub capacity: Vec<f64>,
+    pub sides: Vec<f64>,
+    pub top: Vec<f64>,
+    /// Integrals of the shape functions over the top; nothing of one that is held.
+    pub far_face: Vec<f64>,
+    /// Heat flow out of a held top by the unknowns, and by the temperature beside the body; see
+    /// [`ThermalBlock::top_outflow`].
+    pub outflow: Option<(Vec<f64>, f64)>,
+    pub properties: ThermalProperties,
+    /// Cooled area over that of the two sides.
+    pub cooled: f64,
+    /// Heat capacity of the whole body, J/(m K).
+    pub total_capacity: f64,
+}
+
+impl fmt::Debug for FieldOperators {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Operators").field("cells", &self.widths.len()).field("degrees", &self.degrees()).finish()
+    }
+}
+
+/// Factor and gains of a step; before the first one room for them, for a step that is no number.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    pub step: f64,
+    pub euler: bool,
+    pub last_used: u64,
+    pub factor: ThermalFactor,
+    pub influence: SurfaceInfluence,
+    /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
+    pub cooled_rise: [[f64; FACES]; FACES],
+}
+
+impl Prepared {
+    pub fn empty(operators: &FieldOperators) -> Prepared {
+        let count = operators.widths.len();
+        Prepared {
+            step: f64::NAN,
+            euler: false,
+            last_used: 0,
+            factor: operators.block.empty_factor(),
+            influence: SurfaceInfluence {
+                temperature: DMatrix::zeros(count, count),
+                distortion: DMatrix::zeros(count, count),
+            },
+            cooled_rise: [[0.0; FACES]; FACES],
+        }
+    }
+}
+
+/// What steps work in.
+#[derive(Debug)]
+pub struct FieldWorkspace {
+    pub workspace: ThermalWorkspace,
+    /// Responses to unit fluxes, n x N.
+    pub responses: Mat<f64>,
+    pub means: Vec<f64>,
+    /// Fields at the start, of the first stage, and of the second.
+    pub start: Vec<f64>,
+    pub early: Vec<f64>,
+    pub late: Vec<f64>,
+}
+
+impl FieldWorkspace {
+    pub fn new(operators: &FieldOperators) -> Result<FieldWorkspace, BlockError> {
+        let (degrees, count) = (operators.degrees(), operators.widths.len());
+        let field = || vec![0.0; degrees];
+        Ok(FieldWorkspace {
+            workspace: operators.block.workspace(count)?,
+            responses: Mat::zeros(degrees, count),
+            means: vec![0.0; count],
+            start: field(),
+            early: field(),
+            late: field(),
+        })
+    }
+}
+
+pub fn dot(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| left * right).sum()
+}
+
+impl FieldOperators {
+    pub fn degrees(&self) -> usize {
+        self.block.degrees()
+    }
+
+    pub fn held(&self) -> bool {
+        self.properties.top == TopCondition::Held
+    }
+
+    /// Temperature that the unknowns count from.
+    pub fn origin(&self, surroundings: &Surroundings) -> f64 {
+        if self.held() { surroundings.far } else { 0.0 }
+    }
+
+    /// The unknowns of a state, from `origin`.
+    pub fn field(&self, state: &[f64], origin: f64, field: &mut [f64]) {
+        for ((field, state), uniform) in field.iter_mut().zip(state).zip(&self.uniform) {
+            *field = state - origin * uniform;
+        }
+    }
+
+    /// F q + ports.
+    fn load(&self, flux: Option<&[f64]>, surroundings: &Surroundings, load: &mut [f64]) {
+        let outside = surroundings.ambient - self.origin(surroundings);
+        let beside = self.properties.side_convection * outside + self.cooled * surroundings.cooling;
+        for ((load, side), top) in load.iter_mut().zip(&self.sides).zip(&self.top) {
+            *load = side * beside + top * outside;
+        }
+        if !self.held() && surroundings.far != 0.0 {
+            load.iter_mut().zip(&self.far_face).for_each(|(load, face)| *load += face * surroundings.far);
+        }
+        if let Some(flux) = flux {
+            for (integrals, flux) in self.cells.iter().zip(flux) {
+                integrals.iter().for_each(|&(degree, integral)| load[degree] += integral * flux);
+            }
+        }
+    }
+
+    /// Mean temperatures of the cells, from the origin, without what the elements do not resolve.
+    pub fn means(&self, field: &[f64], target: &mut [f64]) {
+        for ((target, integrals), width) in target.iter_mut().zip(&self.cells).zip(&self.widths) {
+            *target = integrals.iter().map(|&(degree, integral)| integral * field[degree]).sum::<f64>() / width;
+        }
+    }
+
+    pub fn distort(&self, field: &[f64], origin: f64, target: &mut [f64]) {
+        match &self.distortion {
+            None => target.fill(0.0),
+            Some((by_field, uniform)) => {
+                for (j, target) in target.iter_mut().enumerate() {
+                    let moved: f64 = by_field.col(j).iter().zip(field).map(|(d, t)| d * t).sum();
+                    *target = moved + origin * uniform[j];
+                }
+            }
+        }
+    }
+
+    pub fn observe(&self, field: &[f64], origin: f64, temperature: &mut [f64], distortion: &mut [f64]) {
+        self.means(field, temperature);
+        temperature.iter_mut().for_each(|mean| *mean += origin);
+        self.distort(field, origin, distortion);
+    }
+
+    /// Heat flow to the air through the sides, W/m, without `cooling`.
+    pub fn ambient_flow(&self, field: &[f64], surroundings: &Surroundings) -> f64 {
+        let outside = surroundings.ambient - self.origin(surroundings);
+        let length = 2.0 * self.properties.height;
+        self.properties.side_convection * (dot(&self.sides, field) - length * outside)
+    }
+
+    pub fn stored(&self, state: &[f64]) -> f64 {
+        let free = dot(&self.capacity, state);
+        if self.held() {
+            let beyond = self.total_capacity - dot(&self.capacity, &self.uniform);
+            free + beyond * state[self.degrees() + TALLIES - 1]
+        } else {
+            free
+        }
+    }
+
+    /// 1/s: of the first stage, which all stages share; bounded so that the matrix of a body that loses no heat is definite.
+    fn shift(&self, step: f64, euler: bool) -> f64 {
+        let ThermalProperties { height, conductivity, volumetric_heat_capacity, .. } = self.properties;
+        let slowest = conductivity / volumetric_heat_capacity / (height * height);
+        (if euler { step } else { GAMMA * step }).recip().max(1e-10 * slowest)
+    }
+
+    pub fn prepare(
+        &self,
+        step: f64,
+        euler: bool,
+        prepared: &mut Prepared,
+        room: &mut FieldWorkspace,
+    ) -> Result<(), BlockError> {
+        // Of no use to anybody until it is done.
+        prepared.step = f64::NAN;
+        self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
+        let responses = &mut room.responses;
+        responses.fill(0.0);
+        for (cell, integrals) in self.cells.iter().enumerate() {
+            integrals.iter().for_each(|&(degree, integral)| responses[(degree, cell)] += integral);
+        }
+        self.block.solve_in_workspace(&prepared.factor, responses.as_mut(), &mut room.workspace);
+        let SurfaceInfluence { temperature, distortion } = &mut prepared.influence;
+        temperature.copy_from(&self.unresolved);
+        for (cell, response) in responses.col_iter().enumerate() {
+            // Columns of a matrix of faer are contiguous.
+            let Some(response) = response.try_as_col_major() else { continue };
+            self.means(response.as_slice(), &mut room.means);
+            temperature.column_mut(cell).iter_mut().zip(&room.means).for_each(|(gain, mean)| *gain += mean);
+        }
+        if let Some((by_field, _)) = &self.distortion {
+            let count = self.widths.len();
+            let target = MatMut::from_column_major_slice_mut(distortion.as_mut_slice(), count, count);
+            matmul(target, Accum::Replace, by_field.transpose(), responses.as_ref(), 1.0, Par::Seq);
+        }
+        (prepared.step, prepared.euler) = (step, euler);
+        let FieldWorkspace { workspace, start, early, late, .. } = room;
+        let fall = if euler { 0.0 } else { -1.0 };
+        let none = Surroundings::default();
+        let rising = [
+            Surroundings { cooling: 1.0, cooling_fall: fall, ..none },
+            Surroundings { far: 1.0, far_fall: fall, ..none },
+        ];
+        for (face, rising) in rising.iter().enumerate().take(if self.held() { 1 } else { FACES }) {
+            start.fill(0.0);
+            self.solve_both(prepared, start, None, rising, workspace, [&mut *early, &mut *late]);
+            for (rises, mean) in prepared.cooled_rise.iter_mut().zip(self.cooled_means(late)) {
+                rises[face] = mean;
+            }
+        }
+        Ok(())
+    }
+
+    /// Solutions of both stages from `start`, which is lost, with the fluxes of both.
+    pub fn solve_both(
+        &self,
+        prepared: &Prepared,
+        start: &mut [f64],
+        fluxes: Option<[&[f64]; 2]>,
+        surroundings: &Surroundings,
+        workspace: &mut ThermalWorkspace,
+        [early, late]: [&mut [f64]; 2],
+    ) {
+        let until = surroundings.until(Stage::First);
+        self.solve(prepared, start, fluxes.map(|[first, _]| first), &until, workspace, early);
+        if prepared.euler {
+            return late.copy_from_slice(early);
+        }
+        extrapolate(start, early);
+        self.solve(prepared, start, fluxes.map(|[_, end]| end), surroundings, workspace, late);
+    }
+
+    /// Mean temperatures of the sides and of the top, from the origin.
+    pub fn cooled_means(&self, field: &[f64]) -> [f64; FACES] {
+        let ThermalProperties { width, height, .. } = self.properties;
+        [dot(&self.sides, field) / (2.0 * height), dot(&self.far_face, field) / width]
+    }
+
+    /// Length of the top into which a flux may be prescribed, m.
+    pub fn top_width(&self) -> f64 {
+        if self.held() { 0.0 } else { self.properties.width }
+    }
+
+    /// The solution of a stage from `start`.
+    pub fn solve(
+        &self,
+        prepared: &Prepared,
+        start: &[f64],
+        flux: Option<&[f64]>,
+        surroundings: &Surroundings,
+        workspace: &mut ThermalWorkspace,
+        field: &mut [f64],
+    ) {
+        self.load(flux, surroundings, field);
+        self.block.add_capacity(self.shift(prepared.step, prepared.euler), start, field, workspace);
+        let loads = MatMut::from_column_major_slice_mut(field, self.degrees(), 1);
+        self.block.solve_in_workspace(&prepared.factor, loads, workspace);
+    }
+}
+
+/// What the second stage starts from, in place of the start.
+pub fn extrapolate(start: &mut [f64], first: &[f64]) {
+    for (start, first) in start.iter_mut().zip(first) {
+        *start += (first - *start) * ((1.0 - GAMMA) / GAMMA);
+    }
+}

@@ -1,0 +1,185 @@
+//! Heat in the punch, from the cells of the contact line to the cells, the cooled surface and the top.
+//!
+//! The punch is a rectangle of one material: width 2a along x, height h, contact at z = 0, cooled on its sides or, as a
+//! closed ring, over its volume. With the heat transfer coefficient H of the cooled surface
+//!
+//! ```text
+//! C dT/dt = k (T_xx + T_zz)
+//! -k T_z = q (contact)     -k T_n = H (T - T_ambient) - cooling (sides)
+//! -k T_z = H_top (T - T_ambient) - far, or T = far (top)
+//! ```
+//!
+//! Conduction in a rectangle separates, so no mesh is needed: across the width the modes are exact ([`across`]), and
+//! each of them is a one-dimensional problem through the height whose impedance is known in closed form ([`depth`]). That
+//! is projected (Galerkin) on its responses to real rates, a rational Krylov space; the result is symmetric, its states
+//! are real and decay, and the steady response is exact because it is in the space. [`shift_selection`] spends states where
+//! the error against the exact impedance is largest. What is left of fast modes has its
+//! exact steady effect ([`steady`]), with the delay that it takes on the whole ([`quasi_static`]).
+//!
+//! The finite elements of `elasticity::block::ThermalBlock` describe the same body; the tests hold one against the other.
+//!
+//! On an annulus x runs along the radius, the body is a ring, and the modes across are those of the radius ([`radial`]). The
+//! mate is then a ring too ([`mate`]), cooled on its face instead of its sides.
+
+mod across;
+mod assembly;
+mod cylinder;
+mod depth;
+mod distortion;
+mod from_top;
+pub mod mate;
+mod quasi_static;
+mod radial;
+mod shift_selection;
+mod steady;
+#[cfg(test)]
+mod tests;
+mod waves;
+
+use super::reduced::ReducedHeat;
+use across::{Across, Sides};
+use assembly::Assembly;
+use depth::{Depth, Points, Top};
+use distortion::Distortion;
+use elasticity::Cells;
+use elasticity::block::BlockError;
+use scene::{Body, Geometry, Scene, ThermalBoundary};
+use shift_selection::{Scale, Selection};
+
+/// Most states. A steel punch in minutes needs fewer than 100 for an error of 1e-4; a heated layer that is thin against
+/// the width, as in a brake pad during one stop, needs more, because more modes across have a history of their own.
+pub const MAXIMUM_STATES: usize = 256;
+
+/// Modes across whose steady fields distort the contact line as those of the whole body; those of shorter waves do so as
+/// on a half-plane.
+const DISTORTING_MODES: usize = 96;
+
+/// Modes across in the steady effects that have no closed sum: what follows falls like 1/m^3.
+const SUMMED_MODES: usize = 1000;
+
+/// Order of the ports.
+const COOLING: usize = 0;
+const AMBIENT: usize = 1;
+const FAR: usize = 2;
+
+/// Reduces the punch of `scene` to states that follow its exact response over `duration` (s) to `tolerance`, relative
+/// to the rise of temperature by a uniform flux over that time: the error is that of the mean square of the
+/// temperature over the contact, by fluxes whose mean square and that of width/pi times their slope sum to 1. Faster
+/// or more jagged fluxes are followed less well in time, never in their steady effect. At most [`MAXIMUM_STATES`]
+/// states; where they do not suffice, the error that is left is larger, and stated.
+///
+/// None where the punch is an insulator.
+///
+/// # Errors
+/// A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
+pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BlockError> {
+    reduce_with_mean(scene, cells, [tolerance; 2], duration)
+}
+
+/// The same with a tolerance of its own, the second, for the uniform mode, which alone carries the mean temperature of the contact.
+///
+/// # Errors
+/// As [`reduce`].
+pub fn reduce_with_mean(
+    scene: &Scene,
+    cells: &Cells,
+    tolerances: [f64; 2],
+    duration: f64,
+) -> Result<Option<ReducedHeat>, BlockError> {
+    let body = &scene.punch;
+    if body.conductivity == 0.0 {
+        return Ok(None);
+    }
+    let cooled_area =
+        if body.cooled_area > 0.0 { body.cooled_area } else { 2.0 * body.height * scene.depth * scene.count };
+    let across = Across {
+        half_width: cells.half_width(),
+        sides: match scene.geometry {
+            Geometry::Line => Sides::Free,
+            Geometry::Annular => Sides::Radial(scene.mean_radius),
+            Geometry::Periodic => Sides::Closed,
+        },
+        cooled: cooled_area / (body.height * scene.depth * scene.count),
+        transfer: body.convection,
+        conductivity: body.conductivity,
+    };
+    let depth = Depth {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        top: match body.far_thermal {
+            ThermalBoundary::Held | ThermalBoundary::External => Top::Held,
+            ThermalBoundary::Convecting => Top::Transfer(body.convection),
+            ThermalBoundary::Insulated => Top::Transfer(0.0),
+        },
+        face: 0.0,
+        driven_top: driven_top(body),
+    };
+    let cooled =
+        Cooled { by: By::Sides, length: across.cooled * depth.height, transfer: across.transfer, top_area: 1.0 };
+    let distortion = Distortion::new(scene, cells)?;
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration }).map(Some)
+}
+
+/// How finely a body is projected.
+#[derive(Clone, Copy, Debug)]
+struct Wanted {
+    /// Tolerances of every mode across and of the uniform one.
+    tolerances: [f64; 2],
+    /// s.
+    duration: f64,
+}
+
+/// Projects a body.
+fn project(
+    across: Across,
+    depth: Depth,
+    cooled: Cooled,
+    mut distortion: Option<Distortion>,
+    cells: &Cells,
+    wanted: &Wanted,
+) -> Result<ReducedHeat, BlockError> {
+    let scale = Scale::new(&across, &depth, wanted.duration, wanted.tolerances);
+    let steepest = scale.steepest(&depth);
+    if let Some(distortion) = &mut distortion {
+        distortion.resolve(steepest);
+    }
+    let extra = distortion.as_ref().map_or(Vec::new(), Distortion::positions);
+    let points = Points::new(depth.height, steepest, &extra);
+    let shift_selection = Selection::new(&across, &depth, &points, &scale, MAXIMUM_STATES);
+    let assembly = Assembly::new(across, depth, cooled, cells, (&points, &shift_selection));
+    let mut operators = assembly.operators();
+    if let Some(distortion) = &distortion {
+        assembly.distort(distortion, &mut operators)?;
+    }
+    assembly.give_first_order_dynamics(&mut operators);
+    let body = ReducedHeat::new(operators);
+    Ok(body)
+}
+
+/// The surface beside the contact that the air cools.
+#[derive(Clone, Copy, Debug)]
+struct Cooled {
+    by: By,
+    /// Area per depth, m.
+    length: f64,
+    /// Constant heat transfer coefficient, W/(m2 K).
+    transfer: f64,
+    /// Area of the far face over that of the contact.
+    top_area: f64,
+}
+
+/// Whether the air takes more at the far face than by its constant heat transfer.
+fn driven_top(body: &Body) -> bool {
+    let varies = body.convection_forced > 0.0 || body.emissivity > 0.0;
+    body.far_thermal == ThermalBoundary::Convecting && varies
+}
+
+/// Where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    /// The sides of the body, as the modes across have it.
+    Sides,
+    /// The face of the contact, as evenly over it as the contact is passing by.
+    Face,
+}

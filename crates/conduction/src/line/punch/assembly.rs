@@ -1,0 +1,361 @@
+//! From the selected modes of a body to its operators.
+
+use super::across::{Across, Sides, Wave};
+use super::depth::{Depth, Points, Shape, Top};
+use super::shift_selection::Selection;
+use super::steady::{steady_beyond, summed_modes};
+use super::waves::Waves;
+use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
+use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
+use elasticity::Cells;
+use nalgebra::DMatrix;
+
+/// A mode across with its states, and the shape that acts without delay.
+pub(super) struct Mode {
+    pub wave: Wave,
+    pub states: Vec<Shape>,
+    pub immediate: Option<Shape>,
+}
+
+/// From the selected modes to the operators.
+pub(super) struct Assembly<'a> {
+    pub across: Across,
+    pub depth: Depth,
+    pub cooled: Cooled,
+    pub cells: &'a Cells,
+    pub modes: Vec<Mode>,
+    /// All modes that some sum needs, those with states first.
+    pub waves: Waves,
+    errors: [f64; 2],
+}
+
+/// Effects of the steady field of one mode: at the contact and at the cooled surface, by unit flux or port.
+#[derive(Default)]
+struct SteadyMode {
+    /// Z(0) by port, K per unit of the port.
+    contact: [f64; PORTS],
+    /// What the cooled surface sees of Z (its integral over the height at the sides, Z(0) on the face) by port.
+    seen: [f64; PORTS],
+    /// The same by unit flux.
+    seen_by_flux: f64,
+    /// Z at a top that is not held by port, and by unit flux.
+    top: [f64; PORTS],
+    top_by_flux: f64,
+}
+
+impl<'a> Assembly<'a> {
+    pub fn new(
+        across: Across,
+        depth: Depth,
+        cooled: Cooled,
+        cells: &'a Cells,
+        (points, shift_selection): (&Points, &Selection),
+    ) -> Self {
+        let modes: Vec<Mode> = (shift_selection.modes.iter().filter(|mode| mode.basis.count() > 0))
+            .map(|mode| {
+                let mut states = mode.basis.shapes(points);
+                let immediate = if mode.fastest_is_steady { states.pop() } else { None };
+                Mode { wave: mode.wave, states, immediate }
+            })
+            .collect();
+        let count = summed_modes(&across, &depth, modes.len()).max(SUMMED_MODES);
+        let waves = Waves::new(&across, cells, count);
+        let errors = [shift_selection.error, shift_selection.mean_error];
+        Assembly { across, depth, cooled, cells, modes, waves, errors }
+    }
+
+    /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
+    pub fn exposure(&self, wave: &Wave) -> f64 {
+        match self.cooled.by {
+            By::Sides => wave.exposure,
+            By::Face => wave.integral * self.cooled.length / (2.0 * self.across.half_width),
+        }
+    }
+
+    /// What a flux into the far face, per area of its own, gives to a mode across, m^(1/2); 0 where none is prescribed.
+    pub fn top_exposure(&self, wave: &Wave) -> f64 {
+        if self.depth.driven_top { self.cooled.top_area * wave.integral } else { 0.0 }
+    }
+
+    /// What it has of a shape through the height.
+    fn seen(&self, shape: &Shape) -> f64 {
+        match self.cooled.by {
+            By::Sides => shape.integral,
+            By::Face => shape.contact,
+        }
+    }
+
+    fn capacity(&self) -> f64 {
+        self.depth.capacity
+    }
+
+    pub fn temperature_at_frozen_state(&self) -> bool {
+        self.depth.top == Top::Held
+    }
+
+    pub fn top_transfer(&self) -> f64 {
+        match self.depth.top {
+            Top::Held => 0.0,
+            Top::Transfer(transfer) => transfer,
+        }
+    }
+
+    /// Input of a shape by port.
+    pub fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
+        let cooling = self.exposure(wave) * self.seen(shape);
+        let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
+        let far = match self.temperature_at_frozen_state() {
+            true => self.through_held_top(wave, shape),
+            false => self.top_exposure(wave) * shape.top,
+        };
+        [cooling, ambient, far]
+    }
+
+    /// Heat flow of a state through a held top, in W/m over its norm.
+    fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
+        if !self.temperature_at_frozen_state() {
+            return 0.0;
+        }
+        // What the height conducts and the face does not lose.
+        let by_face = match self.cooled.by {
+            By::Sides => 0.0,
+            By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
+        };
+        shape.rate_through_height * self.uniform(wave, shape) - by_face
+    }
+
+    /// State of a shape when the body is at 1 K everywhere, J/(m K) over its norm.
+    fn uniform(&self, wave: &Wave, shape: &Shape) -> f64 {
+        self.capacity() * wave.integral * shape.integral
+    }
+
+    /// Steady effects of a mode; None where it cannot rest.
+    fn steady(&self, wave: &Wave) -> Option<SteadyMode> {
+        let (depth, transfer, decay) = (&self.depth, self.cooled.transfer, wave.decay);
+        if !depth.has_steady_state(decay) {
+            return None;
+        }
+        let exposure = self.exposure(wave);
+        // A mode without decay is not exposed, or its sources leave through the top.
+        let (seen_by_flux, seen_by_source) = match self.cooled.by {
+            By::Sides if exposure == 0.0 => (depth.steady_integral(decay), 0.0),
+            By::Sides => (depth.steady_integral(decay), depth.sourced_integral(decay)),
+            By::Face => (depth.steady_impedance(decay), depth.steady_impedance(decay)),
+        };
+        let mut steady = SteadyMode { seen_by_flux, ..SteadyMode::default() };
+        steady.contact[COOLING] = exposure * seen_by_flux;
+        steady.seen[COOLING] = exposure * seen_by_source;
+        let everywhere = match self.cooled.by {
+            By::Sides => wave.integral * depth.height,
+            By::Face => wave.integral,
+        };
+        if self.temperature_at_frozen_state() {
+            steady.contact[AMBIENT] = transfer * steady.contact[COOLING];
+            steady.seen[AMBIENT] = transfer * steady.seen[COOLING];
+            steady.contact[FAR] = wave.integral - steady.contact[AMBIENT];
+            steady.seen[FAR] = everywhere - steady.seen[AMBIENT];
+        } else {
+            // All that surrounds the body is the air: it takes its temperature.
+            steady.contact[AMBIENT] = wave.integral;
+            steady.seen[AMBIENT] = everywhere;
+            if !depth.driven_top {
+                return Some(steady);
+            }
+            steady.top[AMBIENT] = wave.integral;
+            let from_top = depth.driven_from_top(decay);
+            let (at_contact, entering) = (from_top.at(0.0).0, self.top_exposure(wave));
+            let seen = match self.cooled.by {
+                By::Sides => from_top.integral(),
+                By::Face => at_contact,
+            };
+            steady.contact[FAR] = entering * at_contact;
+            steady.seen[FAR] = entering * seen;
+            steady.top[FAR] = entering * from_top.at(depth.height).0;
+            // By reciprocity.
+            steady.top[COOLING] = exposure * seen;
+            steady.top_by_flux = at_contact;
+        }
+        Some(steady)
+    }
+
+    pub fn operators(&self) -> ReducedOperators {
+        let cells = self.cells.count();
+        let count = self.modes.iter().map(|mode| mode.states.len()).sum();
+        let width = 2.0 * self.across.half_width;
+        let mut operators = ReducedOperators {
+            widths: self.across.weights(self.cells),
+            modes: Vec::with_capacity(self.modes.len()),
+            rate: Vec::with_capacity(count),
+            contact: Vec::with_capacity(count),
+            distortion: Vec::new(),
+            input: [(); PORTS].map(|()| Vec::with_capacity(count)),
+            temperature_by_flux: steady_beyond(&self.across, &self.depth, self.cells, &self.waves, self.modes.len()),
+            temperature_by_port: [(); PORTS].map(|()| vec![0.0; cells]),
+            distortion_by_flux: DMatrix::zeros(cells, cells),
+            distortion_by_port: [(); PORTS].map(|()| Vec::new()),
+            cooled: Observation::none(count, cells),
+            far_face: Observation::none(count, cells),
+            ambient_flow: Observation::none(count, cells),
+            far_flow: Observation::none(count, cells),
+            passed: Default::default(),
+            cooled_length: self.cooled.length,
+            own: count,
+            stored: vec![0.0; count],
+            stored_by_far: 0.0,
+            uniform: Vec::with_capacity(count),
+            heat_capacity: self.capacity() * width * self.depth.height,
+            error: self.errors[0],
+            mean_error: self.errors[1],
+        };
+        let mut first = 0;
+        for (m, mode) in self.modes.iter().enumerate() {
+            let integrals = self.waves.integrals(m).to_vec();
+            let means: Vec<f64> = integrals.iter().zip(&operators.widths).map(|(f, width)| f / width).collect();
+            if let Some(shape) = &mode.immediate {
+                let gain = shape.contact * shape.contact / shape.rate;
+                for (j, integral) in integrals.iter().enumerate() {
+                    for (i, mean) in means.iter().enumerate() {
+                        operators.temperature_by_flux[(i, j)] += gain * mean * integral;
+                    }
+                }
+            }
+            for shape in &mode.states {
+                operators.rate.push(shape.rate);
+                operators.contact.push(shape.contact);
+                operators.uniform.push(self.uniform(&mode.wave, shape));
+                for (port, input) in self.input(&mode.wave, shape).into_iter().enumerate() {
+                    operators.input[port].push(input);
+                }
+            }
+            let states = first..first + mode.states.len();
+            first = states.end;
+            operators.modes.push(ModeStates { states, integrals, means });
+        }
+        self.ports(&mut operators);
+        self.flows(&mut operators);
+        operators
+    }
+
+    /// What a mode does without delay: all that it does at rest less what its states do then; without rest, what the
+    /// immediate shape does.
+    fn static_correction(&self, wave: &Wave, mode: Option<&Mode>) -> SteadyMode {
+        let states = mode.map_or(&[][..], |mode| &mode.states[..]);
+        let immediate = mode.and_then(|mode| mode.immediate.as_ref());
+        let (mut left, sign, counted) = match self.steady(wave) {
+            Some(steady) => (steady, -1.0, states),
+            None => (SteadyMode::default(), 1.0, immediate.map_or(&[][..], std::slice::from_ref)),
+        };
+        for shape in counted {
+            let input = self.input(wave, shape);
+            for port in 0..PORTS {
+                left.contact[port] += sign * shape.contact * input[port] / shape.rate;
+                left.seen[port] += sign * self.seen(shape) * input[port] / shape.rate;
+                left.top[port] += sign * shape.top * input[port] / shape.rate;
+            }
+            left.seen_by_flux += sign * self.seen(shape) * shape.contact / shape.rate;
+            left.top_by_flux += sign * shape.top * shape.contact / shape.rate;
+        }
+        left
+    }
+
+    /// Remainders of the cells' temperatures by the ports, and the temperatures of the cooled faces.
+    fn ports(&self, operators: &mut ReducedOperators) {
+        let length = operators.cooled_length;
+        // A surface that has no area is not looked at.
+        let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
+        let per_width = if self.depth.driven_top { 0.5 / self.across.half_width } else { 0.0 };
+        let mut first = 0;
+        for m in 0..SUMMED_MODES.max(self.modes.len()) {
+            let mode = self.modes.get(m);
+            let wave = self.waves.wave(m);
+            let exposure = self.exposure(wave);
+            for shape in mode.map_or(&[][..], |mode| &mode.states[..]) {
+                operators.cooled.states[first] = per_length * exposure * self.seen(shape);
+                operators.far_face.states[first] = per_width * wave.integral * shape.top;
+                first += 1;
+            }
+            if exposure == 0.0 && wave.integral == 0.0 {
+                continue;
+            }
+            let left = self.static_correction(wave, mode);
+            for (i, integral) in self.waves.integrals(m).iter().enumerate() {
+                for port in 0..PORTS {
+                    operators.temperature_by_port[port][i] += left.contact[port] * integral / operators.widths[i];
+                }
+                operators.cooled.fluxes[i] += per_length * exposure * left.seen_by_flux * integral;
+                operators.far_face.fluxes[i] += per_width * wave.integral * left.top_by_flux * integral;
+            }
+            for port in 0..PORTS {
+                operators.cooled.ports[port] += per_length * exposure * left.seen[port];
+                operators.far_face.ports[port] += per_width * wave.integral * left.top[port];
+            }
+        }
+        if self.across.sides != Sides::Closed && self.cooled.by == By::Sides {
+            // The sides' heat close to them, in the modes left out: a sum of 1/m^2.
+            let width = 2.0 * self.across.half_width;
+            let count = 0.5 * SUMMED_MODES.max(self.modes.len()) as f64;
+            let square = self.across.cooled.powi(2) * 2.0 / width;
+            let sum = (0.5 * width / std::f64::consts::PI).powi(2) / count;
+            let beyond = square * self.depth.height / (length * self.depth.conductivity) * sum;
+            operators.cooled.ports[COOLING] += beyond;
+            if self.temperature_at_frozen_state() {
+                operators.cooled.ports[AMBIENT] += self.across.transfer * beyond;
+                operators.cooled.ports[FAR] -= self.across.transfer * beyond;
+            }
+        }
+    }
+
+    /// Flows and stored heat. Observed flows and the balance of heat over-determine them; the balance is kept exactly: the
+    /// stored heat is what the flows will carry away, and what no state holds back leaves at once.
+    fn flows(&self, operators: &mut ReducedOperators) {
+        let transfer = self.cooled.transfer;
+        let (losing, open) = (transfer > 0.0, self.depth.top != Top::Transfer(0.0));
+        let mut k = 0;
+        for mode in &self.modes {
+            for shape in &mode.states {
+                let uniform = operators.uniform[k];
+                let ambient = transfer * self.exposure(&mode.wave) * self.seen(shape);
+                let far =
+                    self.through_held_top(&mode.wave, shape) + self.top_transfer() * mode.wave.integral * shape.top;
+                operators.ambient_flow.states[k] = ambient;
+                operators.far_flow.states[k] = far;
+                operators.stored[k] = if losing || open { (ambient + far) / shape.rate } else { uniform };
+                k += 1;
+            }
+        }
+        // Heat that enters per unit of every input, less what the states take.
+        let mut fluxes = operators.widths.clone();
+        for mode in &operators.modes {
+            let taken: f64 = mode.states.clone().map(|k| operators.stored[k] * operators.contact[k]).sum();
+            for (flux, integral) in fluxes.iter_mut().zip(&mode.integrals) {
+                *flux -= taken * integral;
+            }
+        }
+        let top_length = if self.depth.driven_top { self.cooled.top_area * 2.0 * self.across.half_width } else { 0.0 };
+        let mut ports = [operators.cooled_length, 0.0, top_length];
+        for (port, input) in ports.iter_mut().zip(&operators.input) {
+            *port -= operators.stored.iter().zip(input).map(|(stored, input)| stored * input).sum::<f64>();
+        }
+        let per_kelvin = transfer * operators.cooled_length;
+        let (ambient, far) = (&mut operators.ambient_flow, &mut operators.far_flow);
+        if losing && open {
+            ambient.fluxes = operators.cooled.fluxes.iter().map(|cooled| per_kelvin * cooled).collect();
+            ambient.ports = operators.cooled.ports.map(|cooled| per_kelvin * cooled);
+            ambient.ports[AMBIENT] -= per_kelvin;
+            far.fluxes = fluxes.iter().zip(&ambient.fluxes).map(|(all, ambient)| all - ambient).collect();
+            for port in 0..PORTS {
+                far.ports[port] = ports[port] - ambient.ports[port];
+            }
+        } else if losing {
+            (ambient.fluxes, ambient.ports) = (fluxes, ports);
+        } else if open {
+            (far.fluxes, far.ports) = (fluxes, ports);
+        }
+        // The flux into the far face passes it inwards.
+        far.ports[FAR] -= top_length;
+        if self.temperature_at_frozen_state() {
+            let projected: f64 = operators.uniform.iter().map(|uniform| uniform * uniform).sum();
+            operators.stored_by_far = operators.heat_capacity - projected;
+        }
+    }
+}

@@ -1,0 +1,532 @@
+//! Conduction through the height of one mode across the width: exact, and by Galerkin projection.
+//!
+//! A mode `X(x) Z(z, t)` with the static decay `kappa_0` obeys
+//!
+//! ```text
+//! C dZ/dt = k Z'' - k kappa_0^2 Z,   -k Z'(0) = q,   Z(h) = 0  or  -k Z'(h) = h_top Z(h)
+//! ```
+//!
+//! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`. A face that loses H Z(0) as well takes
+//! `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
+
+use nalgebra::{Complex, DMatrix};
+use numerics::factorization;
+use numerics::grading::towards_face;
+
+/// Condition at the top of the punch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Top {
+    /// Temperature prescribed.
+    Held,
+    /// Heat transfer coefficient, W/(m2 K); 0 is an insulated top.
+    Transfer(f64),
+}
+
+/// Height and material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Depth {
+    /// h, m.
+    pub height: f64,
+    /// k, W/(m K).
+    pub conductivity: f64,
+    /// C, J/(m3 K).
+    pub capacity: f64,
+    pub top: Top,
+    /// H, heat transfer coefficient beside the contact as a mean over the contact's face, W/(m2 K).
+    pub face: f64,
+    /// Fluxes into the top are not only those of its constant heat transfer: the space holds what they do.
+    pub driven_top: bool,
+}
+
+/// Rates at which the space holds what a flux into the top does, over k/(C h^2).
+const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
+
+impl Depth {
+    pub fn diffusivity(&self) -> f64 {
+        self.conductivity / self.capacity
+    }
+
+    /// h_top/k, 1/m; None where the top is held.
+    pub(super) fn top_ratio(&self) -> Option<f64> {
+        match self.top {
+            Top::Held => None,
+            Top::Transfer(transfer) => Some(transfer / self.conductivity),
+        }
+    }
+
+    /// A field that decays with `decay` can rest: heat leaves through the top or the sides.
+    pub fn has_steady_state(&self, decay: f64) -> bool {
+        decay > 0.0 || self.top != Top::Transfer(0.0) || self.face > 0.0
+    }
+
+    /// What is left of the response without loss at the face, whose value there is `contact`.
+    fn kept(&self, contact: f64) -> f64 {
+        1.0 / (1.0 + self.face * contact)
+    }
+
+    /// Exact Z(0) per unit q for the complex decay `kappa`, Re > 0, K m2/W.
+    pub fn impedance(&self, kappa: Complex<f64>) -> Complex<f64> {
+        if kappa.re * self.height > 20.0 && self.face == 0.0 {
+            // The top is not felt to rounding.
+            return (kappa * self.conductivity).inv();
+        }
+        let fall = (kappa * (-2.0 * self.height)).exp();
+        let reflection = match self.top_ratio() {
+            None => Complex::from(-1.0),
+            Some(ratio) => (kappa - ratio) / (kappa + ratio),
+        };
+        let closed = (reflection * fall + 1.0) / ((-reflection * fall + 1.0) * kappa * self.conductivity);
+        closed / (closed * self.face + 1.0)
+    }
+
+    /// Exact steady Z(0) per unit q, K m2/W, where there is one.
+    pub fn steady_impedance(&self, decay: f64) -> f64 {
+        self.response(decay, 0.0).0
+    }
+
+    /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where the top or the face lets heat out).
+    pub fn response(&self, kappa: f64, z: f64) -> (f64, f64) {
+        self.profile(kappa)(z)
+    }
+
+    /// The same as a function of z.
+    fn profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
+        let closed = self.closed_profile(kappa);
+        let lost_by_face = self.face > 0.0 && kappa * self.height < 1e-9 && self.top == Top::Transfer(0.0);
+        let level = lost_by_face.then(|| 1.0 / self.face);
+        let kept = if self.face == 0.0 || lost_by_face { 1.0 } else { self.kept(closed(0.0).0) };
+        move |z| match level {
+            Some(level) => (level, 0.0),
+            None => {
+                let (value, slope) = closed(z);
+                (kept * value, kept * slope)
+            }
+        }
+    }
+
+    /// The same without loss at the face.
+    fn closed_profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
+        let (k, h) = (self.conductivity, self.height);
+        let top = self.top_ratio();
+        let straight = kappa * h < 1e-9 && self.top != Top::Transfer(0.0);
+        // 1 + r and 1 - r of the reflection r, each without cancellation.
+        let (reflection, sum, difference) = match top {
+            None => (-1.0, 0.0, 2.0),
+            Some(ratio) => {
+                ((kappa - ratio) / (kappa + ratio), 2.0 * kappa / (kappa + ratio), 2.0 * ratio / (kappa + ratio))
+            }
+        };
+        let entering = difference - reflection * (-2.0 * kappa * h).exp_m1();
+        move |z| {
+            let distance = h - z;
+            if straight {
+                return match top {
+                    None => (distance / k, -1.0 / k),
+                    Some(ratio) => ((1.0 + ratio * distance) / (ratio * k), -1.0 / k),
+                };
+            }
+            let scale = (-kappa * z).exp() / entering;
+            // What comes back over more than this is nothing to rounding: exp(-40) = 4e-18.
+            let way = 2.0 * kappa * distance;
+            let back = if way > 40.0 { -reflection } else { reflection * (-way).exp_m1() };
+            (scale * (sum + back) / (kappa * k), -scale * (difference - back) / k)
+        }
+    }
+
+    /// Integral over the height of the steady response to unit q, K m3/W: by reciprocity what a uniform source does at the
+    /// contact.
+    pub fn steady_integral(&self, decay: f64) -> f64 {
+        if self.face == 0.0 {
+            return self.sourced(decay, 0.0);
+        }
+        if decay * self.height < 1e-9 && self.top == Top::Transfer(0.0) {
+            return self.height / self.face;
+        }
+        self.kept(self.closed_profile(decay)(0.0).0) * self.sourced(decay, 0.0)
+    }
+
+    /// Steady Z(z) of a uniform heat source of 1 W/m3 (the cooled surface), without loss at the face, K m3/W.
+    pub fn sourced(&self, decay: f64, z: f64) -> f64 {
+        let (k, h) = (self.conductivity, self.height);
+        if decay * h < 1.0 {
+            // [r (cosh decay h - cosh decay z) + decay sinh decay h]/(r cosh decay h + decay sinh decay h)/(k decay^2),
+            // with r = h_top/k, without cancellation.
+            let sine = |x: f64| if decay * x < 1e-6 { x } else { (decay * x).sinh() / decay };
+            let rise = 2.0 * sine(0.5 * (h + z)) * sine(0.5 * (h - z));
+            let cosine = (decay * h).cosh();
+            return match self.top_ratio() {
+                None => rise / (k * cosine),
+                Some(ratio) => (ratio * rise + sine(h)) / (k * (ratio * cosine + decay * decay * sine(h))),
+            };
+        }
+        let fall = (-2.0 * decay * h).exp();
+        let rise = (decay * (z - h)).exp() + (-decay * (z + h)).exp();
+        let at_top = match self.top_ratio() {
+            None => rise / (1.0 + fall),
+            Some(ratio) => rise * ratio / (ratio * (1.0 + fall) + decay * (1.0 - fall)),
+        };
+        (1.0 - at_top) / (k * decay * decay)
+    }
+
+    /// Integral of `sourced` over the height, K m4/W.
+    pub fn sourced_integral(&self, decay: f64) -> f64 {
+        let (k, h) = (self.conductivity, self.height);
+        let square = (decay * h).powi(2);
+        // tanh(decay h)/decay, and what it lacks of h over decay^2.
+        let (tangent, lack) = if square < 1e-3 {
+            let lack = h.powi(3) * (1.0 / 3.0 - square * (2.0 / 15.0 - square * 17.0 / 315.0));
+            (h - decay * decay * lack, lack)
+        } else {
+            let tangent = (decay * h).tanh() / decay;
+            (tangent, (h - tangent) / (decay * decay))
+        };
+        match self.top_ratio() {
+            None => lack / k,
+            Some(ratio) => (h * tangent + ratio * lack) / (k * (ratio + decay * decay * tangent)),
+        }
+    }
+}
+
+/// Points through the height: a quadrature that resolves every trial function, then points where somebody wants the
+/// functions' values.
+#[derive(Clone, Debug)]
+pub(super) struct Points {
+    position: Vec<f64>,
+    weight: Vec<f64>,
+}
+
+/// Points of every panel of the quadrature.
+const PANEL: usize = 10;
+
+impl Points {
+    /// For decays up to `steepest`, with values wanted at `extra`.
+    pub fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
+        let mut edges = towards_face(1.0 / steepest, height, 3.0);
+        edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
+        let rule = elasticity::block::lobatto::gauss_legendre(PANEL);
+        let mut points = Points { position: Vec::new(), weight: Vec::new() };
+        for pair in edges.windows(2) {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            for &(node, weight) in &rule {
+                points.position.push(middle + half * node);
+                points.weight.push(half * weight);
+            }
+        }
+        points.position.extend(extra);
+        points
+    }
+
+    /// Integral of left times right over the height.
+    fn product(&self, left: &[f64], right: &[f64]) -> f64 {
+        // Two running sums, for vector instructions; the panels' ten points come in pairs.
+        let mut sum = [0.0; 2];
+        let pairs = self.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
+        for ((weight, left), right) in pairs {
+            sum[0] += weight[0] * left[0] * right[0];
+            sum[1] += weight[1] * left[1] * right[1];
+        }
+        sum[0] + sum[1]
+    }
+}
+
+/// Values and slopes of a function at the points, and its values at contact and top.
+#[derive(Clone, Debug)]
+struct Function {
+    value: Vec<f64>,
+    slope: Vec<f64>,
+    contact: f64,
+    top: f64,
+}
+
+impl Function {
+    fn new(height: f64, points: &Points, evaluate: impl Fn(f64) -> (f64, f64)) -> Function {
+        let (value, slope) = points.position.iter().map(|&z| evaluate(z)).unzip();
+        Function { value, slope, contact: evaluate(0.0).0, top: evaluate(height).0 }
+    }
+
+    fn add(&mut self, factor: f64, other: &Function) {
+        for (mine, its) in self.value.iter_mut().zip(&other.value) {
+            *mine += factor * its;
+        }
+        for (mine, its) in self.slope.iter_mut().zip(&other.slope) {
+            *mine += factor * its;
+        }
+        self.contact += factor * other.contact;
+        self.top += factor * other.top;
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.value.iter_mut().chain(&mut self.slope).for_each(|value| *value *= factor);
+        self.contact *= factor;
+        self.top *= factor;
+    }
+}
+
+/// One decaying shape through the height; `C integral Z^2 dz = 1`.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    /// Decay rate of a field with this shape, 1/s.
+    pub rate: f64,
+    /// The part of it that conduction through the height makes.
+    pub rate_through_height: f64,
+    /// Z at the contact.
+    pub contact: f64,
+    /// Z at the top.
+    pub top: f64,
+    /// Integral of Z over the height.
+    pub integral: f64,
+    /// Z at the extra points.
+    pub extra: Vec<f64>,
+}
+
+/// Trial functions of one mode, orthonormal in the capacity-weighted product, and the reduced problem they make.
+#[derive(Clone, Debug)]
+pub(super) struct Basis {
+    depth: Depth,
+    decay: f64,
+    functions: Vec<Function>,
+    /// The first function is the uniform temperature.
+    has_uniform: bool,
+    stiffness: DMatrix<f64>,
+    /// Decay rates through the height, ascending, and the shapes' parts of the functions, by columns.
+    rates: Vec<f64>,
+    vectors: DMatrix<f64>,
+}
+
+impl Basis {
+    pub fn new(depth: Depth, decay: f64) -> Basis {
+        let nothing = DMatrix::zeros(0, 0);
+        Basis {
+            depth,
+            decay,
+            functions: Vec::new(),
+            has_uniform: false,
+            stiffness: nothing.clone(),
+            rates: Vec::new(),
+            vectors: nothing,
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.functions.len()
+    }
+
+    /// Adds the functions every body needs for its mean temperature: the uniform one, so that heat is conserved; under a
+    /// held top those that carry its changes down.
+    pub fn add_means(&mut self, points: &Points) {
+        let h = self.depth.height;
+        if self.depth.top == Top::Held {
+            for part in [1.0, 5.0] {
+                let kappa = part * std::f64::consts::FRAC_PI_2 / h;
+                self.add(
+                    points,
+                    Function::new(h, points, |z| {
+                        let ratio = (kappa * z).cosh() / (kappa * h).cosh();
+                        (1.0 - ratio, -kappa * (kappa * z).sinh() / (kappa * h).cosh())
+                    }),
+                );
+            }
+            return;
+        }
+        self.has_uniform = true;
+        self.add(points, Function::new(h, points, |_| (1.0, 0.0)));
+        if !self.depth.has_steady_state(self.decay) {
+            // What a constant flux settles to while the mean rises for ever.
+            self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
+        }
+        if self.depth.driven_top {
+            if self.depth.has_steady_state(self.decay) {
+                self.add_from_top(points, self.decay);
+            } else {
+                self.add(points, Function::new(h, points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
+            }
+            for rate in TOP_RATES {
+                self.add_from_top(points, (self.decay * self.decay + rate / (h * h)).sqrt());
+            }
+        }
+    }
+
+    fn add_from_top(&mut self, points: &Points, kappa: f64) {
+        let field = self.depth.driven_from_top(kappa);
+        self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
+    }
+
+    /// Adds the response to the contact at the real rate `rate`, 1/s; false if the space has it already.
+    pub fn add_response(&mut self, points: &Points, rate: f64) -> bool {
+        let kappa = (self.decay * self.decay + rate / self.depth.diffusivity()).sqrt();
+        let profile = self.depth.profile(kappa);
+        self.add(points, Function::new(self.depth.height, points, profile))
+    }
+
+    /// Adds a function after orthogonalising it (twice is enough); false if the space has it already.
+    fn add(&mut self, points: &Points, mut function: Function) -> bool {
+        let capacity = self.depth.capacity;
+        let before = (capacity * points.product(&function.value, &function.value)).sqrt();
+        for _ in 0..2 {
+            for known in &self.functions {
+                let part = capacity * points.product(&known.value, &function.value);
+                function.add(-part, known);
+            }
+        }
+        let norm = (capacity * points.product(&function.value, &function.value)).sqrt();
+        if norm.is_nan() || norm <= 1e-7 * before {
+            return false;
+        }
+        function.scale(1.0 / norm);
+        self.functions.push(function);
+        self.project(points);
+        true
+    }
+
+    /// Completes the reduced conduction matrix by its last row, and solves for the decaying shapes.
+    fn project(&mut self, points: &Points) {
+        let last = self.functions.len() - 1;
+        let stiffness = std::mem::replace(&mut self.stiffness, DMatrix::zeros(0, 0));
+        self.stiffness = stiffness.resize(last + 1, last + 1, 0.0);
+        let transfer = match self.depth.top {
+            Top::Held => 0.0,
+            Top::Transfer(transfer) => transfer,
+        };
+        let newest = &self.functions[last];
+        for (i, other) in self.functions.iter().enumerate() {
+            // The uniform temperature has no slope; rounding must not give it one.
+            let inside = if i == 0 && self.has_uniform { 0.0 } else { points.product(&other.slope, &newest.slope) };
+            let entry = self.depth.conductivity * inside
+                + transfer * other.top * newest.top
+                + self.depth.face * other.contact * newest.contact;
+            self.stiffness[(i, last)] = entry;
+            self.stiffness[(last, i)] = entry;
+        }
+        // Under an insulated top the uniform temperature does not decay at all.
+        let apart = usize::from(self.has_uniform && transfer == 0.0 && self.depth.face == 0.0);
+        let rest = self.stiffness.view((apart, apart), (last + 1 - apart, last + 1 - apart)).into_owned();
+        if rest.is_empty() {
+            (self.rates, self.vectors) = (vec![0.0], DMatrix::identity(1, 1));
+            return;
+        }
+        let eigen = factorization::symmetric_eigen_or_nan(rest.clone());
+        let mut order: Vec<usize> = (0..last + 1 - apart).collect();
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let slowest = order.first().map(|&i| eigen.eigenvectors.column(i).into_owned());
+        self.rates = vec![0.0; apart];
+        self.rates.extend(order.iter().map(|&i| eigen.eigenvalues[i].max(0.0)));
+        self.vectors = DMatrix::zeros(last + 1, last + 1);
+        if apart == 1 {
+            self.vectors[(0, 0)] = 1.0;
+        }
+        for (column, &i) in order.iter().enumerate() {
+            self.vectors
+                .view_mut((apart, apart + column), (last + 1 - apart, 1))
+                .copy_from(&eigen.eigenvectors.column(i));
+        }
+        // Rounding of the fastest rates must not spoil the slowest one: an inverse iteration restores its digits.
+        if let Some(slowest) = slowest
+            && let Ok(factor) = factorization::cholesky(rest)
+        {
+            let solved = factor.solve(&slowest);
+            self.rates[apart] = slowest.dot(&slowest) / slowest.dot(&solved);
+        }
+    }
+
+    /// Decay rate and value at the contact of every shape, the slowest first.
+    pub fn residues(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let own = self.depth.diffusivity() * self.decay * self.decay;
+        self.rates.iter().enumerate().map(move |(k, rate)| {
+            let contact = self.functions.iter().enumerate().map(|(i, f)| f.contact * self.vectors[(i, k)]).sum();
+            (own + rate, contact)
+        })
+    }
+
+    /// The shapes, the slowest first.
+    pub fn shapes(&self, points: &Points) -> Vec<Shape> {
+        let quadrature = points.weight.len();
+        (self.residues().enumerate())
+            .map(|(k, (rate, contact))| {
+                let mut values = vec![0.0; points.position.len()];
+                let mut top = 0.0;
+                for (i, function) in self.functions.iter().enumerate() {
+                    let part = self.vectors[(i, k)];
+                    top += part * function.top;
+                    for (value, its) in values.iter_mut().zip(&function.value) {
+                        *value += part * its;
+                    }
+                }
+                // Orthogonal to the uniform temperature where that is a shape of its own.
+                let uniform = self.has_uniform && self.depth.top == Top::Transfer(0.0) && self.depth.face == 0.0;
+                let integral = if uniform && k > 0 {
+                    0.0
+                } else {
+                    values.iter().zip(&points.weight).map(|(value, weight)| value * weight).sum()
+                };
+                Shape {
+                    rate,
+                    rate_through_height: self.rates[k],
+                    contact,
+                    top,
+                    integral,
+                    extra: values.split_off(quadrature),
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steady_profiles_satisfy_their_equations() {
+        for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
+            let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0, driven_top: false };
+            for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0] {
+                if !depth.has_steady_state(decay) {
+                    continue;
+                }
+                let rule = elasticity::block::lobatto::gauss_legendre(40);
+                let edges = [0.0, 1e-4, 1e-3, 0.01, 0.05, 0.1];
+                let integral = |f: &dyn Fn(f64) -> f64| -> f64 {
+                    (edges.windows(2))
+                        .flat_map(|pair| {
+                            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+                            rule.iter().map(move |&(node, weight)| half * weight * f(middle + half * node))
+                        })
+                        .sum()
+                };
+                // Balance of the response to the contact: what enters is lost on the way or leaves at the top.
+                let response = integral(&|z| depth.response(decay, z).0);
+                let loss = 55.0 * decay * decay * response - 55.0 * depth.response(decay, 0.1).1;
+                assert!((loss - 1.0).abs() < 1e-9, "{top:?} {decay}: {loss}");
+                assert!((response / depth.steady_integral(decay) - 1.0).abs() < 1e-9, "{top:?} {decay}");
+                let sourced = integral(&|z| depth.sourced(decay, z));
+                assert!((sourced / depth.sourced_integral(decay) - 1.0).abs() < 1e-9, "{top:?} {decay}");
+                if decay > 1e-3 {
+                    let exact = depth.impedance(Complex::from(decay)).re;
+                    assert!((depth.steady_impedance(decay) / exact - 1.0).abs() < 1e-9, "{top:?} {decay}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slowest_rate_keeps_its_digits() {
+        // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
+        let depth = Depth {
+            height: 0.1,
+            conductivity: 55.0,
+            capacity: 3.6e6,
+            top: Top::Transfer(1e-6),
+            face: 0.0,
+            driven_top: false,
+        };
+        let points = Points::new(0.1, 1e5, &[]);
+        let mut basis = Basis::new(depth, 0.0);
+        basis.add_means(&points);
+        for rate in [0.0, 0.01, 1.0, 1e2, 1e4] {
+            basis.add_response(&points, rate);
+        }
+        let slowest = basis.shapes(&points)[0].rate;
+        let expected = 1e-6 / (3.6e6 * 0.1);
+        assert!((slowest / expected - 1.0).abs() < 1e-8, "{slowest:e} {expected:e}");
+    }
+}

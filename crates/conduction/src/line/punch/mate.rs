@@ -1,0 +1,232 @@
+//! The ring of the mate under an annular contact.
+//!
+//! The mate turns under the contact, so that every radius of it is heated as in the mean round the circle: by the contact's flux
+//! times the part c of the circle that is covered. The ring is as wide as the contact; no heat passes its inner and outer
+//! side. Its face is cooled beside the contact, also in the mean round the circle.
+//!
+//! Per length of the contact's mean arc the ring is a body of 1/c times conductivity, capacity and heat transfer under the whole
+//! flux: the same temperatures, and heat flows and stored heat in the units of the contact.
+
+use super::across::{Across, Sides};
+use super::depth::{Depth, Top};
+use super::distortion::Distortion;
+use super::{By, Cooled, Wanted, driven_top, project};
+use crate::line::reduced::ReducedHeat;
+use elasticity::block::BlockError;
+use elasticity::{Base, Cells};
+use scene::{Scene, ThermalBoundary};
+use std::f64::consts::PI;
+
+/// Cooled area of the mate per length of the contact's mean arc, m: as given, or the ring beside the contact.
+pub fn cooled_length(scene: &Scene) -> f64 {
+    let arcs = scene.depth * scene.count;
+    let area = match scene.strip.cooled_area {
+        0.0 => (2.0 * PI * scene.mean_radius - arcs) * scene.width,
+        given => given,
+    };
+    (area / arcs).max(0.0)
+}
+
+/// Reduces the mate's ring as [`super::reduce`] does the punch.
+///
+/// None where the mate is an insulator.
+///
+/// # Errors
+/// None: a layer is distorted at any height.
+pub fn reduce_mate(
+    scene: &Scene,
+    cells: &Cells,
+    tolerance: f64,
+    duration: f64,
+) -> Result<Option<ReducedHeat>, BlockError> {
+    let body = &scene.strip;
+    if body.conductivity == 0.0 {
+        return Ok(None);
+    }
+    let spread = 1.0 / scene.coverage();
+    let conductivity = spread * body.conductivity;
+    let length = cooled_length(scene);
+    let transfer = if length > 0.0 { body.convection } else { 0.0 };
+    let across = Across {
+        half_width: cells.half_width(),
+        sides: Sides::Radial(scene.mean_radius),
+        cooled: 0.0,
+        transfer: 0.0,
+        conductivity,
+    };
+    let depth = Depth {
+        height: body.height,
+        conductivity,
+        capacity: spread * body.capacity(),
+        top: match body.far_thermal {
+            ThermalBoundary::Held | ThermalBoundary::External => Top::Held,
+            ThermalBoundary::Convecting => Top::Transfer(spread * body.convection),
+            ThermalBoundary::Insulated => Top::Transfer(0.0),
+        },
+        face: transfer * length / scene.width,
+        driven_top: driven_top(body),
+    };
+    let cooled = Cooled { by: By::Face, length, transfer, top_area: spread };
+    let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
+    let distortion = Distortion::on_base(body, base);
+    project(across, depth, cooled, distortion, cells, &Wanted { tolerances: [tolerance; 2], duration }).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::punch::tests::Run;
+    use crate::line::{Account, GAMMA, Surroundings, ThermalBody};
+    use scene::variables::{STARTS, reference};
+
+    /// A disc of 12 mm, 75 to 114 mm, with changed parameters.
+    fn scene(changes: &[(&str, f64)]) -> Scene {
+        let mut values = STARTS;
+        let disc = [
+            ("contact.geometry", 2.0),
+            ("contact.mean_radius", 0.0945),
+            ("punch.width", 0.039),
+            ("depth", 0.1),
+            ("punch.count", 2.0),
+            ("strip.path", 2.0),
+            ("strip.length", 0.0),
+            ("strip.height", 0.012),
+            ("strip.conductivity", 54.0),
+            ("strip.density", 7200.0),
+            ("strip.specific_heat", 460.0),
+            ("strip.thermal_expansion", 1.1e-5),
+            ("strip.poissons_ratio", 0.3),
+            ("strip.convection", 40.0),
+        ];
+        for (name, value) in disc.iter().chain(changes) {
+            values[reference(name) as usize] = *value;
+        }
+        Scene::new(&values, None).unwrap()
+    }
+
+    fn run(scene: &Scene, cells: &Cells) -> Run {
+        Run::of(reduce_mate(scene, cells, 1e-3, 100.0).unwrap().unwrap())
+    }
+
+    const COOLED: [&[(&str, f64)]; 5] = [
+        &[("strip.base_thermal", 3.0)],
+        &[("strip.base_thermal", 3.0), ("strip.cooled_area", 0.1)],
+        &[("strip.base_thermal", 2.0)],
+        &[("strip.base_thermal", 1.0)],
+        &[("strip.base_thermal", 3.0), ("strip.convection", 0.0)],
+    ];
+
+    #[test]
+    fn the_ring_beside_the_contacts_is_cooled() {
+        // Two pads over .1 m each of the mean circumference of 2 pi .0945 = .593761 m: .393761 m of it are free.
+        let free = cooled_length(&scene(&[]));
+        assert!((free - 0.393_761 * 0.039 / 0.2).abs() < 1e-7, "{free}");
+        let one = cooled_length(&scene(&[("punch.count", 1.0)]));
+        assert!((one - 0.493_761 * 0.039 / 0.1).abs() < 1e-6, "{one}");
+        let given = cooled_length(&scene(&[("strip.cooled_area", 0.1)]));
+        assert!((given - 0.5).abs() < 1e-15, "{given}");
+        // Nothing is free of a full ring.
+        let full = cooled_length(&scene(&[("punch.count", 1.0), ("depth", 2.0 * PI * 0.0945)]));
+        assert!(full.abs() < 1e-15, "{full}");
+    }
+
+    #[test]
+    fn heat_is_accounted_for() {
+        let cells = Cells::graded(0.0195, 9).unwrap();
+        for changes in COOLED {
+            let scene = scene(changes);
+            let mut run = run(&scene, &cells);
+            run.heat.uniform(5.0, &mut run.state);
+            assert!((run.heat.mean_temperature(&run.state) - 5.0).abs() < 1e-3);
+            let start = run.heat.account(&run.state);
+            let areas: Vec<f64> =
+                cells.centres().iter().zip(cells.widths()).map(|(x, c)| c * (1.0 + x / 0.0945)).collect();
+            let mut entered = 0.0;
+            for i in 0..200 {
+                let flux =
+                    |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
+                let (first, end) = (flux(i), flux(i + 1));
+                run.surroundings = Surroundings {
+                    cooling: -20.0,
+                    cooling_fall: 7.0,
+                    ambient: 3.0,
+                    far: if i % 50 < 25 { -10.0 } else { 4.0 },
+                    far_fall: 0.0,
+                };
+                let step = [1e-3, 0.7, 40.0][i as usize % 3];
+                run.step(step, &first, &end);
+                let both = first.iter().zip(&end).map(|(first, end)| (1.0 - GAMMA) * first + GAMMA * end);
+                entered += step * both.zip(&areas).map(|(flux, area)| flux * area).sum::<f64>();
+            }
+            let end = run.heat.account(&run.state);
+            let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
+            assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
+            let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
+            assert!((all - entered).abs() < 1e-11 * entered.abs(), "{changes:?}: {all} of {entered}");
+            // What is stored is the mean temperature's.
+            let capacity = 7200.0 * 460.0 * 0.039 * 0.012 / scene.coverage();
+            let stored = capacity * run.heat.mean_temperature(&run.state);
+            assert!((end.stored - stored).abs() < 2e-3 * stored.abs(), "{changes:?}: {} {stored}", end.stored);
+        }
+    }
+
+    #[test]
+    fn a_ring_as_warm_as_all_around_it_stays_so() {
+        let cells = Cells::graded(0.0195, 9).unwrap();
+        for changes in COOLED {
+            let mut run = run(&scene(changes), &cells);
+            run.surroundings = Surroundings { ambient: 7.0, far: 7.0, ..Surroundings::default() };
+            run.heat.uniform(7.0, &mut run.state);
+            for _ in 0..10 {
+                run.step(3.0, &[0.0; 9], &[0.0; 9]);
+            }
+            assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-3), "{changes:?}: {:?}", run.temperature);
+            // A layer on its base that cannot grow along it.
+            let expected = -7.0 * 1.1e-5 * 1.3 / 0.7 * 0.012;
+            let distortion = &run.distortion;
+            assert!(distortion.iter().all(|u| (u / expected - 1.0).abs() < 2e-3), "{changes:?}: {distortion:?}");
+            // Cooling from there on takes the heat of its area.
+            if changes.len() == 1 && changes[0].1 == 3.0 {
+                let flows = run.heat.flows(&run.state, &run.surroundings, &[0.0; 9]);
+                assert!(flows[0].abs() < 1e-2 * 40.0 * 7.0 * 0.077, "{flows:?}");
+                run.surroundings.ambient = 0.0;
+                let flows = run.heat.flows(&run.state, &run.surroundings, &[0.0; 9]);
+                let expected = 40.0 * 7.0 * cooled_length(&scene(changes));
+                assert!((flows[0] / expected - 1.0).abs() < 5e-3, "{flows:?} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_band_heats_and_bends_a_deep_ring_like_a_half_space() {
+        // Mode 5 of the radius at rest: T = q/(K xi), bent by alpha (1 + nu) q/(K xi^2), K over the covered part.
+        let count = 120;
+        let cells = Cells::uniform(0.0195, count).unwrap();
+        for changes in [&[("strip.base", 1.0)][..], &[("strip.base", 2.0)]] {
+            let deep = [("strip.height", 0.2), ("strip.convection", 0.0), ("strip.base_thermal", 1.0)];
+            let scene = scene(&[&deep[..], changes].concat());
+            let across = Across {
+                half_width: 0.0195,
+                sides: Sides::Radial(0.0945),
+                cooled: 0.0,
+                transfer: 0.0,
+                conductivity: 1.0,
+            };
+            let wave = across.wave(5);
+            let weights = across.weights(&cells);
+            let flux: Vec<f64> = wave.cell_integrals(&cells).iter().zip(&weights).map(|(f, w)| f / w).collect();
+            let mut run = run(&scene, &cells);
+            run.step(1e9, &flux, &flux);
+            let conductivity = 54.0 / scene.coverage();
+            let temperature = 1.0 / (conductivity * wave.wave_number);
+            let bent = -1.1e-5 * 1.3 * temperature / wave.wave_number;
+            let largest = flux.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
+            for (i, q) in flux.iter().enumerate() {
+                let error = (run.temperature[i] - q * temperature).abs() / (largest * temperature);
+                assert!(error < 5e-3, "{i}: {error}");
+                let error = ((run.distortion[i] - q * bent) / (largest * bent)).abs();
+                assert!(error < 5e-3, "{i}: {error}");
+            }
+        }
+    }
+}

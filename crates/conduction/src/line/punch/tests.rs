@@ -1,0 +1,518 @@
+use super::super::{Account, GAMMA, Stage, Surroundings, ThermalBody};
+use super::*;
+use exact::unreduced_punch::Unreduced;
+use scene::variables::{STARTS, reference};
+
+const TOLERANCE: f64 = 1e-4;
+
+/// Steel punch, 60 mm x 100 mm x 10 mm, with changed parameters.
+fn scene(changes: &[(&str, f64)]) -> Scene {
+    let mut values = STARTS;
+    let steel = [
+        ("punch.width", 0.06),
+        ("punch.height", 0.1),
+        ("depth", 0.01),
+        ("punch.conductivity", 55.0),
+        ("punch.density", 7800.0),
+        ("punch.specific_heat", 460.0),
+        ("punch.thermal_expansion", 1.1e-5),
+        ("punch.poissons_ratio", 0.3),
+        ("punch.convection", 0.0),
+        ("punch.top_thermal", 1.0),
+    ];
+    for (name, value) in steel.iter().chain(changes) {
+        values[reference(name) as usize] = *value;
+    }
+    Scene::new(&values, None).unwrap()
+}
+
+fn cells(count: usize) -> Cells {
+    Cells::graded(0.03, count).unwrap()
+}
+
+/// Reduced body with the temperatures and the distortion of the last step.
+pub(super) struct Run {
+    pub heat: ReducedHeat,
+    pub state: Vec<f64>,
+    pub surroundings: Surroundings,
+    pub temperature: Vec<f64>,
+    pub distortion: Vec<f64>,
+}
+
+impl Run {
+    fn new(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Run {
+        Run::of(reduce(scene, cells, tolerance, duration).unwrap().unwrap())
+    }
+
+    pub fn of(heat: ReducedHeat) -> Run {
+        let (state, n) = (vec![0.0; heat.states()], heat.cells());
+        let surroundings = Surroundings::default();
+        Run { heat, state, surroundings, temperature: vec![0.0; n], distortion: vec![0.0; n] }
+    }
+
+    pub fn step(&mut self, step: f64, first: &[f64], end: &[f64]) {
+        self.heat.prepare(step, [0.0; 2]);
+        let (temperature, distortion) = (&mut self.temperature, &mut self.distortion);
+        self.heat.free_response(&self.state, &self.surroundings, Stage::End, first, temperature, distortion);
+        let influence = self.heat.influence(Stage::End);
+        for (i, (temperature, distortion)) in temperature.iter_mut().zip(distortion).enumerate() {
+            *temperature += (0..end.len()).map(|j| influence.temperature[(i, j)] * end[j]).sum::<f64>();
+            *distortion += (0..end.len()).map(|j| influence.distortion[(i, j)] * end[j]).sum::<f64>();
+        }
+        self.heat.advance(&mut self.state, &self.surroundings, first, end);
+    }
+}
+
+fn largest_difference(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(left, right)| (left - right).abs()).fold(0.0, f64::max)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
+}
+
+/// A flux that leans, of 1 W/m2 at most.
+fn leaning(cells: &Cells) -> Vec<f64> {
+    cells.centres().iter().map(|x| 0.7 + 0.3 * x / 0.03).collect()
+}
+
+#[test]
+fn states_and_error_at_the_finest_tolerance() {
+    for (changes, count) in [
+        (&[][..], 33),
+        (&[("punch.top_thermal", 3.0)], 33),
+        (&[("punch.top_thermal", 2.0), ("punch.convection", 20.0)], 33),
+        (&[("punch.top_thermal", 3.0), ("punch.convection", 20.0)], 129),
+    ] {
+        let cells = cells(count);
+        let start = std::time::Instant::now();
+        let heat = reduce(&scene(changes), &cells, TOLERANCE, 1000.0).unwrap().unwrap();
+        let time = start.elapsed();
+        println!("{changes:?} {count}: {} states, error {:.2e}, {time:?}", heat.own_states(), heat.error());
+        assert!(heat.own_states() <= 100 && heat.error() <= TOLERANCE);
+        assert!(heat.states() <= 100 + count + 4);
+    }
+    // A brake pad, of a material that conducts badly, over a stop.
+    let pad = scene(&[
+        ("punch.conductivity", 1.2),
+        ("punch.density", 2500.0),
+        ("punch.specific_heat", 1000.0),
+        ("punch.height", 0.015),
+        ("punch.top_thermal", 3.0),
+    ]);
+    let heat = reduce(&pad, &cells(33), 1e-3, 10.0).unwrap().unwrap();
+    println!("pad: {} states, error {:.2e}", heat.own_states(), heat.error());
+    assert!(heat.own_states() <= MAXIMUM_STATES && heat.error() <= 1e-3);
+    // Where the states do not suffice, the error that is left is said.
+    let heat = reduce(&scene(&[]), &cells(33), TOLERANCE, 1.0).unwrap().unwrap();
+    println!("1 s: {} states, error {:.2e}", heat.own_states(), heat.error());
+    assert!(heat.own_states() == MAXIMUM_STATES && heat.error() > TOLERANCE && heat.error() < 2e-3);
+}
+
+#[test]
+fn symmetric_cells_halve_the_modes() {
+    let halved = |changes: &[(&str, f64)], count: usize| {
+        let cells = cells(count);
+        reduce(&scene(changes), &cells, 1e-3, 100.0).unwrap().unwrap().is_halved()
+    };
+    for count in [9, 32, 129] {
+        assert!(halved(&[], count), "{count}");
+        assert!(halved(&[("punch.thermal_expansion", 0.0)], count), "{count}");
+    }
+    // The radius has an inside and an outside.
+    assert!(!halved(&[("contact.geometry", 2.0), ("contact.mean_radius", 0.09), ("strip.path", 2.0)], 9));
+}
+
+#[test]
+fn steady_states_are_those_of_the_unreduced_punch() {
+    let cells = cells(17);
+    let spiked: Vec<f64> = (0..17).map(|j| if j % 5 == 2 { 1.0 } else { 0.2 }).collect();
+    for changes in [
+        &[][..],
+        &[("punch.convection", 300.0)],
+        &[("punch.top_thermal", 2.0), ("punch.convection", 4000.0)],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
+    ] {
+        let scene = scene(changes);
+        let mut run = Run::new(&scene, &cells, 1e-3, 1000.0);
+        let mut unreduced = Unreduced::new(&scene, &cells).unwrap();
+        for _ in 0..2 {
+            run.step(1e9, &spiked, &spiked);
+        }
+        unreduced.rest(&spiked).unwrap();
+        let expected = unreduced.temperature(&spiked).unwrap();
+        let error = largest_difference(&run.temperature, &expected) / largest(&expected);
+        // The elements lack the local field of a flux that jumps; what they add to temperatures has no distortion. A
+        // smooth flux then.
+        let smooth = leaning(&cells);
+        let mut bending = Run::new(&scene, &cells, 1e-3, 1000.0);
+        bending.step(1e9, &smooth, &smooth);
+        unreduced.rest(&smooth).unwrap();
+        let bent = unreduced.distortion().unwrap();
+        let distortion = largest_difference(&bending.distortion, &bent) / largest(&bent);
+        println!("{changes:?}: temperature {error:.2e}, distortion {distortion:.2e}");
+        assert!(error < 3e-5 && distortion < 1e-5, "{changes:?}: {error:e} {distortion:e}");
+        let entered: f64 = spiked.iter().zip(cells.widths()).map(|(flux, width)| flux * width).sum();
+        let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
+        assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
+        // What is held between steps is what the step ended with.
+        let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
+        run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
+        run.heat.distortion_at_frozen_state(
+            &run.state,
+            &run.surroundings,
+            &spiked,
+            0.0,
+            &mut distortion_at_frozen_state,
+        );
+        assert!(largest_difference(&held, &run.temperature) < 1e-12 * largest(&held));
+        assert!(
+            largest_difference(&distortion_at_frozen_state, &run.distortion)
+                < 1e-12 * largest(&distortion_at_frozen_state)
+        );
+    }
+    // The exact response, which the states and their remainder share out between them.
+    let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
+    exact.heat.prepare(1e12, [0.0; 2]);
+    let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
+    let depth = Depth {
+        height: 0.1,
+        conductivity: 55.0,
+        capacity: 7800.0 * 460.0,
+        top: Top::Held,
+        face: 0.0,
+        driven_top: false,
+    };
+    let expected = steady::steady_beyond(&across, &depth, &cells, &waves::Waves::new(&across, &cells, 256), 0);
+    let error = (&exact.heat.influence(Stage::End).temperature - &expected).amax() / expected.amax();
+    assert!(error < 1e-8, "{error:e}");
+    // Insulated sides and a held top: the conduction of a slab, whatever the mean flux does in time.
+    let mut slab = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
+    slab.step(1e12, &[2.0; 17], &[2.0; 17]);
+    assert!(slab.temperature.iter().all(|t| (t / (2.0 * 0.1 / 55.0) - 1.0).abs() < 1e-10), "{:?}", slab.temperature);
+}
+
+#[test]
+fn short_times_are_those_of_the_half_space() {
+    let mut run = Run::new(&scene(&[]), &cells(33), TOLERANCE, 1.0);
+    let bound = run.heat.error();
+    assert!(bound < 5e-3, "{bound:e}");
+    let expected = |time: f64| 2.0 * (time / (std::f64::consts::PI * 55.0 * 7800.0 * 460.0)).sqrt();
+    // Any number of steps: the states follow a constant flux exactly.
+    for count in [1, 10] {
+        run.state.fill(0.0);
+        for _ in 0..count {
+            run.step(1.0 / f64::from(count), &[1.0; 33], &[1.0; 33]);
+        }
+        assert!(run.temperature.iter().all(|t| (t / expected(1.0) - 1.0).abs() < bound));
+    }
+    run.state.fill(0.0);
+    run.step(1e-3, &[1.0; 33], &[1.0; 33]);
+    assert!(run.temperature.iter().all(|t| (t - expected(1e-3)).abs() < bound * expected(1.0)));
+}
+
+#[test]
+fn heat_is_accounted_for() {
+    let cells = cells(9);
+    for changes in [
+        &[("punch.top_thermal", 3.0)][..],
+        &[],
+        &[("punch.convection", 300.0)],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 1e-7)],
+        &[("punch.top_thermal", 3.0), ("punch.convection", 30.0)],
+        &[("punch.top_thermal", 2.0), ("punch.convection", 30.0)],
+        &[("punch.top_thermal", 2.0), ("punch.convection", 30.0), ("punch.emissivity", 0.5)],
+        &[("punch.top_thermal", 2.0), ("punch.convection", 0.0), ("punch.emissivity", 0.5)],
+    ] {
+        let scene = scene(changes);
+        let mut run = Run::new(&scene, &cells, 1e-3, 100.0);
+        run.heat.uniform(5.0, &mut run.state);
+        let start = run.heat.account(&run.state);
+        assert!(
+            (run.heat.mean_temperature(&run.state) - 5.0).abs() < 1e-4,
+            "{}",
+            run.heat.mean_temperature(&run.state)
+        );
+        let mut entered = 0.0;
+        for i in 0..300 {
+            let flux =
+                |k: i32| -> Vec<f64> { (0..9).map(|j| 1e4 * (0.3 * f64::from(k + j)).sin().max(-0.2)).collect() };
+            let (first, end) = (flux(i), flux(i + 1));
+            run.surroundings = Surroundings {
+                cooling: -20.0,
+                cooling_fall: 7.0,
+                ambient: 3.0,
+                far: if i % 50 < 25 { -10.0 } else { 4.0 },
+                far_fall: 0.0,
+            };
+            let step = [1e-3, 0.7, 40.0][i as usize % 3];
+            run.step(step, &first, &end);
+            entered += step
+                * (first.iter().zip(&end).zip(cells.widths()))
+                    .map(|((first, end), width)| ((1.0 - GAMMA) * first + GAMMA * end) * width)
+                    .sum::<f64>();
+        }
+        let end = run.heat.account(&run.state);
+        let gain = |of: fn(&Account) -> f64| of(&end) - of(&start);
+        assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
+        let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
+        assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
+        // The account follows the flows.
+        run.surroundings.cooling_fall = 0.0;
+        let flux = [1e4; 9];
+        run.step(10.0, &flux, &flux);
+        let before = run.heat.account(&run.state);
+        let flows = run.heat.flows(&run.state, &run.surroundings, &flux);
+        run.step(1e-6, &flux, &flux);
+        let after = run.heat.account(&run.state);
+        let cooling = 20.0 * 0.2;
+        for (flow, booked) in
+            flows.iter().zip([1e6 * (after.ambient - before.ambient) - cooling, 1e6 * (after.far - before.far)])
+        {
+            assert!((flow - booked).abs() < 1e-3 * flow.abs() + 0.1, "{changes:?}: {flow} {booked}");
+        }
+    }
+}
+
+#[test]
+fn a_body_as_warm_as_all_around_it_stays_so() {
+    let cells = cells(9);
+    for changes in [&[][..], &[("punch.convection", 300.0)], &[("punch.top_thermal", 2.0), ("punch.convection", 300.0)]]
+    {
+        let mut run = Run::new(&scene(changes), &cells, 1e-3, 100.0);
+        run.surroundings = Surroundings { ambient: 7.0, far: 7.0, ..Surroundings::default() };
+        run.heat.uniform(7.0, &mut run.state);
+        for _ in 0..10 {
+            run.step(3.0, &[0.0; 9], &[0.0; 9]);
+        }
+        assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
+        let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
+        assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
+        // Free expansion of all but what the holder restrains: that of the elastic block.
+        let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
+        let expected = unreduced.elastic.uniform_distortion(cells.edges()).unwrap() * (7.0 * 1.1e-5);
+        let error = largest_difference(&run.distortion, expected.as_slice());
+        assert!(error < 1e-4 * expected.amax(), "{changes:?}: {error:e} of {}", expected.amax());
+        assert!(run.distortion.iter().all(|u| *u < 0.0));
+    }
+}
+
+#[test]
+fn forced_cooling_takes_the_heat_of_the_sides() {
+    // A constant flux into the sides of an otherwise closed block warms it by what enters.
+    let cells = cells(9);
+    let mut run = Run::new(&scene(&[("punch.top_thermal", 3.0)]), &cells, 1e-3, 100.0);
+    run.surroundings.cooling = 500.0;
+    run.step(50.0, &[0.0; 9], &[0.0; 9]);
+    let expected = 50.0 * 500.0 * 0.2 / (7800.0 * 460.0 * 0.06 * 0.1);
+    assert!((run.heat.mean_temperature(&run.state) - expected).abs() < 1e-9 * expected);
+    let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
+    assert!(cooled > expected && run.temperature[4] < run.temperature[0], "{cooled} {:?}", run.temperature);
+}
+
+#[test]
+fn cooling_that_falls_over_a_step_falls_over_its_parts() {
+    let cells = cells(9);
+    let scene = scene(&[("punch.top_thermal", 2.0), ("punch.convection", 30.0), ("punch.emissivity", 0.5)]);
+    let (mut run, mut parts) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
+    let (zero, step, fall, far_fall) = ([0.0; 9], 5.0, 300.0, -700.0);
+    run.heat.uniform(20.0, &mut run.state);
+    parts.state.copy_from_slice(&run.state);
+    run.surroundings = Surroundings { cooling: -400.0, cooling_fall: fall, ambient: 3.0, far: 900.0, far_fall };
+    run.heat.prepare(step, [0.0; 2]);
+    let ahead = run.heat.cooled_ahead(&run.state, &run.surroundings, &zero, &zero);
+    let more = Surroundings { cooling: -399.0, cooling_fall: fall - 1.0, ..run.surroundings };
+    let further = Surroundings { far: 901.0, far_fall: far_fall - 1.0, ..run.surroundings };
+    for (flux, more) in [more, further].iter().enumerate() {
+        let then = run.heat.cooled_ahead(&run.state, more, &zero, &zero).temperature;
+        for face in 0..2 {
+            let rise = then[face] - ahead.temperature[face];
+            assert!(
+                rise > 0.0 && (ahead.rise[face][flux] - rise).abs() < 1e-8 * ahead.rise[flux][flux],
+                "{ahead:?} {rise}"
+            );
+        }
+    }
+    // What a flux at one face does at the other it does the other way round.
+    let areas = [0.2, 0.06];
+    let [[_, by_far], [by_sides, _]] = ahead.rise;
+    assert!((by_far * areas[0] / (by_sides * areas[1]) - 1.0).abs() < 1e-6, "{ahead:?}");
+    assert!(ahead.lagging == 0.0);
+    let (mut early, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
+    run.heat.free_response(&run.state, &run.surroundings, Stage::First, &zero, &mut early, &mut moved);
+    run.step(step, &zero, &zero);
+    for part in [GAMMA, 1.0 - GAMMA] {
+        let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
+        parts.surroundings =
+            Surroundings { cooling: -400.0 + later * fall, cooling_fall: part * fall, ..run.surroundings };
+        (parts.surroundings.far, parts.surroundings.far_fall) = (900.0 + later * far_fall, part * far_fall);
+        parts.step(part * step, &zero, &zero);
+        if part == GAMMA {
+            assert!(largest_difference(&parts.temperature, &early) < 1e-9, "{:?} {early:?}", parts.temperature);
+        }
+    }
+    assert!(largest_difference(&run.temperature, &parts.temperature) < 1e-9);
+    assert!(largest_difference(&run.state, &parts.state) < 1e-9 * largest(&run.state));
+    let cooled = run.heat.cooled_temperature(&run.state, &run.surroundings, &zero);
+    assert!((0..2).all(|face| (cooled[face] - ahead.temperature[face]).abs() < 1e-9), "{cooled:?} {ahead:?}");
+}
+
+#[test]
+fn linear_field_bends_the_contact_line() {
+    // A slender block, held in temperature at its top: a linear field, free of stress far from the top, that bends the
+    // contact with the curvature alpha (1 + nu) q/k.
+    let cells = Cells::uniform(0.03, 9).unwrap();
+    let mut run = Run::new(&scene(&[("punch.height", 0.3)]), &cells, 1e-3, 1000.0);
+    run.step(1e9, &[1e5; 9], &[1e5; 9]);
+    let spacing = 0.06 / 9.0;
+    for i in 1..8 {
+        let bend = (run.distortion[i - 1] - 2.0 * run.distortion[i] + run.distortion[i + 1]) / (spacing * spacing);
+        let expected = 1.1e-5 * 1.3 * 1e5 / 55.0;
+        assert!((bend / expected - 1.0).abs() < 1e-3, "{i}: {bend} {expected}");
+    }
+}
+
+#[test]
+fn gains_do_not_depend_on_what_came_before() {
+    let cells = cells(9);
+    let mut run = Run::new(&scene(&[]), &cells, 1e-3, 100.0);
+    let mut fresh = run.heat.boxed();
+    for step in [1.0, 0.3, 7.0, 0.01, 2.0, 0.3] {
+        run.heat.prepare(step, [1.0, -1.0]);
+    }
+    fresh.prepare(0.3, [0.0; 2]);
+    for stage in [Stage::First, Stage::End] {
+        assert_eq!(run.heat.influence(stage), fresh.influence(stage));
+    }
+}
+
+#[test]
+fn first_stage_is_a_shorter_step_of_constant_flux() {
+    let cells = cells(9);
+    let scene = scene(&[("punch.convection", 300.0)]);
+    let (mut run, mut short) = (Run::new(&scene, &cells, 1e-3, 100.0), Run::new(&scene, &cells, 1e-3, 100.0));
+    let flux: Vec<f64> = (0..9).map(|j| 1.0 + f64::from(j)).collect();
+    for run in [&mut run, &mut short] {
+        run.surroundings = Surroundings { cooling: 1.0, ambient: 2.0, far: 3.0, ..Surroundings::default() };
+        run.step(2.0, &flux, &[0.0; 9]);
+    }
+    let step = 5.0;
+    run.heat.prepare(step, [0.0; 2]);
+    let (mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9]);
+    run.heat.free_response(&run.state, &run.surroundings, Stage::First, &[0.0; 9], &mut temperature, &mut distortion);
+    let influence = run.heat.influence(Stage::First);
+    for i in 0..9 {
+        temperature[i] += (0..9).map(|j| influence.temperature[(i, j)] * flux[j]).sum::<f64>();
+        distortion[i] += (0..9).map(|j| influence.distortion[(i, j)] * flux[j]).sum::<f64>();
+    }
+    short.step(GAMMA * step, &flux, &flux);
+    assert!(largest_difference(&temperature, &short.temperature) < 1e-12 * largest(&temperature));
+    assert!(largest_difference(&distortion, &short.distortion) < 1e-12 * largest(&distortion));
+    // A flux that is linear over the step, against many short steps that follow it.
+    let (first, end) = (vec![1.0; 9], flux);
+    let at = |time: f64| -> Vec<f64> {
+        let part = (time / step - GAMMA) / (1.0 - GAMMA);
+        first.iter().zip(&end).map(|(first, end)| first + part * (end - first)).collect()
+    };
+    let mut fine = Run { heat: run.heat.clone(), state: run.state.clone(), ..short };
+    run.step(step, &first, &end);
+    for i in 0..50 {
+        let start = step * f64::from(i) / 50.0;
+        fine.step(step / 50.0, &at(start + GAMMA * step / 50.0), &at(start + step / 50.0));
+    }
+    assert!(largest_difference(&run.temperature, &fine.temperature) < 1e-10 * largest(&run.temperature));
+    assert!(largest_difference(&run.state, &fine.state) < 1e-10 * largest(&run.state));
+}
+
+#[test]
+fn a_ring_is_a_layer_of_sinusoidal_modes() {
+    // Five waves around a ring that is deep against them: T = q/(k m), bent by alpha (1 + nu) q/k, at rest.
+    let count = 120;
+    let cells = Cells::uniform(0.03, count).unwrap();
+    let wave_number = 5.0 * 2.0 * std::f64::consts::PI / 0.06;
+    let ring =
+        [("contact.geometry", 3.0), ("strip.path", 2.0), ("strip.length", 0.06), ("contact.friction_coefficient", 0.0)];
+    for (poissons_ratio, body) in [(0.3, 4.0), (0.45, 4.0), (0.3, 3.0), (0.3, 2.0)] {
+        let scene = scene(&[&ring[..], &[("punch.poissons_ratio", poissons_ratio), ("punch.body", body)]].concat());
+        let mut run = Run::new(&scene, &cells, 1e-3, 1000.0);
+        let half = 0.5 * wave_number * 0.06 / count as f64;
+        let flux: Vec<f64> = cells.centres().iter().map(|x| (wave_number * x + 0.4).cos()).collect();
+        run.step(1e9, &flux, &flux);
+        // Cell means of a flux of cell means.
+        let temperature = (half.sin() / half).powi(2) / (55.0 * wave_number);
+        let distortion = -1.1e-5 * (1.0 + poissons_ratio) * temperature / wave_number;
+        for (i, flux) in flux.iter().enumerate() {
+            assert!((run.temperature[i] - flux * temperature).abs() < 1e-2 * temperature, "{i}");
+            let error = (run.distortion[i] - flux * distortion).abs();
+            assert!(error < 1e-2 * distortion.abs(), "{body} {i}: {} {}", run.distortion[i], flux * distortion);
+        }
+    }
+}
+
+/// Heat has to flow in before it distorts: in a short step nothing moves, in a long one everything, and in between the coarse
+/// reduction, which would be off by many times at once, follows the fine one.
+#[test]
+fn no_distortion_comes_at_once() {
+    let cells = cells(17);
+    for changes in [&[][..], &[("punch.top_thermal", 2.0)], &[("punch.width", 0.095), ("punch.conductivity", 1.2)]] {
+        let scene = scene(changes);
+        let distortion = |tolerance: f64, step: f64| {
+            let mut heat = reduce(&scene, &cells, tolerance, 10.0).unwrap().unwrap();
+            heat.prepare(step, [0.0; 2]);
+            // A uniform displacement changes no pressure.
+            let mut influence = heat.influence(Stage::First).distortion.clone();
+            for mut column in influence.column_iter_mut() {
+                let mean =
+                    column.iter().zip(cells.widths()).map(|(u, c)| u * c).sum::<f64>() / (2.0 * cells.half_width());
+                column.add_scalar_mut(-mean);
+            }
+            influence
+        };
+        let steady = distortion(0.1, 1e3).amax();
+        for step in [1e-9, 1e-7] {
+            let moved = distortion(0.1, step).amax();
+            assert!(moved < 1e-3 * steady, "{changes:?} {step}: {moved:e} of {steady:e}");
+        }
+        for step in [1e-3, 1e-2, 0.1] {
+            let (coarse, fine) = (distortion(0.1, step), distortion(1e-3, step));
+            let error = (&coarse - &fine).amax() / fine.amax();
+            println!("{changes:?} {step}: {error:e}");
+            assert!(error < 0.7, "{changes:?} {step}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn what_no_mode_carries_follows_in_its_own_time() {
+    // A wave far beyond those with states, on cells that resolve it: on a deep body at rest it follows a jump of the flux with
+    // the time 3/(4 kd m^2), distortion and temperature alike.
+    let count = 96;
+    let cells = Cells::uniform(0.03, count).unwrap();
+    let scene = scene(&[]);
+    let (number, diffusivity) = (24, 55.0 / (7800.0 * 460.0));
+    let phase = |x: f64| (f64::from(number) * std::f64::consts::PI * (x + 0.03) / 0.06).cos();
+    let flux: Vec<f64> = cells.centres().iter().map(|x| phase(*x)).collect();
+    let wave_number = f64::from(number) * std::f64::consts::PI / 0.06;
+    let time = 0.75 / (diffusivity * wave_number * wave_number);
+    let amplitude = |values: &[f64]| values.iter().zip(&flux).map(|(value, q)| value * q).sum::<f64>();
+    let after = |step: f64| {
+        let mut run = Run::new(&scene, &cells, 0.1, 1e6);
+        run.step(step, &flux, &flux);
+        [amplitude(&run.temperature), amplitude(&run.distortion)]
+    };
+    let steady = after(1e9);
+    // Of a flux that is even over each cell, in the means over the cells.
+    let angle = 0.5 * wave_number * cells.widths()[0];
+    let even = (angle.sin() / angle).powi(2);
+    let temperature = even * flux.iter().map(|q| q * q).sum::<f64>() / (55.0 * wave_number);
+    assert!((steady[0] / temperature - 1.0).abs() < 1e-2, "{steady:?} {temperature}");
+    for steps in [1e-6, 0.3, 1.0, 3.0] {
+        let [warm, moved] = after(steps * time);
+        let followed = 1.0 - (-steps).exp();
+        let parts = [warm / steady[0], moved / steady[1]];
+        println!("{steps}: {parts:?} {followed}");
+        for part in parts {
+            assert!((part - followed).abs() < 0.02, "{steps}: {parts:?} {followed}");
+        }
+    }
+}

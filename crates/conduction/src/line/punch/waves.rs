@@ -1,0 +1,46 @@
+//! The modes across with their integrals over the cells, found once for all sums over them.
+
+use super::across::{Across, Wave};
+use elasticity::Cells;
+use nalgebra::DMatrix;
+use std::ops::Range;
+
+/// See the module.
+pub(super) struct Waves {
+    waves: Vec<Wave>,
+    /// Integrals over the cells, m^(1/2): N x modes.
+    integrals: DMatrix<f64>,
+}
+
+impl Waves {
+    /// The first `count` modes.
+    pub fn new(across: &Across, cells: &Cells, count: usize) -> Waves {
+        let waves: Vec<Wave> = (0..count).map(|m| across.wave(m)).collect();
+        let mut integrals = DMatrix::zeros(cells.count(), count);
+        for (wave, column) in waves.iter().zip(integrals.as_mut_slice().chunks_exact_mut(cells.count())) {
+            wave.integrate(cells, column);
+        }
+        Waves { waves, integrals }
+    }
+
+    /// Mode number m.
+    pub fn wave(&self, m: usize) -> &Wave {
+        &self.waves[m]
+    }
+
+    /// Its integral over every cell, m^(1/2).
+    pub fn integrals(&self, m: usize) -> &[f64] {
+        let cells = self.integrals.nrows();
+        &self.integrals.as_slice()[m * cells..(m + 1) * cells]
+    }
+
+    /// Sum over some modes of a weight times the product of their integrals over two cells, N x N.
+    pub fn sum(&self, modes: Range<usize>, weight: impl Fn(usize, &Wave) -> f64) -> DMatrix<f64> {
+        let integrals = self.integrals.columns_range(modes.clone());
+        let mut weighted = integrals.into_owned();
+        for (m, mut column) in modes.zip(weighted.column_iter_mut()) {
+            column *= weight(m, &self.waves[m]);
+        }
+        weighted * integrals.transpose()
+    }
+}

@@ -1,0 +1,439 @@
+//! A body at rest under the contact, reduced to states that decay independently.
+//!
+//! Temperatures are sums of products `X_m(x) Z_k(z)` with one state `a_k` each:
+//!
+//! ```text
+//! da_k/dt = -rate_k a_k + Z_k(0) sum_j F_mj q_j + sum_p input_pk u_p,   F_mj = integral of X_m over cell j
+//! T_i = sum_k (F_mi/c_i) Z_k(0) a_k + (D q)_i + (d_p u_p)_i,              c_i: width of cell i
+//! ```
+//!
+//! with the fluxes q, the surroundings u (cooling, ambient, far) and the static remainders D and d. Distortions, flows and
+//! the stored heat are sums over the same states. Each state follows its fluxes without error, at any rate and step, so
+//! the response of a stage is a weight per state: N^2 products per mode across for a new step.
+
+mod modes;
+mod weights;
+
+pub(super) use weights::{first_moment, mean_decay};
+
+use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity};
+use modes::{Modes, Scratch};
+use nalgebra::DMatrix;
+use numerics::dense;
+use std::cell::RefCell;
+use std::ops::Range;
+use std::sync::Arc;
+use weights::{StageWeights, Weights};
+
+/// Number of inputs besides the fluxes.
+pub(super) const PORTS: usize = 3;
+
+/// Places of the fluxes by the air among them.
+const COOLING: usize = 0;
+const FAR: usize = 2;
+
+impl Surroundings {
+    /// Cooling (at the end), ambient, far: the order of all ports.
+    fn ports(&self) -> [f64; PORTS] {
+        [self.cooling, self.ambient, self.far]
+    }
+}
+
+/// A number observed: weights of the states, of the N fluxes and of the ports.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Observation {
+    pub states: Vec<f64>,
+    pub fluxes: Vec<f64>,
+    pub ports: [f64; PORTS],
+}
+
+impl Observation {
+    /// Nothing of `states` states and `cells` fluxes.
+    pub fn none(states: usize, cells: usize) -> Self {
+        Self { states: vec![0.0; states], fluxes: vec![0.0; cells], ports: [0.0; PORTS] }
+    }
+
+    fn of(&self, states: &[f64], fluxes: &[f64], ports: &[f64; PORTS]) -> f64 {
+        dot(&self.states, states) + dot(&self.fluxes, fluxes) + dot(&self.ports, ports)
+    }
+}
+
+/// A mode across and the states that share it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ModeStates {
+    pub states: Range<usize>,
+    /// F: integrals of the mode over the cells, m^(1/2).
+    pub integrals: Vec<f64>,
+    /// F over the widths of the cells, or the part of it that is felt as temperature.
+    pub means: Vec<f64>,
+}
+
+/// What a reduced body is made of. Vectors by state unless said.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ReducedOperators {
+    /// Widths of the N cells, m.
+    pub widths: Vec<f64>,
+    pub modes: Vec<ModeStates>,
+    /// Decay rates, 1/s, >= 0.
+    pub rate: Vec<f64>,
+    /// Z at the contact.
+    pub contact: Vec<f64>,
+    /// Distortion of the N cells by each state, state by state.
+    pub distortion: Vec<f64>,
+    /// By port.
+    pub input: [Vec<f64>; PORTS],
+    /// D, N x N, K m2/W.
+    pub temperature_by_flux: DMatrix<f64>,
+    /// d: temperatures of the cells by port.
+    pub temperature_by_port: [Vec<f64>; PORTS],
+    /// The same for the distortion, m3/W and m per unit of the port.
+    pub distortion_by_flux: DMatrix<f64>,
+    pub distortion_by_port: [Vec<f64>; PORTS],
+    /// Mean temperature of the surface beside the contact that is cooled, and of the far face.
+    pub cooled: Observation,
+    pub far_face: Observation,
+    /// Heat flow to the air by the constant convection, W/m.
+    pub ambient_flow: Observation,
+    /// Heat flow out of the far face, all that passes it, W/m.
+    pub far_flow: Observation,
+    /// Of ambient and far flow, see `ReducedOperators::passed`.
+    pub passed: [Observation; 2],
+    /// Heat flow that enters through the cooled surface per unit of `cooling`, m.
+    pub cooled_length: f64,
+    /// Heat stored, J/m.
+    pub stored: Vec<f64>,
+    /// Heat stored beyond the states per kelvin of the far face, J/(m K).
+    pub stored_by_far: f64,
+    /// States of the uniform temperature 1 K.
+    pub uniform: Vec<f64>,
+    /// Heat capacity of the whole body, J/(m K).
+    pub heat_capacity: f64,
+    /// Number of the first states that stand for modes; the others delay what has no mode of its own.
+    pub own: usize,
+    /// See [`ThermalBody::error`].
+    pub error: f64,
+    /// See [`ThermalBody::error_of_the_mean`].
+    pub mean_error: f64,
+}
+
+/// A reduced body with the weights of its last steps.
+#[derive(Clone, Debug)]
+pub struct ReducedHeat {
+    operators: Arc<ReducedOperators>,
+    modes: Arc<Modes>,
+    scratch: RefCell<Scratch>,
+    kept: Vec<Weights>,
+    /// Most of them.
+    most: usize,
+    current: usize,
+    clock: u64,
+}
+
+impl ReducedHeat {
+    pub(super) fn new(mut operators: ReducedOperators) -> Self {
+        let sorted = modes::sort(&mut operators);
+        operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
+        let modes = Modes::new(&mut operators, sorted);
+        let scratch = RefCell::new(modes.scratch());
+        // The longer step by which growth is looked for is one more.
+        let most = cache_capacity(operators.widths.len()) + 1;
+        let (operators, modes) = (Arc::new(operators), Arc::new(modes));
+        Self { operators, modes, scratch, kept: Vec::new(), most, current: 0, clock: 0 }
+    }
+
+    /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
+    /// and four entries for the account.
+    pub fn own_states(&self) -> usize {
+        self.operators.own
+    }
+
+    /// Whether modes are even or odd and stand on half of the cells.
+    #[cfg(test)]
+    pub fn is_halved(&self) -> bool {
+        self.modes.is_halved()
+    }
+
+    /// Makes the weights of a step the current ones.
+    fn select(&mut self, step: f64, euler: bool) {
+        if self.kept.is_empty() {
+            self.kept = (0..self.most).map(|_| self.operators.allocate()).collect();
+        }
+        self.clock += 1;
+        let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
+        self.current = known.unwrap_or_else(|| {
+            // One that was never used, where there is one.
+            let oldest = (0..self.kept.len()).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
+            self.operators.fill(&self.modes, &mut self.kept[oldest], step, euler, self.scratch.get_mut());
+            oldest
+        });
+        self.kept[self.current].last_used = self.clock;
+    }
+
+    fn stage(&self, stage: Stage) -> &StageWeights {
+        &self.kept.get(self.current).expect("prepare comes before any step").stages[stage as usize]
+    }
+
+    /// Puts into the scratch what the states are at a stage without its own flux; `until` are the surroundings until then.
+    fn carry(&self, scratch: &mut Scratch, state: &[f64], until: &Surroundings, stage: Stage, known: &[f64]) {
+        let (operators, weights) = (&*self.operators, self.stage(stage));
+        modes::decay(state, weights, &operators.input, &until.ports(), &mut scratch.values);
+        for (input, fall) in [(&operators.input[COOLING], until.cooling_fall), (&operators.input[FAR], until.far_fall)]
+        {
+            if fall != 0.0 {
+                let values = scratch.values.iter_mut().zip(weights.falling.iter().zip(input));
+                values.for_each(|(value, (falling, input))| *value += falling * input * fall);
+            }
+        }
+        self.modes.heat(known, scratch);
+        self.modes.add_heat(&scratch.heat, &weights.known, &mut scratch.values);
+    }
+
+    /// Temperatures or distortions, or both, of the cells by the ports and the states in the scratch.
+    fn observe(
+        &self,
+        scratch: &mut Scratch,
+        ports: &[f64; PORTS],
+        temperature: Option<&mut [f64]>,
+        distortion: Option<&mut [f64]>,
+    ) {
+        let operators = &*self.operators;
+        if let Some(temperature) = temperature {
+            combine(&operators.temperature_by_port, ports, temperature);
+            self.modes.show(&operators.contact, scratch, temperature);
+        }
+        if let Some(distortion) = distortion {
+            if !self.modes.distorts() {
+                return distortion.fill(0.0);
+            }
+            combine(&operators.distortion_by_port, ports, distortion);
+            self.modes.distort(scratch, distortion);
+        }
+    }
+}
+
+/// Entries of the state vector behind the decaying states: what went in and out until now, J/m, and the temperature of
+/// the far face that the stored heat includes.
+#[derive(Clone, Copy)]
+enum Tally {
+    Received,
+    Ambient,
+    Far,
+    FarTemperature,
+}
+
+const TALLIES: usize = 4;
+
+impl ReducedOperators {
+    fn states(&self) -> usize {
+        self.rate.len()
+    }
+
+    /// Mean temperatures of the faces that the air cools.
+    fn faces(&self) -> [&Observation; FACES] {
+        [&self.cooled, &self.far_face]
+    }
+
+    /// What a flow passes on of its inputs without ever giving it to the states, and the weights of the states in its
+    /// integral over time: that of a state is (what entered it less what it gained) over its rate.
+    fn passed(&self, flow: &Observation) -> Observation {
+        let over_rate = |(flow, &rate): (&f64, &f64)| if rate > 0.0 { flow / rate } else { 0.0 };
+        let states: Vec<f64> = flow.states.iter().zip(&self.rate).map(over_rate).collect();
+        let mut passed = Observation { states, ..flow.clone() };
+        for mode in &self.modes {
+            let weight: f64 = mode.states.clone().map(|k| passed.states[k] * self.contact[k]).sum();
+            add(&mut passed.fluxes, weight, &mode.integrals);
+        }
+        for (port, input) in passed.ports.iter_mut().zip(&self.input) {
+            *port += dot(&passed.states, input);
+        }
+        passed
+    }
+}
+
+impl ThermalBody for ReducedHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.states() + TALLIES
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        let (states, tallies) = state.split_at_mut(self.operators.states());
+        for (state, uniform) in states.iter_mut().zip(&self.operators.uniform) {
+            *state = rise * uniform;
+        }
+        tallies.fill(0.0);
+        tallies[Tally::FarTemperature as usize] = rise;
+    }
+
+    fn decay_rates(&self) -> Vec<f64> {
+        self.operators.rate.clone()
+    }
+
+    fn prepare(&mut self, step: f64, _velocity: [f64; 2]) {
+        self.select(step, false);
+    }
+
+    fn prepare_euler(&mut self, step: f64, _velocity: [f64; 2]) {
+        self.select(step, true);
+    }
+
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.stage(stage).influence
+    }
+
+    fn free_response(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let (scratch, until) = (&mut *self.scratch.borrow_mut(), surroundings.until(stage));
+        self.carry(scratch, state, &until, stage, known);
+        self.observe(scratch, &until.ports(), Some(temperature), Some(distortion));
+    }
+
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        self.carry(&mut self.scratch.borrow_mut(), state, surroundings, Stage::End, first);
+        self.advance_from_end(state, surroundings, first, end);
+    }
+
+    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let (operators, step) = (&*self.operators, self.kept[self.current].step);
+        let ports = [surroundings.mean_cooling(), surroundings.ambient, surroundings.mean_far()];
+        let (states, tallies) = state.split_at_mut(operators.states());
+        // The last base asked for has left what the states are without the last flux.
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.modes.heat(end, scratch);
+        states.copy_from_slice(&scratch.values);
+        self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, states);
+        // What enters over the step, with the weights of both stages.
+        let over_step = |weights: &[f64]| (1.0 - GAMMA) * dot(weights, first) + GAMMA * dot(weights, end);
+        tallies[Tally::Received as usize] += step * over_step(&operators.widths);
+        for (tally, passed) in [Tally::Ambient, Tally::Far].into_iter().zip(&operators.passed) {
+            tallies[tally as usize] += step * (over_step(&passed.fluxes) + dot(&passed.ports, &ports));
+        }
+        // The flux into the cooled surface is heat from the air.
+        tallies[Tally::Ambient as usize] -= step * operators.cooled_length * surroundings.mean_cooling();
+        tallies[Tally::FarTemperature as usize] = surroundings.far;
+    }
+
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        temperature: &mut [f64],
+    ) {
+        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        scratch.values.copy_from_slice(&state[..operators.states()]);
+        self.observe(scratch, &surroundings.ports(), Some(temperature), None);
+        dense::multiply_add(operators.temperature_by_flux.as_slice(), flux, temperature);
+    }
+
+    fn distortion_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        _velocity: f64,
+        distortion: &mut [f64],
+    ) {
+        let (operators, scratch) = (&*self.operators, &mut *self.scratch.borrow_mut());
+        scratch.values.copy_from_slice(&state[..operators.states()]);
+        self.observe(scratch, &surroundings.ports(), None, Some(distortion));
+        if self.modes.distorts() {
+            dense::multiply_add(operators.distortion_by_flux.as_slice(), flux, distortion);
+        }
+    }
+
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
+        let (operators, ports) = (&*self.operators, surroundings.ports());
+        operators.faces().map(|face| face.of(&state[..operators.states()], flux, &ports))
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.carry(scratch, state, surroundings, Stage::End, first);
+        self.modes.heat(end, scratch);
+        self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
+        CooledAhead {
+            temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),
+            rise: self.kept[self.current].cooled_rise,
+            lagging: 0.0,
+        }
+    }
+
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let (operators, ports) = (&*self.operators, surroundings.ports());
+        let states = &state[..operators.states()];
+        [operators.ambient_flow.of(states, flux, &ports), operators.far_flow.of(states, flux, &ports)]
+    }
+
+    fn mean_temperature(&self, state: &[f64]) -> f64 {
+        let operators = &*self.operators;
+        let (states, tallies) = state.split_at(operators.states());
+        let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
+        (dot(&operators.uniform, states) + beyond) / operators.heat_capacity
+    }
+
+    fn account(&self, state: &[f64]) -> Account {
+        let operators = &*self.operators;
+        let (states, tallies) = state.split_at(operators.states());
+        // What the field of the far face holds beyond the states came and went through that face.
+        let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
+        Account {
+            received: tallies[Tally::Received as usize],
+            stored: dot(&operators.stored, states) + beyond,
+            ambient: tallies[Tally::Ambient as usize] - dot(&operators.passed[0].states, states),
+            far: tallies[Tally::Far as usize] - dot(&operators.passed[1].states, states) - beyond,
+        }
+    }
+
+    fn error(&self) -> f64 {
+        self.operators.error
+    }
+
+    fn error_of_the_mean(&self) -> f64 {
+        self.operators.mean_error
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}
+
+/// Sum of products, in an order that is the same everywhere.
+fn dot(left: &[f64], right: &[f64]) -> f64 {
+    let (left_fours, left_rest) = left.as_chunks::<4>();
+    let (right_fours, right_rest) = right.as_chunks::<4>();
+    let mut sum = [0.0; 4];
+    for (left, right) in left_fours.iter().zip(right_fours) {
+        for lane in 0..4 {
+            sum[lane] += left[lane] * right[lane];
+        }
+    }
+    let rest: f64 = left_rest.iter().zip(right_rest).map(|(left, right)| left * right).sum();
+    (sum[0] + sum[2]) + (sum[1] + sum[3]) + rest
+}
+
+fn add(sum: &mut [f64], factor: f64, vector: &[f64]) {
+    for (sum, value) in sum.iter_mut().zip(vector) {
+        *sum += factor * value;
+    }
+}
+
+fn combine(vectors: &[Vec<f64>; PORTS], factors: &[f64; PORTS], sum: &mut [f64]) {
+    sum.fill(0.0);
+    for (vector, &factor) in vectors.iter().zip(factors) {
+        if factor != 0.0 {
+            add(sum, factor, vector);
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Weights of the states for one step: each follows fluxes that are linear over a stage without error.
+
+use super::modes::{Modes, Scratch};
+use super::{COOLING, FAR, ReducedOperators};
+use crate::line::{FACES, GAMMA, SurfaceInfluence};
+use numerics::dense;
+
+/// Weights of the states and responses of the cells for one step.
+#[derive(Clone, Debug)]
+pub struct Weights {
+    pub step: f64,
+    /// Of one implicit Euler step.
+    pub euler: bool,
+    pub last_used: u64,
+    pub stages: [StageWeights; 2],
+    /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
+    pub cooled_rise: [[f64; FACES]; FACES],
+}
+
+/// How a stage's states follow from those at the start of the step.
+#[derive(Clone, Debug)]
+pub struct StageWeights {
+    /// Of the state at the start.
+    pub decay: Vec<f64>,
+    /// Of inputs that are constant from the start to the stage, s.
+    pub constant: Vec<f64>,
+    /// Of inputs that fall from 1 at the start to 0 at the stage, s.
+    pub falling: Vec<f64>,
+    /// Of the heat that the fluxes known before the stage (see [`free_response`](crate::line::ThermalBody::base)) give to the mode,
+    /// s times Z at the contact.
+    pub known: Vec<f64>,
+    /// The same of the fluxes of the stage itself.
+    pub own: Vec<f64>,
+    pub influence: SurfaceInfluence,
+}
+
+impl ReducedOperators {
+    pub(super) fn allocate(&self) -> Weights {
+        let states = || vec![0.0; self.states()];
+        let cells = self.widths.len();
+        let stage = || StageWeights {
+            decay: states(),
+            constant: states(),
+            falling: states(),
+            known: states(),
+            own: states(),
+            influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
+        };
+        Weights {
+            step: f64::NAN,
+            euler: false,
+            last_used: 0,
+            stages: [stage(), stage()],
+            cooled_rise: [[0.0; FACES]; FACES],
+        }
+    }
+
+    pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
+        (weights.step, weights.euler) = (step, euler);
+        let [first, end] = &mut weights.stages;
+        if euler {
+            for stage in [&mut *first, &mut *end] {
+                for (k, &rate) in self.rate.iter().enumerate() {
+                    stage.decay[k] = (1.0 + rate * step).recip();
+                    stage.constant[k] = step * stage.decay[k];
+                    stage.falling[k] = 0.0;
+                    (stage.known[k], stage.own[k]) = (0.0, self.contact[k] * stage.constant[k]);
+                }
+                self.fill_gains(modes, stage, scratch);
+            }
+            weights.cooled_rise = self.cooled_rise(end);
+            return;
+        }
+        for (k, &rate) in self.rate.iter().enumerate() {
+            let (early, whole) = (rate * GAMMA * step, rate * step);
+            let contact = self.contact[k];
+            first.decay[k] = (-early).exp();
+            first.constant[k] = GAMMA * step * mean_decay(early);
+            first.own[k] = contact * first.constant[k];
+            first.falling[k] = GAMMA * step * first_moment(early);
+            first.known[k] = contact * first.falling[k];
+            end.decay[k] = (-whole).exp();
+            end.constant[k] = step * mean_decay(whole);
+            // Flux q2 + (q2 - q1) (t - h)/((1 - gamma) h).
+            end.falling[k] = step * first_moment(whole);
+            let known = end.falling[k] / (1.0 - GAMMA);
+            end.known[k] = contact * known;
+            end.own[k] = contact * (end.constant[k] - known);
+        }
+        for stage in [&mut *first, &mut *end] {
+            self.fill_gains(modes, stage, scratch);
+        }
+        weights.cooled_rise = self.cooled_rise(end);
+    }
+
+    /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
+    fn cooled_rise(&self, end: &StageWeights) -> [[f64; FACES]; FACES] {
+        self.faces().map(|face| {
+            [COOLING, FAR].map(|port| {
+                let weights = end.constant.iter().zip(&end.falling).zip(&self.input[port]);
+                let states = weights.zip(&face.states);
+                let by_states: f64 =
+                    states.map(|(((constant, falling), input), seen)| seen * (constant - falling) * input).sum();
+                by_states + face.ports[port]
+            })
+        })
+    }
+
+    fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
+        stage.influence.temperature.copy_from(&self.temperature_by_flux);
+        stage.influence.distortion.copy_from(&self.distortion_by_flux);
+        modes.add_gains(stage, &self.contact, scratch);
+    }
+}
+
+/// Mean of exp(-x t) for t from 0 to 1.
+pub fn mean_decay(x: f64) -> f64 {
+    if x < 1e-5 { 1.0 - 0.5 * x * (1.0 - x / 3.0) } else { -(-x).exp_m1() / x }
+}
+
+/// Integral of t exp(-x t) for t from 0 to 1.
+pub fn first_moment(x: f64) -> f64 {
+    if x > 0.5 {
+        return (mean_decay(x) - (-x).exp()) / x;
+    }
+    // sum (-x)^n / (n! (n + 2)), by Horner's rule.
+    (0..14).rev().fold(0.0, |sum, n| {
+        let n = f64::from(n);
+        (n + 2.0).recip() - x / (n + 1.0) * sum
+    })
+}

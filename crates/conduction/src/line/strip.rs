@@ -1,0 +1,486 @@
+//! Conduction in a strip under a sliding contact: Fourier waves along the path, each reduced through the depth.
+//!
+//! On a closed path, or in a cell around the stroke of a straight one, the temperature is a sum over wave numbers
+//! `q = 2 pi n/L` in the punch's frame. Each wave is a one-dimensional conduction problem ([`depth`]) whose states decay
+//! and turn,
+//!
+//! ```text
+//! dx_k/dt = (-rate_k + i q v) x_k + b_k f_q(t),     T_i = sum over q of weight_q Re [exp(iq x_i) sum b_k x_k]
+//! ```
+//!
+//! There is no advection to stabilise at any Peclet number, and the states follow fluxes linear in time exactly for
+//! velocities linear in time ([`propagate`]). Only what decays slowly against the shortest step that is to be resolved
+//! has states; fast turning is not decay. The rest answers at once, as a matrix that depends on the velocity
+//! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
+//!
+//! A contact that slides one way meets fresh material: the endless path is sampled at the odd multiples of pi/L, whose
+//! states forget what lies a period behind, and the remainder makes the steady response that of the endless path, from the
+//! moving source in real space. Between start and steady state the error of forgetting is 1 to 2 per cent of the steady
+//! temperature at a Peclet number of 1, less on both sides.
+//!
+//! Heat transfer on the top acts on the whole surface in the waves; the contact zone gets it back through fluxes
+//! ([`robin_correction`]).
+
+mod account;
+mod amplitudes;
+mod answer;
+mod blocks;
+mod depth;
+mod error_sweep;
+mod kept;
+mod moving_kernel;
+mod nodes;
+mod operators;
+mod passive;
+mod propagate;
+mod robin_correction;
+mod scratch;
+mod state_layout;
+mod static_correction;
+mod steady;
+mod step;
+#[cfg(test)]
+pub(super) mod tests;
+mod velocity_table;
+mod waves;
+
+pub use depth::dilatation;
+pub use depth::{Depth, Expansion};
+pub use operators::{Resolution, SlidingPath, StripProperties};
+
+use super::{Account, BESIDE, CooledAhead, FACES, Stage, SurfaceInfluence, Surroundings, ThermalBody};
+use crate::reduced::{MAX_STATES, Observation, Port};
+use elasticity::{Cells, OutOfRange};
+use kept::Kept;
+use numerics::dense;
+use operators::StripOperators;
+use robin_correction::RANK;
+use scratch::Scratch;
+use std::cell::RefCell;
+use std::sync::Arc;
+use step::{OWN, StageWeights, Step};
+
+const CONTACT: usize = Port::Contact as usize;
+const AMBIENT: usize = Port::Ambient as usize;
+const BASE: usize = Port::Base as usize;
+
+/// Peclet number by the wave number of the shortest wave with states up to which what answers at once is much the same.
+const INDIFFERENT: f64 = 10.0;
+
+/// State entries behind those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
+/// the base.
+const TAIL: usize = 4;
+
+/// A conducting strip as the cells of the contact see it.
+#[derive(Debug)]
+pub struct StripHeat {
+    operators: Arc<StripOperators>,
+    step: Step,
+    scratch: RefCell<Scratch>,
+}
+
+impl Clone for StripHeat {
+    fn clone(&self) -> Self {
+        // Before the first step there is nothing to copy: zeros that the system hands out are not touched until they are used.
+        let (step, scratch) = match self.step.length.is_nan() {
+            true => (Step::new(&self.operators), RefCell::new(Scratch::new(&self.operators))),
+            false => (self.step.clone(), self.scratch.clone()),
+        };
+        StripHeat { operators: self.operators.clone(), step, scratch }
+    }
+}
+
+impl StripHeat {
+    /// Builds the strip under the given cells.
+    ///
+    /// # Errors
+    /// A property outside its range, named with its limit.
+    pub fn new(properties: &StripProperties, cells: &Cells, resolution: &Resolution) -> Result<Self, OutOfRange> {
+        let operators = StripOperators::new(properties, cells, resolution)?;
+        let (step, scratch) = (Step::new(&operators), Scratch::new(&operators));
+        Ok(StripHeat { operators: Arc::new(operators), step, scratch: RefCell::new(scratch) })
+    }
+
+    /// Finds what sliding up to `velocity` (m/s) will ask for. What faster sliding asks for is found by the step that first
+    /// does; results are the same either way.
+    pub fn expect(&self, velocity: f64) {
+        self.operators.table.expect(velocity);
+    }
+
+    /// For steps that are few and seldom alike: each finds its answer at its own velocity, not between velocities that later steps
+    /// would ask for as well; most of them at `velocity` (m/s).
+    pub fn for_few_steps(mut self, velocity: f64) -> Self {
+        if let Some(operators) = Arc::get_mut(&mut self.operators) {
+            operators.steady = 0.0;
+            operators.kept = Some(Kept::default());
+            operators.table.align(velocity);
+            self.step = Step::new(operators);
+        }
+        self
+    }
+
+    /// Rates of the heat transfer given back over the last step, W/(m2 s) by polynomial; they stand before the tail of the state.
+    fn rates_given_back(&self) -> usize {
+        self.operators.robin_correction.as_ref().map_or(0, |_| RANK)
+    }
+
+    /// Number of waves, and of knots in the table over the velocity.
+    pub fn size(&self) -> (usize, usize) {
+        (self.operators.waves.len(), self.operators.table.nodes())
+    }
+
+    /// Length of the period, m.
+    pub fn period(&self) -> f64 {
+        self.operators.period
+    }
+
+    /// Mean flux over the period, W/m2, of fluxes into the cells and of a cooling flux on all of the surface.
+    fn mean_flux(&self, flux: &[f64], cooling: f64) -> f64 {
+        let operators = &*self.operators;
+        dense::dot(flux, &operators.widths) / operators.period + cooling
+    }
+
+    /// Surface temperature of the mean wave, and its mean temperature through the depth, at a stage with the mean of the known
+    /// fluxes and of the stage's own.
+    fn mean_levels(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        weights: &StageWeights,
+        fluxes: [f64; 2],
+    ) -> [f64; 2] {
+        let mean = &self.operators.mean;
+        let fluxes = fluxes.map(|flux| self.operators.remembered() * flux);
+        let states = self.mean_states(self.operators.background(state), surroundings, weights, fluxes);
+        let surroundings = surroundings.until(weights.stage());
+        [&mean.contact_temperature, &mean.mean_temperature].map(|observed| {
+            observed.of_states(&states, mean.count)
+                + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
+                + observed.direct[AMBIENT] * surroundings.ambient
+                + observed.direct[BASE] * surroundings.far
+        })
+    }
+
+    /// States of the mean wave at a stage.
+    fn mean_states(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        weights: &StageWeights,
+        fluxes: [f64; 2],
+    ) -> [f64; MAX_STATES] {
+        let mean = &self.operators.mean;
+        let surroundings = surroundings.until(weights.stage());
+        let mut states = [0.0; MAX_STATES];
+        for (k, value) in states.iter_mut().enumerate().take(mean.count) {
+            let [known, own] = weights.mean_weight[k];
+            let whole = if weights.at_end { known + own } else { own };
+            let falling = weights.falling(known);
+            let constant = mean.input[CONTACT][k] * surroundings.cooling
+                + mean.input[AMBIENT][k] * surroundings.ambient
+                + mean.input[BASE][k] * surroundings.far;
+            *value = weights.mean_factor[k] * state[k]
+                + mean.input[CONTACT][k] * (known * fluxes[0] + own * fluxes[1])
+                + whole * constant
+                + falling * mean.input[CONTACT][k] * surroundings.cooling_fall
+                + falling * mean.input[BASE][k] * surroundings.far_fall;
+        }
+        states
+    }
+
+    /// Mean flux into the period's surface with the state held (contact, cooling beside it, heat transfer given back), and
+    /// that given back alone, W/m2 of contact.
+    fn held_fluxes(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let operators = &*self.operators;
+        let given = self.mean_flux(flux, self.free_cooling(surroundings));
+        if operators.robin_correction.is_none() {
+            return [given, 0.0];
+        }
+        let observed = &operators.mean.contact_temperature;
+        let level = self.held_mean(state) + self.held_background(observed, state, surroundings, given);
+        // The flux given back raises the temperature that it follows, by the mean wave's static remainder.
+        let covered = 1.0 - operators.free_length / operators.period;
+        let feedback = operators.convection * observed.direct[CONTACT] * covered * operators.remembered();
+        let returned = operators.convection * (level - surroundings.ambient) / (1.0 - feedback);
+        [given + covered * returned, returned]
+    }
+
+    /// Mean temperature of the waves over the contact, with the state held.
+    fn held_mean(&self, state: &[f64]) -> f64 {
+        let (re, _) = self.operators.wave_states(state);
+        state_layout::dot(&self.operators.contact_mean, re)
+    }
+
+    /// The same as the contact zone sees it: on fresh material without what the contact left behind.
+    fn held_background(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
+        let seen = if self.operators.fresh { surroundings.cooling } else { flux };
+        self.held_observation(observed, self.operators.background(state), surroundings, seen)
+    }
+
+    /// An observation of the mean wave with the state held and a mean flux.
+    fn held_observation(&self, observed: &Observation, state: &[f64], surroundings: &Surroundings, flux: f64) -> f64 {
+        let count = self.operators.mean.count;
+        observed.of_states(&padded(state, count), count)
+            + observed.direct[CONTACT] * flux
+            + observed.direct[AMBIENT] * surroundings.ambient
+            + observed.direct[BASE] * surroundings.far
+    }
+
+    /// Cooling flux on the free surface as a mean over the period.
+    fn free_cooling(&self, surroundings: &Surroundings) -> f64 {
+        surroundings.cooling * self.operators.free_length / self.operators.period
+    }
+}
+
+/// The mean wave's states as the observations of reduced bodies take them.
+fn padded(state: &[f64], count: usize) -> [f64; MAX_STATES] {
+    let mut states = [0.0; MAX_STATES];
+    states[..count].copy_from_slice(&state[..count]);
+    states
+}
+
+impl ThermalBody for StripHeat {
+    fn cells(&self) -> usize {
+        self.operators.widths.len()
+    }
+
+    fn states(&self) -> usize {
+        self.operators.mean_states() + 2 * self.operators.rate.len() + self.rates_given_back() + TAIL
+    }
+
+    fn uniform(&self, rise: f64, state: &mut [f64]) {
+        state.fill(0.0);
+        let mean = &self.operators.mean;
+        // The modes are orthonormal with the capacity as weight: what a mode stores is its part of a uniform rise.
+        for k in 0..self.operators.mean_states() {
+            state[k] = mean.stored.states[k % mean.count] * rise;
+        }
+        // The account counts from states of 0, so the heat of the start has come from somewhere: through the contact.
+        let tail = state.len() - TAIL;
+        if self.operators.held {
+            state[tail + 3] = rise;
+        }
+        state[tail] = self.account(state).stored;
+    }
+
+    fn decay_rates(&self) -> Vec<f64> {
+        let operators = &*self.operators;
+        let mean = (0..operators.mean_states()).map(|k| operators.mean.rate[k % operators.mean.count]);
+        mean.chain(operators.rate.iter().chain(&operators.rate).copied()).collect()
+    }
+
+    fn velocity_validity(&self) -> f64 {
+        let operators = &*self.operators;
+        if operators.fresh {
+            // The answer at once holds what the waves forget: heat as long as the period.
+            return operators.table.scale();
+        }
+        // It is that of the shorter waves, q v against diffusivity q^2.
+        let shortest = operators.numbers.last().copied().unwrap_or(f64::INFINITY);
+        INDIFFERENT * operators.diffusivity * shortest
+    }
+
+    fn prepare(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare(&self.operators, step, velocity);
+    }
+
+    fn prepare_euler(&mut self, step: f64, velocity: [f64; 2]) {
+        self.step.prepare_euler(&self.operators, step, velocity);
+    }
+
+    fn influence(&self, stage: Stage) -> &SurfaceInfluence {
+        &self.step.stage(stage).answer().influence
+    }
+
+    fn free_response(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let scratch = &mut *self.scratch.borrow_mut();
+        match stage {
+            Stage::First => {
+                let fall = surroundings.until(stage).cooling_fall;
+                scratch.first.iter_mut().zip(known).for_each(|(value, deviation)| *value = deviation - fall);
+                self.deviate_given_back(scratch, state);
+            }
+            Stage::End => {
+                self.project_first(scratch, state, surroundings);
+                self.effective_first(scratch, surroundings, known);
+            }
+        }
+        self.base_from(scratch, state, surroundings, stage, [temperature, distortion]);
+    }
+
+    fn free_response_at_end(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        known: &[f64],
+        temperature: &mut [f64],
+        distortion: &mut [f64],
+    ) {
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.effective_first(scratch, surroundings, known);
+        self.base_from(scratch, state, surroundings, Stage::End, [temperature, distortion]);
+    }
+
+    fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let operators = &*self.operators;
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.project_first(scratch, state, surroundings);
+        self.effective_first(scratch, surroundings, first);
+        operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        if operators.robin_correction.is_some() {
+            self.wave_amplitudes(scratch, state, &self.step.end);
+            self.add_known_flux(scratch, &self.step.end);
+            let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
+            let [level, _] = self.mean_levels(state, surroundings, &self.step.end, fluxes);
+            self.project(scratch, Stage::End, level);
+        }
+        self.advance_in_place(scratch, state, surroundings, [first, end]);
+    }
+
+    fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.advance_in_place(scratch, state, surroundings, [first, end]);
+    }
+
+    fn advance_to(&self, before: &[f64], after: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
+        let operators = &*self.operators;
+        let (mean, tail) = (operators.mean_states(), before.len() - TAIL - self.rates_given_back());
+        after[..mean].copy_from_slice(&before[..mean]);
+        after[tail..].copy_from_slice(&before[tail..]);
+        let (re, im) = operators.wave_states(before);
+        self.advance_by(&mut self.scratch.borrow_mut(), [re, im], after, surroundings, [first, end]);
+    }
+
+    fn temperature_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        temperature: &mut [f64],
+    ) {
+        let operators = &*self.operators;
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state, false);
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
+        let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
+        let Scratch { amplitude, answer, .. } = &mut *scratch;
+        operators.observe_one(amplitude, &mut answer[0], level, temperature);
+        operators.table.add_response(0, velocity, flux, &mut scratch.held, temperature);
+    }
+
+    fn distortion_at_frozen_state(
+        &self,
+        state: &[f64],
+        surroundings: &Surroundings,
+        flux: &[f64],
+        velocity: f64,
+        distortion: &mut [f64],
+    ) {
+        let operators = &*self.operators;
+        distortion.fill(0.0);
+        if !operators.expands {
+            return;
+        }
+        let scratch = &mut *self.scratch.borrow_mut();
+        self.held_amplitudes(scratch, state, true);
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
+        let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
+        let Scratch { moved, answer, .. } = &mut *scratch;
+        operators.observe_one(moved, &mut answer[0], operators.mean_distortion * level, distortion);
+        operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
+    }
+
+    fn cooled_temperature(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; FACES] {
+        let operators = &*self.operators;
+        let [entering, _] = self.held_fluxes(state, surroundings, flux);
+        let mean = &operators.mean;
+        let everywhere = self.held_observation(&mean.contact_temperature, state, surroundings, entering);
+        let base = self.held_observation(&mean.base_temperature, state, surroundings, entering);
+        let free = operators.free_length;
+        if operators.fresh {
+            return [everywhere, base];
+        }
+        // The waves' mean over the period is 0: what they have under the contact they lack beside it.
+        let beside = if free > 1e-9 * operators.period {
+            everywhere - self.held_mean(state) * (operators.period - free) / free
+        } else {
+            everywhere
+        };
+        [beside, base]
+    }
+
+    fn cooled_ahead(&self, state: &[f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) -> CooledAhead {
+        let (operators, weights) = (&*self.operators, &self.step.end);
+        let mean = &operators.mean;
+        let free = operators.free_length / operators.period;
+        let [_, returned] = self.held_fluxes(state, surroundings, first);
+        let covered = |stage| (1.0 - free) * (returned - surroundings.until(stage).cooling);
+        let fluxes =
+            [(first, Stage::First), (end, Stage::End)].map(|(flux, stage)| self.mean_flux(flux, covered(stage)));
+        // Of the whole strip, also where the contact does not see what it leaves behind.
+        let states = self.mean_states(state, surroundings, weights, fluxes);
+        let faces = [&mean.contact_temperature, &mean.base_temperature];
+        let mut temperature = faces.map(|observed| {
+            observed.of_states(&states, mean.count)
+                + observed.direct[CONTACT] * (fluxes[OWN] + surroundings.cooling)
+                + observed.direct[AMBIENT] * surroundings.ambient
+                + observed.direct[BASE] * surroundings.far
+        });
+        // The free surface takes its part of the mean wave's surface.
+        let rise = faces.map(|observed| {
+            [(CONTACT, free), (BASE, 1.0)].map(|(port, part)| {
+                let mut rise = observed.direct[port];
+                for k in 0..mean.count {
+                    let [known, own] = weights.mean_weight[k];
+                    rise += observed.states[k] * mean.input[port][k] * (known + own - weights.falling(known));
+                }
+                part * rise
+            })
+        });
+        // What the waves have under the contact they lack beside it: see `cooled_temperature`.
+        let lacking = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
+        let lagging = -lacking * self.held_mean(state);
+        temperature[BESIDE] += lagging;
+        CooledAhead { temperature, rise, lagging }
+    }
+
+    fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
+        let operators = &*self.operators;
+        let mean = &operators.mean;
+        let [entering, returned] = self.held_fluxes(state, surroundings, flux);
+        let flow = |observed| operators.period * self.held_observation(observed, state, surroundings, entering);
+        let width = operators.period - operators.free_length;
+        [flow(&mean.ambient_flow) - width * returned, flow(&mean.base_flow)]
+    }
+
+    fn mean_temperature(&self, state: &[f64]) -> f64 {
+        let mean = &self.operators.mean;
+        mean.mean_temperature.of_states(&padded(state, mean.count), mean.count)
+            + mean.mean_temperature.direct[BASE] * state[state.len() - TAIL + 3]
+    }
+
+    fn account(&self, state: &[f64]) -> Account {
+        let mean = &self.operators.mean;
+        let tail = &state[state.len() - TAIL..];
+        let held = mean.stored.direct[BASE] * tail[3];
+        let stored = self.operators.period * (mean.stored.of_states(&padded(state, mean.count), mean.count) + held);
+        Account { received: tail[0], stored, ambient: tail[1], far: tail[2] }
+    }
+
+    fn error(&self) -> f64 {
+        self.operators.error
+    }
+
+    fn boxed(&self) -> Box<dyn ThermalBody> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,59 @@
+//! Where the heat of a step goes.
+//!
+//! Only the mean wave holds heat. What enters over the step is known from the fluxes, what is stored from its states, what
+//! leaves to the air from their integrals; the base takes what the balance leaves.
+
+use super::scratch::Scratch;
+use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};
+use crate::line::{GAMMA, Surroundings, ThermalBody};
+use numerics::dense;
+
+impl StripHeat {
+    /// Carries the mean wave and the account over the step; `effective` are its mean fluxes, contact and returned.
+    pub(super) fn keep_account(
+        &self,
+        scratch: &Scratch,
+        state: &mut [f64],
+        surroundings: &Surroundings,
+        contact: [&[f64]; 2],
+        effective: [f64; 2],
+    ) {
+        let operators = &*self.operators;
+        let mean = &operators.mean;
+        let weights = &self.step.end;
+        let step = self.step.length;
+        let over_step = |values: [f64; 2]| step * ((1.0 - GAMMA) * values[0] + GAMMA * values[1]);
+        let heat = |flux: &[f64]| dense::dot(flux, &operators.widths);
+        let received = over_step([heat(contact[0]), heat(contact[1])]);
+        let total = over_step([heat(&scratch.first), heat(&scratch.end)]);
+        // What the cells got besides the contact: the heat transfer given back, and the cooling that is not there.
+        let returned = total - received;
+        let (cooling, far) = (surroundings.mean_cooling(), surroundings.mean_far());
+        let before = self.account(state).stored;
+        let mut ambient = 0.0;
+        let carried = self.mean_states(state, surroundings, weights, effective);
+        let alone =
+            operators.fresh.then(|| self.mean_states(operators.background(state), surroundings, weights, [0.0; 2]));
+        for k in 0..mean.count {
+            let (old, new) = (state[k], carried[k]);
+            let source = mean.input[CONTACT][k] * (over_step(effective) + step * cooling)
+                + step * (mean.input[AMBIENT][k] * surroundings.ambient + mean.input[BASE][k] * far);
+            if mean.rate[k] > 0.0 {
+                ambient += mean.ambient_flow.states[k] * (old - new + source) / mean.rate[k];
+            }
+            state[k] = new;
+            if let Some(alone) = &alone {
+                state[mean.count + k] = alone[k];
+            }
+        }
+        ambient += mean.ambient_flow.direct[CONTACT] * (over_step(effective) + step * cooling)
+            + step * (mean.ambient_flow.direct[AMBIENT] * surroundings.ambient + mean.ambient_flow.direct[BASE] * far);
+        let lost = operators.period * (ambient - step * cooling) - returned;
+        let tail = state.len() - TAIL;
+        state[tail + 3] = surroundings.far;
+        let stored = self.account(state).stored - before;
+        state[tail] += received;
+        state[tail + 1] += lost;
+        state[tail + 2] += received - stored - lost;
+    }
+}

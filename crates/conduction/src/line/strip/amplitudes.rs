@@ -1,0 +1,208 @@
+//! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
+
+use super::robin_correction::RANK;
+use super::scratch::Scratch;
+use super::state_layout::{Carrier, Parts, add_products, carry, observe};
+use super::step::StageWeights;
+use super::{StripHeat, TAIL};
+use crate::line::{GAMMA, Stage, Surroundings};
+use numerics::dense;
+
+impl StripHeat {
+    /// Notes what the heat transfer given back in the first stage follows: the temperature that the state leaves, and what is known
+    /// of the heat transfer given back; not of the contact's fluxes.
+    pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
+        if self.operators.robin_correction.is_none() {
+            return;
+        }
+        scratch.first.fill(0.0);
+        self.deviate_given_back(scratch, state);
+        self.known_levels(scratch, state, surroundings, Stage::First);
+    }
+
+    /// Adds to the fluxes in `scratch.first` by how much the heat transfer given back deviates at the start of the step from that of
+    /// the first stage: it is linear like the fluxes of the contact, with its slope over the step before.
+    pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let rates = &state[state.len() - TAIL - RANK..state.len() - TAIL];
+            let back = -GAMMA * self.step.length;
+            robin_correction.lift(&std::array::from_fn(|degree| back * rates[degree]), &mut scratch.first);
+        }
+    }
+
+    /// Amplitudes of the waves at a stage without its own flux, by the state and the known flux in `scratch.first`; levels of
+    /// temperature and mean temperature of the mean wave. Notes what the heat transfer given back follows.
+    fn known_levels(
+        &self,
+        scratch: &mut Scratch,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+    ) -> [f64; 2] {
+        let weights = self.step.stage(stage);
+        self.wave_amplitudes(scratch, state, weights);
+        self.operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
+        self.add_known_flux(scratch, weights);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
+        let state_layout = self.mean_levels(state, surroundings, weights, fluxes);
+        self.project(scratch, stage, state_layout[0]);
+        state_layout
+    }
+
+    /// Notes what the heat transfer given back at a stage follows: the amplitudes in the scratch and the mean wave's level.
+    pub(super) fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let mut projected = robin_correction.project(&scratch.amplitude);
+            projected[0] += robin_correction.unit[0] * level;
+            scratch.projected[stage as usize] = projected;
+        }
+    }
+
+    /// Fills the scratch with the total fluxes into the cells in the first stage: of the contact, less the cooling that does
+    /// not act there, and the heat transfer given back as it has been noted.
+    pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
+        let cooling = surroundings.until(Stage::First).cooling;
+        scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let level = scratch.projected[Stage::First as usize];
+            scratch.returned[Stage::First as usize] =
+                robin_correction.add(self.step.first.answer(), &level, surroundings.ambient, &mut scratch.first);
+        }
+    }
+
+    /// The same at the end.
+    fn effective_end(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
+        scratch.end.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
+        if let Some(robin_correction) = &self.operators.robin_correction {
+            let level = scratch.projected[Stage::End as usize];
+            scratch.returned[Stage::End as usize] =
+                robin_correction.add(self.step.end.answer(), &level, surroundings.ambient, &mut scratch.end);
+        }
+    }
+
+    /// Temperature and distortion at a stage without its own flux; the flux known before it is in `scratch.first`.
+    pub(super) fn base_from(
+        &self,
+        scratch: &mut Scratch,
+        state: &[f64],
+        surroundings: &Surroundings,
+        stage: Stage,
+        [temperature, distortion]: [&mut [f64]; 2],
+    ) {
+        let operators = &*self.operators;
+        let weights = self.step.stage(stage);
+        let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
+        let Scratch { amplitude, moved, answer, .. } = &mut *scratch;
+        if operators.expands {
+            let state_layout = [level, operators.mean_distortion * through_depth];
+            operators.observe([amplitude, moved], answer, state_layout, [temperature, distortion]);
+        } else {
+            operators.observe_one(amplitude, &mut answer[0], level, temperature);
+            distortion.fill(0.0);
+        }
+        // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
+        let cooling = surroundings.until(stage).cooling;
+        if cooling == 0.0 && operators.robin_correction.is_none() {
+            return;
+        }
+        scratch.end.fill(-cooling);
+        let mut amounts = [0.0; RANK];
+        if let Some(robin_correction) = &operators.robin_correction {
+            let projected = &scratch.projected[stage as usize];
+            amounts = robin_correction.amounts(weights.answer(), projected, surroundings.ambient, &scratch.end);
+        }
+        for (moving, values) in [temperature, distortion].into_iter().enumerate() {
+            if moving == 1 && !operators.expands {
+                continue;
+            }
+            let uniform = weights.answer().uniform(moving);
+            values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= cooling * rise);
+            if operators.robin_correction.is_some() {
+                dense::multiply_add(weights.answer().lifted(moving), &amounts, values);
+            }
+        }
+    }
+
+    /// [`StripHeat::advance_by`] on a state that holds its own start.
+    pub(super) fn advance_in_place(
+        &self,
+        scratch: &mut Scratch,
+        state: &mut [f64],
+        surroundings: &Surroundings,
+        contact: [&[f64]; 2],
+    ) {
+        let mut before = std::mem::take(&mut scratch.before);
+        let (re, im) = self.operators.wave_states(state);
+        before[0].copy_from_slice(re);
+        before[1].copy_from_slice(im);
+        self.advance_by(scratch, [&before[0], &before[1]], state, surroundings, contact);
+        scratch.before = before;
+    }
+
+    /// Carries the state over the step with the contact's fluxes of both stages. The total fluxes of the first, their
+    /// amplitudes, and what the heat transfer given back at the end follows are in the scratch; `before` are the states of the
+    /// waves at the start of the step, everything else stands in `state`.
+    pub(super) fn advance_by(
+        &self,
+        scratch: &mut Scratch,
+        before: Parts<'_>,
+        state: &mut [f64],
+        surroundings: &Surroundings,
+        contact: [&[f64]; 2],
+    ) {
+        let operators = &*self.operators;
+        self.effective_end(scratch, surroundings, contact[1]);
+        let fluxes = [self.mean_flux(&scratch.first, 0.0), self.mean_flux(&scratch.end, 0.0)];
+        self.keep_account(scratch, state, surroundings, contact, fluxes);
+        if operators.robin_correction.is_some() {
+            let ([first, end], tail) = (&scratch.returned, state.len() - TAIL);
+            let per_change = 1.0 / ((1.0 - GAMMA) * self.step.length);
+            let rates = state[tail - RANK..tail].iter_mut().zip(first.iter().zip(end));
+            rates.for_each(|(rate, (first, end))| *rate = per_change * (end - first));
+        }
+        operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
+        let weights = &self.step.end;
+        let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.answer().weights());
+        let carrier = Carrier { factors: [re, im], known: [known_re, known_im], own: [own_re, own_im] };
+        let heat = [&scratch.heat, &scratch.heat_end].map(|heat| [&heat[0][..], &heat[1][..]]);
+        let (re, im) = operators.wave_states_mut(state);
+        carry(&operators.state_layout, before, [re, im], carrier, heat);
+    }
+
+    /// Surface amplitude of every wave at a stage, from the state alone.
+    pub(super) fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
+        let operators = &*self.operators;
+        let (re, im) = operators.wave_states(state);
+        let [factor_re, factor_im] = &weights.factor;
+        let seen = [&operators.temperature[..], &operators.distortion[..]];
+        let sums = [&mut scratch.amplitude, &mut scratch.moved];
+        observe(&operators.state_layout, [re, im], [factor_re, factor_im], seen, sums);
+    }
+
+    /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
+    pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
+        let operators = &*self.operators;
+        let [re, im, moved_re, moved_im] = weights.answer().carried();
+        let Scratch { heat: [heat_re, heat_im], amplitude, moved, .. } = scratch;
+        add_products(amplitude, [re, im], [heat_re, heat_im]);
+        if operators.expands {
+            add_products(moved, [moved_re, moved_im], [heat_re, heat_im]);
+        }
+    }
+
+    /// Amplitudes of the waves with the state held; of temperature, and of distortion where that is asked for.
+    pub(super) fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64], distortion: bool) {
+        let operators = &*self.operators;
+        let (re, im) = operators.wave_states(state);
+        let seen = [(&operators.temperature, &mut scratch.amplitude), (&operators.distortion, &mut scratch.moved)];
+        for (weights, sums) in seen.into_iter().take(1 + usize::from(distortion)) {
+            for (part, sums) in [re, im].into_iter().zip(sums) {
+                sums.fill(0.0);
+                for level in &operators.state_layout {
+                    let states = weights[level.clone()].iter().zip(&part[level.clone()]);
+                    sums.iter_mut().zip(states).for_each(|(sum, (weight, x))| *sum += weight * x);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! What a stage's answer to fluxes is made of, as far as it depends on the velocity: linear in everything, so that answers
+//! at neighbouring velocities can be interpolated.
+
+use super::operators::StripOperators;
+use super::robin_correction::RANK;
+use crate::line::SurfaceInfluence;
+use nalgebra::DMatrix;
+use numerics::dense;
+
+/// Lengths of the parts.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Layout {
+    count: usize,
+    states: usize,
+    waves: usize,
+    rank: usize,
+}
+
+impl Layout {
+    /// For a strip; states are carried to the end of a step only.
+    pub fn new(operators: &StripOperators, at_end: bool) -> Layout {
+        Layout {
+            count: operators.widths.len(),
+            states: if at_end { operators.rate.len() } else { 0 },
+            waves: operators.waves.len(),
+            rank: operators.robin_correction.as_ref().map_or(0, |_| RANK),
+        }
+    }
+
+    fn lengths(&self) -> [usize; 5] {
+        let lifted = self.rank * self.count;
+        [4 * self.states, 4 * self.waves, 2 * self.count, 3 * lifted, self.rank * self.rank]
+    }
+}
+
+/// See the module.
+#[derive(Clone, Debug)]
+pub struct Answer {
+    /// The whole response to the contact's flux.
+    pub influence: SurfaceInfluence,
+    layout: Layout,
+    rest: Vec<f64>,
+}
+
+/// The parts of an answer beside the gains. Pairs: temperature, distortion.
+pub struct Parts<'a> {
+    /// Weights of the fluxes in each state, input included: of those known before the stage (in the first stage the deviation
+    /// at its start, at the end the fluxes of the first) and of its own, real and imaginary parts by turns. Empty in the first
+    /// stage.
+    pub weights: [&'a mut [f64]; 4],
+    /// Surface amplitude and distortion that the known flux leaves in a wave, real and imaginary parts by turns.
+    pub carried: [&'a mut [f64]; 4],
+    /// Response of the waves to a uniform flux, without what answers at once.
+    pub uniform: [&'a mut [f64]; 2],
+    /// V'W G of the heat given back: a row per polynomial, by columns.
+    pub response: &'a mut [f64],
+    /// Response of the waves to the polynomials V, N values each.
+    pub lifted: [&'a mut [f64]; 2],
+    /// `(1 - H0 V'W G V)^-1 H0`, by columns.
+    pub solution: &'a mut [f64],
+}
+
+fn halves<T>(slice: &mut [T]) -> [&mut [T]; 2] {
+    let (left, right) = slice.split_at_mut(slice.len() / 2);
+    [left, right]
+}
+
+fn quarters<T>(slice: &mut [T]) -> [&mut [T]; 4] {
+    let [left, right] = halves(slice);
+    let ([a, b], [c, d]) = (halves(left), halves(right));
+    [a, b, c, d]
+}
+
+impl Answer {
+    /// No answer yet.
+    pub fn new(layout: Layout) -> Answer {
+        let matrix = || dense::untouched(layout.count);
+        Answer {
+            influence: SurfaceInfluence { temperature: matrix(), distortion: matrix() },
+            rest: vec![0.0; layout.lengths().iter().sum()],
+            layout,
+        }
+    }
+
+    /// The parts.
+    pub fn parts(&mut self) -> Parts<'_> {
+        self.gains_and_parts().1
+    }
+
+    /// Gains and parts.
+    pub fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
+        let [states, waves, cells, lifted, _] = self.layout.lengths();
+        let (weights, rest) = self.rest.split_at_mut(states);
+        let (carried, rest) = rest.split_at_mut(waves);
+        let (uniform, rest) = rest.split_at_mut(cells);
+        let (polynomials, solution) = rest.split_at_mut(lifted);
+        let (response, lifted) = polynomials.split_at_mut(lifted / 3);
+        let parts = Parts {
+            weights: quarters(weights),
+            carried: quarters(carried),
+            uniform: halves(uniform),
+            response,
+            lifted: halves(lifted),
+            solution,
+        };
+        (&mut self.influence, parts)
+    }
+
+    /// Weights of the states; see [`Parts::weights`].
+    pub fn weights(&self) -> [&[f64]; 4] {
+        let n = self.layout.states;
+        std::array::from_fn(|part| &self.rest[part * n..(part + 1) * n])
+    }
+
+    /// See [`Parts::carried`].
+    pub fn carried(&self) -> [&[f64]; 4] {
+        let (first, n) = (4 * self.layout.states, self.layout.waves);
+        std::array::from_fn(|part| &self.rest[first + part * n..first + (part + 1) * n])
+    }
+
+    /// See [`Parts::uniform`].
+    pub fn uniform(&self, moving: usize) -> &[f64] {
+        let (first, n) = (4 * (self.layout.states + self.layout.waves), self.layout.count);
+        &self.rest[first + moving * n..first + (moving + 1) * n]
+    }
+
+    fn polynomials(&self) -> (usize, usize) {
+        let Layout { count, states, waves, rank } = self.layout;
+        (4 * (states + waves) + 2 * count, rank * count)
+    }
+
+    /// See [`Parts::response`].
+    pub fn response(&self) -> &[f64] {
+        let (first, n) = self.polynomials();
+        &self.rest[first..first + n]
+    }
+
+    /// See [`Parts::lifted`].
+    pub fn lifted(&self, moving: usize) -> &[f64] {
+        let (first, n) = self.polynomials();
+        &self.rest[first + (1 + moving) * n..first + (2 + moving) * n]
+    }
+
+    /// See [`Parts::solution`].
+    pub fn solution(&self) -> &[f64] {
+        let (first, n) = self.polynomials();
+        &self.rest[first + 3 * n..]
+    }
+
+    /// Numbers in it.
+    pub fn length(&self) -> usize {
+        self.rest.len() + self.influence.temperature.len() + self.influence.distortion.len()
+    }
+
+    /// Becomes another answer of the same strip and stage.
+    pub fn copy_from(&mut self, other: &Answer) {
+        self.rest.copy_from_slice(&other.rest);
+        self.influence.temperature.copy_from(&other.influence.temperature);
+        self.influence.distortion.copy_from(&other.influence.distortion);
+    }
+
+    /// Becomes the answer for opposite velocities: cells and waves are symmetric about the middle of the contact.
+    pub fn mirror(&mut self) {
+        let count = self.layout.count;
+        let (influence, parts) = self.gains_and_parts();
+        for matrix in [&mut influence.temperature, &mut influence.distortion] {
+            matrix.as_mut_slice().reverse();
+        }
+        for [_, imaginary] in [parts.weights, parts.carried].iter_mut().flat_map(|parts| parts.as_chunks_mut::<2>().0) {
+            imaginary.iter_mut().for_each(|value| *value = -*value);
+        }
+        parts.uniform.into_iter().for_each(<[f64]>::reverse);
+        // Polynomials are even and odd by turns.
+        let sign = |degree: usize| if degree.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let columns = parts.response.len() / RANK;
+        for column in 0..columns.div_ceil(2) {
+            for degree in 0..RANK {
+                let [one, other] = [column, columns - 1 - column].map(|column| column * RANK + degree);
+                let pair = [parts.response[one], parts.response[other]].map(|value| sign(degree) * value);
+                [parts.response[other], parts.response[one]] = pair;
+            }
+        }
+        for lifted in parts.lifted {
+            for (degree, values) in lifted.chunks_exact_mut(count).enumerate() {
+                values.reverse();
+                values.iter_mut().for_each(|value| *value *= sign(degree));
+            }
+        }
+        for (degree, column) in parts.solution.chunks_exact_mut(RANK).enumerate() {
+            column.iter_mut().enumerate().for_each(|(row, value)| *value *= sign(degree) * sign(row));
+        }
+    }
+
+    /// Becomes the sum of four answers, with what answers at once added to the gains.
+    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: AtOnce<'_>) {
+        let parts = answers.map(|answer| &answer.rest[..]);
+        dense::combine(&mut self.rest, parts, factors);
+        let parts = answers.map(|answer| answer.influence.temperature.as_slice());
+        sum(self.influence.temperature.as_mut_slice(), parts, factors, immediate, 0);
+        if !immediate[0].0[1].is_empty() {
+            let parts = answers.map(|answer| answer.influence.distortion.as_slice());
+            sum(self.influence.distortion.as_mut_slice(), parts, factors, immediate, 1);
+        }
+    }
+}
+
+/// One or two responses at once (temperature and distortion, N x N; the second empty where nothing expands), each with its
+/// share.
+pub type AtOnce<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
+
+/// Sum of four matrices and one or two more.
+fn sum(target: &mut [f64], [a, b, c, d]: [&[f64]; 4], factors: [f64; 4], immediate: AtOnce<'_>, moving: usize) {
+    let [f, g, h, i] = factors;
+    match immediate {
+        [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, *share]),
+        [(one, share), (other, rest)] => {
+            let sources = [a, b, c, d, one[moving].as_slice(), other[moving].as_slice()];
+            dense::combine(target, sources, [f, g, h, i, *share, *rest]);
+        }
+        _ => unreachable!("what answers at once is that of one or two velocities"),
+    }
+}
+
+impl Parts<'_> {
+    /// Takes the response of the waves to fluxes (N x N) for that to a uniform one.
+    pub fn set_uniform(&mut self, moving: usize, slow: &DMatrix<f64>) {
+        let uniform = &mut self.uniform[moving];
+        uniform.fill(0.0);
+        for column in slow.as_slice().chunks_exact(uniform.len().max(1)) {
+            uniform.iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry);
+        }
+    }
+}

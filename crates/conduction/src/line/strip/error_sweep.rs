@@ -1,0 +1,80 @@
+//! Exact answers of every wave at some frequencies, against which reductions are judged.
+
+use super::depth::{Depth, DepthModes};
+use super::operators::Resolution;
+use super::waves::{Shapes, Wave};
+use crate::reduced::ReducedBody;
+use crate::slab::Slab;
+use elasticity::Cells;
+use nalgebra::Complex;
+use numerics::maximum::maximum;
+
+/// See the module.
+#[derive(Debug)]
+pub struct ErrorSweep {
+    frequencies: Vec<f64>,
+    /// What a wave counts in the mean contact temperature per flux.
+    weights: Vec<f64>,
+    /// Row by row for each frequency.
+    exact: Vec<Complex<f64>>,
+    /// Error of the mean wave's reduction at each frequency.
+    mean: Vec<Complex<f64>>,
+    scale: f64,
+}
+
+impl ErrorSweep {
+    /// Of these waves, and the layers at each of them, as the cells see them.
+    pub fn new(
+        cells: &Cells,
+        slab: &Slab,
+        mean: Option<&ReducedBody>,
+        period: f64,
+        (waves, layers): (&[Wave], &[Depth]),
+        shapes: &Shapes,
+        resolution: &Resolution,
+    ) -> ErrorSweep {
+        let width = 2.0 * cells.half_width();
+        let weights: Vec<f64> = (0..waves.len())
+            .map(|index| {
+                let (even, _) = shapes.rows(index);
+                let half: f64 = even.iter().zip(cells.widths()).map(|(shape, c)| shape * c).sum();
+                let centre =
+                    if cells.count() % 2 == 1 { even[even.len() - 1] * cells.widths()[even.len() - 1] } else { 0.0 };
+                2.0 * waves[index].count / period * (2.0 * half - centre).powi(2) / width
+            })
+            .collect();
+        let (slow, fast) = (0.3 / resolution.duration, 1.0 / resolution.shortest);
+        let points = 16;
+        let frequencies: Vec<f64> =
+            (0..=points).map(|i| slow * (fast / slow).powf(f64::from(i) / f64::from(points))).collect();
+        let mut error_sweep = ErrorSweep { frequencies, weights, exact: Vec::new(), mean: Vec::new(), scale: 0.0 };
+        for &frequency in &error_sweep.frequencies {
+            let s = Complex::new(0.0, frequency);
+            error_sweep.exact.extend(layers.iter().map(|layer| layer.impedance(s)));
+            let error = mean.map(|mean| (mean.impedance(s) - slab.impedance(s, 0.0)) * (width / period));
+            error_sweep.mean.push(error.unwrap_or_default());
+        }
+        let s = Complex::new(0.0, 1.0 / resolution.duration);
+        let parts = layers.iter().zip(&error_sweep.weights).map(|(layer, weight)| layer.impedance(s) * *weight);
+        let uniform = mean.map(|_| slab.impedance(s, 0.0) * (width / period)).unwrap_or_default();
+        error_sweep.scale = (uniform + parts.sum::<Complex<f64>>()).norm();
+        error_sweep
+    }
+
+    /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
+    /// step's, relative to its value at the duration's, from the modes of every `step`th wave.
+    pub fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
+        let count = self.weights.len();
+        let mut largest: f64 = 0.0;
+        for (row, &frequency) in self.frequencies.iter().enumerate() {
+            let s = Complex::new(0.0, frequency);
+            let mut error = self.mean[row];
+            for (index, modes) in modes.iter().enumerate() {
+                error += (modes.impedance(s) - self.exact[row * count + index * step])
+                    * (self.weights[index * step] * step as f64);
+            }
+            largest = maximum(largest, error.norm_sqr().sqrt() / self.scale);
+        }
+        largest
+    }
+}

@@ -1,0 +1,186 @@
+//! Heat transfer of the top given back to the contact zone.
+//!
+//! The waves are cooled on the whole surface. Under the contact there is no air: fluxes `H0 (T - T_ambient)` into the
+//! cells undo it there, with T the temperature of the waves that are cooled. They are taken in the space of polynomials
+//! over the contact, which holds the smooth temperatures of a wide zone as well as the heat itself, so that a stage's
+//! equation for them is as small as that space:
+//!
+//! ```text
+//! y = H0 V'W (T - T_ambient),   T = B + G (q + V y)   =>   (1 - H0 V'W G V) y = H0 V'W (B + G q - T_ambient)
+//! ```
+
+use super::answer::{Answer, Parts};
+use super::operators::StripOperators;
+use elasticity::{Cells, MAXIMUM_CELLS};
+use nalgebra::DMatrix;
+use numerics::dense;
+
+/// Largest dimension of the space.
+pub const RANK: usize = 8;
+
+/// Polynomials orthonormal on the cells, and what the waves give for them.
+#[derive(Clone, PartialEq, Debug)]
+pub struct RobinCorrection {
+    transfer: f64,
+    rank: usize,
+    /// V: N x rank, by columns; even and odd by turns.
+    polynomials: Vec<f64>,
+    /// V'W of a uniform temperature.
+    pub unit: [f64; RANK],
+    widths: Vec<f64>,
+    /// V'W of every wave's shape.
+    waves: Vec<[f64; RANK]>,
+}
+
+impl RobinCorrection {
+    /// The space on `cells` for the heat transfer coefficient `transfer`.
+    pub fn new(cells: &Cells, transfer: f64, operators: &StripOperators) -> RobinCorrection {
+        let (count, widths) = (cells.count(), cells.widths().to_vec());
+        let rank = RANK.min(count);
+        let mut polynomials: Vec<Vec<f64>> = Vec::new();
+        for degree in 0..rank {
+            // x times the last one, orthogonalised twice.
+            let mut next: Vec<f64> = match polynomials.last() {
+                None => vec![1.0; count],
+                Some(last) => cells.centres().iter().zip(last).map(|(x, p)| x / cells.half_width() * p).collect(),
+            };
+            for _ in 0..2 {
+                for known in polynomials.iter().skip(degree % 2).step_by(2) {
+                    let part: f64 = (0..count).map(|i| widths[i] * known[i] * next[i]).sum();
+                    next.iter_mut().zip(known).for_each(|(value, other)| *value -= part * other);
+                }
+            }
+            let norm = (0..count).map(|i| widths[i] * next[i] * next[i]).sum::<f64>().sqrt();
+            next.iter_mut().for_each(|value| *value /= norm);
+            polynomials.push(next);
+        }
+        let waves = (0..operators.waves.len())
+            .map(|wave| {
+                let mut row = [0.0; RANK];
+                for (degree, polynomial) in polynomials.iter().enumerate() {
+                    let (even, odd) = operators.over_cells(wave, |i| polynomial[i]);
+                    row[degree] = operators.weight[wave] * if degree % 2 == 0 { even } else { -odd };
+                }
+                row
+            })
+            .collect();
+        let mut unit = [0.0; RANK];
+        unit[0] = (0..count).map(|i| widths[i] * polynomials[0][i]).sum();
+        RobinCorrection { transfer, rank, polynomials: polynomials.concat(), unit, widths, waves }
+    }
+
+    /// V'W of the temperature that waves of these amplitudes (real and imaginary parts) give.
+    pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
+        // Two sums: the additions of one would wait for each other.
+        let mut state_layout = [[0.0; RANK]; 2];
+        for (wave, (row, (re, im))) in self.waves.iter().zip(amplitude[0].iter().zip(&amplitude[1])).enumerate() {
+            let level = &mut state_layout[wave % 2];
+            for degree in 0..RANK / 2 {
+                level[2 * degree] += row[2 * degree] * re;
+                level[2 * degree + 1] += row[2 * degree + 1] * im;
+            }
+        }
+        std::array::from_fn(|degree| state_layout[0][degree] + state_layout[1][degree])
+    }
+
+    /// How much of every polynomial is given back besides `flux` (W/m2), where the waves have the projected temperature
+    /// `level` without.
+    pub fn amounts(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
+        let mut driving = *level;
+        driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);
+        dense::multiply_add(answer.response(), flux, &mut driving);
+        let mut amounts = [0.0; RANK];
+        dense::multiply_add(answer.solution(), &driving, &mut amounts);
+        amounts
+    }
+
+    /// Adds the fluxes given back to `flux`; see [`RobinCorrection::amounts`], which are returned.
+    pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
+        let amounts = self.amounts(answer, level, ambient, flux);
+        self.lift(&amounts, flux);
+        amounts
+    }
+
+    /// Adds so much of every polynomial to `flux` (W/m2).
+    pub fn lift(&self, amounts: &[f64; RANK], flux: &mut [f64]) {
+        dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
+    }
+
+    /// Solves a stage whose waves answer fluxes by `slow` (N x N: temperature, distortion).
+    pub fn close(&self, slow: &[DMatrix<f64>; 2], parts: Parts<'_>) {
+        let count = self.widths.len();
+        let Parts { response, lifted, solution, .. } = parts;
+        for (slow, lifted) in slow.iter().zip(lifted) {
+            lifted.fill(0.0);
+            if slow.ncols() > 0 {
+                for (target, polynomial) in lifted.chunks_exact_mut(count).zip(self.polynomials.chunks_exact(count)) {
+                    dense::multiply_add(slow.as_slice(), polynomial, target);
+                }
+            }
+        }
+        let mut weighted = [0.0; MAXIMUM_CELLS];
+        response.fill(0.0);
+        for (a, polynomial) in self.polynomials.chunks_exact(count).enumerate() {
+            let weighted = &mut weighted[..count];
+            for (value, (width, shape)) in weighted.iter_mut().zip(self.widths.iter().zip(polynomial)) {
+                *value = width * shape;
+            }
+            for (target, column) in response.chunks_exact_mut(RANK).zip(slow[0].as_slice().chunks_exact(count)) {
+                target[a] = dense::dot(weighted, column);
+            }
+        }
+        let mut matrix = [[0.0; RANK]; RANK];
+        for (b, polynomial) in self.polynomials.chunks_exact(count).enumerate() {
+            let mut column = [0.0; RANK];
+            dense::multiply_add(response, polynomial, &mut column);
+            for (a, (row, value)) in matrix.iter_mut().zip(column).enumerate() {
+                row[b] = f64::from(u8::from(a == b)) - self.transfer * value;
+            }
+        }
+        let inverse = inverse(matrix, self.rank);
+        for (b, column) in solution.chunks_exact_mut(RANK).enumerate() {
+            column.iter_mut().zip(&inverse).for_each(|(target, row)| *target = self.transfer * row[b]);
+        }
+    }
+
+    /// Adds to `influence` (N x N) of temperature or distortion the response by way of the fluxes given back.
+    pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
+        let count = self.widths.len();
+        for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK))
+        {
+            let mut returned = [0.0; RANK];
+            dense::multiply_add(parts.solution, response, &mut returned);
+            dense::multiply_add(parts.lifted[moving], &returned, gain);
+        }
+    }
+}
+
+/// Inverse of the leading block, by elimination with pivots.
+fn inverse(mut matrix: [[f64; RANK]; RANK], rank: usize) -> [[f64; RANK]; RANK] {
+    let mut result = [[0.0; RANK]; RANK];
+    for (i, row) in result.iter_mut().enumerate().take(rank) {
+        row[i] = 1.0;
+    }
+    for column in 0..rank {
+        let pivot = (column..rank)
+            .max_by(|&i, &j| matrix[i][column].abs().total_cmp(&matrix[j][column].abs()))
+            .unwrap_or(column);
+        matrix.swap(column, pivot);
+        result.swap(column, pivot);
+        let scale = 1.0 / matrix[column][column];
+        for k in 0..rank {
+            matrix[column][k] *= scale;
+            result[column][k] *= scale;
+        }
+        for row in 0..rank {
+            if row != column {
+                let factor = matrix[row][column];
+                for k in 0..rank {
+                    matrix[row][k] -= factor * matrix[column][k];
+                    result[row][k] -= factor * result[column][k];
+                }
+            }
+        }
+    }
+    result
+}

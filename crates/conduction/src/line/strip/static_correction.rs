@@ -1,0 +1,310 @@
+//! What answers at once: everything that decays fast against the shortest step, as a function of the velocity.
+//!
+//! Two parts. Waves that have states lack the depth modes that were left out, which answer `Z - Z_reduced` at the
+//! frequency -i q v with which a wave at rest in the punch's frame turns over the material. Shorter waves have no states: on them
+//! the layer is a half-plane, whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less
+//! the integral up to the wave number (n + 1/2) 2 pi/L, with the first correction of Euler and Maclaurin.
+
+use super::blocks::Blocks;
+use super::depth::{Depth, DepthModes, Expansion};
+use super::moving_kernel::MovingSource;
+use super::operators::ImageDamping;
+use super::passive::Passive;
+use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
+use crate::lateral::Lateral;
+use crate::slab::{Slab, principal_root};
+use elasticity::Cells;
+use nalgebra::Complex;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// What the sums of the remainder are made of.
+#[derive(Debug)]
+pub struct StaticCorrection {
+    pub cells: Cells,
+    /// The layer with and without heat transfer on its surface.
+    pub slab: Slab,
+    pub bare: Slab,
+    pub expansion: Option<Expansion>,
+    /// Conduction out of the plane.
+    pub lateral: Option<Lateral>,
+    pub period: f64,
+    /// Number of the last harmonic that has states.
+    pub last: usize,
+    pub waves: Vec<Wave>,
+    pub shapes: Arc<Shapes>,
+    pub modes: Vec<DepthModes>,
+    /// On fresh material: frequency below which nothing counts as steady, 1/s, and how the states forget.
+    pub fresh: Option<(f64, ImageDamping)>,
+}
+
+/// Beyond this part of the period the nearest images of the contact are taken one by one.
+const NEAR_IMAGES: f64 = 0.3;
+/// Beyond this q h a layer is a half-plane: 2 exp(-2 q h) = 5e-16.
+const HALF_PLANE: f64 = 18.0;
+/// Wave number, in units of the contact's width, below which the endless path's integral has no structure left.
+const SLOWEST_WAVE: f64 = 1e-7;
+/// Wave number, in units of the contact's width, below which what is removed is smooth in the root of the wave number, where
+/// the contact slides by twice that in widths over the time of diffusion across the width, or faster.
+const LONGEST_SLIDING: f64 = 0.5;
+/// The distortion's sum, which falls like 1/q^2, goes on to this multiple of the last wave number with states.
+const DISTORTION_REACH: f64 = 4.0;
+
+/// Waves of an integral over the wave number.
+#[derive(Debug)]
+struct Integral {
+    waves: Vec<Wave>,
+    shapes: Shapes,
+    /// The layer at each of them.
+    depths: Vec<Depth>,
+}
+
+impl Integral {
+    fn new(
+        cells: &Cells,
+        slab: &Slab,
+        expansion: Option<&Expansion>,
+        waves: Vec<Wave>,
+        lateral: Option<Lateral>,
+    ) -> Integral {
+        Integral {
+            shapes: Shapes::new(cells, &waves),
+            depths: waves.iter().map(|wave| Depth::new(slab, expansion, wave.number).spreading(lateral)).collect(),
+            waves,
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (&Wave, &Depth)> {
+        self.waves.iter().zip(&self.depths)
+    }
+}
+
+/// Waves of the integrals: prepared once for all velocities.
+#[derive(Debug)]
+pub struct Integrals {
+    /// The layer at the waves with states.
+    depths: Vec<Depth>,
+    /// What is removed while sliding, or at any velocity on fresh material.
+    removed: Integral,
+    /// What is removed at rest of waves that are long against the contact, instead of the first of those.
+    removed_at_rest: Option<Integral>,
+    beyond: Integral,
+    /// The two harmonics about the end of those with states.
+    ends: Shapes,
+    images: bool,
+}
+
+/// Gains of waves that are summed together: of temperature, and of distortion where there is one.
+#[derive(Debug, Default)]
+struct Sums {
+    warm: Vec<Complex<f64>>,
+    moved: Vec<Complex<f64>>,
+    terms: Vec<f64>,
+}
+
+impl Sums {
+    fn push(&mut self, warm: Complex<f64>, moved: Option<Complex<f64>>, weight: f64) {
+        self.warm.push(warm * weight);
+        self.moved.extend(moved.map(|gain| gain * weight));
+    }
+
+    /// Adds the sums over these waves, and begins anew.
+    fn add_to(&mut self, shapes: &Shapes, temperature: &mut Blocks, distortion: &mut Blocks) {
+        self.terms.resize(self.warm.len(), 0.0);
+        if self.warm.iter().any(|gain| *gain != Complex::from(0.0)) {
+            temperature.add_waves(&self.warm, shapes, &mut self.terms);
+        }
+        if !self.moved.is_empty() {
+            distortion.add_waves(&self.moved, shapes, &mut self.terms);
+        }
+        self.warm.clear();
+        self.moved.clear();
+    }
+}
+
+/// Memory that the sums are taken in.
+#[derive(Debug)]
+pub struct Workspace {
+    sums: Sums,
+    source: MovingSource,
+    pub passive: Passive,
+}
+
+impl Workspace {
+    /// For these integrals: nothing in it grows later.
+    pub fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> Workspace {
+        let at_rest = integrals.removed_at_rest.as_ref().map_or(0, |integral| integral.waves.len());
+        let counts =
+            [static_correction.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
+        let most = counts.into_iter().max().unwrap_or(0);
+        Workspace {
+            sums: Sums {
+                warm: Vec::with_capacity(most),
+                moved: Vec::with_capacity(most),
+                terms: Vec::with_capacity(most),
+            },
+            source: MovingSource::new(static_correction.cells.count()),
+            passive: Passive::new(static_correction.shapes.half()),
+        }
+    }
+}
+
+impl StaticCorrection {
+    fn spacing(&self) -> f64 {
+        2.0 * PI / self.period
+    }
+
+    /// See [`Integrals`].
+    pub fn integrals(&self) -> Integrals {
+        let width = 2.0 * self.cells.half_width();
+        let fresh = self.fresh.is_some();
+        let images = !fresh && width > NEAR_IMAGES * self.period;
+        let reach = if images { width + self.period } else { width };
+        let last = (self.last as f64 + 0.5) * self.spacing();
+        let mut end = HALF_PLANE / self.slab.height;
+        if self.expansion.is_some() {
+            end = end.max(DISTORTION_REACH * last);
+        }
+        if let Some(lateral) = &self.lateral {
+            end = end.max(lateral.shortest_wave());
+        }
+        let expansion = self.expansion.as_ref();
+        let integral = |slab: &Slab, waves: Vec<Wave>| Integral::new(&self.cells, slab, expansion, waves, self.lateral);
+        let (removed, removed_at_rest, beyond) = if fresh {
+            (integral(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width)), None, Vec::new())
+        } else {
+            let beyond = if end > last { continuous(last, end, reach).split_off(CONTINUOUS) } else { Vec::new() };
+            let longest = (LONGEST_SLIDING / width).min(last);
+            let at_rest = integral(&self.bare, continuous(1e-6 / width, longest, reach));
+            (integral(&self.bare, continuous(longest, last, reach)), Some(at_rest), beyond)
+        };
+        let ends = [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic));
+        Integrals {
+            depths: (self.waves.iter())
+                .map(|wave| Depth::new(&self.slab, expansion, wave.number).spreading(self.lateral))
+                .collect(),
+            removed,
+            removed_at_rest,
+            beyond: integral(&self.bare, beyond),
+            ends: Shapes::new(&self.cells, &ends),
+            images,
+        }
+    }
+
+    fn harmonic(&self, number: usize) -> Wave {
+        Wave { number: self.spacing() * number as f64, count: 1.0 }
+    }
+
+    /// Temperature and distortion per heat at the velocity `velocity` >= 0.
+    pub fn at(
+        &self,
+        velocity: f64,
+        integrals: &Integrals,
+        workspace: &mut Workspace,
+        temperature: &mut Blocks,
+        distortion: &mut Blocks,
+    ) {
+        let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        temperature.clear();
+        distortion.clear();
+        // At rest the half-plane's own sum has no end at q = 0; so slow a motion is rest for every wave that is left.
+        let slow = 1e-4 * diffusivity / self.cells.half_width();
+        let moving = velocity.max(slow);
+        let turning = |q: f64| Complex::new(0.0, -q * moving);
+        let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
+        if let Some(fresh) = self.fresh {
+            self.add_fresh(velocity, moving, fresh, integrals, workspace, [temperature, distortion]);
+            return;
+        }
+        let Workspace { sums, source, .. } = workspace;
+        let expands = self.expansion.is_some();
+        for ((wave, depth), modes) in self.waves.iter().zip(&integrals.depths).zip(&self.modes) {
+            let s = Complex::new(0.0, -wave.number * velocity);
+            let weight = 2.0 * wave.count / self.period;
+            let (exact, reduced) = (depth.respond(s), modes.respond(s));
+            sums.push(exact[0] - reduced[0], expands.then(|| exact[1] - reduced[1]), weight);
+        }
+        sums.add_to(&self.shapes, temperature, distortion);
+        let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
+        for shift in shifts {
+            source.find(&self.cells, shift * self.period, 0.5 * moving / diffusivity);
+            temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
+        }
+        let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
+        let width = 2.0 * self.cells.half_width();
+        let resting = moving * width < 2.0 * LONGEST_SLIDING * diffusivity;
+        let mut remove = |integral: &Integral, first: usize, sums: &mut Sums| {
+            for (at, wave) in integral.waves.iter().enumerate() {
+                let gain = if at < first { Complex::from(0.0) } else { -half_plane(wave.number) };
+                sums.push(gain, None, wave.count * copies(wave.number) / PI);
+            }
+            sums.add_to(&integral.shapes, temperature, distortion);
+        };
+        match &integrals.removed_at_rest {
+            Some(at_rest) if resting => {
+                remove(at_rest, 0, sums);
+                remove(&integrals.removed, CONTINUOUS, sums);
+            }
+            _ => remove(&integrals.removed, 0, sums),
+        }
+        for (wave, depth) in integrals.beyond.iter() {
+            let s = turning(wave.number);
+            let felt = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
+            let [gain, moved] = if expands { depth.respond(s) } else { [depth.impedance(s), Complex::from(0.0)] };
+            let gain = if felt { gain - half_plane(wave.number) } else { Complex::from(0.0) };
+            sums.push(gain, expands.then_some(moved), wave.count * copies(wave.number) / PI);
+        }
+        sums.add_to(&integrals.beyond.shapes, temperature, distortion);
+        self.correct_ends(integrals, &half_plane, temperature);
+    }
+
+    /// The endless path's whole response, in real space for the half-plane and as an integral over the wave number for what
+    /// the layer differs from it, less what the states answer.
+    fn add_fresh(
+        &self,
+        velocity: f64,
+        moving: f64,
+        (slowest, image_damping): (f64, ImageDamping),
+        integrals: &Integrals,
+        workspace: &mut Workspace,
+        [temperature, distortion]: [&mut Blocks; 2],
+    ) {
+        let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        let Workspace { sums, source, .. } = workspace;
+        let expands = self.expansion.is_some();
+        // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
+        let forgotten = image_damping.rate(velocity);
+        let lasting = slowest * slowest / (slowest + forgotten);
+        // What the states lose for that: never less, or what is left for the answer at once would be negative.
+        let lost = forgotten.hypot(lasting);
+        let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
+        let lasting = lasting.max(resolved);
+        source.find(&self.cells, 0.0, 0.5 * moving / diffusivity);
+        temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
+        for (wave, depth) in integrals.removed.iter() {
+            let q = wave.number;
+            let s = Complex::new(lasting, -q * moving);
+            let half_plane = (principal_root(Complex::new(q * q, -q * moving / diffusivity)) * conductivity).inv();
+            let [gain, moved] = depth.respond(s);
+            sums.push(gain - half_plane, expands.then_some(moved), wave.count / PI);
+        }
+        sums.add_to(&integrals.removed.shapes, temperature, distortion);
+        for (wave, modes) in self.waves.iter().zip(&self.modes) {
+            let s = Complex::new(lost, -wave.number * velocity);
+            let weight = 2.0 * wave.count / self.period;
+            let [warm, moved] = modes.respond(s);
+            sums.push(-warm, expands.then_some(-moved), weight);
+        }
+        sums.add_to(&self.shapes, temperature, distortion);
+    }
+
+    /// f'/24 at the first harmonic left to the integral; the nearest images have their part of it already.
+    fn correct_ends(&self, integrals: &Integrals, response: &dyn Fn(f64) -> Complex<f64>, blocks: &mut Blocks) {
+        let part = if integrals.images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
+        for (end, (harmonic, sign)) in [(self.last, -1.0), (self.last + 1, 1.0)].into_iter().enumerate() {
+            let (even, odd) = integrals.ends.rows(end);
+            let gain = response(self.harmonic(harmonic).number) * (sign * part * 2.0 / (24.0 * self.period));
+            blocks.add_wave(gain, even, odd);
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Which steps at a constant velocity have their answers kept: a step control goes back and forth between lengths, while a velocity
+//! that changes is hardly met again.
+
+/// Length (s) and velocity (m/s) of a step, and when it was asked for.
+#[derive(Clone, Copy, Debug)]
+struct CachedStep {
+    length: f64,
+    velocity: f64,
+    used: u64,
+}
+
+/// The steps of the places from 1 on; place 0 is that of all others.
+#[derive(Clone, Debug)]
+pub struct SteadySteps {
+    steps: Vec<CachedStep>,
+    clock: u64,
+}
+
+impl SteadySteps {
+    /// Memory for this many.
+    pub fn new(most: usize) -> SteadySteps {
+        let none = CachedStep { length: f64::NAN, velocity: f64::NAN, used: 0 };
+        SteadySteps { steps: vec![none; most], clock: 0 }
+    }
+
+    /// Place of a step, and whether what belongs to it is there; else it is to be put there.
+    pub fn take(&mut self, length: f64, velocity: [f64; 2]) -> (usize, bool) {
+        if velocity[0] != velocity[1] || self.steps.is_empty() {
+            return (0, false);
+        }
+        self.clock += 1;
+        let [velocity, _] = velocity;
+        let is = |kept: &CachedStep| kept.length == length && kept.velocity.to_bits() == velocity.to_bits();
+        let known = self.steps.iter().position(is);
+        let oldest = || (0..self.steps.len()).min_by_key(|&place| self.steps[place].used);
+        let place = known.or_else(oldest).unwrap_or(0);
+        self.steps[place] = CachedStep { length, velocity, used: self.clock };
+        (place + 1, known.is_some())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::*;
+    use crate::line::{cache_capacity, strip};
+    use elasticity::Material;
+
+    /// Up to six lengths by turns, with steps of a changing velocity and of the other scheme between them.
+    #[test]
+    fn steps_by_turns_keep_their_answers_to_the_bit() {
+        let cells = Cells::graded(0.02, 9).unwrap();
+        let material = Material::new(2e11, 0.3).unwrap();
+        let expansion = strip::Expansion { coefficient: 1e-5, material, base: elasticity::Base::Bonded };
+        let properties = StripProperties {
+            conductivity: 50.0,
+            capacity: 3.6e6,
+            height: 0.02,
+            base: crate::slab::Base::Held,
+            convection: 30.0,
+            path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
+            expansion: Some(expansion),
+            lateral: None,
+        };
+        let resolution = Resolution { duration: 10.0, shortest: 1e-3, tolerance: 1e-2, way: f64::INFINITY };
+        let body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let mut kept = body.clone();
+        let mut places = std::collections::BTreeSet::new();
+        for phase in 0..40_u32 {
+            let length = 1e-3 * f64::from(1 << (phase % 6));
+            let velocity = if phase % 5 == 4 { [0.1, 0.2] } else { [0.1; 2] };
+            if phase % 7 == 3 {
+                kept.prepare_euler(length, velocity);
+            }
+            kept.prepare(length, velocity);
+            let mut fresh = body.clone();
+            fresh.prepare(length, velocity);
+            let (one, other) = (&kept.step, &fresh.step);
+            for (one, other) in [(&one.first, &other.first), (&one.end, &other.end)] {
+                assert_eq!(one.answer().influence, other.answer().influence, "{phase}");
+                assert_eq!(one.answer().weights(), other.answer().weights(), "{phase}");
+                assert_eq!(one.answer().carried(), other.answer().carried(), "{phase}");
+                assert_eq!(one.factor, other.factor, "{phase}");
+                assert_eq!(one.mean_weight, other.mean_weight, "{phase}");
+            }
+            places.insert((std::ptr::from_ref(kept.influence(Stage::End)) as usize, velocity == [0.1; 2]));
+        }
+        // A place for each length, and one for a velocity that changes.
+        assert!(cache_capacity(9) >= 6);
+        assert_eq!(places.len(), 7);
+    }
+}

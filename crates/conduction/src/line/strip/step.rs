@@ -1,0 +1,190 @@
+//! Weights and gains of one step.
+
+mod interval;
+pub mod stage;
+
+pub use interval::{Interval, OWN, Workspace};
+pub use stage::StageWeights;
+
+use super::operators::StripOperators;
+use super::steady::SteadySteps;
+use crate::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
+use nalgebra::DMatrix;
+use numerics::dense;
+
+/// Relative change of the velocity over a step up to which what answers at once changes linearly.
+const LINEAR: f64 = 0.1;
+
+/// The prepared step.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Length, s, and velocities; not a number before the first one.
+    pub length: f64,
+    pub velocity: [f64; 2],
+    /// One implicit Euler step.
+    euler: bool,
+    pub first: StageWeights,
+    pub end: StageWeights,
+    /// What the answers behind the first are those of.
+    steady: SteadySteps,
+    workspace: Workspace,
+    immediate: DirectFeedthrough,
+}
+
+/// A velocity without its last twelve bits: what the next step starts with differs from the end of this one by rounding.
+fn rounded(velocity: f64) -> f64 {
+    f64::from_bits((velocity.to_bits() + 0x800) & !0xfff)
+}
+
+/// What answers at once, on the cells, at the velocities last asked for: the end of a step is the start of the next.
+#[derive(Clone, Debug)]
+struct DirectFeedthrough {
+    known: [(f64, u64, [DMatrix<f64>; 2]); 3],
+    clock: u64,
+}
+
+impl DirectFeedthrough {
+    fn new(operators: &StripOperators) -> DirectFeedthrough {
+        let count = operators.widths.len();
+        let moving = if operators.expands { count } else { 0 };
+        let matrices = || (f64::NAN, 0, [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)]);
+        DirectFeedthrough { known: [matrices(), matrices(), matrices()], clock: 0 }
+    }
+
+    /// Place of the responses at a velocity.
+    fn find(&mut self, operators: &StripOperators, velocity: f64) -> usize {
+        let velocity = rounded(velocity);
+        self.clock += 1;
+        let found = self.known.iter().position(|known| known.0 == velocity);
+        let place = found.unwrap_or_else(|| (0..3).min_by_key(|&place| self.known[place].1).unwrap_or(0));
+        let (of, used, matrices) = &mut self.known[place];
+        *used = self.clock;
+        if found.is_none() {
+            *of = velocity;
+            for (moving, matrix) in matrices.iter_mut().enumerate() {
+                if matrix.ncols() == 0 {
+                    continue;
+                }
+                operators.table.respond(moving, velocity, matrix);
+            }
+        }
+        place
+    }
+
+    /// Responses at a place.
+    fn at(&self, place: usize) -> &[DMatrix<f64>; 2] {
+        &self.known[place].2
+    }
+}
+
+/// Adds part of responses to the gains.
+fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, influence: &mut SurfaceInfluence) {
+    for (matrix, gain) in [(warm, &mut influence.temperature), (moved, &mut influence.distortion)] {
+        if !matrix.is_empty() {
+            dense::multiply_add(matrix.as_slice(), &[part], gain.as_mut_slice());
+        }
+    }
+}
+
+/// Velocities from the start of a step to its first stage.
+fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
+    [from, from + GAMMA * (to - from)]
+}
+
+impl Step {
+    pub fn new(operators: &StripOperators) -> Step {
+        // Where steps are few their answers are kept elsewhere.
+        let kept = if operators.kept.is_none() { cache_capacity(operators.widths.len()) } else { 0 };
+        Step {
+            length: f64::NAN,
+            velocity: [f64::NAN; 2],
+            euler: false,
+            first: StageWeights::new(operators, false, kept),
+            end: StageWeights::new(operators, true, kept),
+            steady: SteadySteps::new(kept),
+            workspace: Workspace::new(operators),
+            immediate: DirectFeedthrough::new(operators),
+        }
+    }
+
+    pub fn stage(&self, stage: Stage) -> &StageWeights {
+        match stage {
+            Stage::First => &self.first,
+            Stage::End => &self.end,
+        }
+    }
+
+    pub fn prepare(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+        if self.length == length && self.velocity == velocity && !self.euler {
+            return;
+        }
+        (self.length, self.velocity, self.euler) = (length, velocity, false);
+        let Some(kept) = &operators.kept else {
+            let (place, known) = self.steady.take(length, velocity);
+            (self.first.current, self.end.current) = (place, place);
+            if known {
+                self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
+                self.end.resume(operators, length, velocity);
+                return;
+            }
+            return self.find(operators, length, velocity);
+        };
+        // The way back is that there mirrored: one answer serves both.
+        let back = velocity[0] + velocity[1] < 0.0;
+        let forwards = if back { velocity.map(|v| 0.0 - v) } else { velocity };
+        match kept.get(length, forwards) {
+            Some(known) => {
+                let stages = [&mut self.first, &mut self.end].into_iter().zip(known.iter());
+                for ((stage, answer), length) in stages.zip([GAMMA * length, length]) {
+                    stage.take_length(operators, length);
+                    stage.answers[0].copy_from(answer);
+                }
+            }
+            None => {
+                self.find(operators, length, forwards);
+                kept.keep(length, forwards, [self.first.answer(), self.end.answer()]);
+            }
+        }
+        for (stage, velocity) in [&mut self.first, &mut self.end].into_iter().zip([to_first_stage(velocity), velocity])
+        {
+            if back {
+                stage.answers[0].mirror();
+            }
+            stage.carry(operators, velocity);
+        }
+    }
+
+    /// Finds the answers of both stages.
+    fn find(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+        let [_, middle] = to_first_stage(velocity);
+        let Step { first, end, workspace, immediate, .. } = self;
+        let last = immediate.find(operators, velocity[1]);
+        let straight = (velocity[1] - velocity[0]).abs() <= LINEAR * operators.table.scale().hypot(middle);
+        if straight && velocity[0] != velocity[1] {
+            let start = immediate.find(operators, velocity[0]);
+            let both = [(immediate.at(start), 1.0 - GAMMA), (immediate.at(last), GAMMA)];
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &both, workspace);
+        } else {
+            let between = immediate.find(operators, middle);
+            let one = [(immediate.at(between), 1.0)];
+            first.prepare(operators, GAMMA * length, [velocity[0], middle], &one, workspace);
+        }
+        end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], workspace);
+    }
+
+    /// One implicit Euler step: both stages are its end.
+    pub fn prepare_euler(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+        if self.length == length && self.velocity == velocity && self.euler {
+            return;
+        }
+        (self.length, self.velocity, self.euler) = (length, velocity, true);
+        (self.first.current, self.end.current) = (0, 0);
+        for stage in [&mut self.first, &mut self.end] {
+            stage.prepare_euler(operators, length, velocity, &mut self.workspace);
+        }
+        let end = self.immediate.find(operators, velocity[1]);
+        for stage in [&mut self.first, &mut self.end] {
+            add(self.immediate.at(end), 1.0, &mut stage.answers[0].influence);
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! What carries the state to one stage.
+
+use super::add;
+use super::interval::{Interval, Workspace, stage_fluxes};
+use crate::line::strip::answer::{Answer, AtOnce, Layout};
+use crate::line::strip::nodes::InterpolationNodes;
+use crate::line::strip::operators::StripOperators;
+use crate::line::strip::propagate::Motion;
+use crate::line::strip::state_layout::{self, of_mode, phases};
+use crate::line::{GAMMA, Stage};
+use nalgebra::Complex;
+
+/// Turn of the shortest wave in a step up to which the answer is interpolated between velocities, rad.
+pub const SHORT_TURN: f64 = 20.0;
+
+/// Largest `q dv h/8` of the shortest wave at which its weights are those of the mean velocity.
+pub const LEAST_DRIFT: f64 = 5e-4;
+
+/// What carries the state to one stage.
+#[derive(Clone, Debug)]
+pub struct StageWeights {
+    /// This is the end of the step.
+    pub at_end: bool,
+    /// Factor of each state of the waves: real parts, imaginary parts.
+    pub factor: [Vec<f64>; 2],
+    /// Factor and weights of the mean wave's states, without input.
+    pub mean_factor: Vec<f64>,
+    pub mean_weight: Vec<[f64; 2]>,
+    /// What depends on the velocity: that of a step of its own, and those of the last steps at a constant velocity.
+    pub answers: Vec<Answer>,
+    pub current: usize,
+    /// Decay of each state over the interval, of this length.
+    decay: Vec<f64>,
+    length: f64,
+    nodes: InterpolationNodes,
+    /// Turn of each wave, real and imaginary part.
+    phases: [Vec<f64>; 2],
+}
+
+impl StageWeights {
+    /// Which stage this is.
+    pub fn stage(&self) -> Stage {
+        if self.at_end { Stage::End } else { Stage::First }
+    }
+
+    /// Weight in a state of the mean wave of a flux falling to 0 at the stage, from that of the known flux.
+    pub fn falling(&self, known: f64) -> f64 {
+        if self.at_end { (1.0 - GAMMA) * known } else { known }
+    }
+
+    /// What depends on the velocity.
+    pub fn answer(&self) -> &Answer {
+        &self.answers[self.current]
+    }
+
+    /// With memory for the answers of `kept` steps.
+    pub fn new(operators: &StripOperators, at_end: bool, kept: usize) -> StageWeights {
+        let (states, waves) = (operators.rate.len(), operators.waves.len());
+        let layout = Layout::new(operators, at_end);
+        StageWeights {
+            at_end,
+            factor: [vec![0.0; states], vec![0.0; states]],
+            mean_factor: vec![0.0; operators.mean.count],
+            mean_weight: vec![[0.0; 2]; operators.mean.count],
+            answers: (0..=kept).map(|_| Answer::new(layout)).collect(),
+            current: 0,
+            decay: vec![0.0; states],
+            length: f64::NAN,
+            nodes: InterpolationNodes::new(layout, operators.steady > 0.0),
+            phases: [vec![0.0; waves], vec![0.0; waves]],
+        }
+    }
+
+    pub fn prepare(
+        &mut self,
+        operators: &StripOperators,
+        length: f64,
+        velocity: [f64; 2],
+        immediate: AtOnce<'_>,
+        workspace: &mut Workspace,
+    ) {
+        self.take_length(operators, length);
+        let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
+        let motion = Motion { turning: velocity.map(|v| shortest * v), step: length };
+        let drift = motion.drift();
+        let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
+        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        let answer = &mut self.answers[self.current];
+        let interpolated = drift < operators.steady && phase < SHORT_TURN;
+        if interpolated {
+            let middle = 0.5 * (velocity[0] + velocity[1]);
+            self.nodes.interpolate(operators, &interval, length, middle, immediate, workspace, answer);
+        } else {
+            interval.respond(operators, velocity, workspace, answer);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut answer.influence));
+        }
+        if interpolated && drift > LEAST_DRIFT {
+            interval.weigh(operators, velocity, answer);
+        }
+        self.carry(operators, velocity);
+    }
+
+    /// The same where the answer is there.
+    pub fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
+        self.take_length(operators, length);
+        self.carry(operators, velocity);
+    }
+
+    /// What depends on the length of the interval alone.
+    pub fn take_length(&mut self, operators: &StripOperators, length: f64) {
+        let mean = &operators.mean;
+        if self.length != length {
+            self.length = length;
+            for k in 0..mean.count {
+                let motion = Motion { turning: [0.0; 2], step: length };
+                let (factor, falling, rising) = motion.weights(mean.rate[k], Complex::from(1.0));
+                self.mean_factor[k] = factor.re;
+                self.mean_weight[k] = stage_fluxes(self.at_end, falling.re, rising.re);
+            }
+            for (decay, rate) in self.decay.iter_mut().zip(&operators.rate) {
+                *decay = (-rate * length).exp();
+            }
+        }
+    }
+
+    /// Factors of the waves' states over the interval.
+    pub fn carry(&mut self, operators: &StripOperators, velocity: [f64; 2]) {
+        let fade = operators.image_damping.mean(velocity);
+        let damping = (-fade * self.length).exp();
+        let [cosine, sine] = &mut self.phases;
+        phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        state_layout::phase(
+            &operators.state_layout,
+            &self.decay,
+            damping,
+            [cosine, sine],
+            self.factor.each_mut().map(|part| &mut part[..]),
+        );
+    }
+
+    /// Weights of one implicit Euler step of the interval's length, with a flux that is constant over it.
+    pub fn prepare_euler(
+        &mut self,
+        operators: &StripOperators,
+        length: f64,
+        velocity: [f64; 2],
+        workspace: &mut Workspace,
+    ) {
+        // The next step of two stages makes its own decays.
+        self.length = f64::NAN;
+        let mean = &operators.mean;
+        for k in 0..mean.count {
+            let (factor, weight) = Motion { turning: [0.0; 2], step: length }.euler(mean.rate[k]);
+            self.mean_factor[k] = factor.re;
+            self.mean_weight[k] = [0.0, weight.re];
+        }
+        let fade = operators.image_damping.mean(velocity);
+        let answer = &mut self.answers[self.current];
+        let parts = answer.parts();
+        for known in parts.carried {
+            known.fill(0.0);
+        }
+        let [known_re, known_im, own_re, own_im] = parts.weights;
+        known_re.fill(0.0);
+        known_im.fill(0.0);
+        for (wave, &number) in operators.numbers.iter().enumerate() {
+            let motion = Motion { turning: velocity.map(|v| number * v), step: length };
+            let mut gain = [Complex::from(0.0); 2];
+            for k in of_mode(&operators.state_layout, wave) {
+                let (factor, weight) = motion.euler(operators.rate[k] + fade);
+                let weight = weight * operators.temperature[k];
+                (self.factor[0][k], self.factor[1][k]) = (factor.re, factor.im);
+                if self.at_end {
+                    (own_re[k], own_im[k]) = (weight.re, weight.im);
+                }
+                gain[0] += weight * operators.temperature[k];
+                gain[1] += weight * operators.distortion[k];
+            }
+            for (influence, gain) in workspace.influence.iter_mut().zip(gain) {
+                influence[wave] = gain * operators.weight[wave];
+            }
+        }
+        workspace.sum_waves(operators);
+        let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
+        interval.assemble(operators, workspace, answer);
+    }
+}

@@ -1,0 +1,72 @@
+mod balance;
+mod exact;
+mod kept;
+mod thresholds;
+
+use super::{Expansion, SlidingPath, StripHeat, StripProperties};
+use crate::line::{Stage, Surroundings, ThermalBody};
+use crate::slab::Base;
+use elasticity::{self, Cells, Material};
+
+fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
+    StripProperties {
+        height,
+        conductivity: 1.0,
+        capacity: 1.0,
+        convection: 0.0,
+        base,
+        path,
+        expansion: None,
+        lateral: None,
+    }
+}
+
+pub fn steel(height: f64, base: Base, path: SlidingPath, convection: f64) -> StripProperties {
+    StripProperties { conductivity: 55.0, capacity: 7800.0 * 460.0, convection, ..unit(height, base, path) }
+}
+
+fn cast_iron(height: f64, base: Base, path: SlidingPath) -> StripProperties {
+    StripProperties { conductivity: 54.0, capacity: 7200.0 * 460.0, ..unit(height, base, path) }
+}
+
+fn expanding(nu: f64, base: elasticity::Base) -> Option<Expansion> {
+    let material = Material::new(200e9, nu).unwrap();
+    Some(Expansion { material, coefficient: 1.1e-5, base })
+}
+
+/// Expanding steel, 20 mm high, with air above and below.
+pub fn cooled_steel(path: SlidingPath) -> StripProperties {
+    let expansion = expanding(0.3, elasticity::Base::Bonded);
+    StripProperties { expansion, ..steel(0.02, Base::Convecting(300.0), path, 500.0) }
+}
+
+/// Mean temperature over the contact.
+fn mean(cells: &Cells, temperature: &[f64]) -> f64 {
+    cells.integral(temperature) / (2.0 * cells.half_width())
+}
+
+/// Steps of equal length under a constant uniform flux 1 at a velocity; the temperatures at the end.
+fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, velocity: impl Fn(f64) -> f64) -> Vec<f64> {
+    let count = body.cells();
+    let flux = vec![1.0; count];
+    let air = Surroundings::default();
+    let (mut temperature, mut distortion) = (vec![0.0; count], vec![0.0; count]);
+    for index in 0..steps {
+        body.prepare(step, [velocity(index as f64 * step), velocity((index + 1) as f64 * step)]);
+        if index + 1 == steps {
+            body.free_response(state, &air, Stage::End, &flux, &mut temperature, &mut distortion);
+            let influence = &body.influence(Stage::End).temperature;
+            for i in 0..count {
+                temperature[i] += influence.row(i).sum();
+            }
+        }
+        body.advance(state, &air, &flux, &flux);
+    }
+    temperature
+}
+
+/// Fluxes that differ from cell to cell and step to step.
+fn uneven(cells: &Cells, index: usize) -> Vec<f64> {
+    let a = cells.half_width();
+    cells.centres().iter().map(|x| 1e4 * (1.0 + 0.5 * (3.0 * x / a + index as f64).sin())).collect()
+}

@@ -1,0 +1,215 @@
+//! Stages, states and account agree, and heat goes where it can.
+
+use super::{expanding, march, mean, steel, uneven};
+use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
+use crate::line::{GAMMA, Stage, Surroundings, ThermalBody};
+use crate::slab::Base;
+use elasticity::Cells;
+
+#[test]
+fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
+    for (base, path, convection, cooling) in [
+        (Base::Held, SlidingPath::Closed(0.3), 0.0, 0.0),
+        (Base::Insulated, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 3000.0, 0.0),
+        (Base::Convecting(500.0), SlidingPath::Closed(0.1), 2000.0, -700.0),
+        (Base::Convecting(500.0), SlidingPath::Unidirectional, 1000.0, -300.0),
+    ] {
+        let mut properties = steel(0.02, base, path, convection);
+        properties.expansion = expanding(0.3, elasticity::Base::Bonded);
+        let cells = Cells::graded(0.02, 12).unwrap();
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let mut state = vec![0.0; body.states()];
+        // A temperature, or the flux by moving air.
+        let (far, far_fall) = if base == Base::Held { (2.0, 0.0) } else { (0.4 * cooling, 0.1 * cooling) };
+        let air = Surroundings { cooling, cooling_fall: -0.3 * cooling, ambient: 5.0, far, far_fall };
+        let (mut temperature, mut distortion) = (vec![0.0; 12], vec![0.0; 12]);
+        let (mut held, mut moved) = (vec![0.0; 12], vec![0.0; 12]);
+        let (mut received, mut largest) = (0.0, 0.0f64);
+        for index in 0..40 {
+            let velocity = [0.05 * (index as f64 * 0.3).sin(), 0.05 * (index as f64 * 0.3 + 0.3).sin()];
+            let step = if index % 3 == 0 { 0.02 } else { 0.3 };
+            body.prepare(step, velocity);
+            let (first, end) = (uneven(&cells, 2 * index), uneven(&cells, 2 * index + 1));
+            body.free_response(&state, &air, Stage::End, &first, &mut temperature, &mut distortion);
+            let influence = body.influence(Stage::End).clone();
+            let flux = nalgebra::DVector::from_column_slice(&end);
+            let (warm, lifted) = (&influence.temperature * &flux, &influence.distortion * &flux);
+            body.advance(&mut state, &air, &first, &end);
+            let gamma = GAMMA;
+            received += step * ((1.0 - gamma) * cells.integral(&first) + gamma * cells.integral(&end));
+            body.temperature_at_frozen_state(&state, &air, &end, velocity[1], &mut held);
+            body.distortion_at_frozen_state(&state, &air, &end, velocity[1], &mut moved);
+            for i in 0..12 {
+                largest = largest.max((temperature[i] + warm[i] - held[i]).abs() / held[i].abs());
+                largest = largest.max((distortion[i] + lifted[i] - moved[i]).abs() / moved[i].abs());
+            }
+        }
+        // The gains at a velocity that changes are interpolated between velocities.
+        assert!(largest < 1e-4, "{base:?}: {largest:e}");
+        let account = body.account(&state);
+        let balance = account.received - account.stored - account.ambient - account.far;
+        assert!((account.received - received).abs() < 1e-12 * received && balance.abs() < 1e-9 * received);
+        if base == Base::Insulated {
+            assert!(account.far.abs() < 1e-9 * received, "{}", account.far / received);
+        }
+    }
+}
+
+#[test]
+fn cooling_that_falls_over_a_step_falls_over_its_parts() {
+    for path in
+        [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, SlidingPath::Unidirectional]
+    {
+        let properties = steel(0.02, Base::Convecting(500.0), path, 0.0);
+        let cells = Cells::graded(0.02, 12).unwrap();
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let (mut state, zero) = (vec![0.0; body.states()], vec![0.0; 12]);
+        body.uniform(20.0, &mut state);
+        let mut parts = state.clone();
+        let (step, velocity, fall, far_fall) = (2.0, [0.01; 2], 3e4, -7e3);
+        let air = Surroundings { cooling: -4e4, cooling_fall: fall, ambient: 5.0, far: 9e3, far_fall };
+        body.prepare(step, velocity);
+        let ahead = body.cooled_ahead(&state, &air, &zero, &zero);
+        let more = Surroundings { cooling: air.cooling + 1.0, cooling_fall: fall - 1.0, ..air };
+        let further = Surroundings { far: air.far + 1.0, far_fall: far_fall - 1.0, ..air };
+        for (flux, more) in [more, further].iter().enumerate() {
+            let then = body.cooled_ahead(&state, more, &zero, &zero).temperature;
+            for face in 0..2 {
+                let (rise, told) = (then[face] - ahead.temperature[face], ahead.rise[face][flux]);
+                assert!(
+                    told > 0.0 && (told - rise).abs() < 1e-7 * ahead.rise[flux][flux],
+                    "{path:?}: {ahead:?} {rise}"
+                );
+            }
+        }
+        let rise = ahead.rise[0][0];
+        let [mut early, mut shown, mut moved] = [zero.clone(), zero.clone(), zero.clone()];
+        body.free_response(&state, &air, Stage::First, &zero, &mut early, &mut moved);
+        body.advance(&mut state, &air, &zero, &zero);
+        for part in [GAMMA, 1.0 - GAMMA] {
+            let later = if part == GAMMA { 1.0 - GAMMA } else { 0.0 };
+            let around = Surroundings {
+                cooling: air.cooling + later * fall,
+                cooling_fall: part * fall,
+                far: air.far + later * far_fall,
+                far_fall: part * far_fall,
+                ..air
+            };
+            body.prepare(part * step, velocity);
+            body.free_response(&parts, &around, Stage::End, &zero, &mut shown, &mut moved);
+            body.advance(&mut parts, &around, &zero, &zero);
+            if part == GAMMA {
+                let apart = shown.iter().zip(&early).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(apart < 1e-3 * fall * rise, "{path:?}: {shown:?} {early:?}");
+            }
+        }
+        // Up to answers that are interpolated between velocities.
+        let lost = body.account(&state).ambient;
+        assert!((body.account(&parts).ambient / lost - 1.0).abs() < 1e-9, "{path:?}");
+        let both = [&state, &parts].map(|state| body.cooled_temperature(state, &air, &zero));
+        let (cooled, base) = (both.map(|faces| faces[0]), both.map(|faces| faces[1]));
+        assert!(
+            (base[0] - base[1]).abs() < 1e-9 && (base[0] - ahead.temperature[1]).abs() < 1e-6,
+            "{path:?}: {base:?} {ahead:?}"
+        );
+        let followed = ahead.temperature[0] - ahead.lagging;
+        let lagged = cooled[0] - followed;
+        assert!((cooled[0] - cooled[1]).abs() < 1e-3 * fall * rise, "{path:?}: {cooled:?}");
+        // What lags behind is what the contact lacks of the cooling.
+        assert!(lagged.abs() < 0.3 * (20.0 - cooled[0]), "{path:?}: {ahead:?} {cooled:?}");
+        if path == SlidingPath::Unidirectional {
+            assert!(lagged.abs() < 1e-9 && ahead.lagging == 0.0, "{ahead:?} {cooled:?}");
+        }
+    }
+}
+
+#[test]
+fn convection_acts_beside_the_contact_only() {
+    // So good a conductor that it is of one temperature: all heat leaves through the free surface.
+    let mut properties = steel(0.02, Base::Insulated, SlidingPath::Closed(0.3), 400.0);
+    properties.conductivity = 1e6;
+    let cells = Cells::graded(0.1, 16).unwrap();
+    let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4, way: f64::INFINITY };
+    let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+    let mut state = vec![0.0; body.states()];
+    march(&mut body, &mut state, 1e4, 20, |_| 0.3);
+    let air = Surroundings::default();
+    let flux = vec![1.0; 16];
+    let mut temperature = vec![0.0; 16];
+    body.temperature_at_frozen_state(&state, &air, &flux, 0.3, &mut temperature);
+    let exact = 0.2 / (400.0 * 0.1);
+    assert!((mean(&cells, &temperature) / exact - 1.0).abs() < 1e-3, "{} {exact}", mean(&cells, &temperature));
+    let [ambient, far] = body.flows(&state, &air, &flux);
+    assert!((ambient / 0.2 - 1.0).abs() < 1e-6 && far.abs() < 1e-6 * 0.2, "{ambient} {far}");
+    let [free, _] = body.cooled_temperature(&state, &air, &flux);
+    assert!((free * 400.0 * 0.1 / 0.2 - 1.0).abs() < 1e-6, "{free}");
+}
+
+#[test]
+fn everything_at_one_temperature_stays_there() {
+    for base in [Base::Held, Base::Insulated, Base::Convecting(300.0)] {
+        let properties = steel(0.02, base, SlidingPath::Closed(0.3), 100.0);
+        let cells = Cells::graded(0.05, 9).unwrap();
+        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        let mut state = vec![0.0; body.states()];
+        body.uniform(10.0, &mut state);
+        let far = if base == Base::Held { 10.0 } else { 0.0 };
+        let air = Surroundings { ambient: 10.0, far, ..Surroundings::default() };
+        body.prepare(5.0, [1.0, 1.0]);
+        let (zero, mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
+        for _ in 0..5 {
+            body.free_response(&state, &air, Stage::End, &zero, &mut temperature, &mut distortion);
+            assert!(temperature.iter().all(|t| (t - 10.0).abs() < 1e-2), "{base:?} {temperature:?}");
+            body.advance(&mut state, &air, &zero, &zero);
+        }
+        assert!((body.mean_temperature(&state) - 10.0).abs() < 1e-2);
+    }
+}
+
+#[test]
+fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
+    // Steel at rest on a glass ceramic that turns: whatever the start, the flux between them dies away.
+    let count = 8;
+    let length = 0.0754;
+    let cells = Cells::uniform(0.5 * length, count).unwrap();
+    let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4, way: f64::INFINITY };
+    let body = |conductivity: f64, capacity: f64, path: SlidingPath| {
+        let properties = StripProperties { conductivity, capacity, ..steel(0.05, Base::Held, path, 0.0) };
+        StripHeat::new(&properties, &cells, &resolution).unwrap()
+    };
+    for path in [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional] {
+        let (mut still, mut moving) = (body(55.0, 3.588e6, SlidingPath::Closed(length)), body(1.46, 1.991e6, path));
+        for velocity in [0.01, 0.05, 0.5] {
+            for step in [1e-3, 3e-3, 1e-2, 0.1] {
+                still.prepare(step, [0.0; 2]);
+                moving.prepare(step, [velocity; 2]);
+                let (mut own, mut other) = (vec![0.0; still.states()], vec![0.0; moving.states()]);
+                let air = Surroundings::default();
+                let mut sizes = Vec::new();
+                for number in 0..60 {
+                    let mut fluxes = [vec![0.0; count], vec![0.0; count]];
+                    for (s, stage) in [Stage::First, Stage::End].into_iter().enumerate() {
+                        let [mut here, mut there, mut moved] = [0; 3].map(|_| vec![0.0; count]);
+                        let back: Vec<f64> = fluxes[0].iter().map(|q| -q).collect();
+                        still.free_response(&own, &air, stage, &fluxes[0], &mut here, &mut moved);
+                        moving.free_response(&other, &air, stage, &back, &mut there, &mut moved);
+                        // A jump between the surfaces in the first step only.
+                        let jump = |i: usize| if number == 0 { [1.0, -0.3, 0.7][i % 3] } else { 0.0 };
+                        let difference = nalgebra::DVector::from_fn(count, |i, _| there[i] - here[i] + jump(i));
+                        let both = &still.influence(stage).temperature + &moving.influence(stage).temperature;
+                        fluxes[s] = both.lu().solve(&difference).unwrap().iter().copied().collect();
+                    }
+                    let back = fluxes.each_ref().map(|flux| flux.iter().map(|q| -q).collect::<Vec<f64>>());
+                    still.advance(&mut own, &air, &fluxes[0], &fluxes[1]);
+                    moving.advance(&mut other, &air, &back[0], &back[1]);
+                    sizes.push(fluxes[1].iter().fold(0.0, |most: f64, q| most.max(q.abs())));
+                }
+                let (first, last) = (sizes[0], sizes[59]);
+                assert!(last < 0.1 * first, "{path:?} {velocity} m/s, {step} s: {first:e} W/m2 became {last:e}");
+            }
+        }
+    }
+}

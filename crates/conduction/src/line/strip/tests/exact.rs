@@ -1,0 +1,242 @@
+//! Against solutions that are known.
+
+use super::{cast_iron, expanding, march, mean, steel, unit};
+use crate::line::strip::{Resolution, SlidingPath, StripHeat};
+use crate::line::{Stage, Surroundings, ThermalBody};
+use crate::slab::Base;
+use elasticity::Cells;
+use exact::reference::{ClosedPath, LayerBase, band_mean};
+
+#[test]
+fn closed_path_steady_means_are_the_plain_fourier_sum() {
+    for (base, layer) in [(Base::Held, LayerBase::Held), (Base::Insulated, LayerBase::Insulated)] {
+        let exact = ClosedPath {
+            length: 0.74,
+            half_length: 0.0475,
+            height: 0.011,
+            conductivity: 54.0,
+            diffusivity: 54.0 / (7200.0 * 460.0),
+            base: layer,
+        };
+        let properties = cast_iron(0.011, base, SlidingPath::Closed(0.74));
+        let cells = Cells::graded(0.0475, 33).unwrap();
+        let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3, way: f64::INFINITY };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        println!("{:?} {} states, error {:.1e}", body.size(), body.states(), body.error());
+        for velocity in [0.0, 1e-4, 0.01, 1.0, -1.0, 30.0] {
+            // In a step much longer than every decay but the mean's, the response is the steady one.
+            let step = 1e9;
+            body.prepare(step, [velocity, velocity]);
+            let influence = body.influence(Stage::End).temperature.clone();
+            let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+            let [level, _] = body.mean_levels(
+                &vec![0.0; body.states()],
+                &Surroundings::default(),
+                &body.step.end,
+                [0.0, 2.0 * 0.0475 / 0.74],
+            );
+            let computed = mean(&cells, &answer) - level;
+            let steady = exact.steady_mean(velocity, 200_000);
+            println!("{base:?} {velocity}: {computed:e} {steady:e} {:.1e}", computed / steady - 1.0);
+            assert!((computed / steady - 1.0).abs() < 1e-4, "{base:?} {velocity}: {computed} {steady}");
+        }
+    }
+}
+
+#[test]
+fn half_space_at_short_times() {
+    // Far from the edges of a wide contact at rest: 84.375 K after 1 s of 1 MW/m2.
+    let properties = cast_iron(0.1, Base::Insulated, SlidingPath::Closed(0.5));
+    let cells = Cells::graded(0.1, 33).unwrap();
+    let resolution = Resolution { duration: 1.0, shortest: 0.02, tolerance: 1e-4, way: f64::INFINITY };
+    let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+    let mut state = vec![0.0; body.states()];
+    let temperature = march(&mut body, &mut state, 0.02, 50, |_| 0.0);
+    println!("{} states error {:.1e} {}", body.states(), body.error(), temperature[16] * 1e6);
+    assert!((temperature[16] * 1e6 - 84.375).abs() < 84.375e-4, "{}", temperature[16] * 1e6);
+}
+
+#[test]
+fn oscillating_band_on_a_half_plane() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let properties = unit(150.0, Base::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
+    let period = 2.0 * std::f64::consts::PI;
+    let per_period = 64;
+    let step = period / per_period as f64;
+    let resolution = Resolution { duration: 80.0 * period, shortest: step, tolerance: 1e-4, way: f64::INFINITY };
+    let start = std::time::Instant::now();
+    let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+    println!("{:?} {} states error {:.1e} {:?}", body.size(), body.states(), body.error(), start.elapsed());
+    let mut state = vec![0.0; body.states()];
+    let mut results = Vec::new();
+    for (periods, exact) in [(20, 2.41276), (20, 2.63325), (40, 2.85382)] {
+        let temperature = march(&mut body, &mut state, step, periods * per_period, |t| 0.5 * t.cos());
+        let centre = cells.point_value(&temperature, 0.0);
+        let error = centre / exact - 1.0;
+        println!("{centre} {exact} {error:.1e} {:?}", start.elapsed());
+        results.push(error);
+    }
+    assert!(results.iter().all(|error| error.abs() < 1e-4), "{results:?}");
+}
+
+#[test]
+fn jaeger_on_a_long_closed_path() {
+    let cells = Cells::graded(1.0, 65).unwrap();
+    // The printed maximum of the half-plane and where it lies; layers so high that it is reached to `layer`.
+    for (peclet, height, max, at, layer) in
+        [(0.1, 38.0, 2.20033, -0.2435, 1e-3), (1.0, 12.0, 0.99185, -0.6664, 2e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
+    {
+        let properties = unit(height, Base::Held, SlidingPath::Closed(2000.0));
+        let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        body.prepare(1e12, [2.0 * peclet; 2]);
+        let influence = &body.influence(Stage::End).temperature;
+        let answer: Vec<f64> = (0..65).map(|i| influence.row(i).sum()).collect();
+        let exact = band_mean(peclet, Some((height, LayerBase::Held)));
+        println!("{peclet} {} {exact} {:.1e}", mean(&cells, &answer), mean(&cells, &answer) / exact - 1.0);
+        assert!((mean(&cells, &answer) / exact - 1.0).abs() < 1e-4);
+        let candidates = (0..20_000).map(|k| {
+            let x = -1.0 + 1e-4 * f64::from(k);
+            (cells.point_value(&answer, x), x)
+        });
+        let (value, place) = candidates.max_by(|left, right| left.0.total_cmp(&right.0)).unwrap();
+        println!("   max {value} {:.1e} at {place} {at}", value / max - 1.0);
+        assert!((value / max - 1.0).abs() < layer, "{peclet}: {value} {max}");
+        assert!((place - at).abs() < 2e-3, "{peclet}: {place} {at}");
+    }
+}
+
+#[test]
+fn heated_half_plane_curves_by_its_flux() {
+    // u'' = alpha (1+nu) q/K where the flux q enters, steady, at rest.
+    let mut properties = steel(100.0, Base::Held, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
+    properties.expansion = expanding(0.3, elasticity::Base::Smooth);
+    let cells = Cells::graded(0.1, 33).unwrap();
+    let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
+    let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+    body.prepare(1e14, [0.0, 0.0]);
+    let influence = &body.influence(Stage::End).distortion;
+    let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+    assert!(moved.iter().all(|u| *u < 0.0), "{moved:?}");
+    let at = |x: f64| cells.point_value(&moved, x);
+    let curvature = (at(0.05) + at(-0.05) - 2.0 * at(0.0)) / 0.05f64.powi(2);
+    let exact = 1.1e-5 * 1.3 / 55.0;
+    println!("{curvature:e} {exact:e} {:.1e}", curvature / exact - 1.0);
+    assert!((curvature / exact - 1.0).abs() < 2e-3, "{curvature:e} {exact:e}");
+}
+
+#[test]
+fn full_periodic_contact_is_the_layer_wave_by_wave() {
+    // A flux that varies once round the ring: its cells' values hold only the aliases n, N - n, N + n, ... of one wave.
+    let length = 0.2;
+    let mut properties = steel(0.02, Base::Held, SlidingPath::Closed(length), 0.0);
+    properties.expansion = expanding(0.3, elasticity::Base::Bonded);
+    let count = 32;
+    let cells = Cells::uniform(0.5 * length, count).unwrap();
+    let resolution = Resolution { duration: 1e3, shortest: 0.01, tolerance: 1e-4, way: f64::INFINITY };
+    let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+    let slab = crate::slab::Slab {
+        height: 0.02,
+        conductivity: 55.0,
+        capacity: 7800.0 * 460.0,
+        surface_transfer: 0.0,
+        volume_transfer: 0.0,
+        base: Base::Held,
+        cooling: crate::slab::CoolingPort::Surface,
+    };
+    for velocity in [0.0, 1e-3, 0.5] {
+        body.prepare(1e9, [velocity; 2]);
+        let spacing = 2.0 * std::f64::consts::PI / length;
+        let phase = |i: usize| 3.0 * spacing * cells.centres()[i];
+        // Response to exp(i q x): the sum over n = 3 + k N of sinc^2 Z(q_n, -i q_n v).
+        let exact: nalgebra::Complex<f64> = (-2000..=2000)
+            .map(|k| {
+                let q = spacing * f64::from(3 + k * count as i32);
+                let half = 0.5 * q * length / count as f64;
+                let s = nalgebra::Complex::new(0.0, -q * velocity);
+                slab.impedance(s, q) * (half.sin() / half).powi(2)
+            })
+            .sum();
+        let influence = &body.influence(Stage::End).temperature;
+        for i in 0..count {
+            let computed: f64 = (0..count).map(|j| influence[(i, j)] * phase(j).cos()).sum();
+            let expected = exact.re * phase(i).cos() - exact.im * phase(i).sin();
+            assert!((computed - expected).abs() < 1e-4 * exact.norm(), "{velocity} {i}: {computed} {expected}");
+        }
+    }
+}
+
+#[test]
+fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    for (height, base, layer) in [
+        (40.0, Base::Held, LayerBase::Held),
+        (0.4, Base::Held, LayerBase::Held),
+        (2.0, Base::Insulated, LayerBase::Insulated),
+    ] {
+        let properties = unit(height, base, SlidingPath::Unidirectional);
+        let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+        let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
+        println!("{:?} period {} {} states error {:.1e}", body.size(), body.period(), body.states(), body.error());
+        for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
+            body.prepare(1e7, [2.0 * peclet; 2]);
+            let influence = &body.influence(Stage::End).temperature;
+            let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+            let exact = band_mean(peclet, Some((height, layer)));
+            println!("{height} {base:?} {peclet} {:.1e}", mean(&cells, &answer) / exact - 1.0);
+            // Slower than this a band is not steady within the duration.
+            if peclet > 0.1 {
+                let bound = if peclet < 1.0 { 2e-3 } else { 3e-4 };
+                assert!((mean(&cells, &answer) / exact - 1.0).abs() < bound, "{height} {peclet}");
+            }
+        }
+    }
+}
+
+#[test]
+fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
+    for peclet in [0.1, 1.0, 10.0] {
+        let mut unidirectional =
+            StripHeat::new(&unit(40.0, Base::Held, SlidingPath::Unidirectional), &cells, &resolution).unwrap();
+        // The exact transient: a closed path that the contact does not go round within the time.
+        let round = SlidingPath::Closed(600.0);
+        let mut exact = StripHeat::new(&unit(40.0, Base::Held, round), &cells, &resolution).unwrap();
+        let (mut state, mut reference) = (vec![0.0; unidirectional.states()], vec![0.0; exact.states()]);
+        let steady = band_mean(peclet, Some((40.0, LayerBase::Held)));
+        for (step, steps) in [(0.02, 5), (0.1, 5), (0.4, 5), (2.0, 5)] {
+            let computed = mean(&cells, &march(&mut unidirectional, &mut state, step, steps, |_| 2.0 * peclet));
+            let expected = mean(&cells, &march(&mut exact, &mut reference, step, steps, |_| 2.0 * peclet));
+            println!("Pe {peclet} step {step}: {computed} {expected} {:.1e}", (computed - expected) / steady);
+            assert!((computed - expected).abs() < 0.02 * steady, "{peclet} {step}: {computed} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_short_way_on_fresh_material_needs_no_long_period() {
+    let (width, velocity, duration) = (0.04, 0.4, 0.2);
+    let cells = Cells::graded(0.5 * width, 9).unwrap();
+    // The exact transient: a closed path that the contact does not go round within the time.
+    let paths = [
+        (SlidingPath::Closed(1.0), f64::INFINITY),
+        (SlidingPath::Unidirectional, f64::INFINITY),
+        (SlidingPath::Unidirectional, velocity * duration),
+    ];
+    let [exact, long, short] = paths.map(|(path, way)| {
+        let resolution = Resolution { duration, shortest: 1e-3 * duration, tolerance: 1e-3, way };
+        let mut body = StripHeat::new(&steel(0.02, Base::Held, path, 0.0), &cells, &resolution).unwrap();
+        let mut state = vec![0.0; body.states()];
+        let middle = march(&mut body, &mut state, 0.02 * duration, 25, |_| velocity);
+        (body.period(), [middle, march(&mut body, &mut state, 0.02 * duration, 25, |_| velocity)])
+    });
+    assert!(short.0 < 0.5 * long.0, "{} {}", short.0, long.0);
+    let error = |found: &[Vec<f64>; 2]| -> f64 {
+        let peak = exact.1[1].iter().copied().fold(0.0, f64::max);
+        let apart = found.iter().flatten().zip(exact.1.iter().flatten()).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max) / peak
+    };
+    println!("short {:.1e}, long {:.1e}", error(&short.1), error(&long.1));
+    assert!(error(&short.1) < error(&long.1) && error(&short.1) < 1e-2, "{:e} {:e}", error(&short.1), error(&long.1));
+}

@@ -1,0 +1,323 @@
+//! The remainder as a table over the velocity.
+//!
+//! A knot costs as much as many steps, a scene needs few of them, and nothing is known of the velocities to come but the
+//! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
+//! of its number alone, whoever asks first.
+
+use super::blocks::Blocks;
+use super::static_correction::{Integrals, StaticCorrection, Workspace};
+use nalgebra::DMatrix;
+use numerics::dense;
+use std::sync::{Mutex, OnceLock};
+
+/// Distance of the knots in asinh(v/v0) at the tolerance 0.01. The error between them goes with its sixth power, so its own is
+/// the sixth root of the tolerance's.
+const SPACING: f64 = 0.35;
+/// Largest distance.
+const WIDEST: f64 = 0.45;
+/// Smallest distance.
+const CLOSEST: f64 = 0.15;
+/// Knots of one interpolation.
+const STENCIL: usize = 6;
+/// Distance from a knot, relative to that of the knots, that is rounding.
+const ON_A_KNOT: f64 = 1e-9;
+/// Knots behind that of rest.
+const BEHIND: usize = STENCIL / 2 - 1;
+
+/// Responses on the cells (temperature, distortion) at the knots `v = v0 sinh(spacing k)`, k = -2, -1, 0, ...; the opposite
+/// velocity by symmetry, beyond the last knot the limit of fast sliding, v^(-1/2) (conduction straight down).
+///
+/// Between the knots the temperature under a uniform flux is off by less than a tenth of the tolerance, relative to the whole
+/// steady temperature.
+#[derive(Debug)]
+pub struct VelocityTable {
+    scale: f64,
+    spacing: f64,
+    widths: Vec<f64>,
+    nodes: Vec<OnceLock<Knot>>,
+    static_correction: StaticCorrection,
+    integrals: Integrals,
+    workshop: Mutex<Workshop>,
+}
+
+/// What knots are made in, and of.
+#[derive(Debug)]
+struct Workshop {
+    workspace: Workspace,
+    /// One for every knot that is still to be found.
+    spare: Vec<Knot>,
+    /// Both responses split by parity, and room for a block and a row of it.
+    blocks: [Blocks; 2],
+    turned: Vec<f64>,
+    /// Even heat of a uniform flux, W/m.
+    uniform: Vec<f64>,
+}
+
+/// Temperature and distortion by fluxes, N x N each, the second without values where nothing expands.
+type Knot = [DMatrix<f64>; 2];
+
+impl VelocityTable {
+    /// `scale` is the velocity v0 below which nothing depends on the velocity, `fastest` where the limit is reached, `tolerance`
+    /// the relative error of the contact temperature that is asked for.
+    pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
+        let (half, widths) = (static_correction.shapes.half(), static_correction.cells.widths().to_vec());
+        let spacing = (SPACING * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(CLOSEST, WIDEST);
+        let count = BEHIND + ((fastest / scale).asinh() / spacing).ceil().max(1.0) as usize + 1 + STENCIL / 2;
+        let integrals = static_correction.integrals();
+        let cells = widths.len();
+        let moving = if static_correction.expansion.is_some() { cells } else { 0 };
+        let workshop = Workshop {
+            workspace: Workspace::new(&static_correction, &integrals),
+            // Zeros that the system hands out: most knots are never found, and touch no memory.
+            spare: (0..count)
+                .map(|_| [cells, moving].map(|size| DMatrix::from_vec(size, size, vec![0.0; size * size])))
+                .collect(),
+            blocks: [Blocks::zeros(half), Blocks::zeros(half)],
+            turned: vec![0.0; (half + 1) * half],
+            uniform: (0..half)
+                .map(|a| if cells - 1 - a == a { widths[a] } else { widths[a] + widths[cells - 1 - a] })
+                .collect(),
+        };
+        VelocityTable {
+            scale,
+            spacing,
+            widths,
+            nodes: (0..count).map(|_| OnceLock::new()).collect(),
+            static_correction,
+            integrals,
+            workshop: Mutex::new(workshop),
+        }
+    }
+
+    /// Shifts the knots, before the first is found, so that one lies at `velocity`: a single one is asked for there.
+    pub fn align(&mut self, velocity: f64) {
+        let reach = (velocity.abs() / self.scale).asinh();
+        let number = (reach / self.spacing).round();
+        let last = (self.nodes.len() - 1 - STENCIL / 2 - BEHIND) as f64;
+        if number >= 1.0 && number <= last && self.nodes.iter().all(|node| node.get().is_none()) {
+            self.spacing = reach / number;
+        }
+    }
+
+    /// Finds the knots that velocities up to `velocity` ask for.
+    pub fn expect(&self, velocity: f64) {
+        let (base, _) = self.stencil(velocity);
+        (0..base + STENCIL).for_each(|node| {
+            self.node(node);
+        });
+    }
+
+    /// Both responses at a knot, counted from the first behind that of rest; takes no memory.
+    fn node(&self, node: usize) -> &Knot {
+        if let Some(known) = self.nodes[node].get() {
+            return known;
+        }
+        let opposite = (node < BEHIND).then(|| self.node(2 * BEHIND - node));
+        // What a panic may have left behind is overwritten.
+        let mut workshop = self.workshop.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        // Somebody else may just have found it.
+        if self.nodes[node].get().is_none()
+            && let Some(mut found) = workshop.spare.pop()
+        {
+            match opposite {
+                Some(opposite) => {
+                    for (own, opposite) in found.iter_mut().zip(opposite) {
+                        own.copy_from(opposite);
+                        own.as_mut_slice().reverse();
+                    }
+                }
+                None => self.find(node - BEHIND, &mut workshop, &mut found),
+            }
+            let _ = self.nodes[node].set(found);
+        }
+        drop(workshop);
+        self.nodes[node].get().expect("there is a spare one for every knot")
+    }
+
+    /// Finds the responses at knot `number`, 0 at rest.
+    fn find(&self, number: usize, workshop: &mut Workshop, found: &mut Knot) {
+        let Workshop { workspace, blocks, turned, uniform, .. } = workshop;
+        let velocity = self.scale * (number as f64 * self.spacing).sinh();
+        let [warm, moved] = &mut *blocks;
+        self.static_correction.at(velocity, &self.integrals, workspace, warm, moved);
+        if number == 0 {
+            // At rest the response is symmetric; what stood in for rest moves a little.
+            blocks.iter_mut().for_each(Blocks::make_symmetric);
+        }
+        blocks[0].make_passive(uniform, &mut workspace.passive);
+        for (blocks, own) in blocks.iter().zip(found).filter(|(_, own)| !own.is_empty()) {
+            blocks.unfold(&self.widths, 0.0, turned, own);
+        }
+    }
+
+    /// Velocity below which nothing depends on it, m/s.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// First knot and weights for a speed.
+    fn stencil(&self, velocity: f64) -> (usize, [f64; STENCIL]) {
+        let last = self.nodes.len() - 1 - STENCIL / 2 - BEHIND;
+        let mut position = (velocity.abs() / self.scale).asinh() / self.spacing;
+        let mut limit = 1.0;
+        if position > last as f64 {
+            limit = (self.scale * (last as f64 * self.spacing).sinh() / velocity.abs()).sqrt();
+            position = last as f64;
+        }
+        // What rounding keeps from a knot is taken as the knot.
+        if (position - position.round()).abs() < ON_A_KNOT {
+            position = position.round();
+        }
+        let base = (position as usize).min(last);
+        let offset = position - base as f64;
+        let weights = std::array::from_fn(|k| {
+            let position = k as f64 - BEHIND as f64;
+            let weight: f64 = (0..STENCIL)
+                .filter(|&other| other != k)
+                .map(|other| (offset - (other as f64 - BEHIND as f64)) / (position - (other as f64 - BEHIND as f64)))
+                .product();
+            limit * weight
+        });
+        (base, weights)
+    }
+
+    /// Response at a velocity, N x N: temperature (`moving` 0), or distortion (1) where the surface moves.
+    pub fn respond(&self, moving: usize, velocity: f64, response: &mut DMatrix<f64>) {
+        let (base, weights) = self.stencil(velocity);
+        // On a knot nothing else is asked for.
+        let of = |k: usize| if weights[k] == 0.0 { BEHIND } else { k };
+        let nodes: [&[f64]; STENCIL] = std::array::from_fn(|k| self.node(base + of(k))[moving].as_slice());
+        dense::combine(response.as_mut_slice(), nodes, weights);
+        if velocity < 0.0 {
+            // The cells are symmetric about x = 0.
+            response.as_mut_slice().reverse();
+        }
+    }
+
+    /// Adds the response to `flux` at a velocity; `workspace` is for as many numbers twice.
+    pub fn add_response(
+        &self,
+        moving: usize,
+        velocity: f64,
+        flux: &[f64],
+        workspace: &mut [Vec<f64>; 2],
+        answer: &mut [f64],
+    ) {
+        let (base, weights) = self.stencil(velocity);
+        let [weighted, sum] = workspace;
+        sum.fill(0.0);
+        for (k, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
+            weighted.iter_mut().zip(flux).for_each(|(own, q)| *own = weight * q);
+            if velocity < 0.0 {
+                weighted.reverse();
+            }
+            dense::multiply_add(self.node(base + k)[moving].as_slice(), weighted, sum);
+        }
+        if velocity < 0.0 {
+            sum.reverse();
+        }
+        answer.iter_mut().zip(&*sum).for_each(|(value, own)| *value += own);
+    }
+
+    /// Number of knots.
+    pub fn nodes(&self) -> usize {
+        self.nodes.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::strip::tests::steel;
+    use crate::line::strip::{Resolution, SlidingPath, StripHeat};
+    use crate::line::{Stage, ThermalBody};
+    use crate::slab::Base;
+    use elasticity::Cells;
+
+    const HALF_WIDTH: f64 = 0.02;
+
+    fn strip(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> StripHeat {
+        StripHeat::new(&steel(0.02, Base::Held, path, 0.0), cells, resolution).unwrap()
+    }
+
+    /// Temperatures under a uniform flux 1.
+    fn uniform(response: &DMatrix<f64>) -> Vec<f64> {
+        (0..response.nrows()).map(|i| response.row(i).sum()).collect()
+    }
+
+    fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+        values.into_iter().fold(0.0, |most: f64, value| most.max(value.abs()))
+    }
+
+    /// Midway between two knots, under a uniform flux: how far the table is from the sum over the waves at that very velocity, and
+    /// how far what is passive is from that sum as it is; relative to the whole steady temperature.
+    fn errors(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> [f64; 2] {
+        let mut body = strip(cells, path, resolution);
+        let operators = body.operators.clone();
+        let (table, count) = (&operators.table, cells.count());
+        let mut workshop = table.workshop.lock().unwrap();
+        let mut worst = [0.0f64; 2];
+        for k in 0..table.nodes.len() - STENCIL - BEHIND {
+            let velocity = table.scale * ((k as f64 + 0.5) * table.spacing).sinh();
+            drop(workshop);
+            let mut between = DMatrix::zeros(count, count);
+            table.respond(0, velocity, &mut between);
+            body.prepare(1e9, [velocity; 2]);
+            let whole = largest(uniform(&body.influence(Stage::End).temperature));
+            workshop = table.workshop.lock().unwrap();
+            let Workshop { workspace, blocks: [warm, moved], turned, uniform: heat, .. } = &mut *workshop;
+            table.static_correction.at(velocity, &table.integrals, workspace, warm, moved);
+            let mut exact = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
+            warm.unfold(&table.widths, 0.0, turned, &mut exact[0]);
+            warm.make_passive(heat, &mut workspace.passive);
+            warm.unfold(&table.widths, 0.0, turned, &mut exact[1]);
+            for (worst, [left, right]) in worst.iter_mut().zip([[&between, &exact[1]], [&exact[0], &exact[1]]]) {
+                let error = largest(uniform(left).iter().zip(uniform(right)).map(|(left, right)| left - right));
+                *worst = worst.max(error / whole);
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn between_the_knots_the_table_keeps_to_a_tenth_of_the_tolerance() {
+        let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
+        for path in
+            [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, SlidingPath::Unidirectional]
+        {
+            for tolerance in [5e-2, 1e-2, 1e-3, 1e-4] {
+                for shortest in [1e-1, 1e-3] {
+                    // What slides one way passes from remembering to forgetting within the thousand steps.
+                    let duration = if path == SlidingPath::Unidirectional { 1e3 * shortest } else { 100.0 };
+                    let resolution = Resolution { duration, shortest, tolerance, way: f64::INFINITY };
+                    let [between, passive] = errors(&cells, path, &resolution);
+                    println!("{path:?} {tolerance:.0e} {shortest:.0e}: between {between:.1e}, passive {passive:.1e}");
+                    assert!(between < 0.1 * tolerance, "{path:?} {tolerance:e} {shortest:e} s: {between:e}");
+                    assert!(passive < 0.1 * tolerance, "{path:?} {tolerance:e} {shortest:e} s: {passive:e}");
+                }
+            }
+        }
+    }
+    #[test]
+    fn a_table_shifted_to_a_velocity_finds_one_knot_for_it() {
+        let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
+        let (velocity, count) = (0.123, cells.count());
+        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-4, way: f64::INFINITY };
+        let answer = |strip: StripHeat| {
+            let table = &strip.operators.table;
+            let mut response = DMatrix::zeros(count, count);
+            table.respond(0, velocity, &mut response);
+            (response, table.nodes.iter().filter(|node| node.get().is_some()).count())
+        };
+        let (between, several) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution));
+        let (there, one) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution).for_few_steps(velocity));
+        assert_eq!((several, one), (STENCIL, 1));
+        assert!(largest((between - &there).iter().copied()) < 1e-3 * largest(there.iter().copied()));
+        // Once knots are known they stay where they are.
+        let mut body = strip(&cells, SlidingPath::Unidirectional, &resolution);
+        body.expect(velocity);
+        let spacing = body.operators.table.spacing;
+        body = body.for_few_steps(0.7 * velocity);
+        assert!(body.operators.table.spacing == spacing);
+    }
+}

@@ -1,0 +1,332 @@
+//! Conduction through the height of a body: the exact impedance, and its reduction to a few states.
+//!
+//! The mean temperature over the cross-section, `T(z, t)` relative to the reference, obeys
+//!
+//! ```text
+//! C dT/dt = K T'' - B (T - T_ambient),                     0 < z < h, contact at z = 0
+//! -K T'(0) = q_contact + q_cooling - H0 (T(0) - T_ambient)  (cooling here: strip)
+//! -K T'(h) = Hb (T(h) - T_ambient) - q_base, or T(h) = T_base
+//! ```
+//!
+//! with capacity C (J/(m3 K)), conductivity K (W/(m K)), loss to air by volume B (W/(m3 K), the fin
+//! equation of a block cooled on its sides) and heat transfer coefficients H0, Hb (W/(m2 K)).
+//!
+//! Reduction: Galerkin on exact solutions at real frequencies spread geometrically from the slab's own
+//! `kd/h^2` to the highest frequency that matters (a rational Krylov space), the stationary solutions
+//! and the uniform temperature. The projected problem is symmetric, so its states are real and decay;
+//! it reproduces the exact impedance and its derivative at those frequencies, and because the uniform
+//! temperature is in the space, heat is conserved exactly. The fastest state becomes the static remainder.
+//!
+//! Validity: uniform temperature over the cross-section (small transverse Biot number) for the
+//! loss by volume; any slab otherwise.
+
+mod projection;
+
+use super::reduced::{MAX_SLAB_STATES, Port, ReducedBody};
+use nalgebra::Complex;
+use numerics::grading::LEAST;
+use numerics::maximum::maximum;
+use projection::{Basis, Eigen, Grid};
+
+/// Condition at the face opposite to the contact.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Base {
+    /// Temperature prescribed.
+    Held,
+    /// No heat passes.
+    Insulated,
+    /// Heat transfer coefficient to ambient, W/(m2 K).
+    Convecting(f64),
+}
+
+/// Where the body is cooled beyond the constant heat transfer.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum CoolingPort {
+    /// On the contact face (a strip's free surface).
+    Surface,
+    /// Evenly along the height (a block's sides).
+    Sides,
+}
+
+/// A body seen as a slab: see the module for the symbols.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Slab {
+    /// h, m.
+    pub height: f64,
+    /// K, W/(m K), > 0.
+    pub conductivity: f64,
+    /// C, J/(m3 K).
+    pub capacity: f64,
+    /// H0, W/(m2 K).
+    pub surface_transfer: f64,
+    /// B, W/(m3 K).
+    pub volume_transfer: f64,
+    /// Condition at z = h.
+    pub base: Base,
+    /// Where variable cooling acts.
+    pub cooling: CoolingPort,
+}
+
+/// Square root with positive real part. Without angles, so a few times faster than by polar form; exact
+/// enough because the argument never lies near the negative axis in these problems.
+pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
+    let modulus = (z.re * z.re + z.im * z.im).sqrt();
+    if z.re >= 0.0 {
+        let re = (0.5 * (modulus + z.re)).sqrt();
+        let im = if re > 0.0 { 0.5 * z.im / re } else { 0.0 };
+        return Complex::new(re, im);
+    }
+    let im = (0.5 * (modulus - z.re)).sqrt().copysign(z.im);
+    Complex::new(0.5 * z.im / im, im)
+}
+
+/// Ratios of neighbouring shifts that are tried, and the largest factor by which the error falls from one to the next.
+const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
+const LARGEST_FALL: f64 = 4.0;
+
+impl Slab {
+    /// Thermal diffusivity, m2/s.
+    pub fn diffusivity(&self) -> f64 {
+        self.conductivity / self.capacity
+    }
+
+    /// Exact temperature of the contact face per uniform heat flux into it, K m2/W, at the complex
+    /// frequency `s` (1/s) and wave number `q` along the surface (1/m).
+    pub fn impedance(&self, s: Complex<f64>, q: f64) -> Complex<f64> {
+        let k = self.conductivity;
+        let kappa_squared = s / self.diffusivity() + self.volume_transfer / k + q * q;
+        let kappa = principal_root(kappa_squared);
+        let u = kappa * self.height;
+        // Admittance q/T(0) = K kappa (sinh u + beta cosh u)/(cosh u + beta sinh u), with beta = Hb/(K kappa).
+        // Squared: this runs for every mode at every speed of a table, and a modulus safe from overflow costs as much as the rest.
+        let admittance = if u.norm_sqr() < 1e-8 {
+            // Small argument: the slab is a capacity behind (or beside) its base.
+            let own = k * kappa_squared * self.height;
+            match self.base {
+                Base::Held => (k / self.height).into(),
+                Base::Insulated => own / (1.0 + kappa_squared * self.height.powi(2) / 3.0),
+                Base::Convecting(transfer) => (own + transfer) / (1.0 + transfer * self.height / k),
+            }
+        } else {
+            // Beyond 20 decay lengths the base is not felt to rounding.
+            if u.re > 20.0 {
+                return (kappa * k + self.surface_transfer).inv();
+            }
+            let decay = (-2.0 * u).exp();
+            let (sum, difference) = (1.0 + decay, 1.0 - decay);
+            match self.base {
+                Base::Held => sum / difference * kappa * k,
+                Base::Insulated => difference / sum * kappa * k,
+                Base::Convecting(transfer) => {
+                    let beta = transfer / (kappa * k);
+                    (difference + beta * sum) / (sum + beta * difference) * kappa * k
+                }
+            }
+        };
+        (admittance + self.surface_transfer).inv()
+    }
+
+    /// Heat a mean temperature of 1 K is worth, J/(m2 K).
+    fn areal_capacity(&self) -> f64 {
+        self.capacity * self.height
+    }
+
+    /// Reduces the slab to a few states that follow the exact impedance on the frequencies from
+    /// `1/duration` (1/s) up, to `tolerance` relative to the temperature rise of the whole duration.
+    pub fn reduce(&self, duration: f64, tolerance: f64) -> ReducedBody {
+        // Above this frequency the impedance has fallen to the tolerance.
+        let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
+        let effusivity = (self.conductivity * self.capacity).sqrt();
+        let own = self.diffusivity() / self.height.powi(2);
+        // Beyond the last of these a heated layer is thinner than the grid resolves.
+        let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST.powi(2));
+        let scan = ErrorSweep::new(self, 1.0 / duration, fastest);
+        let grid = Grid::new(self, fastest.max(own));
+        let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
+        // Numbers of the next ratio, of the first one that was not reached yet, and of the first that has too many functions.
+        let (mut next, mut open, mut end) = (0, 0, RATIOS.len());
+        while next < end {
+            let Some(basis) = self.space(&grid, 0.05 / duration, fastest, RATIOS[next]) else {
+                (end, next) = (next, open);
+                continue;
+            };
+            open = next + 1;
+            let eigen = basis.eigen();
+            let error = scan.largest_error(basis.impedance(&eigen));
+            if best.as_ref().is_none_or(|(known, ..)| error < *known) {
+                best = Some((error, basis, eigen));
+            }
+            if error <= 0.1 * tolerance {
+                break;
+            }
+            // Spaces that cannot be good enough are left out; the last is always tried.
+            let falls = (error / (0.1 * tolerance)).log(LARGEST_FALL) as usize;
+            next = (next + falls.max(1)).min(end - 1).max(open);
+        }
+        let (_, basis, eigen) = best.expect("the coarsest space has few functions, so it always fits");
+        // Only the space that is taken gets its modes.
+        let body = basis.modes(&eigen);
+        ReducedBody { error: scan.largest_error(|s| body.impedance(s)), ..body }
+    }
+
+    /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` in steps that begin with `ratio`; `None` if
+    /// too many.
+    fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
+        let own = self.diffusivity() / self.height.powi(2);
+        let mut shifts = Vec::new();
+        let (mut shift, mut step) = (slowest.max(0.5 * own), ratio);
+        while shift < fastest {
+            shifts.push(shift);
+            shift *= step;
+            // The impedance falls with frequency, and with it what an error there costs.
+            step *= 1.08;
+        }
+        shifts.push(fastest);
+        let mut basis = Basis::new(self, grid);
+        basis.stationary();
+        for &shift in &shifts {
+            basis.add_contact_response(shift);
+        }
+        basis.add_base_response(own);
+        basis.add_base_response(30.0 * own);
+        if basis.count() > MAX_SLAB_STATES + 1 {
+            return None;
+        }
+        Some(basis)
+    }
+}
+
+/// The frequencies at which a reduced response is held against the exact one: on the imaginary axis, where the largest error bounds
+/// that of the response to any bounded flux.
+struct ErrorSweep {
+    /// Frequencies and the exact response.
+    exact: Vec<(Complex<f64>, Complex<f64>)>,
+    /// That at the slowest frequency, which errors are relative to.
+    scale: f64,
+}
+
+impl ErrorSweep {
+    fn new(slab: &Slab, slowest: f64, fastest: f64) -> ErrorSweep {
+        let points = 40;
+        let exact = (0..=points)
+            // A constant flux has content below its own frequency, so the scan begins there.
+            .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
+            .map(|frequency| Complex::new(0.0, frequency))
+            .map(|s| (s, slab.impedance(s, 0.0)));
+        ErrorSweep { exact: exact.collect(), scale: slab.impedance(Complex::new(0.0, slowest), 0.0).norm() }
+    }
+
+    fn largest_error(&self, response: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
+        self.exact.iter().map(|&(s, exact)| (response(s) - exact).norm() / self.scale).fold(0.0, maximum)
+    }
+}
+
+impl ReducedBody {
+    /// Contact impedance of the reduced body at the complex frequency `s` (1/s), K m2/W.
+    pub fn impedance(&self, s: Complex<f64>) -> Complex<f64> {
+        let contact = Port::Contact as usize;
+        let states: Complex<f64> = (0..self.count)
+            .map(|k| self.contact_temperature.states[k] * self.input[contact][k] / (self.rate[k] + s))
+            .sum();
+        states + self.contact_temperature.direct[contact]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reduced::Observation;
+
+    fn iron(base: Base) -> Slab {
+        Slab {
+            height: 0.011,
+            conductivity: 54.0,
+            capacity: 7200.0 * 460.0,
+            surface_transfer: 0.0,
+            volume_transfer: 0.0,
+            base,
+            cooling: CoolingPort::Surface,
+        }
+    }
+
+    fn cases() -> Vec<Slab> {
+        let mut cases = Vec::new();
+        for base in [Base::Held, Base::Insulated, Base::Convecting(200.0), Base::Convecting(1e6)] {
+            for (surface, volume, cooling) in
+                [(0.0, 0.0, CoolingPort::Surface), (80.0, 0.0, CoolingPort::Surface), (0.0, 4e3, CoolingPort::Sides)]
+            {
+                cases.push(Slab { surface_transfer: surface, volume_transfer: volume, cooling, ..iron(base) });
+            }
+        }
+        cases
+    }
+
+    #[test]
+    fn reduced_impedance_follows_the_exact_one() {
+        for slab in cases() {
+            for tolerance in [1e-1, 1e-2, 1e-3, 1e-4] {
+                let body = slab.reduce(1000.0, tolerance);
+                println!("{:?} tol {tolerance:e}: {} states, error {:.1e}", slab.base, body.count, body.error);
+                assert!(body.error <= 0.1 * tolerance, "{slab:?} {tolerance}: {} at {} states", body.error, body.count);
+                assert!(body.rate[..body.count].iter().all(|&rate| rate >= 0.0));
+            }
+        }
+    }
+
+    #[test]
+    fn heat_is_conserved_and_steady_flows_are_exact() {
+        for slab in cases() {
+            let body = slab.reduce(1000.0, 1e-3);
+            if body.rate[0] == 0.0 {
+                // Nothing leaves: the balance must say so for every state and for the flux.
+                assert!(body.base_flow.states[..body.count].iter().all(|flow| flow.abs() < 1e-9 * 7200.0 * 460.0));
+                assert!(body.base_flow.direct[0].abs() < 1e-10, "{:?}", body.base_flow.direct);
+                continue;
+            }
+            // Unit contact flux for ever: all of it leaves, in the exact proportion.
+            let steady = |observation: &Observation, port: usize| -> f64 {
+                (0..body.count).map(|k| observation.states[k] * body.input[port][k] / body.rate[k]).sum::<f64>()
+                    + observation.direct[port]
+            };
+            let (ambient, base) = (steady(&body.ambient_flow, 0), steady(&body.base_flow, 0));
+            assert!((ambient + base - 1.0).abs() < 1e-10, "{slab:?}: {ambient} + {base}");
+            let surface = slab.impedance(Complex::from(0.0), 0.0).re;
+            assert!(
+                (steady(&body.contact_temperature, 0) / surface - 1.0).abs() < 1e-8,
+                "{slab:?}: {} {surface}",
+                steady(&body.contact_temperature, 0)
+            );
+            if slab.surface_transfer > 0.0 {
+                assert!((ambient - slab.surface_transfer * surface).abs() < 1e-8, "{slab:?}: {ambient}");
+            }
+            // Everything at the same temperature: no flow at all.
+            let both = |observation: &Observation| {
+                steady(observation, Port::Ambient as usize)
+                    + if slab.base == Base::Held { steady(observation, Port::Base as usize) } else { 0.0 }
+            };
+            let level = both(&body.contact_temperature);
+            assert!((level - 1.0).abs() < 1e-7, "{slab:?}: {level}");
+            assert!(both(&body.ambient_flow).abs() < 1e-4, "{slab:?} {}", both(&body.ambient_flow));
+            assert!(both(&body.base_flow).abs() < 1e-4, "{slab:?} {}", both(&body.base_flow));
+        }
+    }
+
+    #[test]
+    fn short_times_are_those_of_the_half_space() {
+        // T = 2 q sqrt(t / (pi k rho c)): 84.375 K after 1 s of 1 MW/m2 on a body thick enough.
+        let slab = Slab { height: 0.1, ..iron(Base::Insulated) };
+        let body = slab.reduce(1.0, 1e-4);
+        let rise = |t: f64| -> f64 {
+            let states: f64 = (0..body.count)
+                .map(|k| {
+                    let grown = if body.rate[k] == 0.0 { t } else { -(-body.rate[k] * t).exp_m1() / body.rate[k] };
+                    body.contact_temperature.states[k] * body.input[0][k] * grown
+                })
+                .sum();
+            1e6 * (states + body.contact_temperature.direct[0])
+        };
+        assert!(body.error <= 1e-4, "{}", body.error);
+        assert!((rise(1.0) - 84.375).abs() < 84.375e-4, "{}", rise(1.0));
+        assert!((rise(0.01) / 8.4375 - 1.0).abs() < 2e-3, "{}", rise(0.01));
+    }
+}

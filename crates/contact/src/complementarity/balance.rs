@@ -1,0 +1,117 @@
+//! What is given of a contact problem, checked, and the problems that leave no pressure.
+
+use super::{ContactProblem, ContactSolver};
+use crate::problem::{ContactError, ContactState, Normal, Tilt};
+
+/// What is balanced: free unknowns and the right-hand sides of their rows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Balance {
+    pub approach_free: bool,
+    pub tilt_free: bool,
+    /// Given approach and tilt; 0 where free.
+    pub approach: f64,
+    pub tilt: f64,
+    pub load: f64,
+    pub stiffness: f64,
+    pub lever: f64,
+    pub moment: f64,
+}
+
+impl Balance {
+    #[inline]
+    pub fn count(&self) -> usize {
+        usize::from(self.approach_free) + usize::from(self.tilt_free)
+    }
+}
+
+fn finite(quantity: &'static str, value: f64) -> Result<f64, ContactError> {
+    if value.is_finite() { Ok(value) } else { Err(ContactError::Invalid { quantity, value }) }
+}
+
+impl ContactSolver {
+    pub(super) fn balance(&self, problem: &ContactProblem<'_>) -> Result<Balance, ContactError> {
+        for &value in problem.gap {
+            finite("initial gap", value)?;
+        }
+        finite("signed friction coefficient", problem.signed_friction)?;
+        for &value in problem.diagonal {
+            if finite("wear per pressure", value)? < 0.0 {
+                return Err(ContactError::Invalid { quantity: "wear per pressure", value });
+            }
+        }
+        let mut balance = Balance {
+            approach_free: true,
+            tilt_free: false,
+            approach: 0.0,
+            tilt: 0.0,
+            load: 0.0,
+            stiffness: 0.0,
+            lever: 0.0,
+            moment: 0.0,
+        };
+        match problem.normal {
+            Normal::Load(value) => {
+                if finite("load", value)? < 0.0 {
+                    return Err(ContactError::Invalid { quantity: "load", value });
+                }
+                balance.load = value;
+            }
+            Normal::Approach(value) => {
+                balance.approach_free = false;
+                balance.approach = finite("approach", value)?;
+            }
+            Normal::Spring { load, stiffness } => {
+                balance.load = finite("load", load)?;
+                if finite("holder stiffness", stiffness)? < 0.0 {
+                    return Err(ContactError::Invalid { quantity: "holder stiffness", value: stiffness });
+                }
+                balance.stiffness = stiffness;
+            }
+        }
+        match problem.tilt {
+            Tilt::Fixed(value) => balance.tilt = finite("tilt", value)?,
+            Tilt::ResultantAt(value) => {
+                let limit = self.positions[self.positions.len() - 1];
+                balance.tilt_free = true;
+                balance.lever = finite("lever", value)?;
+                if value.abs() >= limit {
+                    return Err(ContactError::Tipping { lever: value, limit });
+                }
+            }
+            Tilt::Moment { lever, moment } => {
+                balance.tilt_free = true;
+                balance.lever = finite("lever", lever)?;
+                balance.moment = finite("moment", moment)?;
+            }
+        }
+        Ok(balance)
+    }
+
+    /// Whether there is no pressure, as load or spring leave none, and the state of that: no load puts the punch where
+    /// the bodies touch, a spring where it is relaxed. A free tilt is not defined then and taken as 0.
+    pub(super) fn apart(&self, problem: &ContactProblem<'_>, state: &mut ContactState) -> bool {
+        let tilt = match problem.tilt {
+            Tilt::Fixed(value) => value,
+            Tilt::ResultantAt(_) | Tilt::Moment { .. } => 0.0,
+        };
+        let distance = |i: usize| problem.gap[i] - tilt * self.positions[i];
+        let touching = || (0..self.positions.len()).map(distance).fold(f64::INFINITY, f64::min);
+        let approach = match problem.normal {
+            Normal::Load(0.0) => touching(),
+            Normal::Spring { load, stiffness } if load <= stiffness * touching() => {
+                if stiffness > 0.0 {
+                    load / stiffness
+                } else {
+                    touching()
+                }
+            }
+            _ => return false,
+        };
+        for i in 0..self.positions.len() {
+            state.pressure[i] = 0.0;
+            state.gap[i] = distance(i) - approach;
+        }
+        (state.approach, state.tilt) = (approach, tilt);
+        true
+    }
+}

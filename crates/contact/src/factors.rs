@@ -1,0 +1,505 @@
+//! Compliance of the pair with wear on its diagonal, and a memo of its factors.
+
+use super::problem::ContactError;
+use elasticity::{Cells, MAXIMUM_CELLS};
+use nalgebra::DMatrix;
+use numerics::dense;
+
+/// Memory for factors, in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
+/// two lengths, with room for contacts that come and go.
+const MEMO_NUMBERS: usize = 600_000;
+const LEAST_ENTRIES: usize = 4;
+const MOST_ENTRIES: usize = 12;
+/// Values of the signed friction whose compliance is kept.
+const COMPOSITIONS: usize = 2;
+/// Extra matrices whose factors are kept: those of the steps that a step control goes back and forth between.
+const MOST_EXTRAS: usize = 6;
+const LEAST_EXTRAS: usize = 2;
+
+/// Most rows of a [`LowRankUpdate`] on `count` cells.
+pub fn largest_reduction(count: usize) -> usize {
+    count.div_ceil(4)
+}
+
+/// What is taken off the extra matrix while some cells do not act on the others: the product `left right`.
+#[derive(Clone, Copy, Debug)]
+pub struct LowRankUpdate<'a> {
+    /// Cells that act. The product is a function of them and of the extra matrix alone.
+    pub acting: &'a [bool],
+    /// N x m by columns, m at most [`largest_reduction`].
+    pub left: &'a [f64],
+    /// m x N by columns.
+    pub right: &'a [f64],
+}
+
+/// A [`LowRankUpdate`] and memory for the largest.
+#[derive(Clone, Debug)]
+struct CachedUpdate {
+    acting: Vec<bool>,
+    /// It is that of the extra matrix at hand.
+    current: bool,
+    rank: usize,
+    left: Vec<f64>,
+    right: Vec<f64>,
+}
+
+/// What the pressures of the cells in contact stand in: `C + s mu S + E + T diag(d) + beta 1 w'/W`, N x N, m/Pa.
+///
+/// C and S are the normal and the shear compliance of the pair (strip less punch for S), E an extra matrix that changes
+/// from step to step, less its reduction, d wear per pressure, T the wear operator (none: the identity), w the weights of the load integral
+/// and W their sum. The last term shifts the approach by `beta P/W` and nothing else where the approach is free; it
+/// keeps the matrix regular for bodies whose uniform displacement is not defined.
+#[derive(Clone, Debug)]
+pub(super) struct Factors {
+    count: usize,
+    normal: Vec<f64>,
+    shear: Vec<f64>,
+    extras: Vec<Extra>,
+    /// Place of the extra matrix at hand among them.
+    added_compliance: Option<usize>,
+    low_rank_update: CachedUpdate,
+    operator: Option<Vec<f64>>,
+    positions: Vec<f64>,
+    length: f64,
+    weights: Vec<f64>,
+    total_weight: f64,
+    shift: f64,
+    compositions: Vec<Composition>,
+    entries: Vec<Entry>,
+    clock: u64,
+    pub factorisations: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Extra {
+    used: u64,
+    /// What tells it from all others; 0 is none.
+    name: u64,
+    matrix: Vec<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct Composition {
+    used: u64,
+    added_compliance: u64,
+    signed_friction: u64,
+    acting: Vec<bool>,
+    matrix: Vec<f64>,
+}
+
+/// Factors for one contact, and the pressures under a uniform and under a linear displacement.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    used: u64,
+    added_compliance: u64,
+    signed_friction: u64,
+    acting: Vec<bool>,
+    shifted: bool,
+    diagonal: Vec<f64>,
+    active: Vec<bool>,
+    /// Cells in contact, and the others.
+    pub index: Vec<usize>,
+    pub open: Vec<usize>,
+    /// Gap of each open cell by the pressures of those in contact, wear included, without the shift: an open cell's row after
+    /// the other, m/Pa. Asked for, it is made once.
+    open_rows: Vec<f64>,
+    has_open_rows: bool,
+    /// Elastic compliance of every cell by itself with its wear, m/Pa: positive whatever heat does.
+    pub own: Vec<f64>,
+    matrix: Vec<f64>,
+    exchanged: Vec<usize>,
+    regular: bool,
+    /// Pressure per approach, for the cells in contact.
+    pub uniform: Vec<f64>,
+    /// Pressure per displacement `(x - centre)/length`; asked for, it is made once.
+    pub linear: Vec<f64>,
+    has_uniform: bool,
+    has_linear: bool,
+    /// Resultant and moment, about the centre and per length, of the two columns, per depth.
+    pub sums: [[f64; 2]; 2],
+    /// Weights w of the cells in contact, and `w (x - centre)/length`.
+    weights: Vec<f64>,
+    arms: Vec<f64>,
+    /// Mean position of the cells in contact.
+    pub centre: f64,
+}
+
+/// What factors depend on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Key<'a> {
+    /// s mu.
+    pub signed_friction: f64,
+    /// Whether the approach is free.
+    pub shifted: bool,
+    /// d, N values, m/Pa.
+    pub diagonal: &'a [f64],
+    pub active: &'a [bool],
+}
+
+/// Whether normal compliance and shear coupling (N x N, m/Pa) can be those of a contact.
+///
+/// # Errors
+/// A number that is not finite, or a body that does not yield.
+pub fn check_operators(count: usize, normal: &DMatrix<f64>, shear: &DMatrix<f64>) -> Result<(), ContactError> {
+    assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
+    assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");
+    if let Some(&value) = normal.iter().chain(shear.iter()).find(|v| !v.is_finite()) {
+        return Err(ContactError::Invalid { quantity: "compliance", value });
+    }
+    if normal.diagonal().min() <= 0.0 {
+        return Err(ContactError::Rigid);
+    }
+    Ok(())
+}
+
+impl Factors {
+    pub fn new(
+        cells: &Cells,
+        weights: &[f64],
+        normal: DMatrix<f64>,
+        shear: DMatrix<f64>,
+    ) -> Result<Self, ContactError> {
+        let count = weights.len();
+        check_operators(count, &normal, &shear)?;
+        let acting = vec![true; count];
+        let room = || vec![0.0; count * largest_reduction(count)];
+        // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
+        let composition = |_| Composition {
+            used: 0,
+            added_compliance: 0,
+            signed_friction: f64::NAN.to_bits(),
+            acting: acting.clone(),
+            matrix: vec![0.0; count * count],
+        };
+        let entry = |_| Entry {
+            used: 0,
+            added_compliance: 0,
+            signed_friction: 0,
+            acting: acting.clone(),
+            shifted: false,
+            diagonal: vec![0.0; count],
+            active: vec![false; count],
+            index: Vec::with_capacity(count),
+            open: Vec::with_capacity(count),
+            // The most that cells in contact times open ones can be.
+            open_rows: vec![0.0; count * count / 4],
+            has_open_rows: false,
+            own: vec![0.0; count],
+            matrix: vec![0.0; count * count],
+            exchanged: vec![0; count],
+            regular: false,
+            uniform: vec![0.0; count],
+            linear: vec![0.0; count],
+            has_uniform: false,
+            has_linear: false,
+            sums: [[0.0; 2]; 2],
+            weights: vec![0.0; count],
+            arms: vec![0.0; count],
+            centre: 0.0,
+        };
+        let extras = (MEMO_NUMBERS / (count * count)).clamp(LEAST_EXTRAS, MOST_EXTRAS);
+        let kept = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
+        Ok(Self {
+            count,
+            shift: normal.diagonal().mean(),
+            normal: normal.data.into(),
+            shear: shear.data.into(),
+            extras: (0..extras).map(|_| Extra { used: 0, name: 0, matrix: vec![0.0; count * count] }).collect(),
+            added_compliance: None,
+            low_rank_update: CachedUpdate {
+                acting: acting.clone(),
+                current: true,
+                rank: 0,
+                left: room(),
+                right: room(),
+            },
+            operator: None,
+            positions: cells.centres().to_vec(),
+            length: cells.half_width(),
+            weights: weights.to_vec(),
+            total_weight: weights.iter().sum(),
+            compositions: (0..COMPOSITIONS).map(composition).collect(),
+            entries: (0..kept).map(entry).collect(),
+            clock: 0,
+            factorisations: 0,
+        })
+    }
+
+    /// beta/W, m/Pa per m: what a shifted matrix adds to the approach per load.
+    pub fn shift(&self) -> f64 {
+        self.shift / self.total_weight
+    }
+
+    /// Puts an extra matrix on top, or takes it away. Factors are kept for each of the last ones.
+    pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
+        if let Some(matrix) = added_compliance {
+            assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
+            self.clock += 1;
+            let same = |known: &Extra| known.name > 0 && same_bits(&known.matrix, matrix.as_slice());
+            let known = self.extras.iter().position(same);
+            if let (None, Some(&value)) = (known, matrix.iter().find(|v| !v.is_finite())) {
+                return Err(ContactError::Invalid { quantity: "extra compliance", value });
+            }
+            let place = known.unwrap_or_else(|| {
+                let place = least_used(self.extras.iter().map(|added_compliance| added_compliance.used));
+                let own = &mut self.extras[place];
+                own.name = self.clock;
+                own.matrix.copy_from_slice(matrix.as_slice());
+                place
+            });
+            self.extras[place].used = self.clock;
+            self.added_compliance = Some(place);
+        } else {
+            self.added_compliance = None;
+        }
+        self.low_rank_update.current = false;
+        self.set_low_rank_update(None);
+        Ok(())
+    }
+
+    /// Takes a product off the extra matrix, or nothing. Compliances and factors are kept for every set of acting cells.
+    pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
+        let kept = &mut self.low_rank_update;
+        let Some(LowRankUpdate { acting, left, right }) = low_rank_update else {
+            if !kept.current || kept.rank > 0 {
+                kept.acting.fill(true);
+                (kept.rank, kept.current) = (0, true);
+            }
+            return;
+        };
+        if kept.current && kept.rank > 0 && kept.acting == acting {
+            return;
+        }
+        kept.acting.copy_from_slice(acting);
+        kept.left[..left.len()].copy_from_slice(left);
+        kept.right[..right.len()].copy_from_slice(right);
+        (kept.rank, kept.current) = (left.len() / self.count, true);
+    }
+
+    pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
+        self.forget();
+        let Some(matrix) = operator else {
+            self.operator = None;
+            return;
+        };
+        assert_eq!(matrix.shape(), (self.count, self.count), "the wear operator is N x N");
+        match &mut self.operator {
+            Some(kept) => kept.copy_from_slice(matrix.as_slice()),
+            None => self.operator = Some(matrix.as_slice().to_vec()),
+        }
+    }
+
+    fn forget(&mut self) {
+        self.entries.iter_mut().for_each(|e| e.used = 0);
+    }
+
+    /// `S`, by columns.
+    pub fn shear(&self) -> &[f64] {
+        &self.shear
+    }
+
+    /// T, by columns.
+    pub fn operator(&self) -> Option<&[f64]> {
+        self.operator.as_deref()
+    }
+
+    /// Elastic displacement of a cell by its own pressure, C_ii > 0, m/Pa.
+    pub fn own(&self, cell: usize) -> f64 {
+        self.normal[cell * (self.count + 1)]
+    }
+
+    /// `C + s mu S + E`, by columns.
+    pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
+        let position = self.compose(signed_friction);
+        &self.compositions[position].matrix
+    }
+
+    fn compose(&mut self, signed_friction: f64) -> usize {
+        self.clock += 1;
+        let bits = signed_friction.to_bits();
+        let CachedUpdate { acting, rank, left, right, .. } = &self.low_rank_update;
+        let added_compliance = self.added_compliance.map(|place| &self.extras[place]);
+        let name = added_compliance.map_or(0, |added_compliance| added_compliance.name);
+        let fits = |c: &Composition| {
+            c.used > 0 && c.added_compliance == name && c.signed_friction == bits && c.acting == *acting
+        };
+        if let Some(position) = self.compositions.iter().position(fits) {
+            self.compositions[position].used = self.clock;
+            return position;
+        }
+        let position = least_used(self.compositions.iter().map(|c| c.used));
+        let composition = &mut self.compositions[position];
+        composition.used = self.clock;
+        composition.added_compliance = name;
+        composition.signed_friction = bits;
+        composition.acting.copy_from_slice(acting);
+        for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
+            *target = normal + signed_friction * shear;
+        }
+        if let Some(added_compliance) = added_compliance {
+            for (target, added_compliance) in composition.matrix.iter_mut().zip(&added_compliance.matrix) {
+                *target += added_compliance;
+            }
+        }
+        if *rank > 0 {
+            let mut weights = [0.0; MAXIMUM_CELLS];
+            let columns = composition.matrix.chunks_exact_mut(self.count).zip(right.chunks_exact(*rank));
+            for (target, column) in columns {
+                weights.iter_mut().zip(column).for_each(|(weight, value)| *weight = -value);
+                dense::multiply_add(&left[..self.count * rank], &weights[..*rank], target);
+            }
+        }
+        position
+    }
+
+    /// Position of the entry for `key`, factorised unless it is there; `None` where the matrix is singular.
+    pub fn find(&mut self, key: Key<'_>) -> Option<usize> {
+        self.clock += 1;
+        let bits = key.signed_friction.to_bits();
+        let clock = self.clock;
+        let added_compliance = self.added_compliance.map_or(0, |place| self.extras[place].name);
+        let fits = |entry: &Entry| {
+            entry.used > 0
+                && entry.added_compliance == added_compliance
+                && entry.signed_friction == bits
+                && entry.shifted == key.shifted
+                && entry.active == key.active
+                && entry.acting == self.low_rank_update.acting
+                && entry.index.iter().all(|&i| entry.diagonal[i].to_bits() == key.diagonal[i].to_bits())
+        };
+        if let Some(position) = self.entries.iter().position(fits) {
+            self.entries[position].used = clock;
+            return self.entries[position].regular.then_some(position);
+        }
+        self.factorisations += 1;
+        let composed = self.compose(key.signed_friction);
+        let position = least_used(self.entries.iter().map(|e| e.used));
+        let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
+        entry.used = self.clock;
+        entry.added_compliance = added_compliance;
+        entry.signed_friction = bits;
+        entry.shifted = key.shifted;
+        entry.diagonal.copy_from_slice(key.diagonal);
+        entry.active.copy_from_slice(key.active);
+        entry.acting.copy_from_slice(&self.low_rank_update.acting);
+        entry.has_uniform = false;
+        entry.has_linear = false;
+        entry.has_open_rows = false;
+        entry.index.clear();
+        entry.index.extend((0..self.count).filter(|&i| key.active[i]));
+        entry.open.clear();
+        entry.open.extend((0..self.count).filter(|&i| !key.active[i]));
+        let m = entry.index.len();
+        for (i, own) in entry.own.iter_mut().enumerate() {
+            *own = self.normal[i * (self.count + 1)] + key.diagonal[i];
+        }
+        entry.centre = entry.index.iter().map(|&i| self.positions[i]).sum::<f64>() / m.max(1) as f64;
+        for (k, &i) in entry.index.iter().enumerate() {
+            entry.weights[k] = self.weights[i];
+            entry.arms[k] = self.weights[i] * (self.positions[i] - entry.centre) / self.length;
+        }
+        for (b, &j) in entry.index.iter().enumerate() {
+            let shift = if key.shifted { self.shift / self.total_weight * self.weights[j] } else { 0.0 };
+            let column = &composition[j * self.count..(j + 1) * self.count];
+            let target = &mut entry.matrix[b * m..(b + 1) * m];
+            if m == self.count {
+                for (value, source) in target.iter_mut().zip(column) {
+                    *value = source + shift;
+                }
+            } else {
+                for (value, &i) in target.iter_mut().zip(&entry.index) {
+                    *value = column[i] + shift;
+                }
+            }
+            match &self.operator {
+                None => target[b] += key.diagonal[j],
+                Some(operator) => {
+                    let column = &operator[j * self.count..(j + 1) * self.count];
+                    for (value, &i) in target.iter_mut().zip(&entry.index) {
+                        *value += key.diagonal[j] * column[i];
+                    }
+                }
+            }
+        }
+        entry.regular = dense::factorise(&mut entry.matrix[..m * m], m, &mut entry.exchanged[..m]);
+        entry.regular.then_some(position)
+    }
+
+    /// The entry with what the open cells feel of the others.
+    pub fn with_open_rows(&mut self, position: usize) -> &Entry {
+        if self.entries[position].has_open_rows {
+            return &self.entries[position];
+        }
+        let composed = self.compose(f64::from_bits(self.entries[position].signed_friction));
+        let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
+        entry.has_open_rows = true;
+        let m = entry.index.len();
+        for (row, &i) in entry.open_rows.chunks_exact_mut(m.max(1)).zip(&entry.open) {
+            for (value, &j) in row.iter_mut().zip(&entry.index) {
+                let worn =
+                    self.operator.as_ref().map_or(0.0, |operator| entry.diagonal[j] * operator[j * self.count + i]);
+                *value = composition[j * self.count + i] + worn;
+            }
+        }
+        entry
+    }
+
+    /// The entry at a position.
+    pub fn entry(&self, position: usize) -> &Entry {
+        &self.entries[position]
+    }
+
+    /// The entry with its pressures per approach and per linear displacement, as far as they are asked for.
+    pub fn with_columns(&mut self, position: usize, uniform: bool, linear: bool) -> &Entry {
+        let entry = &mut self.entries[position];
+        let m = entry.index.len();
+        if uniform && !entry.has_uniform {
+            entry.has_uniform = true;
+            let mut column = std::mem::take(&mut entry.uniform);
+            column[..m].fill(1.0);
+            entry.substitute(&mut column[..m]);
+            entry.sums[0] = entry.resultant(&column[..m]);
+            entry.uniform = column;
+        }
+        if linear && !entry.has_linear {
+            entry.has_linear = true;
+            let mut column = std::mem::take(&mut entry.linear);
+            for (value, &i) in column.iter_mut().zip(&entry.index) {
+                *value = (self.positions[i] - entry.centre) / self.length;
+            }
+            entry.substitute(&mut column[..m]);
+            entry.sums[1] = entry.resultant(&column[..m]);
+            entry.linear = column;
+        }
+        entry
+    }
+}
+
+impl Entry {
+    /// Solves for one right-hand side over the cells in contact, in place.
+    pub fn substitute(&self, right: &mut [f64]) {
+        let m = self.index.len();
+        dense::substitute(&self.matrix[..m * m], m, &self.exchanged[..m], right);
+    }
+
+    /// Adds to the gaps of the open cells what the pressures of the cells in contact make of them.
+    pub fn add_to_open(&self, pressure: &[f64], gaps: &mut [f64]) {
+        let rows = &self.open_rows[..pressure.len() * gaps.len()];
+        dense::multiply_transposed_add(rows, pressure, gaps);
+    }
+
+    /// Resultant `sum w p` and moment `sum w (x - centre)/length p` of the pressures of the cells in contact, per depth.
+    pub fn resultant(&self, pressure: &[f64]) -> [f64; 2] {
+        let m = pressure.len();
+        [dense::dot(&self.weights[..m], pressure), dense::dot(&self.arms[..m], pressure)]
+    }
+}
+
+/// Whether two matrices are the same to the last bit.
+fn same_bits(one: &[f64], other: &[f64]) -> bool {
+    one.iter().zip(other).all(|(one, other)| one.to_bits() == other.to_bits())
+}
+
+fn least_used(used: impl Iterator<Item = u64>) -> usize {
+    used.enumerate().min_by_key(|(_, used)| *used).map_or(0, |(position, _)| position)
+}

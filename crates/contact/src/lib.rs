@@ -1,0 +1,12 @@
+//! The contact: friction law, and at the line pressure, gap, approach and tilt.
+
+pub mod complementarity;
+mod factors;
+pub mod friction;
+pub mod lemke;
+pub mod problem;
+pub mod wear;
+
+pub use complementarity::{ContactProblem, ContactSolver, pair_compliance, pair_operators};
+pub use factors::{LowRankUpdate, check_operators, largest_reduction};
+pub use problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};

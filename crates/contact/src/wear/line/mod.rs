@@ -1,0 +1,20 @@
+//! Wear of the contact line without heat: pressure, shape and approach stepped together.
+//!
+//! The worn depth `w` of every cell grows with a rate `f(p)` of the local pressure, and the pressure follows from the
+//! worn shape by the contact problem: a differential-algebraic system of index 1, stiff in proportion to the smallest
+//! eigenvalue of the compliance.
+
+mod contact;
+mod newton;
+mod rate;
+mod response;
+mod stability;
+mod status;
+mod track;
+
+pub use contact::{Conditions, Direction, StageError, WearingContact};
+pub use rate::{CellRate, Coefficient, WearTerm};
+pub use response::{ContactRate, Disturbance};
+pub use stability::explicit_limit;
+pub use status::{Status, StrokeStatus};
+pub use track::{AVERAGED_STROKE, LineTrack};

@@ -1,0 +1,115 @@
+//! How the contact answers to a disturbance: the linearisation at the present active set.
+
+use super::{Conditions, StageError, WearingContact};
+use crate::{ContactProblem, ContactState, Normal, Tilt};
+
+/// Rates of what the contact pressure depends on, the wear held.
+#[derive(Clone, Copy, Debug)]
+pub struct Disturbance<'a> {
+    /// Rate of the gap of the undeformed bodies, N values, m/s.
+    pub gap: &'a [f64],
+    /// Rate of the load (also of a spring's), N/(m s), or of the approach where that is given, m/s.
+    pub normal: f64,
+    /// Rate of the lever, m/s, or of the tilt where that is given, rad/s.
+    pub tilt: f64,
+    /// Rate of the moment, N/s; nothing where the tilt is given.
+    pub moment: f64,
+    /// Rate of the signed friction coefficient, 1/s.
+    pub signed_friction: f64,
+}
+
+/// Rates of the contact state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactRate {
+    /// N values, Pa/s; 0 out of contact.
+    pub pressure: Vec<f64>,
+    /// m/s.
+    pub approach: f64,
+    /// rad/s.
+    pub tilt: f64,
+}
+
+impl ContactRate {
+    /// Room for `count` cells.
+    pub fn new(count: usize) -> Self {
+        Self { pressure: vec![0.0; count], approach: 0.0, tilt: 0.0 }
+    }
+}
+
+impl WearingContact {
+    /// Rate of the contact state under a disturbance, where the cells in contact stay in contact: the exact derivative
+    /// of a stage of length 0 (`C + s mu S + E` without wear) at `state`, one solution of its equations.
+    ///
+    /// `conditions` are those under which the state was found. Out of contact nothing answers but a given approach or
+    /// tilt. Nothing is allocated.
+    pub fn response_into(
+        &mut self,
+        conditions: &Conditions,
+        state: &ContactState,
+        disturbance: &Disturbance<'_>,
+        rate: &mut ContactRate,
+    ) -> Result<(), StageError> {
+        self.stage_response_into(0.0, conditions, state, disturbance, rate)
+    }
+
+    /// The same for a stage of `tau` s, in which a change of the pressure wears: `C + s mu S + E + tau f'`. A strip that
+    /// carries its wear along counts as if it wore in place.
+    pub fn stage_response_into(
+        &mut self,
+        tau: f64,
+        conditions: &Conditions,
+        state: &ContactState,
+        disturbance: &Disturbance<'_>,
+        rate: &mut ContactRate,
+    ) -> Result<(), StageError> {
+        let count = self.cells().count();
+        assert_eq!(disturbance.gap.len(), count, "one gap rate per cell");
+        assert_eq!(rate.pressure.len(), count, "one pressure rate per cell");
+        for i in 0..count {
+            self.gap[i] = disturbance.gap[i];
+            self.set[i] = state.pressure[i] > 0.0;
+        }
+        if disturbance.signed_friction != 0.0 {
+            for (kept, pressure) in self.wear.iter_mut().zip(&state.pressure) {
+                *kept = disturbance.signed_friction * pressure;
+            }
+            self.solver.add_shear_displacement(&self.wear, &mut self.gap);
+        }
+        let normal = match conditions.normal {
+            Normal::Load(_) => Normal::Spring { load: disturbance.normal, stiffness: 0.0 },
+            Normal::Approach(_) => Normal::Approach(disturbance.normal),
+            Normal::Spring { stiffness, .. } => Normal::Spring { load: disturbance.normal, stiffness },
+        };
+        // The moment about the lever keeps its value while the lever moves under the resultant.
+        let tilt = match conditions.tilt {
+            Tilt::Fixed(_) => Tilt::Fixed(disturbance.tilt),
+            Tilt::ResultantAt(lever) | Tilt::Moment { lever, .. } => {
+                let resultant: f64 = self.weights().iter().zip(&state.pressure).map(|(w, p)| w * p).sum();
+                Tilt::Moment { lever, moment: disturbance.moment + disturbance.tilt * resultant }
+            }
+        };
+        if self.set.iter().all(|active| !active) {
+            rate.pressure.fill(0.0);
+            rate.approach = match conditions.normal {
+                Normal::Spring { stiffness, .. } if stiffness > 0.0 => disturbance.normal / stiffness,
+                Normal::Approach(_) => disturbance.normal,
+                _ => 0.0,
+            };
+            rate.tilt = if let Tilt::Fixed(_) = conditions.tilt { disturbance.tilt } else { 0.0 };
+            return Ok(());
+        }
+        for i in 0..count {
+            let worn = if tau > 0.0 && self.set[i] { tau * conditions.rate.slope(i, state.pressure[i]) } else { 0.0 };
+            self.diagonal[i] = worn;
+        }
+        let problem = ContactProblem {
+            gap: &self.gap,
+            signed_friction: conditions.signed_friction,
+            diagonal: &self.diagonal,
+            normal,
+            tilt,
+        };
+        (rate.approach, rate.tilt) = self.solver.solve_for_set(&problem, &self.set, &mut rate.pressure)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,288 @@
+//! The bodies of a scene on the cells of its contact line.
+
+use super::block::{Block, BlockError, BlockProperties, Discretization};
+use super::half_plane::scale_columns;
+use super::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, OutOfRange, Rigid, Strip, Winkler};
+use nalgebra::DMatrix;
+use scene::{Body, Geometry, MechanicalBody, Path, Scene};
+use std::f64::consts::PI;
+use std::fmt;
+
+/// A body of the scene that the model does not hold for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyError {
+    /// `punch` or `strip`.
+    pub body: &'static str,
+    /// What is wrong with it.
+    pub reason: BodyReason,
+}
+
+/// What is wrong with a body.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BodyReason {
+    /// A value outside its range.
+    OutOfRange(OutOfRange),
+    /// The finite elements of the block refuse it.
+    Block(BlockError),
+}
+
+impl From<OutOfRange> for BodyReason {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
+
+impl From<BlockError> for BodyReason {
+    fn from(error: BlockError) -> Self {
+        Self::Block(error)
+    }
+}
+
+impl fmt::Display for BodyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: ", self.body)?;
+        match &self.reason {
+            BodyReason::OutOfRange(error) => error.fmt(f),
+            BodyReason::Block(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for BodyError {}
+
+/// Cells of the scene's contact line: graded to the edges, uniform where the contact has none (periodic).
+///
+/// # Errors
+/// A count that is not from 1 to [`super::MAXIMUM_CELLS`], a width that is not positive.
+pub fn cells_for(scene: &Scene, count: usize) -> Result<Cells, OutOfRange> {
+    match scene.geometry {
+        Geometry::Periodic => Cells::uniform(0.5 * scene.width, count),
+        Geometry::Line | Geometry::Annular => Cells::graded(0.5 * scene.width, count),
+    }
+}
+
+/// Radius of every cell over the mean one, r/r_m with r = r_m + x, on an annulus; 1 elsewhere. The cells' sliding
+/// velocity is that at the mean radius times this.
+pub fn relative_radii(scene: &Scene, cells: &Cells) -> Vec<f64> {
+    match scene.geometry {
+        Geometry::Annular => cells.centres().iter().map(|x| 1.0 + x / scene.mean_radius).collect(),
+        Geometry::Line | Geometry::Periodic => vec![1.0; cells.count()],
+    }
+}
+
+/// Weights of the load integral, m: `F = depth sum w_i p_i`, the cell widths times r/r_m.
+pub fn load_weights(scene: &Scene, cells: &Cells) -> Vec<f64> {
+    cells.widths().iter().zip(relative_radii(scene, cells)).map(|(width, radius)| width * radius).collect()
+}
+
+/// Compliance of punch and strip on the given cells.
+///
+/// | body | rigid | winkler | half_plane | elastic |
+/// |---|---|---|---|---|
+/// | punch | - | k_w, or (lambda + 2G)/height where it is 0 | half-plane | finite-element block, held at the top |
+/// | strip | - | the same | half-plane | Fourier layer on its base; closed with its length as period, straight and long otherwise |
+///
+/// In periodic geometry both bodies are layers of the path's length: the punch bonded to its holder, a half-plane's
+/// mean displacement under uniform pressure fixed at `3 width/(pi E*)`, the value it has on a contact with edges.
+/// On an annulus the contact line is a radius, along which the strip is straight. The shear compliance is zero on an
+/// annulus, where friction acts across the line, and where the scene switches the shear coupling off.
+///
+/// # Errors
+/// What a body refuses: elastic constants or a height outside their range, a block too slender or too flat.
+pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], BodyError> {
+    let punch = body(scene, cells, &scene.punch, true).map_err(|reason| BodyError { body: "punch", reason })?;
+    let strip = body(scene, cells, &scene.strip, false).map_err(|reason| BodyError { body: "strip", reason })?;
+    let mut both = [punch, strip];
+    if !scene.shear_coupling || scene.geometry == Geometry::Annular {
+        both.iter_mut().for_each(|compliance| compliance.shear.fill(0.0));
+    }
+    Ok(both)
+}
+
+/// Tolerance of the pressure by a block at loose tolerances, which are about wear, temperature and friction force.
+const PRESSURE_TOLERANCE: f64 = 1e-3;
+
+fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
+    if body.mechanical == MechanicalBody::Rigid {
+        return Ok(Rigid.compliance(cells));
+    }
+    if body.mechanical == MechanicalBody::Winkler && body.foundation_stiffness > 0.0 {
+        return Ok(Winkler::new(body.foundation_stiffness)?.compliance(cells));
+    }
+    let material = Material::new(body.youngs_modulus, body.poissons_ratio)?;
+    let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
+    let compliance = match (body.mechanical, scene.geometry) {
+        (MechanicalBody::Rigid, _) => Rigid.compliance(cells),
+        (MechanicalBody::Winkler, _) => Winkler::new(material.uniaxial_modulus() / body.height)?.compliance(cells),
+        (MechanicalBody::HalfPlane, Geometry::Periodic) => periodic_half_plane(material, scene.length, cells)?,
+        (MechanicalBody::HalfPlane, _) => HalfPlane { material }.compliance(cells),
+        (MechanicalBody::Elastic, Geometry::Periodic) => {
+            Strip::new(material, body.height, base, Extent::Closed(scene.length))?.try_compliance(cells)?
+        }
+        (MechanicalBody::Elastic, geometry) if !punch => {
+            let closed = scene.path == Path::Closed && geometry == Geometry::Line;
+            let extent = if closed { Extent::Closed(scene.length) } else { Extent::Straight };
+            Strip::new(material, body.height, base, extent)?.try_compliance(cells)?
+        }
+        (MechanicalBody::Elastic, _) => {
+            let properties = BlockProperties {
+                width: scene.width,
+                height: body.height,
+                youngs_modulus: body.youngs_modulus,
+                poissons_ratio: body.poissons_ratio,
+            };
+            let tolerance = scene.tolerance.min(PRESSURE_TOLERANCE);
+            let discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
+            let compliance = Block::new(properties, discretization)?.compliance(cells.edges())?;
+            Compliance { normal: compliance.normal, shear: compliance.shear }
+        }
+    };
+    Ok(compliance)
+}
+
+/// Half-plane under tractions of the given period: a layer so high that its base is not felt, less the layer's own
+/// uniform compression.
+fn periodic_half_plane(material: Material, period: f64, cells: &Cells) -> Result<Compliance, OutOfRange> {
+    // exp(-2 q h) of the longest wave is below 1e-16 from q h = 19.
+    let height = 4.0 * period;
+    let mut compliance = Strip::new(material, height, Base::Smooth, Extent::Closed(period))?.try_compliance(cells)?;
+    let uniform = (3.0 * period / PI - height) / (period * material.plane_strain_modulus());
+    let count = cells.count();
+    compliance.normal += scale_columns(DMatrix::repeat(count, count, uniform), 1.0, cells.widths());
+    Ok(compliance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DVector;
+    use scene::Constraint;
+    use scene::variables::{STARTS, reference};
+
+    fn scene(changes: &[(&str, f64)]) -> Scene {
+        let mut values = STARTS;
+        for (name, value) in changes {
+            values[reference(name) as usize] = *value;
+        }
+        Scene::new(&values, None).unwrap()
+    }
+
+    /// A line contact of width 60 mm on a straight path; both bodies of one kind (rigid 1 to elastic 4).
+    fn line(kind: f64) -> Scene {
+        scene(&[
+            ("contact.geometry", 1.0),
+            ("strip.path", 1.0),
+            ("strip.length", 0.0),
+            ("punch.count", 1.0),
+            ("punch.width", 0.06),
+            ("punch.height", 0.1),
+            ("punch.body", kind),
+            ("strip.body", kind),
+            ("strip.height", 0.08),
+            ("solver.fidelity", 1.0),
+        ])
+    }
+
+    #[test]
+    fn every_kind_of_body_is_the_one_meant() {
+        for kind in [1.0, 2.0, 3.0, 4.0] {
+            let scene = line(kind);
+            let cells = cells_for(&scene, 9).unwrap();
+            let [punch, strip] = compliances(&scene, &cells).unwrap();
+            let material = |body: &Body| Material::new(body.youngs_modulus, body.poissons_ratio).unwrap();
+            let [m1, m2] = [material(&scene.punch), material(&scene.strip)];
+            let straight = Strip::new(m2, 0.08, Base::Bonded, Extent::Straight).unwrap();
+            let expected = match scene.strip.mechanical {
+                MechanicalBody::Rigid => Rigid.compliance(&cells),
+                MechanicalBody::Winkler => Winkler::new(m2.uniaxial_modulus() / 0.08).unwrap().compliance(&cells),
+                MechanicalBody::HalfPlane => HalfPlane { material: m2 }.compliance(&cells),
+                MechanicalBody::Elastic => straight.compliance(&cells),
+            };
+            assert_eq!((&strip.normal, &strip.shear), (&expected.normal, &expected.shear), "{kind}");
+            let uniform = &punch.normal * DVector::repeat(9, 1.0);
+            let mean = cells.integral(uniform.as_slice()) / 0.06;
+            // A block free at its sides gives the mean of uniaxial stress, but for what its held top withholds.
+            let (exact, tolerance) = match scene.punch.mechanical {
+                MechanicalBody::Rigid => (0.0, 0.0),
+                MechanicalBody::Winkler => (0.1 / m1.uniaxial_modulus(), 1e-15),
+                MechanicalBody::HalfPlane => (3.0 * 0.06 / (PI * m1.plane_strain_modulus()), 1e-12),
+                MechanicalBody::Elastic => (0.1 / m1.plane_strain_modulus(), 0.05),
+            };
+            assert!((mean - exact).abs() <= tolerance * exact, "{kind}: {mean:e} {exact:e}");
+            assert_eq!(punch.shear.amax() > 0.0, kind > 2.0);
+        }
+    }
+
+    #[test]
+    fn a_given_foundation_stiffness_counts_and_shear_coupling_can_be_switched_off() {
+        let mut scene = line(2.0);
+        scene.punch.foundation_stiffness = 3e12;
+        let cells = cells_for(&scene, 5).unwrap();
+        assert_eq!(compliances(&scene, &cells).unwrap()[0].normal[(2, 2)], 1.0 / 3e12);
+        let mut scene = line(3.0);
+        scene.shear_coupling = false;
+        assert!(compliances(&scene, &cells).unwrap().iter().all(|body| body.shear.amax() == 0.0));
+    }
+
+    #[test]
+    fn closed_paths_have_their_period_and_annuli_a_straight_radius() {
+        let mut scene = line(4.0);
+        let cells = cells_for(&scene, 17).unwrap();
+        let straight = compliances(&scene, &cells).unwrap();
+        (scene.path, scene.length) = (Path::Closed, 0.1);
+        let closed = compliances(&scene, &cells).unwrap();
+        assert!((&closed[1].normal - &straight[1].normal).amax() > 1e-3 * straight[1].normal.amax());
+        (scene.geometry, scene.mean_radius) = (Geometry::Annular, 0.1);
+        let annular = compliances(&scene, &cells).unwrap();
+        assert_eq!(annular[1].normal, straight[1].normal);
+        assert!(annular.iter().all(|body| body.shear.amax() == 0.0));
+        let weights = load_weights(&scene, &cells);
+        // Half the ring's area over the mean circumference: the width, because r_m is in the middle.
+        assert!((weights.iter().sum::<f64>() - 0.06).abs() < 1e-16);
+        assert!((weights[16] / cells.widths()[16] - (1.0 + cells.centres()[16] / 0.1)).abs() < 1e-15);
+    }
+
+    #[test]
+    fn periodic_bodies_answer_waves_with_their_kernels() {
+        let mut scene = line(3.0);
+        (scene.geometry, scene.path, scene.length) = (Geometry::Periodic, Path::Closed, 0.06);
+        scene.constraint = Constraint::Translate;
+        let cells = cells_for(&scene, 64).unwrap();
+        let q = 2.0 * PI / 0.06;
+        let wave = DVector::from_vec(cells.means_from_primitive(|x| (q * x).sin() / q));
+        let sine = DVector::from_vec(cells.means_from_primitive(|x| -(q * x).cos() / q));
+        let e = scene.strip.youngs_modulus / (1.0 - scene.strip.poissons_ratio.powi(2));
+        let [punch, strip] = compliances(&scene, &cells).unwrap();
+        // The cells hold a wave as means: a factor sinc^2 of half a cell.
+        let sinc = (PI / 64.0).sin() / (PI / 64.0);
+        let answer = &strip.normal * &wave;
+        assert!((&answer - &wave * (2.0 / (e * q))).amax() < (1.0 - sinc.powi(2)) * 2.1 / (e * q), "{answer}");
+        let uniform = &punch.normal * DVector::repeat(64, 1.0);
+        let exact = 3.0 * 0.06 / (PI * scene.punch.youngs_modulus / (1.0 - scene.punch.poissons_ratio.powi(2)));
+        assert!(uniform.iter().all(|u| (u / exact - 1.0).abs() < 1e-9), "{uniform} {exact}");
+        // Shear: (1-2nu)/(2Gq) sin q x under cos q x.
+        let nu = scene.strip.poissons_ratio;
+        let g = 0.5 * scene.strip.youngs_modulus / (1.0 + nu);
+        let by_shear = &strip.shear * &wave - &sine * (0.5 * (1.0 - 2.0 * nu) / (g * q));
+        assert!(by_shear.amax() < 2e-3 * (1.0 - 2.0 * nu) / (g * q), "{by_shear}");
+        // Elastic layers: the longest wave is stiffer than the half-plane's by the kernel.
+        (scene.punch.mechanical, scene.strip.mechanical) = (MechanicalBody::Elastic, MechanicalBody::Elastic);
+        scene.strip.height = 0.01;
+        let [_, layer] = compliances(&scene, &cells).unwrap();
+        let expected = super::super::StripKernel::new(Base::Bonded, nu).normal(q * 0.01);
+        let difference = &layer.normal * &wave - &wave * (2.0 * expected / (e * q));
+        assert!(difference.amax() < 1e-3 * answer.amax(), "{:e} {:e}", difference.amax(), answer.amax());
+    }
+
+    #[test]
+    fn refusals_name_the_body() {
+        let mut scene = line(4.0);
+        scene.punch.height = 10.0;
+        let cells = cells_for(&scene, 5).unwrap();
+        let message = compliances(&scene, &cells).unwrap_err().to_string();
+        assert!(message.starts_with("punch: height / width = 166."), "{message}");
+        (scene.punch.height, scene.strip.poissons_ratio) = (0.1, 0.5);
+        let message = compliances(&scene, &cells).unwrap_err().to_string();
+        assert_eq!(message, "strip: Poisson's ratio = 0.5 is out of range: must be from 0 to below 0.5");
+    }
+}

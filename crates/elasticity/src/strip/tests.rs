@@ -1,0 +1,184 @@
+use super::*;
+use crate::HalfPlane;
+
+fn steel() -> Material {
+    Material::new(2.6, 0.3).unwrap()
+}
+
+fn largest(matrix: &DMatrix<f64>) -> f64 {
+    matrix.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
+}
+
+#[test]
+fn zeta_values() {
+    assert!((zeta_less_one(2) - (PI * PI / 6.0 - 1.0)).abs() < 1e-15);
+    assert!((zeta_less_one(4) - (PI.powi(4) / 90.0 - 1.0)).abs() < 1e-15);
+    assert!((zeta_less_one(20) / 9.539_620_338_728e-7 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn gauss_rule_integrates_polynomials() {
+    for n in [1, 4, 12] {
+        let moment: f64 = gauss_legendre(n).iter().map(|(x, w)| w * x.powi(2 * n as i32 - 2)).sum();
+        assert!((moment - 2.0 / (2 * n - 1) as f64).abs() < 1e-14);
+    }
+}
+
+/// Brute-force Fourier sum of the cell means on a closed strip, all modes to the given number.
+fn fourier_sum(strip: &Strip, cells: &Cells, period: f64, modes: usize, i: usize, j: usize) -> (f64, f64) {
+    let nu = strip.material.poissons_ratio();
+    let kernel = StripKernel::new(strip.base, nu);
+    let (x, c) = (cells.centres(), cells.widths());
+    let (mut normal, mut shear) = (PI * strip.height / period * kernel.normal_at_zero(), 0.0);
+    for k in (1..=modes).rev() {
+        let q = 2.0 * PI * k as f64 / period;
+        let mean = sinc(0.5 * q * c[i]) * sinc(0.5 * q * c[j]) / k as f64;
+        normal += mean * kernel.normal(q * strip.height) * (q * (x[i] - x[j])).cos();
+        shear += mean * kernel.shear(q * strip.height) * (q * (x[i] - x[j])).sin();
+    }
+    let g = strip.material.shear_modulus();
+    ((1.0 - nu) / (PI * g) * c[j] * normal, 0.5 / (PI * g) * c[j] * shear)
+}
+
+#[test]
+fn closed_strip_equals_its_fourier_sum() {
+    // The sum converges like 1/modes^2 for cells of one width.
+    for (base, count, length) in
+        [(Base::Bonded, 8, 2.0), (Base::Smooth, 8, 3.0), (Base::Bonded, 1, 2.0), (Base::Smooth, 2, 2.0)]
+    {
+        let strip = Strip::new(steel(), 0.4, base, Extent::Closed(length)).unwrap();
+        let cells = Cells::graded(1.0, count).unwrap();
+        let compliance = strip.compliance(&cells);
+        for i in 0..count {
+            for j in 0..count {
+                let (normal, shear) = fourier_sum(&strip, &cells, length, 100_000, i, j);
+                let error = (compliance.normal[(i, j)] - normal).abs();
+                assert!(error < 2e-8, "{base:?} C({i},{j}) {error:e}");
+                let error = (compliance.shear[(i, j)] - shear).abs();
+                assert!(error < 2e-8, "{base:?} S({i},{j}) {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn straight_strip_does_not_depend_on_the_auxiliary_period() {
+    for base in [Base::Bonded, Base::Smooth] {
+        for (nu, height) in [(0.0, 1.0), (0.3, 0.02), (0.3, 50.0), (0.4999, 1.0), (0.4999, 0.02)] {
+            let material = Material::new(2.6, nu).unwrap();
+            let strip = Strip::new(material, height, base, Extent::Straight).unwrap();
+            let cells = Cells::graded(1.0, 17).unwrap();
+            let usual = strip.compliance(&cells);
+            let longer = strip.on_period(&cells, 2.0 + 1.37 * DECAY_LENGTH * height);
+            let scale = largest(&HalfPlane { material }.compliance(&cells).normal);
+            let error = largest(&(&usual.normal - &longer.normal)) / scale;
+            assert!(error < 1e-11, "{base:?} nu {nu} h {height}: C {error:e}");
+            let error = largest(&(&usual.shear - &longer.shear)) / scale;
+            assert!(error < 1e-11, "{base:?} nu {nu} h {height}: S {error:e}");
+        }
+    }
+}
+
+#[test]
+fn straight_strip_equals_its_fourier_integral() {
+    // Entries of C and S by direct quadrature over q: trapezoidal rule on a far longer period is no independent
+    // check, so composite Gauss quadrature with the half-plane's logarithm of a finite cut-off removed:
+    // 1/q (Phi - 1 + exp(-q h)) decays, and integral (1 - exp(-q h)) cos(q r)/q dq = -ln r + ln(r^2 + h^2)/2.
+    let (height, cells) = (0.7, Cells::graded(1.0, 4).unwrap());
+    let gauss = gauss_legendre(12);
+    for base in [Base::Bonded, Base::Smooth] {
+        let strip = Strip::new(steel(), height, base, Extent::Straight).unwrap();
+        let kernel = StripKernel::new(base, 0.3);
+        let point = |r: f64| {
+            let (mut normal, mut shear) = (0.0, 0.0);
+            for panel in 0..80 {
+                for (node, weight) in &gauss {
+                    let u = 0.25 * (2.0 * panel as f64 + 1.0 + node);
+                    normal += 0.25 * weight * (kernel.normal_remainder(u) + (-u).exp()) / u * (u * r / height).cos();
+                    let decaying = kernel.shear_remainder(u) + (-u).exp() * (0.4 - kernel.shear_at_zero());
+                    shear += 0.25 * weight * decaying / u * (u * r / height).sin();
+                }
+            }
+            let smooth = 0.5 * (r * r + height * height).ln();
+            // integral (1 - exp(-u)) sin(u t)/u du = pi/2 - arctan t
+            let t = r / height;
+            let far = 0.4 * 0.5 * PI * t.signum() - (0.4 - kernel.shear_at_zero()) * t.atan();
+            (normal + smooth, shear + far)
+        };
+        let compliance = strip.compliance(&cells);
+        let (x, c) = (cells.centres(), cells.widths());
+        for (i, j) in [(3, 0), (3, 1), (2, 0), (1, 3)] {
+            let (mut normal, mut shear) = (mean_logarithm(x[i] - x[j], 0.5 * c[i], 0.5 * c[j]), 0.0);
+            for (node_i, weight_i) in &gauss {
+                for (node_j, weight_j) in &gauss {
+                    let r = x[i] - x[j] + 0.5 * c[i] * node_i - 0.5 * c[j] * node_j;
+                    let (n, s) = point(r);
+                    normal += 0.25 * weight_i * weight_j * n;
+                    shear += 0.25 * weight_i * weight_j * s;
+                }
+            }
+            let error = (compliance.normal[(i, j)] - 0.7 / PI * c[j] * normal).abs();
+            assert!(error < 1e-10, "{base:?} C({i},{j}) {error:e}");
+            let error = (compliance.shear[(i, j)] - 0.5 / PI * c[j] * shear).abs();
+            assert!(error < 1e-10, "{base:?} S({i},{j}) {error:e}");
+        }
+    }
+}
+
+#[test]
+fn high_strip_is_a_half_plane_up_to_a_constant() {
+    let cells = Cells::graded(1.0, 9).unwrap();
+    let half_plane = HalfPlane { material: steel() }.compliance(&cells);
+    let mut previous = f64::INFINITY;
+    for height in [10.0, 100.0, 1000.0] {
+        let strip = Strip::new(steel(), height, Base::Bonded, Extent::Straight).unwrap().compliance(&cells);
+        let density = |m: &DMatrix<f64>, i: usize, j: usize| m[(i, j)] / cells.widths()[j];
+        let constant = density(&strip.normal, 0, 0) - density(&half_plane.normal, 0, 0);
+        let mut error: f64 = 0.0;
+        for i in 0..9 {
+            for j in 0..9 {
+                let difference = density(&strip.normal, i, j) - density(&half_plane.normal, i, j);
+                error = error.max((difference - constant).abs());
+                error = error.max((density(&strip.shear, i, j) - density(&half_plane.shear, i, j)).abs());
+            }
+        }
+        assert!(error < 0.2 * previous, "h {height}: {error:e}");
+        previous = error;
+    }
+    assert!(previous < 1e-3);
+}
+
+#[test]
+fn thin_strip_is_a_winkler_foundation() {
+    // Under uniform pressure the middle of a wide pad is compressed by h (1+nu)(1-2nu)/(E (1-nu)).
+    for (base, exact) in [(Base::Bonded, 0.01 / steel().uniaxial_modulus()), (Base::Smooth, 0.01 * 0.91 / 2.6)] {
+        let strip = Strip::new(steel(), 0.01, base, Extent::Straight).unwrap();
+        let cells = Cells::uniform(1.0, 21).unwrap();
+        let displacement = strip.compliance(&cells).normal * DVector::repeat(21, 1.0);
+        let error = displacement[10] / exact - 1.0;
+        assert!(error.abs() < 1e-10, "{base:?}: {error:e}");
+    }
+}
+
+#[test]
+fn full_periodic_contact_is_circulant() {
+    let strip = Strip::new(steel(), 0.3, Base::Smooth, Extent::Closed(2.0)).unwrap();
+    let compliance = strip.compliance(&Cells::uniform(1.0, 12).unwrap());
+    for i in 0..12 {
+        for j in 0..12 {
+            let error = compliance.normal[(i, j)] - compliance.normal[((i + 5) % 12, (j + 5) % 12)];
+            assert!(error.abs() < 1e-13, "C {error:e}");
+            let error = compliance.shear[(i, j)] - compliance.shear[((i + 5) % 12, (j + 5) % 12)];
+            assert!(error.abs() < 1e-13, "S {error:e}");
+        }
+    }
+}
+
+#[test]
+fn refusals_carry_the_numbers() {
+    let short = Strip::new(steel(), 0.3, Base::Bonded, Extent::Closed(1.0)).unwrap();
+    let message = short.try_compliance(&Cells::graded(1.0, 3).unwrap()).unwrap_err().to_string();
+    assert_eq!(message, "strip length = 1 is out of range: must be at least the width of the contact zone");
+    assert!(Strip::new(steel(), 0.0, Base::Bonded, Extent::Straight).is_err());
+    assert!(Strip::new(steel(), 1.0, Base::Bonded, Extent::Closed(f64::NAN)).is_err());
+}

@@ -1,0 +1,120 @@
+//! Heat in the punch by finite elements, unreduced: what its reduction is held against.
+
+use elasticity::Cells;
+use elasticity::block::{Block, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition};
+use faer::Mat;
+use nalgebra::DMatrix;
+use numerics::sdirk::GAMMA;
+use scene::{Scene, ThermalBoundary};
+
+/// Layers of elements towards the edges beyond those for the pressure: the mean temperature of an edge cell needs elements
+/// that are small against it.
+const MORE_LAYERS: usize = 3;
+
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+/// The punch of a scene on a mesh, and its temperatures.
+pub struct Unreduced {
+    block: ThermalBlock,
+    /// The same mesh for elasticity.
+    pub elastic: Block,
+    expansion: f64,
+    boundaries: Vec<f64>,
+    loads: Mat<f64>,
+    unresolved: DMatrix<f64>,
+    field: Mat<f64>,
+}
+
+impl Unreduced {
+    /// At the reference temperature.
+    ///
+    /// # Errors
+    /// What the mesh refuses.
+    pub fn new(scene: &Scene, cells: &Cells) -> Result<Unreduced, String> {
+        let (body, width) = (&scene.punch, 2.0 * cells.half_width());
+        let boundaries = cells.edges().to_vec();
+        let coarse = Discretization::for_cells(width, body.height, &boundaries, 1e-4);
+        let discretization = Discretization { contact_layers: coarse.contact_layers + MORE_LAYERS, ..coarse };
+        let properties = ThermalProperties {
+            width,
+            height: body.height,
+            conductivity: body.conductivity,
+            volumetric_heat_capacity: body.capacity(),
+            side_convection: body.convection,
+            top: match body.far_thermal {
+                ThermalBoundary::Held | ThermalBoundary::External => TopCondition::Held,
+                ThermalBoundary::Convecting => TopCondition::Convecting(body.convection),
+                ThermalBoundary::Insulated => TopCondition::Convecting(0.0),
+            },
+        };
+        let mechanical = BlockProperties {
+            width,
+            height: body.height,
+            youngs_modulus: body.youngs_modulus,
+            poissons_ratio: body.poissons_ratio,
+        };
+        let block = ThermalBlock::new(properties, discretization).map_err(text)?;
+        let loads = block.flux_loads(&boundaries).map_err(text)?;
+        let unresolved = block.unresolved_response(&boundaries).map_err(text)?;
+        let field = Mat::zeros(block.degrees(), 1);
+        let elastic = Block::new(mechanical, discretization).map_err(text)?;
+        Ok(Unreduced { block, elastic, expansion: body.thermal_expansion, boundaries, loads, unresolved, field })
+    }
+
+    fn load(&self, flux: &[f64]) -> Mat<f64> {
+        Mat::from_fn(self.block.degrees(), 1, |i, _| (0..flux.len()).map(|j| self.loads[(i, j)] * flux[j]).sum())
+    }
+
+    /// `count` steps of the two-stage method of the line's abscissae, with the flux at any time.
+    ///
+    /// # Errors
+    /// What the factorisation says.
+    pub fn run(&mut self, start: f64, step: f64, count: usize, flux: &dyn Fn(f64) -> Vec<f64>) -> Result<(), String> {
+        let shift = 1.0 / (GAMMA * step);
+        let factor = self.block.factorize(shift).map_err(text)?;
+        for i in 0..count {
+            let time = start + step * i as f64;
+            let kept = self.block.apply_capacity(&self.field) * faer::Scale(shift);
+            let mut first = &kept + self.load(&flux(time + GAMMA * step));
+            self.block.solve_in_place(&factor, &mut first).map_err(text)?;
+            // T_end = T + (1 - gamma)/gamma (T_first - T) + gamma h dT_end/dt.
+            let part = (1.0 - GAMMA) / GAMMA;
+            let start = &self.field + (&first - &self.field) * faer::Scale(part);
+            let mut end = self.block.apply_capacity(&start) * faer::Scale(shift) + self.load(&flux(time + step));
+            self.block.solve_in_place(&factor, &mut end).map_err(text)?;
+            self.field = end;
+        }
+        Ok(())
+    }
+
+    /// Becomes steady under a flux.
+    ///
+    /// # Errors
+    /// What the factorisation says.
+    pub fn rest(&mut self, flux: &[f64]) -> Result<(), String> {
+        self.field = self.load(flux);
+        let factor = self.block.factorize(0.0).map_err(text)?;
+        self.block.solve_in_place(&factor, &mut self.field).map_err(text)
+    }
+
+    /// Mean temperatures of the cells under the flux of the moment.
+    ///
+    /// # Errors
+    /// What the mesh refuses.
+    pub fn temperature(&self, flux: &[f64]) -> Result<Vec<f64>, String> {
+        let means = self.block.contact_temperatures(&self.boundaries, &self.field).map_err(text)?;
+        let local = |i: usize| (0..flux.len()).map(|j| self.unresolved[(i, j)] * flux[j]).sum::<f64>();
+        Ok((0..flux.len()).map(|i| means[(i, 0)] + local(i)).collect())
+    }
+
+    /// Mean displacements of the cells, m into the body.
+    ///
+    /// # Errors
+    /// What the mesh refuses.
+    pub fn distortion(&self) -> Result<Vec<f64>, String> {
+        let means = self.elastic.thermal_distortion(&self.block, &self.field, &self.boundaries).map_err(text)?;
+        Ok(means.iter().map(|mean| self.expansion * mean).collect())
+    }
+}

@@ -1,0 +1,172 @@
+//! The bodies of a pair as layers of their own heights under one pressure wave.
+//!
+//! A wave of number q that moves at the speed c_i in the frame of body i drives it at the frequency `s = -i q c_i`. The
+//! layer takes up the flux `Y T`, is lifted by `L T` and gives way by `C p`: Y and L from conduction through its height
+//! ([`Depth`]), L by reciprocity with the dilatation under pressure, C by its elastic kernel. With the friction heat
+//! `mu V p`, the pressure of what is lifted and the resistance `r = 1/(2 h_c)` between each surface and the other, the wave
+//! stays as it is where
+//!
+//! ```text
+//! mu V = Z = (C_1 + C_2) [Y_1 (1 + r Y_2) + Y_2 (1 + r Y_1)]/[L_1 (1 + r Y_2) + L_2 (1 + r Y_1)].
+//! ```
+
+use conduction::line::strip::{Depth, dilatation};
+use conduction::slab::{self, CoolingPort, Slab};
+use elasticity::{Base, StripKernel, antisymmetric};
+use nalgebra::Complex;
+use scene::{Body, MechanicalBody, Scene, ThermalBoundary};
+
+/// Beyond this q h a layer is a half-plane to rounding.
+const DEEP: f64 = 20.0;
+
+/// Half of the resistance between surfaces that exchange nothing, K m2/W: each gets half of the heat.
+const NO_EXCHANGE: f64 = 1e12;
+
+/// 1/(2 h_c), K m2/W.
+pub fn half_resistance(scene: &Scene) -> f64 {
+    if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE }
+}
+
+/// What the far face of a layer does to a wave.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FarFace {
+    /// Held mechanically, and thermally as the scene says.
+    Held(Base),
+    /// Mid plane of a layer with two faces in contact, whose waves are alike.
+    Symmetric,
+    /// The same, the waves of opposite sign: the layer bends, its mid plane stays at its temperature.
+    Antisymmetric,
+}
+
+/// A body under a wave.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer {
+    /// `None`: an insulator.
+    conduction: Option<Depth>,
+    expands: bool,
+    /// Displacement per pressure, m/Pa.
+    compliance: f64,
+}
+
+impl Layer {
+    /// The layer of a body at the wave number `wave`, 1/m.
+    pub fn new(body: &Body, far: FarFace, wave: f64) -> Layer {
+        let nu = body.poissons_ratio;
+        let u = wave * body.height;
+        let half_plane = 2.0 * (1.0 - nu * nu) / (body.youngs_modulus * wave);
+        let base = match far {
+            FarFace::Held(base) => base,
+            FarFace::Symmetric | FarFace::Antisymmetric => Base::Smooth,
+        };
+        let compliance = match body.mechanical {
+            MechanicalBody::Rigid => 0.0,
+            MechanicalBody::Winkler => winkler(body),
+            MechanicalBody::HalfPlane => half_plane,
+            MechanicalBody::Elastic if u > DEEP => half_plane,
+            MechanicalBody::Elastic if far == FarFace::Antisymmetric => half_plane * antisymmetric::compliance(u),
+            MechanicalBody::Elastic => half_plane * StripKernel::new(base, nu).normal(u),
+        };
+        let expands = body.conductivity > 0.0 && body.thermal_expansion > 0.0;
+        let coefficient = 2.0 * (1.0 + nu) * body.thermal_expansion;
+        let by_pressure = match (body.mechanical, far) {
+            (MechanicalBody::HalfPlane, _) => (1.0, 0.0),
+            (_, FarFace::Antisymmetric) => antisymmetric::dilatation(u),
+            _ => dilatation(base, nu, u),
+        };
+        let slab = Slab {
+            height: body.height,
+            conductivity: body.conductivity,
+            capacity: body.capacity(),
+            surface_transfer: 0.0,
+            volume_transfer: 0.0,
+            base: match (far, body.far_thermal) {
+                (FarFace::Symmetric, _) => slab::Base::Insulated,
+                (FarFace::Antisymmetric, _) => slab::Base::Held,
+                (_, ThermalBoundary::Held | ThermalBoundary::External) => slab::Base::Held,
+                (_, ThermalBoundary::Convecting) => slab::Base::Convecting(body.convection),
+                (_, ThermalBoundary::Insulated) => slab::Base::Insulated,
+            },
+            cooling: CoolingPort::Surface,
+        };
+        let lifts = expands.then_some((coefficient * by_pressure.0, coefficient * by_pressure.1));
+        let conduction = (body.conductivity > 0.0).then(|| Depth::with_dilatation(&slab, lifts, wave));
+        Layer { conduction, expands, compliance }
+    }
+
+    /// Y, W/(m2 K), and L, m/K, at the frequency `s`, 1/s.
+    pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
+        let Some(conduction) = &self.conduction else { return [Complex::from(0.0); 2] };
+        let [impedance, distortion] = conduction.respond(s);
+        let uptake = impedance.inv();
+        [uptake, -distortion * uptake]
+    }
+
+    /// C, m/Pa.
+    pub fn compliance(&self) -> f64 {
+        self.compliance
+    }
+
+    /// Whether heat lifts its surface.
+    pub fn expands(&self) -> bool {
+        self.expands
+    }
+}
+
+/// Compliance of independent springs, m/Pa.
+fn winkler(body: &Body) -> f64 {
+    if body.foundation_stiffness > 0.0 {
+        return body.foundation_stiffness.recip();
+    }
+    let nu = body.poissons_ratio;
+    body.height * (1.0 + nu) * (1.0 - 2.0 * nu) / (body.youngs_modulus * (1.0 - nu))
+}
+
+/// Both bodies under one wave.
+#[derive(Clone, Copy, Debug)]
+pub struct Layers {
+    pub bodies: [Layer; 2],
+    /// Wave number, 1/m.
+    pub wave: f64,
+    /// 1/(2 h_c), K m2/W.
+    pub half_resistance: f64,
+}
+
+impl Layers {
+    /// The scene's bodies at the wave number `wave`, 1/m; `strip`: what the far face of the strip does.
+    pub fn new(scene: &Scene, strip: FarFace, wave: f64) -> Layers {
+        let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
+        let strip = Layer::new(&scene.strip, strip, wave);
+        Layers { bodies: [punch, strip], wave, half_resistance: half_resistance(scene) }
+    }
+
+    /// C of both, m/Pa.
+    pub fn compliance(&self) -> f64 {
+        self.bodies[0].compliance + self.bodies[1].compliance
+    }
+
+    /// Whether no heat lifts anything, or nothing gives way to it.
+    pub fn is_neutral(&self) -> bool {
+        let lifts = self.bodies.iter().any(|body| body.expands);
+        !lifts || self.compliance() <= 0.0 || !self.compliance().is_finite()
+    }
+
+    /// Z of the body that is easier to make unstable, at rest and by itself, Pa.m/s.
+    pub fn alone(&self) -> f64 {
+        let rest = Complex::from(0.0);
+        let own = |body: &Layer| {
+            let [uptake, lift] = body.respond(rest);
+            self.compliance() * uptake.re / lift.re
+        };
+        self.bodies.iter().filter(|body| body.expands).map(own).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Z in m/s where the wave moves at these speeds in the frames of the two bodies.
+    pub fn impedance(&self, speeds: [f64; 2]) -> Complex<f64> {
+        let at = |body: usize| self.bodies[body].respond(Complex::new(0.0, -self.wave * speeds[body]));
+        let ([first, lift_first], [second, lift_second]) = (at(0), at(1));
+        let temperature = [second * self.half_resistance + 1.0, first * self.half_resistance + 1.0];
+        let heat = first * temperature[0] + second * temperature[1];
+        let lift = lift_first * temperature[0] + lift_second * temperature[1];
+        heat / lift * self.compliance()
+    }
+}

@@ -1,0 +1,277 @@
+//! The waves that a scene has room for, and the one that grows first.
+
+use super::layer::{FarFace, Layers};
+use elasticity::Base;
+use nalgebra::Complex;
+use scene::{Constraint, Geometry, Path, Scene, ThermalBoundary};
+use std::f64::consts::PI;
+
+/// Wave speeds looked at between a body at rest and half the sliding speed, in geometric steps; a little beyond, because bodies
+/// that are alike share the speed equally.
+const WAVE_SPEEDS: usize = 12;
+const SLOWEST_WAVE: f64 = 1e-10;
+const FASTEST_WAVE: f64 = 0.5001;
+
+/// From this q h on a layer is a half-plane, in which shorter waves are the more stable.
+const DEEP: f64 = 4.0;
+/// Ratio of neighbouring wave numbers, unless it takes more than so many of them. Between two of them a parabola finds the least.
+const SPACING: f64 = 1.2;
+const MOST_WAVES: usize = 24;
+/// All waves are compared at every so many-th speed; between, the least is followed from neighbour to neighbour.
+const COMPARED: usize = 6;
+
+/// How the wave may move.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Motion {
+    /// At any speed between those of the bodies, nearer to the punch's (false) or to the strip's.
+    Free(bool),
+    /// With this body; heated for this part of the time.
+    With(usize, f64),
+    /// Across the sliding direction: at rest in both.
+    Across,
+}
+
+/// Waves that differ in their number alone.
+#[derive(Debug)]
+pub(super) struct Family {
+    pub motion: Motion,
+    /// Whether a contact line models them.
+    pub modelled: bool,
+    /// In ascending order of wave number.
+    pub waves: Vec<Layers>,
+    /// Whether there are waves between these.
+    pub continuous: bool,
+    /// The one that was the least at the speed before.
+    least: usize,
+}
+
+/// The waves of a scene.
+#[derive(Debug)]
+pub(super) struct Families {
+    families: Vec<Family>,
+    /// Sliding speed of the fastest point of the contact over that at the mean radius.
+    fastest_cell: f64,
+    asked: usize,
+}
+
+impl Families {
+    /// The waves of the scene's geometry.
+    pub fn of(scene: &Scene) -> Families {
+        let mut families = Vec::new();
+        let own = FarFace::Held(if scene.smooth_base { Base::Smooth } else { Base::Bonded });
+        let mid_plane = scene.faces == 2.0 && scene.strip.far_thermal == ThermalBoundary::Insulated;
+        let others: &[FarFace] = if !mid_plane {
+            &[]
+        } else if scene.smooth_base {
+            &[FarFace::Antisymmetric]
+        } else {
+            &[FarFace::Symmetric, FarFace::Antisymmetric]
+        };
+        let mut add = |numbers: &Numbers, motions: &[Motion]| {
+            for (far, modelled) in [(own, true)].into_iter().chain(others.iter().map(|&far| (far, false))) {
+                for &motion in motions {
+                    let waves: Vec<Layers> =
+                        numbers.values.iter().map(|&number| Layers::new(scene, far, number)).collect();
+                    families.push(Family { motion, modelled, waves, continuous: numbers.continuous, least: 0 });
+                }
+            }
+        };
+        let free = [Motion::Free(false), Motion::Free(true)];
+        let with = [Motion::With(0, 1.0), Motion::With(1, scene.coverage())];
+        let turns = scene.constraint == Constraint::TranslateAndRotate;
+        let half_waves = |length: f64| Numbers::from(scene, if turns { 2.0 * PI / length } else { PI / length });
+        match scene.geometry {
+            Geometry::Periodic => add(&Numbers::multiples(scene, 2.0 * PI / scene.width), &free),
+            Geometry::Annular => {
+                if scene.count * scene.depth > FULL_RING * 2.0 * PI * scene.mean_radius {
+                    add(&Numbers::multiples(scene, 1.0 / scene.mean_radius), &free);
+                } else {
+                    add(&half_waves(scene.depth), &with);
+                }
+                add(&Numbers::from(scene, PI / scene.width), &[Motion::Across]);
+            }
+            Geometry::Line => {
+                add(&half_waves(scene.width), if scene.path == Path::Closed { &with } else { &with[..1] });
+            }
+        }
+        let fastest_cell = match scene.geometry {
+            Geometry::Annular => 1.0 + 0.5 * scene.width / scene.mean_radius,
+            Geometry::Line | Geometry::Periodic => 1.0,
+        };
+        Families { families, fastest_cell, asked: 0 }
+    }
+
+    /// Whether no heat lifts anything.
+    pub fn is_neutral(&self) -> bool {
+        self.families.iter().flat_map(|family| &family.waves).all(Layers::is_neutral)
+    }
+
+    /// The least Re Z at the sliding speed `speed` of all waves and of those that a contact line models, m/s; infinite:
+    /// there is no such wave. Speeds are asked for in ascending order.
+    pub fn least(&mut self, speed: f64) -> [f64; 2] {
+        let compare = self.asked.is_multiple_of(COMPARED);
+        self.asked += 1;
+        let (mut all, mut modelled) = (f64::INFINITY, f64::INFINITY);
+        for family in &mut self.families {
+            let value = family.least(speed, compare);
+            all = all.min(value);
+            if family.modelled {
+                modelled = modelled.min(value);
+            }
+        }
+        [all, modelled]
+    }
+
+    /// The least Z of one body by itself at rest, m/s, of the waves that a contact line models.
+    pub fn alone(&self) -> f64 {
+        let own = |family: &Family| family.waves.iter().map(Layers::alone).fold(f64::INFINITY, f64::min);
+        let modelled = self.families.iter().filter(|family| family.modelled);
+        modelled.map(own).fold(f64::INFINITY, f64::min) / self.fastest_cell
+    }
+}
+
+/// Part of the circle from which on punches count as a full ring.
+const FULL_RING: f64 = 0.999;
+
+/// Wave numbers in ascending order, 1/m.
+struct Numbers {
+    values: Vec<f64>,
+    continuous: bool,
+}
+
+impl Numbers {
+    /// From `lowest` to where both layers are half-planes.
+    fn from(scene: &Scene, lowest: f64) -> Numbers {
+        let count = Self::count(scene, lowest);
+        let ratio = Self::highest(scene, lowest) / lowest;
+        let part = |k: usize| if count > 1 { k as f64 / (count - 1) as f64 } else { 0.0 };
+        Numbers { values: (0..count).map(|k| lowest * ratio.powf(part(k))).collect(), continuous: true }
+    }
+
+    /// Multiples of `lowest`.
+    fn multiples(scene: &Scene, lowest: f64) -> Numbers {
+        let mut values: Vec<f64> =
+            Self::from(scene, lowest).values.iter().map(|value| (value / lowest).round() * lowest).collect();
+        values.dedup();
+        Numbers { values, continuous: false }
+    }
+
+    fn highest(scene: &Scene, lowest: f64) -> f64 {
+        lowest.max(DEEP / scene.punch.height.min(scene.strip.height))
+    }
+
+    fn count(scene: &Scene, lowest: f64) -> usize {
+        let steps = (Self::highest(scene, lowest) / lowest).ln() / SPACING.ln();
+        (steps.ceil() as usize + 1).min(MOST_WAVES)
+    }
+}
+
+impl Family {
+    /// The least Re Z over the wave numbers at the sliding speed `speed`, m/s. `compare`: of all of them.
+    fn least(&mut self, speed: f64, compare: bool) -> f64 {
+        let last = self.waves.len() - 1;
+        let at = |index: usize| least(&self.waves[index], self.motion, speed);
+        let mut best = (self.least, f64::INFINITY);
+        if compare {
+            for index in 0..=last {
+                let value = at(index);
+                if value < best.1 {
+                    best = (index, value);
+                }
+            }
+        } else {
+            best.1 = at(best.0);
+            for upward in [true, false] {
+                while (upward && best.0 < last) || (!upward && best.0 > 0) {
+                    let next = if upward { best.0 + 1 } else { best.0 - 1 };
+                    let value = at(next);
+                    if value >= best.1 {
+                        break;
+                    }
+                    best = (next, value);
+                }
+            }
+        }
+        let between = self.continuous && best.0 > 0 && best.0 < last && best.1.is_finite();
+        let value = if between { parabola([at(best.0 - 1), best.1, at(best.0 + 1)]) } else { best.1 };
+        self.least = best.0;
+        value
+    }
+}
+
+/// Least value of the parabola through the logarithms of three values at equal distances, the middle one the least.
+fn parabola(values: [f64; 3]) -> f64 {
+    let [left, middle, right] = values.map(f64::ln);
+    let (slope, curvature) = (0.5 * (right - left), left + right - 2.0 * middle);
+    if !curvature.is_finite() || curvature <= 0.0 {
+        return values[1];
+    }
+    (middle - 0.5 * slope * slope / curvature).exp()
+}
+
+/// The least Re Z of one wave over its motions at the sliding speed `speed`, m/s; infinite: there is no such wave.
+pub(super) fn least(layers: &Layers, motion: Motion, speed: f64) -> f64 {
+    if layers.is_neutral() {
+        return f64::INFINITY;
+    }
+    let positive = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
+    match motion {
+        Motion::Across => positive(layers.impedance([0.0, 0.0]).re),
+        Motion::With(_, part) if part <= 0.0 => f64::INFINITY,
+        Motion::With(body, part) => {
+            let speeds = if body == 0 { [0.0, -speed] } else { [speed, 0.0] };
+            positive(layers.impedance(speeds).re / part)
+        }
+        Motion::Free(swapped) => least_free(layers, speed, swapped),
+    }
+}
+
+/// Waves that move with the punch at less than half the sliding speed; `swapped`: with the strip.
+fn least_free(layers: &Layers, speed: f64, swapped: bool) -> f64 {
+    let at = |part: f64| {
+        let (near, far) = (part * speed, (part - 1.0) * speed);
+        // Seen from the strip, the punch slides the other way.
+        layers.impedance(if swapped { [-far, -near] } else { [near, far] })
+    };
+    let mut least = f64::INFINITY;
+    let mut take = |value: Complex<f64>| {
+        if value.re > 0.0 {
+            least = least.min(value.re);
+        }
+    };
+    let step = (FASTEST_WAVE / SLOWEST_WAVE).powf(1.0 / (WAVE_SPEEDS - 1) as f64);
+    let mut before = (0.0, at(0.0));
+    if before.1.im == 0.0 {
+        take(before.1);
+    }
+    let mut part = SLOWEST_WAVE;
+    for _ in 0..WAVE_SPEEDS {
+        let now = (part, at(part));
+        if before.1.im * now.1.im < 0.0 {
+            take(root(&at, before, now));
+        }
+        before = now;
+        part *= step;
+    }
+    least
+}
+
+/// Z where its imaginary part passes through 0 between two wave speeds (false position, Illinois variant).
+fn root(at: &impl Fn(f64) -> Complex<f64>, from: (f64, Complex<f64>), to: (f64, Complex<f64>)) -> Complex<f64> {
+    let (mut left, mut right) = ((from.0, from.1.im), (to.0, to.1.im));
+    let mut value = to.1;
+    for _ in 0..30 {
+        let part = (left.0 * right.1 - right.0 * left.1) / (right.1 - left.1);
+        value = at(part);
+        if value.im.abs() <= 1e-6 * value.re.abs() {
+            break;
+        }
+        if value.im * right.1 < 0.0 {
+            left = right;
+        } else {
+            left.1 *= 0.5;
+        }
+        right = (part, value.im);
+    }
+    value
+}

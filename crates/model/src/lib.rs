@@ -1,0 +1,68 @@
+//! The coupled problem of contact, wear and heat, level by level.
+
+pub mod budget;
+pub mod events;
+pub mod fastest_growth;
+pub mod instability;
+pub mod levels;
+pub mod line;
+pub mod lumped;
+pub mod plan;
+
+/// Inputs of the component in the order of the variable table, with their time derivatives.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Inputs<S = f64> {
+    /// Punch over strip, m/s.
+    pub sliding_velocity: S,
+    /// Per face, N.
+    pub normal_load: S,
+    /// rad/s.
+    pub angular_velocity: S,
+    /// K.
+    pub ambient_temperature_offset: S,
+    /// m/s.
+    pub cooling_velocity: S,
+    /// K.
+    pub strip_external_temperature: S,
+    /// K.
+    pub punch_external_temperature: S,
+}
+
+/// Number of inputs.
+pub const INPUTS: usize = 7;
+
+impl<S: Copy> Inputs<S> {
+    /// From an array in the order of the variable table.
+    pub fn from_array(array: [S; INPUTS]) -> Self {
+        let [
+            sliding_velocity,
+            normal_load,
+            angular_velocity,
+            ambient_temperature_offset,
+            cooling_velocity,
+            strip_external_temperature,
+            punch_external_temperature,
+        ] = array;
+        Inputs {
+            sliding_velocity,
+            normal_load,
+            angular_velocity,
+            ambient_temperature_offset,
+            cooling_velocity,
+            strip_external_temperature,
+            punch_external_temperature,
+        }
+    }
+}
+
+/// Why a step could not be taken; names the quantity, its value and the limit.
+#[derive(Clone, PartialEq, Debug)]
+pub struct StepFailure(pub String);
+
+impl std::fmt::Display for StepFailure {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for StepFailure {}

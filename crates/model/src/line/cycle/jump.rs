@@ -1,0 +1,245 @@
+//! Jumps over many cycles with an error estimate each.
+//!
+//! What the contact remembers changes by `F(z)` in a cycle. Between the starts of the cycles n and n + 1 lies n + 1/2, at which
+//! the memory is about `z + F(z)/2` and its slope over the number of cycles F(z): taken there, the slope's error is of third
+//! order in the rate per cycle. The slope is stiff - an edge settles within a few cycles, a heavy body warms up in a million -
+//! so that extrapolation by it is stable only over jumps that hardly pass the fastest of these times. The jumps here are
+//! implicit, L-stable and of second order (SDIRK2, `gamma = 1 - 1/sqrt 2`): with J cycles and
+//! `h = gamma J - 1/2`
+//!
+//! ```text
+//! y_1 - h F(y_1) = z,                              k_1 = F(y_1)
+//! y_2 - h F(y_2) = z + (1 - gamma) J k_1,          k_2 = F(y_2)
+//! z(n + J) = y_2 + k_2/2,                          estimate (1/2 - gamma) J (k_1 - k_2)
+//! ```
+//!
+//! y are memories at the start of a cycle; F is one cycle of the stepped model, and a stage takes a few. The estimate is the
+//! distance from the embedded solution of first order, which for smooth and for settled parts is larger than the error of the
+//! second-order one. The contact settles: errors of earlier jumps fade, and the sum of the estimates bounds the error.
+//! Where a jump would pass only a few cycles, they are computed one by one.
+
+use super::map::{CycleError, CycleMap, Passage, Totals};
+use super::solve::{Equation, SolveOptions};
+use conduction::line::GAMMA;
+use numerics::maximum::maximum;
+
+/// Shorter jumps are computed cycle by cycle.
+const SHORTEST: f64 = 6.0;
+
+/// Largest factor from jump to jump.
+const GROWTH: f64 = 4.0;
+
+/// Part of a jump's tolerance to which its stages are solved.
+const STAGES: f64 = 0.02;
+
+/// Most cycles for one stage.
+const MOST_CYCLES: usize = 40;
+
+/// How jumps are made.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct JumpOptions {
+    /// Largest estimate of a jump: error of the shape over the elastic displacement under the mean pressure, of the heat over
+    /// the heat, of the mean wear over that of the jump.
+    pub tolerance: f64,
+    /// Longest jump, cycles.
+    pub longest: f64,
+}
+
+impl Default for JumpOptions {
+    fn default() -> Self {
+        JumpOptions { tolerance: 1e-3, longest: f64::INFINITY }
+    }
+}
+
+/// A jump that was made.
+#[derive(Clone, Debug)]
+pub struct Jump {
+    /// Cycles passed since the start.
+    pub cycles: f64,
+    /// Cycles passed by this jump; 1: computed as it is.
+    pub length: f64,
+    /// Estimate of its error, as in [`JumpOptions::tolerance`]; 0 for a computed cycle.
+    pub estimate: f64,
+    /// Sum of all estimates.
+    pub accumulated: f64,
+    /// Cycles computed since the start.
+    pub computed: usize,
+    /// Memory at its end.
+    pub memory: Vec<f64>,
+    /// Amounts since the start.
+    pub totals: Totals,
+    /// The last cycle that was computed for it: ends half a cycle after the end of the jump, or with it where the cycle was
+    /// computed as it is.
+    pub passage: Passage,
+}
+
+/// A contact on its way through many cycles.
+#[derive(Debug)]
+pub struct Jumps<'a> {
+    map: &'a mut CycleMap,
+    options: JumpOptions,
+    memory: Vec<f64>,
+    totals: Totals,
+    cycles: f64,
+    computed: usize,
+    accumulated: f64,
+    /// Proposed length.
+    length: f64,
+    /// Change of the memory in the cycle computed last.
+    slope: Option<Vec<f64>>,
+}
+
+impl<'a> Jumps<'a> {
+    /// Begins with `memory`, see [`CycleMap::start`].
+    pub fn new(map: &'a mut CycleMap, memory: Vec<f64>, options: JumpOptions) -> Jumps<'a> {
+        Jumps {
+            map,
+            options,
+            memory,
+            totals: Totals::default(),
+            cycles: 0.0,
+            computed: 0,
+            accumulated: 0.0,
+            length: 1.0,
+            slope: None,
+        }
+    }
+
+    /// The map that the jumps are made of.
+    pub fn map(&self) -> &CycleMap {
+        self.map
+    }
+
+    /// Carries on to `cycles` (a whole number) since the start, and tells `watch` of every jump. The last one ends there.
+    ///
+    /// # Errors
+    /// A cycle that has no solution.
+    pub fn carry_to(&mut self, cycles: f64, mut watch: impl FnMut(&Jump)) -> Result<(), CycleError> {
+        while self.cycles < cycles {
+            let jump = self.jump(cycles - self.cycles)?;
+            watch(&jump);
+        }
+        Ok(())
+    }
+
+    /// One jump of at most `most` cycles (at least 1).
+    ///
+    /// # Errors
+    /// A cycle that has no solution.
+    pub fn jump(&mut self, most: f64) -> Result<Jump, CycleError> {
+        loop {
+            let length = self.length.min(self.options.longest).min(most).floor();
+            if length < SHORTEST {
+                return self.cycle();
+            }
+            match self.implicit(length)? {
+                Some(jump) => return Ok(jump),
+                None => self.length = self.length.min(length),
+            }
+        }
+    }
+
+    /// A cycle as it is.
+    fn cycle(&mut self) -> Result<Jump, CycleError> {
+        let passage = self.map.pass(&self.memory)?;
+        self.computed += 1;
+        if let Some(earlier) = self.slope.replace(passage.change.clone()) {
+            // The slope's slope gives the estimate of a jump.
+            let bend: Vec<f64> = passage.change.iter().zip(&earlier).map(|(new, old)| new - old).collect();
+            let next: Vec<f64> = self.memory.iter().zip(&passage.change).map(|(z, change)| z + change).collect();
+            let per_square = (0.5 - GAMMA) * (1.0 - GAMMA) * self.error_of(&bend, &next, &passage.change, 1.0);
+            let proposed = (0.5 * self.options.tolerance / per_square).sqrt();
+            self.length = proposed.clamp(1.0, GROWTH * SHORTEST);
+        }
+        self.memory.iter_mut().zip(&passage.change).for_each(|(z, change)| *z += change);
+        self.totals = self.totals.plus(1.0, &passage.totals);
+        self.cycles += 1.0;
+        Ok(self.made(1.0, 0.0, passage))
+    }
+
+    fn made(&self, length: f64, estimate: f64, passage: Passage) -> Jump {
+        Jump {
+            cycles: self.cycles,
+            length,
+            estimate,
+            accumulated: self.accumulated,
+            computed: self.computed,
+            memory: self.memory.clone(),
+            totals: self.totals,
+            passage,
+        }
+    }
+
+    /// An implicit jump; `None`: it was too long.
+    fn implicit(&mut self, length: f64) -> Result<Option<Jump>, CycleError> {
+        let cycles = GAMMA * length - 0.5;
+        let slope = self.slope.clone().unwrap_or_else(|| vec![0.0; self.memory.len()]);
+        let begin = self.memory.clone();
+        let ahead = |from: &[f64], slope: &[f64], cycles: f64| -> Vec<f64> {
+            from.iter().zip(slope).map(|(z, slope)| z + cycles * slope).collect()
+        };
+        let per_cycle = |to: &[f64], from: &[f64]| -> Vec<f64> {
+            to.iter().zip(from).map(|(y, base)| (y - base) / cycles).collect()
+        };
+        let Some(first) = self.stage(&begin, &begin, cycles)? else { return Ok(None) };
+        let first_slope = per_cycle(&first.memory, &begin);
+        let base = ahead(&begin, &first_slope, (1.0 - GAMMA) * length);
+        let Some(end) = self.stage(&first.memory, &base, cycles)? else { return Ok(None) };
+        let end_slope = per_cycle(&end.memory, &base);
+        let memory = ahead(&end.memory, &end_slope, 0.5);
+        let error: Vec<f64> =
+            first_slope.iter().zip(&end_slope).map(|(k1, k2)| (0.5 - GAMMA) * length * (k1 - k2)).collect();
+        let estimate = self.error_of(&error, &memory, &end_slope, length);
+        let factor = (0.8 * self.options.tolerance / estimate).sqrt();
+        self.length = length * factor.clamp(0.2, GROWTH);
+        if estimate.is_nan() || estimate > self.options.tolerance {
+            // What the stages have learnt of the slope holds at the start as well as before.
+            self.slope = Some(slope);
+            return Ok(None);
+        }
+        self.memory = memory;
+        self.slope = Some(end_slope);
+        self.cycles += length;
+        self.accumulated += estimate;
+        let weights = [(1.0 - GAMMA) * length, GAMMA * length];
+        self.totals = self.totals.plus(weights[0], &first.passage.totals).plus(weights[1], &end.passage.totals);
+        Ok(Some(self.made(length, estimate, end.passage)))
+    }
+
+    fn stage(&mut self, start: &[f64], base: &[f64], cycles: f64) -> Result<Option<super::Solution>, CycleError> {
+        let options = SolveOptions { tolerance: STAGES * self.options.tolerance, most_cycles: MOST_CYCLES };
+        match self.map.solve(start, Equation::Stage { base, cycles }, &options) {
+            Ok(solution) => {
+                self.computed += solution.cycles;
+                Ok(Some(solution))
+            }
+            Err(CycleError::NotConverged { cycles: computed, .. }) => {
+                self.computed += computed;
+                self.length = 0.25 * cycles / GAMMA;
+                Ok(None)
+            }
+            // Far from a solution there may be none for a cycle.
+            Err(CycleError::Step(_)) if cycles > SHORTEST => {
+                self.length = 0.25 * cycles / GAMMA;
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Size of an error of the memory: of the gap without its mean over the elastic displacement, of the heat over the heat,
+    /// of the mean wear over that of `length` cycles.
+    fn error_of(&self, error: &[f64], memory: &[f64], slope: &[f64], length: f64) -> f64 {
+        let [shape, heat] = self.map.size_of(error, memory);
+        let widths = self.map.operators().cells.widths();
+        let mut wear: f64 = 0.0;
+        for range in self.map.worn_ranges() {
+            let mean = |values: &[f64]| values[range.clone()].iter().zip(widths).map(|(v, c)| v * c).sum::<f64>();
+            let worn = length * mean(slope);
+            if worn > 0.0 {
+                wear = maximum(wear, (mean(error) / worn).abs());
+            }
+        }
+        maximum(maximum(shape, heat), wear)
+    }
+}

@@ -1,0 +1,538 @@
+//! One cycle of the stepped model as a map.
+
+use super::exchange::Exchange;
+use super::tangent::Tangent;
+use crate::line::Line;
+#[cfg(doc)]
+use crate::line::hottest::Hottest;
+use crate::line::operators::{LineOperators, StripWear};
+use crate::lumped::conditions::Tunables;
+use crate::{INPUTS, StepFailure};
+use conduction::STEFAN_BOLTZMANN;
+use conduction::line::{GAMMA, Surroundings, ThermalBody};
+use scene::{Body, Scene, Scheme, ThermalBoundary};
+use std::fmt;
+use std::sync::Arc;
+
+/// Tolerance under which the step control of the line level takes every step as it is given.
+const ANY_STEP: f64 = 1e6;
+
+/// Why a cycle cannot be computed.
+#[derive(Clone, PartialEq, Debug)]
+pub enum CycleError {
+    /// What the scene has and cycles are not made for.
+    Unsuitable(String),
+    /// A step of the cycle failed.
+    Step(StepFailure),
+    /// The iteration did not converge.
+    NotConverged {
+        /// Cycles computed.
+        cycles: usize,
+        /// Change of the shape in the last iteration over the elastic displacement under the mean pressure.
+        shape: f64,
+        /// Change of the heat in the last iteration over the heat.
+        heat: f64,
+    },
+    /// The iteration did not converge, and the contact slides close to its critical speed or above, where hot spots grow.
+    Unstable {
+        /// Mean sliding speed, m/s.
+        speed: f64,
+        /// Critical speed of thermoelastic instability, m/s.
+        critical_speed: f64,
+        /// How the iteration ended.
+        reason: Box<CycleError>,
+    },
+}
+
+impl fmt::Display for CycleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unsuitable(text) => f.write_str(text),
+            Self::Step(failure) => failure.fmt(f),
+            Self::NotConverged { cycles, shape, heat } => write!(
+                f,
+                "no steady cycle found in {cycles} cycles: the last one changed the shape by {shape:.1e} of the elastic \
+                 displacement and the heat by {heat:.1e} of itself"
+            ),
+            Self::Unstable { speed, critical_speed, reason } => {
+                let ratio = speed / critical_speed;
+                let growth = if ratio > 1.0 { ", and hot spots grow within a half-stroke" } else { "" };
+                write!(
+                    f,
+                    "{reason}; the speed {speed:.4} m/s is {ratio:.2} of the critical speed of thermoelastic instability, \
+                     {critical_speed:.4} m/s{growth}"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for CycleError {}
+
+impl From<StepFailure> for CycleError {
+    fn from(failure: StepFailure) -> Self {
+        Self::Step(failure)
+    }
+}
+
+/// Steps of a half-stroke: one from its start to `2^-levels` of its duration and one from there to each doubling, each in
+/// `parts` equal ones. What a reversal sets off begins like the square root of time.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Resolution {
+    /// Number of doublings.
+    pub levels: u32,
+    /// Equal parts of each interval between doublings.
+    pub parts: u32,
+}
+
+impl Resolution {
+    /// Heat along the line: errors of the half-strokes' mean pressures of about 1e-4 of the mean pressure.
+    pub const WITH_HEAT: Resolution = Resolution { levels: 4, parts: 3 };
+    /// Wear alone changes little in a half-stroke.
+    pub const COLD: Resolution = Resolution { levels: 0, parts: 1 };
+
+    fn steps(self, duration: f64) -> Vec<f64> {
+        let parts = f64::from(self.parts);
+        let interval = |level: u32| duration / f64::from(1_u32 << (self.levels - level.saturating_sub(1)));
+        (0..=self.levels).flat_map(|level| std::iter::repeat_n(interval(level) / parts, self.parts as usize)).collect()
+    }
+}
+
+/// A half-stroke of a cycle. Vectors have N values.
+#[derive(Clone, PartialEq, Debug)]
+pub struct StrokePassage {
+    /// Sliding velocity, m/s, signed.
+    pub velocity: f64,
+    /// s.
+    pub duration: f64,
+    /// Friction coefficient with the sign of the velocity at the end.
+    pub signed_friction: f64,
+    /// Mean of the pressure over the half-stroke, Pa, with the weights of the wear.
+    pub pressure: Vec<f64>,
+    /// Pressure at the end of the first step after the reversal, and at the end.
+    pub pressure_at: [Vec<f64>; 2],
+    /// Means of the temperatures of punch and strip, K above the reference; empty without heat.
+    pub temperature: [Vec<f64>; 2],
+    /// Mean fluxes into punch and strip, W/m2; empty without heat.
+    pub flux: [Vec<f64>; 2],
+    /// Depth that punch and strip have worn, m.
+    pub worn: [Vec<f64>; 2],
+    /// Work of wear, `integral p dw` of both bodies, J/m.
+    pub wear_dissipation: f64,
+    /// Means of approach (m) and tilt (rad).
+    pub approach: f64,
+    /// See `approach`.
+    pub tilt: f64,
+}
+
+/// Amounts that grow from cycle to cycle, per depth and punch.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Totals {
+    /// Worn volumes of punch and strip, m2.
+    pub volume: [f64; 2],
+    /// Work of wear, `integral p dw` of both bodies, J/m.
+    pub wear_dissipation: f64,
+    /// Friction heat, J/m.
+    pub dissipated: f64,
+    /// Heat through the punch's top, the strip's base and to the air, counted out of the bodies, J/m.
+    pub lost: [f64; 3],
+    /// Heat received by punch and strip, J/m.
+    pub received: [f64; 2],
+}
+
+impl Totals {
+    fn entries(&self) -> [f64; 9] {
+        let Totals { volume, wear_dissipation, dissipated, lost, received } = *self;
+        [volume[0], volume[1], wear_dissipation, dissipated, lost[0], lost[1], lost[2], received[0], received[1]]
+    }
+
+    fn of(e: [f64; 9]) -> Totals {
+        Totals {
+            volume: [e[0], e[1]],
+            wear_dissipation: e[2],
+            dissipated: e[3],
+            lost: [e[4], e[5], e[6]],
+            received: [e[7], e[8]],
+        }
+    }
+
+    /// `self + factor other`.
+    pub fn plus(&self, factor: f64, other: &Totals) -> Totals {
+        let (mine, its) = (self.entries(), other.entries());
+        Totals::of(std::array::from_fn(|i| mine[i] + factor * its[i]))
+    }
+}
+
+/// A computed cycle.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    /// F: change of the memory over the cycle.
+    pub change: Vec<f64>,
+    /// Forward and backward.
+    pub strokes: [StrokePassage; 2],
+    /// Least and largest temperature of punch and strip in the cycle, N values each, K above the reference.
+    pub range: [[Vec<f64>; 2]; 2],
+    /// Least, mean and largest value in the cycle of the contact's mean temperature.
+    pub contact_temperature: [f64; 3],
+    /// Largest highest temperature in the cycle, see [`Hottest`]; K above the reference.
+    pub highest: f64,
+    /// What the cycle adds.
+    pub totals: Totals,
+    /// How the wear of the cycle follows the gap.
+    pub(super) tangent: Tangent,
+}
+
+/// See the module. The memory is one vector: heat in the punch, heat in the strip, worn depth of the punch and of the strip
+/// (N values each, m).
+#[derive(Debug)]
+pub struct CycleMap {
+    pub(super) line: Line,
+    load: f64,
+    strokes: [(f64, Vec<f64>); 2],
+    /// Decay rates of the heat's entries, 1/s.
+    pub(super) decay_rates: Vec<f64>,
+    /// Entries of punch and strip.
+    sizes: [usize; 2],
+    /// Of two conductors.
+    pub(super) exchange: Option<Exchange>,
+    /// Least rate at which a body's heat fades, 1/s: by radiation and moving air, which act from step to step.
+    pub(super) least_rate: [f64; 2],
+    start: Vec<f64>,
+}
+
+/// The scene as cycles are computed of it: sliding all the time, and stepped by the monolithic scheme.
+pub fn sliding_scene(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.stick_stiffness = 0.0;
+    scene.scheme = Scheme::Monolithic;
+    scene
+}
+
+impl CycleMap {
+    /// Cycles of the nominal load with half-strokes of these velocities (forward > 0, backward < 0, m/s) and durations (s).
+    ///
+    /// # Errors
+    /// A strip that wears on a straight track, whose shape is not one of the cells; friction or wear that follow a
+    /// temperature which the contact line does not carry.
+    pub fn new(
+        mut operators: LineOperators,
+        sliding: [(f64, f64); 2],
+        resolution: Resolution,
+    ) -> Result<CycleMap, CycleError> {
+        if operators.strip_wear == StripWear::Track {
+            return Err(CycleError::Unsuitable(
+                "cycles: the strip wears on a straight to-and-fro track, whose ends are hardly visited".into(),
+            ));
+        }
+        if operators.follows_heat() && operators.heat.is_none() {
+            return Err(CycleError::Unsuitable(
+                "cycles: friction or wear follow the mean temperature, which is not carried from cycle to cycle".into(),
+            ));
+        }
+        // Every step counts as it is given, so that a cycle is a smooth function of its start.
+        operators.scene.tolerance = ANY_STEP;
+        let scene = &operators.scene;
+        let tunables = Tunables {
+            friction_coefficient: scene.friction_coefficient,
+            ambient_temperature: scene.ambient_temperature,
+            wear_acceleration: scene.wear_acceleration,
+        };
+        let load = scene.nominal_load;
+        let strokes = sliding.map(|(velocity, duration)| (velocity, resolution.steps(duration)));
+        let start = inputs(scene, strokes[0].0, load);
+        let mut line = Line::new(Arc::new(operators), tunables, &start);
+        let period: f64 = sliding.iter().map(|(_, duration)| duration).sum();
+        let mut decay_rates = Vec::new();
+        let mut sizes = [0; 2];
+        if let Some(heat) = &line.heat {
+            for (size, body) in sizes.iter_mut().zip(&heat.bodies) {
+                let Some(body) = body else { continue };
+                let mut rates = vec![0.0; body.decay_rates().len()];
+                for (velocity, duration) in sliding {
+                    add(&mut rates, duration / period, &body.decay_rates_while_sliding(velocity));
+                }
+                if rates.is_empty() {
+                    return Err(CycleError::Unsuitable("cycles: a body does not say how its temperatures fade".into()));
+                }
+                *size = rates.len();
+                decay_rates.extend(rates);
+            }
+        }
+        let exchange = Exchange::new(&mut line, &strokes, sizes);
+        let scene = &line.operators.scene;
+        let speed = sliding.iter().map(|(velocity, _)| velocity.abs()).fold(0.0, f64::max);
+        let least_rate = [&scene.punch, &scene.strip].map(|body| variable_transfer(body, scene, speed));
+        let mut map = CycleMap { line, load, strokes, decay_rates, sizes, exchange, least_rate, start: Vec::new() };
+        map.start = map.memory();
+        Ok(map)
+    }
+
+    /// Operators of the contact line.
+    pub fn operators(&self) -> &LineOperators {
+        self.line.operators()
+    }
+
+    /// Temperature that everything is counted from, K.
+    pub fn reference(&self) -> f64 {
+        self.line.mean.state().reference
+    }
+
+    /// Duration of a cycle, s.
+    pub fn period(&self) -> f64 {
+        self.strokes.iter().flat_map(|(_, steps)| steps).sum()
+    }
+
+    /// Sliding distance of a cycle, m.
+    pub fn distance(&self) -> f64 {
+        self.strokes.iter().map(|(velocity, steps)| velocity.abs() * steps.iter().sum::<f64>()).sum()
+    }
+
+    /// Number of entries of the memory that are heat.
+    pub fn heat_entries(&self) -> usize {
+        self.decay_rates.len()
+    }
+
+    /// Entries of the memory that are heat of the punch and of the strip.
+    pub fn heat_ranges(&self) -> [std::ops::Range<usize>; 2] {
+        [0..self.sizes[0], self.sizes[0]..self.sizes[0] + self.sizes[1]]
+    }
+
+    /// Entries of the memory that are the worn depth of the punch and of the strip.
+    pub fn worn_ranges(&self) -> [std::ops::Range<usize>; 2] {
+        let (first, count) = (self.decay_rates.len(), self.operators().count());
+        [first..first + count, first + count..first + 2 * count]
+    }
+
+    /// Memory of the unworn bodies at their initial temperatures.
+    pub fn start(&self) -> Vec<f64> {
+        self.start.clone()
+    }
+
+    fn memory(&self) -> Vec<f64> {
+        let state = &self.line.state;
+        let mut memory = Vec::with_capacity(self.decay_rates.len() + 2 * state.punch.len());
+        if let Some(heat) = &state.heat {
+            for (body, &size) in heat.bodies.iter().zip(&self.sizes) {
+                memory.extend(&body[..size]);
+            }
+        }
+        memory.extend(&state.punch);
+        memory.extend(&state.strip);
+        memory
+    }
+
+    fn remember(&mut self, memory: &[f64]) {
+        let (ranges, worn) = (self.heat_ranges(), self.worn_ranges());
+        let state = &mut self.line.state;
+        if let Some(heat) = &mut state.heat {
+            for (body, range) in heat.bodies.iter_mut().zip(ranges) {
+                body[..range.len()].copy_from_slice(&memory[range]);
+            }
+        }
+        state.punch.copy_from_slice(&memory[worn[0].clone()]);
+        state.strip.copy_from_slice(&memory[worn[1].clone()]);
+        state.current = false;
+        state.refinement = 0;
+        self.line.forget_shown();
+    }
+
+    /// Displacement of both surfaces (m into the bodies, N values) by the heat in a memory, or a change of one.
+    pub(super) fn displacement(&self, heat: &[f64], target: &mut [f64]) {
+        target.fill(0.0);
+        let mut part = vec![0.0; target.len()];
+        for (side, range) in self.heat_ranges().into_iter().enumerate() {
+            let (Some(body), Some(state)) = (self.body(side), self.full(side, &heat[range])) else { continue };
+            body.distortion_at_frozen_state(&state, &Surroundings::default(), &vec![0.0; target.len()], 0.0, &mut part);
+            target.iter_mut().zip(&part).for_each(|(sum, value)| *sum += value);
+        }
+    }
+
+    /// Temperature of a surface (N values, K) by the entries of its body.
+    pub(super) fn surface(&self, side: usize, entries: &[f64]) -> Vec<f64> {
+        let mut temperature = vec![0.0; self.operators().count()];
+        if let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) {
+            let still = vec![0.0; temperature.len()];
+            body.temperature_at_frozen_state(&state, &Surroundings::default(), &still, 0.0, &mut temperature);
+        }
+        temperature
+    }
+
+    fn body(&self, side: usize) -> Option<&dyn ThermalBody> {
+        self.line.heat.as_ref()?.bodies[side].as_deref()
+    }
+
+    /// A body's state with these entries and no account.
+    fn full(&self, side: usize, entries: &[f64]) -> Option<Vec<f64>> {
+        let mut state = vec![0.0; self.line.state.heat.as_ref()?.bodies[side].len()];
+        state[..entries.len()].copy_from_slice(entries);
+        Some(state)
+    }
+
+    fn totals(&self) -> Totals {
+        let state = &self.line.state;
+        let mut totals = Totals { volume: state.volume, ..Totals::default() };
+        if let (Some(heat), Some(own)) = (&state.heat, &self.line.heat) {
+            totals.dissipated = heat.dissipated;
+            for (side, body) in own.bodies.iter().enumerate() {
+                let Some(body) = body else { continue };
+                let account = heat.account(side, body.as_ref());
+                totals.received[side] = account.received;
+                totals.lost[side] = account.far;
+                totals.lost[2] += account.ambient;
+            }
+        }
+        totals
+    }
+
+    /// Carries the memory over one cycle.
+    ///
+    /// # Errors
+    /// [`CycleError::Step`].
+    pub fn pass(&mut self, memory: &[f64]) -> Result<Passage, CycleError> {
+        self.remember(memory);
+        let before = self.totals();
+        let count = self.operators().count();
+        let mut watch = Watch::new(count);
+        let mut tangent = Tangent::new(count);
+        let strokes = self.strokes.clone();
+        let mut passed = Vec::with_capacity(2);
+        for (velocity, steps) in &strokes {
+            passed.push(self.stroke(*velocity, steps, &mut watch)?);
+            tangent.add(&mut self.line, steps.iter().sum())?;
+        }
+        let after = self.memory();
+        let mut totals = self.totals().plus(-1.0, &before);
+        totals.wear_dissipation = passed.iter().map(|stroke| stroke.wear_dissipation).sum();
+        let [forward, backward]: [StrokePassage; 2] = passed.try_into().unwrap_or_else(|_| unreachable!("two strokes"));
+        Ok(Passage {
+            change: after.iter().zip(memory).map(|(after, before)| after - before).collect(),
+            strokes: [forward, backward],
+            range: watch.range,
+            contact_temperature: [watch.contact[0], watch.contact[1] / self.period(), watch.contact[2]],
+            highest: watch.highest,
+            totals,
+            tangent,
+        })
+    }
+
+    fn stroke(&mut self, velocity: f64, steps: &[f64], watch: &mut Watch) -> Result<StrokePassage, CycleError> {
+        let inputs = inputs(&self.operators().scene, velocity, self.load);
+        let count = self.operators().count();
+        let warm = self.line.heat.is_some();
+        let zeros = |wanted: bool| vec![0.0; if wanted { count } else { 0 }];
+        let pair = |wanted: bool| [zeros(wanted), zeros(wanted)];
+        let duration: f64 = steps.iter().sum();
+        let mut passage = StrokePassage {
+            velocity,
+            duration,
+            signed_friction: 0.0,
+            pressure: zeros(true),
+            pressure_at: pair(true),
+            temperature: pair(warm),
+            flux: pair(warm),
+            worn: pair(true),
+            wear_dissipation: 0.0,
+            approach: 0.0,
+            tilt: 0.0,
+        };
+        let worn = |line: &Line| [line.state.punch.clone(), line.state.strip.clone()];
+        let before = worn(&self.line);
+        for (number, &step) in steps.iter().enumerate() {
+            self.line.step(&inputs, None, step)?;
+            let (state, work) = (&self.line.state, &self.line.work);
+            let weights = &self.line.operators.weights;
+            let stages = [((1.0 - GAMMA) * step, &work.first), (GAMMA * step, &work.end)];
+            for (index, (weight, stage)) in stages.into_iter().enumerate() {
+                add(&mut passage.pressure, weight / duration, &stage.pressure);
+                passage.approach += weight / duration * stage.approach;
+                passage.tilt += weight / duration * stage.tilt;
+                for rates in &work.rates[index] {
+                    let power = |i: usize| weights[i] * stage.pressure[i] * rates[i];
+                    passage.wear_dissipation += weight * (0..count).map(power).sum::<f64>();
+                }
+            }
+            if number == 0 {
+                passage.pressure_at[0].copy_from_slice(&state.pressure);
+            }
+            if let (Some(own), Some(heat)) = (&self.line.heat, &state.heat) {
+                for (stage, weight) in [(1.0 - GAMMA) * step, GAMMA * step].into_iter().enumerate() {
+                    for side in 0..2 {
+                        add(&mut passage.temperature[side], weight / duration, &own.temperature[stage][side]);
+                        add(&mut passage.flux[side], weight / duration, &own.flux[stage][side]);
+                    }
+                }
+                watch.see(&heat.temperature, &self.line.operators, step);
+            }
+        }
+        passage.pressure_at[1].copy_from_slice(&self.line.state.pressure);
+        let after = worn(&self.line);
+        for (side, depth) in passage.worn.iter_mut().enumerate() {
+            depth.copy_from_slice(&after[side]);
+            add(depth, -1.0, &before[side]);
+        }
+        passage.signed_friction = self.line.conditions.signed_friction;
+        Ok(passage)
+    }
+}
+
+/// Temperatures over a cycle.
+struct Watch {
+    range: [[Vec<f64>; 2]; 2],
+    /// Least, integral over time and largest of the contact's mean.
+    contact: [f64; 3],
+    highest: f64,
+    last: Option<f64>,
+}
+
+impl Watch {
+    fn new(count: usize) -> Watch {
+        let all = |value: f64| [vec![value; count], vec![value; count]];
+        Watch {
+            range: [all(f64::INFINITY), all(f64::NEG_INFINITY)],
+            contact: [f64::INFINITY, 0.0, f64::NEG_INFINITY],
+            highest: f64::NEG_INFINITY,
+            last: None,
+        }
+    }
+
+    fn see(&mut self, temperature: &[Vec<f64>; 2], operators: &LineOperators, step: f64) {
+        let widths = operators.cells.widths();
+        let highest = operators.hottest.of(temperature);
+        if highest > self.highest || highest.is_nan() {
+            self.highest = highest;
+        }
+        let width: f64 = widths.iter().sum();
+        let mut mean = 0.0;
+        for (side, values) in temperature.iter().enumerate() {
+            for (i, &t) in values.iter().enumerate() {
+                self.range[0][side][i] = self.range[0][side][i].min(t);
+                self.range[1][side][i] = self.range[1][side][i].max(t);
+                mean += 0.5 * widths[i] / width * t;
+            }
+        }
+        self.contact[0] = self.contact[0].min(mean);
+        self.contact[1] += step * 0.5 * (mean + self.last.unwrap_or(mean));
+        self.contact[2] = self.contact[2].max(mean);
+        self.last = Some(mean);
+    }
+}
+
+/// Heat transfer by radiation and moving air over the heat capacity per area, 1/s.
+fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
+    let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
+    let faces = if body.far_thermal == ThermalBoundary::Convecting { 2.0 } else { 1.0 };
+    faces * (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
+}
+
+/// Inputs of steady sliding: air and faces with a temperature from outside are at the ambient temperature.
+fn inputs(scene: &Scene, velocity: f64, load: f64) -> [f64; INPUTS] {
+    let external = |boundary: ThermalBoundary| match boundary {
+        ThermalBoundary::External => scene.ambient_temperature,
+        _ => 0.0,
+    };
+    [velocity, load, 0.0, 0.0, 0.0, external(scene.strip.far_thermal), external(scene.punch.far_thermal)]
+}
+
+fn add(target: &mut [f64], factor: f64, values: &[f64]) {
+    target.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
+}

@@ -1,0 +1,176 @@
+//! The steady cycle by Newton's method with the whole derivative of a cycle.
+//!
+//! What [`super::solve`] accelerates is one step after the other of a derivative without the pressure's feedback on the heat, each
+//! taken in full. Cells at the edges carry load in one direction only. Where the heat of a long cycle decides which, a step in
+//! full opens and closes too many of them, and what was learnt over one set of cells is wrong on the next. Here
+//!
+//! - the derivative is that of the cycle as it is, with its feedback and on its own set of cells: products by differences of
+//!   cycles, and GMRES, which needs two to five of them since the incomplete derivative is taken as preconditioner;
+//! - a step is halved until what is left, measured through the same preconditioner, has become shorter (the natural
+//!   monotonicity test; P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, section 3.3).
+//!
+//! A cell that opens between two steps of a cycle stops exchanging heat at once, so that the cycle jumps by a little as a function of its
+//! start. Where a jump stands in the way of the steady cycle, the iteration ends beside it.
+
+use super::map::{CycleError, CycleMap, Passage};
+use super::solve::{Equation, Newton, Solution, SolveOptions};
+use crate::line::state::LineState;
+use numerics::krylov::gmres;
+use numerics::maximum::maximum;
+
+/// Change of the memory, in the units of [`CycleMap::weights_of_both`], by which a derivative is taken: pressures are repeated to 1e-8.
+const DIFFERENCE: f64 = 1e-4;
+
+/// Part of a step that its equation is solved to, and most products for it.
+const EQUATION: f64 = 1e-2;
+const MOST_PRODUCTS: usize = 60;
+
+/// Shortest part of a step.
+const SHORTEST: f64 = 1.0 / 64.0;
+
+/// What is left at which a jump of the cycle is taken for what it is, as in [`SolveOptions::tolerance`], and steps that do not halve it
+/// before. The steps of a cycle have errors of this size.
+const JUMP: f64 = 1e-4;
+const MOST_BESIDE: usize = 4;
+
+/// What is left over the least so far at which there is no way back.
+const ASTRAY: f64 = 1e4;
+
+/// An iterate.
+struct Iterate {
+    memory: Vec<f64>,
+    /// State of the contact line from which the cycle starts: what it remembers besides decides where its iterations begin.
+    before: LineState,
+}
+
+impl CycleMap {
+    /// The steady cycle from `start`; see the module.
+    pub(super) fn newton_krylov(&mut self, start: &[f64], options: &SolveOptions) -> Result<Solution, CycleError> {
+        let equation = Equation::Steady;
+        let tilts = self.operators().rotates;
+        let mut residual = [f64::INFINITY; 2];
+        let mut best: Option<Solution> = None;
+        let mut beside = 0;
+        let (mut here, mut cycles) = self.warmed(start)?;
+        while cycles < options.most_cycles {
+            let passage = self.pass_from(&here.before, &here.memory)?;
+            cycles += 1;
+            let newton = self.newton(&passage, equation)?;
+            let step = self.newton_step(&newton, &here.memory, &passage, equation);
+            residual = self.sizes(&step, &here.memory, tilts);
+            let weights = self.weights_of_both(&here.memory, &step);
+            let left = maximum(residual[0], residual[1]);
+            let least = best.as_ref().map_or(f64::INFINITY, |best| best.residual[0].max(best.residual[1]));
+            beside = if left < 0.5 * least { 0 } else { beside + 1 };
+            if left < least {
+                best = Some(Solution { memory: here.memory.clone(), passage, cycles, residual });
+            }
+            if left.is_nan() || left > ASTRAY * least {
+                break;
+            }
+            if left <= options.tolerance || (left.min(least) <= JUMP && beside >= MOST_BESIDE) {
+                break;
+            }
+            let whole = self.whole_step(&here, &newton, &step, &weights, &mut cycles)?;
+            match self.part_of(&here, &newton, (&step, &whole), &weights, &mut cycles) {
+                Some(next) => here = next,
+                None => break,
+            }
+        }
+        match best {
+            Some(best) if best.residual[0].max(best.residual[1]) <= options.tolerance.max(JUMP) => {
+                Ok(Solution { cycles, ..best })
+            }
+            _ => Err(CycleError::NotConverged { cycles, shape: residual[0], heat: residual[1] }),
+        }
+    }
+
+    /// The iterate after one step of the incomplete derivative, which brings the heat, where a cycle can be computed from there, and the
+    /// cycles that this took.
+    fn warmed(&mut self, start: &[f64]) -> Result<(Iterate, usize), CycleError> {
+        let passage = self.pass(start)?;
+        let before = self.line.state.clone();
+        let newton = self.newton(&passage, Equation::Steady)?;
+        let memory = sum(start, 1.0, &self.newton_step(&newton, start, &passage, Equation::Steady));
+        Ok(match self.pass(&memory) {
+            Ok(_) => (Iterate { memory, before: self.line.state.clone() }, 2),
+            Err(_) => (Iterate { memory: start.to_vec(), before }, 2),
+        })
+    }
+
+    /// Solves for the step of the whole derivative; `step` is that of the incomplete one.
+    fn whole_step(
+        &mut self,
+        here: &Iterate,
+        newton: &Newton,
+        step: &[f64],
+        weights: &[f64],
+        cycles: &mut usize,
+    ) -> Result<Vec<f64>, CycleError> {
+        let product = |direction: &[f64]| -> Result<Vec<f64>, CycleError> {
+            let moved: Vec<f64> = direction.iter().map(|d| DIFFERENCE * d).collect();
+            let there = sum(&here.memory, 1.0, &moved);
+            let mut passage = self.pass_from(&here.before, &there)?;
+            self.attract(newton, &moved, &mut passage);
+            let next = self.newton_step(newton, &there, &passage, Equation::Steady);
+            Ok(step.iter().zip(next).map(|(step, next)| (step - next) / DIFFERENCE).collect())
+        };
+        let solved = gmres(product, step, weights, EQUATION, MOST_PRODUCTS)?;
+        *cycles += solved.products;
+        Ok(solved.solution)
+    }
+
+    /// The iterate after the largest part of the step that leaves less than before, or after the part that leaves least.
+    /// `None`: no part of it can be computed.
+    fn part_of(
+        &mut self,
+        here: &Iterate,
+        newton: &Newton,
+        (step, whole): (&[f64], &[f64]),
+        weights: &[f64],
+        cycles: &mut usize,
+    ) -> Option<Iterate> {
+        let length = |step: &[f64]| step.iter().zip(weights).map(|(s, w)| s * w * s * w).sum::<f64>().sqrt();
+        let before = length(step);
+        let mut best: Option<(f64, Iterate)> = None;
+        let mut part = 1.0;
+        while part >= SHORTEST {
+            let memory = sum(&here.memory, part, whole);
+            *cycles += 1;
+            if let Ok(passage) = self.pass_from(&here.before, &memory) {
+                let left = length(&self.newton_step(newton, &memory, &passage, Equation::Steady));
+                if left.is_finite() && best.as_ref().is_none_or(|(least, _)| left < *least) {
+                    best = Some((left, Iterate { memory, before: self.line.state.clone() }));
+                }
+                if left <= (1.0 - 0.25 * part) * before {
+                    break;
+                }
+            }
+            part *= 0.5;
+        }
+        best.map(|(_, next)| next)
+    }
+
+    /// Lets cells that touch at the end of neither half-stroke, whose wear hardly follows the gap, wear with it as the preconditioner
+    /// has it: the equation stays regular, and a step brings them nearer without throwing them.
+    fn attract(&self, newton: &Newton, moved: &[f64], passage: &mut Passage) {
+        let count = self.operators().count();
+        let mut gap = vec![0.0; count];
+        self.displacement(&moved[..self.heat_entries()], &mut gap);
+        let body = usize::from(!self.operators().reshapes(0));
+        for (i, k) in self.worn_ranges()[body].clone().enumerate() {
+            if !newton.touching[i] && !newton.touching[i + count] {
+                passage.change[k] -= newton.tangent.least() * (gap[i] + moved[k]);
+            }
+        }
+    }
+
+    fn pass_from(&mut self, before: &LineState, memory: &[f64]) -> Result<Passage, CycleError> {
+        self.line.state.clone_from(before);
+        self.pass(memory)
+    }
+}
+
+fn sum(values: &[f64], factor: f64, others: &[f64]) -> Vec<f64> {
+    values.iter().zip(others).map(|(value, other)| value + factor * other).collect()
+}

@@ -1,0 +1,245 @@
+//! Heat along the contact line: both bodies, the split of the friction heat between them, and the distortion it causes.
+//!
+//! At a stage of the step a body answers the flux `q_i` into its cells with (i = 1: punch, 2: strip)
+//!
+//! ```text
+//! T_i = b_i + G_i q_i,    u_i = d_i + D_i q_i
+//! q_1 + q_2 = Q = mu s v p,    T_1 - T_2 = (q_2 - q_1)/(2 h_c)    on cells in contact;    q_1 = q_2 = 0 elsewhere
+//! ```
+//!
+//! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
+//! the stage stays one contact problem ([`partition`]); which cells exchange heat is found by repetition ([`stage`]).
+
+mod acceleration;
+mod accept;
+pub mod air;
+pub mod bodies;
+mod evaluation;
+mod friction_jacobian;
+mod growth;
+mod outputs;
+pub mod partition;
+mod partitions;
+mod prepare;
+mod stage;
+mod staggered;
+mod start;
+pub mod state;
+
+use super::operators::LineOperators;
+use crate::fastest_growth::FastestGrowth;
+use acceleration::Acceleration;
+use bodies::Bodies;
+use conduction::line::{Surroundings, ThermalBody};
+use contact::wear::line::WearingContact;
+use friction_jacobian::FrictionJacobian;
+use growth::GrowthGuard;
+use partition::HeatPartition;
+use partitions::PartitionCache;
+use scene::Scheme;
+
+/// Part of the tolerance that the pressure may lose by operators in single precision. What their rounding makes of the shape is as
+/// rough as the cells, and the pressure of that grows with their number.
+const ROUNDING: f64 = 0.02;
+
+/// Cells from which operators pass faster in single precision: those of fewer stay near at hand.
+const MANY: usize = 72;
+
+/// Where operators kept from step to step are made.
+#[derive(Clone, Copy, Debug, Default)]
+struct FrozenJacobian {
+    /// Sliding velocity, m/s.
+    velocity: f64,
+    /// The step under way has this velocity throughout.
+    exact: bool,
+    /// mu s v, m/s.
+    per_pressure: f64,
+    /// mu of the shear coupling.
+    friction: f64,
+    /// Speed that wears, m/s, and friction coefficient without Stribeck factor.
+    speed: f64,
+    kinetic_coefficient: f64,
+}
+
+/// What a step with heat works with.
+#[derive(Debug)]
+pub struct ThermalCoupling {
+    /// Punch and strip; `None`: an insulator.
+    pub bodies: [Option<Box<dyn ThermalBody>>; 2],
+    /// The contact with the distortion of either stage on top of its compliance.
+    pub contacts: [WearingContact; 2],
+    /// The split at either stage, and where that stands whose extra compliance the contact of the stage has.
+    pub partitions: PartitionCache,
+    taken: [usize; 2],
+    /// Fluxes into punch and strip at either stage, W/m2.
+    pub flux: [[Vec<f64>; 2]; 2],
+    /// Temperatures of punch and strip at either stage, K above the reference.
+    pub temperature: [[Vec<f64>; 2]; 2],
+    /// Friction heat at either stage, W/m2.
+    pub friction: [Vec<f64>; 2],
+    /// Coefficient of friction of the cells, without Stribeck factor.
+    pub kinetic_coefficient: Vec<f64>,
+    /// What the contact's depth rates are made of: of punch and strip at the reference pressure, m/s.
+    pub laws: [Vec<f64>; 2],
+    /// What acts on the bodies besides the contact, in the step under way.
+    pub surroundings: [Surroundings; 2],
+    /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at its start, K.
+    lagging: [f64; 2],
+    /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
+    pub distortion: Vec<f64>,
+    /// Length of the step under way, s, and the velocities at its ends, m/s.
+    step: f64,
+    velocity: [f64; 2],
+    /// Where the operators kept from step to step were made.
+    reference: FrozenJacobian,
+    /// The operators of the stage are those of its own gains instead.
+    refactored: [bool; 2],
+    /// Most repetitions of a stage of the step under way.
+    iterations: usize,
+    /// Of the repetitions of a stage.
+    acceleration: Acceleration,
+    /// Friction that follows the temperature; `None`: it does not.
+    friction_jacobian: Option<Box<FrictionJacobian>>,
+    /// The operators of the stage hold its derivative.
+    linearized: bool,
+    /// The operators of the stage are exact, so that nothing has to be repeated.
+    exact: [bool; 2],
+    /// Punch and strip move under heat.
+    expands: [bool; 2],
+    /// Contact and heat take their steps one after the other: the bodies have no first stage.
+    staggered: bool,
+    /// Diffusivity of the strip, the body that slides, m2/s.
+    diffusivity: f64,
+    /// Pressure that the stage's heat is made of, Pa, and mu s v of the cells, m/s.
+    pressure: Vec<f64>,
+    per_pressure: Vec<f64>,
+    /// Sliding velocity of the cells over that at the mean radius.
+    ratio: Vec<f64>,
+    /// 1/(2 h_c), K m2/W; 0: no exchange.
+    half_resistance: f64,
+    /// Cells taken to be in contact.
+    closed: Vec<bool>,
+    /// The temperatures of the stage under way are those of its fluxes.
+    temperatures_current: bool,
+    /// Contact temperature of the cells that friction and wear follow, K.
+    contact_temperature: Vec<f64>,
+    pub(super) difference: Vec<f64>,
+    /// How fast waves can grow at most; the split of a stage by which growth is looked for, and room for its matrix, N x N.
+    growth: FastestGrowth,
+    watched: HeatPartition,
+    matrix: Vec<f64>,
+    growth_guard: GrowthGuard,
+    free_response: [Vec<f64>; 2],
+    free_distortion: [Vec<f64>; 2],
+    gap: Vec<f64>,
+    sums: [Vec<f64>; 2],
+}
+
+impl ThermalCoupling {
+    /// For the contact line of `operators`, which has bodies that conduct.
+    pub fn new(operators: &LineOperators, bodies: &Bodies) -> ThermalCoupling {
+        let count = operators.count();
+        let zeros = || vec![0.0; count];
+        let pair = || [zeros(), zeros()];
+        let conductance = operators.scene.conductance;
+        let strip = &operators.scene.strip;
+        let expands = [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0);
+        let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
+        let rounded = f64::from(f32::EPSILON) * count as f64;
+        let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
+        let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
+        let own = if rough { partition().in_single_precision() } else { partition() };
+        let mut bodies = bodies.copies();
+        // The first preparation takes memory, so that no step does.
+        bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
+        ThermalCoupling {
+            bodies,
+            contacts: [operators.contact(), operators.contact()],
+            partitions: PartitionCache::new(&own, count),
+            taken: [usize::MAX; 2],
+            flux: [pair(), pair()],
+            temperature: [pair(), pair()],
+            friction: pair(),
+            kinetic_coefficient: zeros(),
+            laws: pair(),
+            surroundings: [Surroundings::default(); 2],
+            distortion: zeros(),
+            lagging: [0.0; 2],
+            step: 0.0,
+            velocity: [0.0; 2],
+            reference: FrozenJacobian::default(),
+            refactored: [false; 2],
+            iterations: 0,
+            acceleration: Acceleration::new(count),
+            friction_jacobian: (!operators.scene.friction_fade.flat).then(|| Box::new(FrictionJacobian::new(count))),
+            linearized: false,
+            exact: [false; 2],
+            expands,
+            staggered: operators.scene.scheme == Scheme::Staggered,
+            diffusivity: strip.conductivity / strip.capacity(),
+            pressure: zeros(),
+            per_pressure: zeros(),
+            ratio: operators.radius_ratio.clone(),
+            half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
+            closed: vec![false; count],
+            temperatures_current: false,
+            contact_temperature: zeros(),
+            difference: zeros(),
+            growth: FastestGrowth::new(&operators.scene, smallest),
+            watched: partition(),
+            matrix: vec![0.0; count * count],
+            growth_guard: GrowthGuard::new(count),
+            free_response: pair(),
+            free_distortion: pair(),
+            gap: zeros(),
+            sums: pair(),
+        }
+    }
+}
+
+impl Clone for ThermalCoupling {
+    fn clone(&self) -> ThermalCoupling {
+        ThermalCoupling {
+            bodies: std::array::from_fn(|body| self.bodies[body].as_ref().map(|heat| heat.boxed())),
+            contacts: self.contacts.clone(),
+            partitions: self.partitions.clone(),
+            taken: self.taken,
+            flux: self.flux.clone(),
+            temperature: self.temperature.clone(),
+            friction: self.friction.clone(),
+            kinetic_coefficient: self.kinetic_coefficient.clone(),
+            laws: self.laws.clone(),
+            surroundings: self.surroundings,
+            distortion: self.distortion.clone(),
+            lagging: self.lagging,
+            step: self.step,
+            velocity: self.velocity,
+            reference: self.reference,
+            refactored: self.refactored,
+            iterations: self.iterations,
+            acceleration: self.acceleration.clone(),
+            friction_jacobian: self.friction_jacobian.clone(),
+            linearized: self.linearized,
+            exact: self.exact,
+            expands: self.expands,
+            staggered: self.staggered,
+            diffusivity: self.diffusivity,
+            pressure: self.pressure.clone(),
+            per_pressure: self.per_pressure.clone(),
+            ratio: self.ratio.clone(),
+            half_resistance: self.half_resistance,
+            closed: self.closed.clone(),
+            temperatures_current: self.temperatures_current,
+            contact_temperature: self.contact_temperature.clone(),
+            difference: self.difference.clone(),
+            growth: self.growth.clone(),
+            watched: self.watched.clone(),
+            matrix: self.matrix.clone(),
+            growth_guard: self.growth_guard.clone(),
+            free_response: self.free_response.clone(),
+            free_distortion: self.free_distortion.clone(),
+            gap: self.gap.clone(),
+            sums: self.sums.clone(),
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The error of a step with heat, and what the state takes from one that is accepted.
+
+use super::evaluation::largest;
+use super::stage::weighted;
+use crate::line::Line;
+use conduction::line::{GAMMA, Stage};
+use numerics::dense;
+use numerics::maximum::maximum;
+use scene::ThermalBoundary;
+
+/// Part by which the fade may differ from the reference.
+const ZONE: f64 = 0.1;
+
+/// Error, in units of the tolerance, below which it need not be known but only bounded.
+const SMALL: f64 = 0.15;
+
+/// How much more a body may answer than at the velocity of the reference, where it has another.
+const ALLOWANCE: f64 = 2.0;
+
+impl Line {
+    /// A bound of [`Line::heat_error`] that costs hardly anything.
+    fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
+        let Some(heat) = &mut self.heat else { return 0.0 };
+        let cells = &self.operators.cells;
+        let (mut moved, mut warmed, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
+        for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
+            let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(cells.widths());
+            let room = heat.difference.iter_mut().zip(&mut heat.sums[0]);
+            for ((difference, weighted), ((first, end), c)) in room.zip(fluxes) {
+                *difference = end - first;
+                *weighted = c * *difference;
+            }
+            let square = dense::dot(&heat.difference, &heat.sums[0]);
+            let change = (square / (2.0 * cells.half_width())).sqrt();
+            moved += of_distortion * change;
+            warmed = maximum(warmed, of_temperature * change);
+            rise = rise.max(largest(&heat.temperature[1][side]));
+        }
+        let known = heat.reference.exact || heat.refactored[1];
+        let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
+        maximum(share * moved / bound, share * warmed / (self.operators.scene.tolerance * rise))
+    }
+
+    /// Error of temperature and distortion by fluxes that are not linear over the step, in units of the tolerance; `bound` in
+    /// m. Where it is small, a bound of it.
+    pub(in crate::line) fn heat_error(&mut self, bound: f64) -> f64 {
+        let most = self.bound_of_heat_error(bound);
+        if most < SMALL {
+            return most;
+        }
+        let Some(heat) = &mut self.heat else { return 0.0 };
+        let operators = &self.operators;
+        let widths = operators.cells.widths();
+        let width = 2.0 * operators.cells.half_width();
+        let mut moved_square = 0.0;
+        let mut warmed: f64 = 0.0;
+        let mut rise: f64 = 1.0;
+        heat.sums[1].fill(0.0);
+        for side in 0..2 {
+            let Some(own) = &heat.bodies[side] else { continue };
+            let influence = own.influence(Stage::End);
+            for (i, difference) in heat.difference.iter_mut().enumerate() {
+                *difference = heat.flux[1][side][i] - heat.flux[0][side][i];
+            }
+            heat.sums[0].fill(0.0);
+            dense::multiply_add(influence.temperature.as_slice(), &heat.difference, &mut heat.sums[0]);
+            if heat.expands[side] {
+                dense::multiply_add(influence.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
+            }
+            let square: f64 = heat.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
+            warmed = maximum(warmed, (square / width).sqrt());
+            rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
+        }
+        // A uniform displacement changes no pressure under a given load.
+        let mean = operators.cells.integral(&heat.sums[1]) / width;
+        for (moved, c) in heat.sums[1].iter().zip(widths) {
+            moved_square += c * (moved - mean) * (moved - mean);
+        }
+        let share = 0.5 - GAMMA;
+        let moved = share * (moved_square / width).sqrt();
+        (moved / bound).max(share * warmed / (operators.scene.tolerance * rise))
+    }
+
+    /// Takes the heat of the part that was tried, of `step` s, with the sliding velocity at its end.
+    pub(in crate::line) fn accept_heat(&mut self, step: f64, velocity: f64) {
+        let (Some(heat), Some(state)) = (&self.heat, &mut self.state.heat) else { return };
+        let operators = &self.operators;
+        let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
+        let (per_rise, per_change) = (1.0 / (GAMMA * step), 1.0 / ((1.0 - GAMMA) * step));
+        state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
+        // The first part of a step leaves the state that it starts from where it can be taken back.
+        let before = self.backup.1.heat.as_mut().filter(|_| !std::mem::replace(&mut self.bodies_kept, true));
+        let before = before.map(|kept| {
+            std::mem::swap(&mut kept.bodies, &mut state.bodies);
+            &kept.bodies
+        });
+        for side in 0..2 {
+            if let Some(own) = &heat.bodies[side] {
+                let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
+                let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
+                match (before, heat.staggered) {
+                    (Some(before), false) => own.advance_to(&before[side], body, around, first, end),
+                    (None, false) => own.advance_from_end(body, around, first, end),
+                    (before, true) => {
+                        if let Some(before) = before {
+                            body.copy_from_slice(&before[side]);
+                        }
+                        own.advance(body, around, first, end);
+                    }
+                }
+            }
+            let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
+            for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
+                // No rate where the cell exchanges no heat, or has just begun to.
+                let lasting = (*before != 0.0) & (*end != 0.0);
+                let rates = [(first - before) * per_rise, (end - first) * per_change];
+                *slope = if lasting { slope_limited(*slope, rates) } else { 0.0 };
+            }
+            state.flux[side].copy_from_slice(&heat.flux[1][side]);
+            state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
+            let held = [&operators.mean.punch, &operators.mean.strip][side].far != ThermalBoundary::Convecting;
+            state.cooling[side] = heat.surroundings[side].by_air(held);
+        }
+        (state.lagging, state.last_step) = (heat.lagging, step);
+        let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);
+        for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
+            let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);
+            *slope = if lasting { (end - first) * per_change } else { 0.0 };
+        }
+        state.distortion.copy_from_slice(&heat.distortion);
+        state.kinetic_coefficient = match operators.scene.friction_fade.flat {
+            true => heat.kinetic_coefficient[0],
+            false => weighted(&heat.kinetic_coefficient, &self.work.end.pressure, &operators.torque_weights),
+        };
+        state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
+        let fade =
+            if self.friction.coefficient > 0.0 { state.kinetic_coefficient / self.friction.coefficient } else { 1.0 };
+        if (fade / state.reference.fade - 1.0).abs() > ZONE {
+            state.reference.fade = fade;
+        }
+    }
+}
+
+/// Largest ratio of successive rates of a flux that is taken for smooth. They differ by the order of the step; of one that decays like
+/// an exponential this is a step over three times its time.
+const SMOOTH: f64 = 3.0;
+
+/// Least part of a foreseen rate that counts: a rate of 0 would stand for none.
+const LEAST: f64 = 1e-3;
+
+/// The rate at which a flux is foreseen to go on behind a step, from the one that was foreseen for that step (0: none) and the rates
+/// found in its first stage and behind it.
+///
+/// A flux that settles within a step does not go on at its last rate: a first stage that takes it for linear starts from a flux that
+/// was over long before, and the next rate is what this made of it. What settles by itself then fades as `.06^n` instead of
+/// `.0008^n` in steps of ten times the wave's time. Two things tell it: its rate falls to a fraction within the step, or the rate
+/// foreseen is not met. Where neither is the case the rate is what was found, to the last bit, so the order of smooth fluxes is not
+/// touched; beyond it falls with the fourth power.
+fn slope_limited(predicted: f64, [early, late]: [f64; 2]) -> f64 {
+    let lasting = (SMOOTH * late / early).abs().min(1.0);
+    let met = if predicted == 0.0 { 1.0 } else { (SMOOTH * early / predicted).clamp(LEAST, 1.0) };
+    let square = (lasting * met).powi(2);
+    square * square * late
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rates in the first stage of a step of 1 and behind it.
+    fn rates(flux: impl Fn(f64) -> f64) -> [f64; 2] {
+        [(flux(GAMMA) - flux(0.0)) / GAMMA, (flux(1.0) - flux(GAMMA)) / (1.0 - GAMMA)]
+    }
+
+    #[test]
+    fn smooth_fluxes_keep_their_rates_and_settled_ones_lose_them() {
+        for decay in [0.1, 0.5, 1.0, 1.5, -1.0] {
+            let predicted = rates(|t| (-decay * (t - 1.0)).exp())[1];
+            let now = rates(|t| (-decay * t).exp());
+            assert_eq!(slope_limited(predicted, now), now[1], "{decay}");
+        }
+        let now = rates(|t| (-6.0 * t).exp());
+        assert!(slope_limited(0.0, now).abs() < 0.01 * now[1].abs());
+        assert!(slope_limited(now[1], now).abs() < 0.01 * now[1].abs());
+        // What a wrong start has left: the flux hardly changes in the first stage, whatever was foreseen.
+        let left = slope_limited(-1.0, [-0.02, -0.06]);
+        assert!(left != 0.0 && left.abs() < 1e-5, "{left}");
+        // Steady to rounding, and steady to the last bit.
+        assert_eq!(slope_limited(0.0, [0.0, 0.0]), 0.0);
+        assert_eq!(slope_limited(0.0, [0.0, 1e-9]), 1e-9);
+    }
+}

@@ -1,0 +1,232 @@
+//! The conducting bodies of a scene, and whether the contact line carries their heat.
+
+use crate::lumped::error_weights::{ErrorWeight, error_weights};
+use crate::lumped::operators::moving_source;
+use conduction::lateral::Lateral;
+use conduction::line::ThermalBody;
+use conduction::line::disc::DiscHeat;
+use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
+use conduction::line::{field, punch};
+use conduction::slab::Base;
+use elasticity::discretization::relative_radii;
+use elasticity::{self, Cells, Material};
+use numerics::maximum::maximum;
+use scene::{self, Body, Fidelity, Geometry, HeatAlongContact, Scene, Scheme, ThermalBoundary};
+use std::sync::Mutex;
+
+/// Most states of a strip: with everything else a saved state stays below 256 KB.
+const MOST_STATES: usize = 16_000;
+
+/// Most doublings of the shortest step that a strip resolves until its states are few enough.
+const MOST_DOUBLINGS: usize = 100;
+
+/// Finest tolerance of a reduction.
+const FINEST: f64 = 2e-5;
+
+/// Part of the tolerance that the mean temperature of the punch may take, for fluxes of every frequency. The strip judges all waves at
+/// once and has its own part.
+const PUNCH_PART: f64 = 0.25;
+
+/// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
+const EXPECTED: f64 = 1.5;
+
+/// Whether heat is carried along the contact line, or by its mean alone.
+///
+/// It is where its distribution feeds back: it distorts the shape, or friction or wear follow the local temperature. Where
+/// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands. The
+/// reference level carries it in any case.
+///
+/// The explicit scheme steps the shape alone and keeps the mean in any case.
+///
+/// [`HeatAlongContact`] overrules the first of these reasons: by its mean also where it feeds back, on the cells also where
+/// only the contact temperature would notice.
+pub fn on_the_cells(scene: &Scene) -> bool {
+    let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
+    let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
+    let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
+    let wanted = match scene.heat_along_contact {
+        HeatAlongContact::WhereItFeedsBack => expands || follows || scene.fidelity == Fidelity::Field,
+        HeatAlongContact::ByItsMean => false,
+        HeatAlongContact::OnTheCells => true,
+    };
+    wanted && possible_on_the_cells(scene)
+}
+
+/// Whether the contact line of this scene can carry heat on its cells.
+pub fn possible_on_the_cells(scene: &Scene) -> bool {
+    let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
+    conducts && scene.scheme != Scheme::Explicit
+}
+
+/// Punch and strip as every copy of a scene begins with them.
+#[derive(Debug)]
+pub struct Bodies {
+    // Bodies own memory that they work in, so they are not shared between threads: only copied.
+    prototypes: [Option<Mutex<Box<dyn ThermalBody>>>; 2],
+    /// Lengths of their states.
+    pub states: [usize; 2],
+    /// Rates at which their temperatures fade, 1/s: bodies with the same rates have the same states.
+    pub rates: [Vec<f64>; 2],
+    /// Fourier waves of the strip.
+    pub waves: usize,
+    /// Cooled lengths across the line (area per depth and punch), m.
+    pub cooled_length: [f64; 2],
+    /// Larger error of the contact temperature by the reductions, relative to its rise.
+    pub error: f64,
+}
+
+impl Bodies {
+    /// Builds both bodies under the given cells.
+    ///
+    /// # Errors
+    /// What a body refuses, as a text with the numbers.
+    pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
+        let error_weights = error_weights(scene);
+        let whole = scene.tolerance.max(FINEST);
+        let [of_the_mean, tolerance] = [PUNCH_PART * error_weights[0].tolerance, error_weights[1].tolerance]
+            .map(|part| (part * scene.tolerance).max(FINEST));
+        let duration = scene.nominal_duration;
+        let punch: Option<Box<dyn ThermalBody>> = if scene.fidelity == Fidelity::Field {
+            field::unreduced(scene, cells).map(|body| body.map(|body| Box::new(body) as _))
+        } else {
+            punch::reduce_with_mean(scene, cells, [whole, of_the_mean], duration)
+                .map(|body| body.map(|body| Box::new(body) as _))
+        }
+        .map_err(|error| format!("punch: {error}"))?;
+        if scene.geometry == Geometry::Annular {
+            let bodies = [punch, mate(scene, cells, tolerance)?];
+            return Ok(Bodies::made(scene, bodies, error_weights, punch::mate::cooled_length(scene), 0));
+        }
+        let strip = strip(scene, cells, tolerance)?;
+        let free = strip.as_ref().map_or(0.0, |strip| strip.period() - 2.0 * cells.half_width());
+        let waves = strip.as_ref().map_or(0, |strip| strip.size().0);
+        let strip = strip.map(|body| Box::new(body) as Box<dyn ThermalBody>);
+        Ok(Bodies::made(scene, [punch, strip], error_weights, free.max(0.0), waves))
+    }
+
+    /// With the [`error_weights`] of both bodies, the cooled length of the strip (m) and the number of its waves.
+    fn made(
+        scene: &Scene,
+        bodies: [Option<Box<dyn ThermalBody>>; 2],
+        error_weights: [ErrorWeight; 2],
+        free: f64,
+        waves: usize,
+    ) -> Bodies {
+        let cooled = if scene.punch.cooled_area > 0.0 {
+            scene.punch.cooled_area / (scene.depth * scene.count)
+        } else {
+            2.0 * scene.punch.height
+        };
+        let states = bodies.each_ref().map(|body| body.as_ref().map_or(0, |body| body.states()));
+        let rates = bodies.each_ref().map(|body| body.as_ref().map_or(Vec::new(), |body| body.decay_rates()));
+        let of_the_mean = bodies.iter().map(|body| body.as_ref().map_or(0.0, |body| body.error_of_the_mean()));
+        let error = of_the_mean.zip(error_weights).map(|(error, share)| share.accounted * error).fold(0.0, maximum);
+        Bodies {
+            prototypes: bodies.map(|body| body.map(Mutex::new)),
+            states,
+            rates,
+            waves,
+            cooled_length: [cooled, free],
+            error,
+        }
+    }
+
+    /// Bodies with memory of their own.
+    pub fn copies(&self) -> [Option<Box<dyn ThermalBody>>; 2] {
+        self.prototypes.each_ref().map(|body| {
+            body.as_ref().map(|body| match body.lock() {
+                Ok(body) => body.boxed(),
+                // Nothing is ever written through the lock.
+                Err(poisoned) => poisoned.into_inner().boxed(),
+            })
+        })
+    }
+}
+
+/// The mate of an annular contact.
+fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn ThermalBody>>, String> {
+    let ring = punch::mate::reduce_mate(scene, cells, tolerance, scene.nominal_duration)
+        .map_err(|error| format!("strip: {error}"))?;
+    let Some(ring) = ring else { return Ok(None) };
+    Ok(Some(match moving_source(scene) {
+        Some(flash) => Box::new(DiscHeat::new(ring, flash, relative_radii(scene, cells))),
+        None => Box::new(ring),
+    }))
+}
+
+/// Path of the contact as the strip's heat sees it.
+fn path_of(scene: &Scene) -> SlidingPath {
+    match scene.path {
+        scene::Path::Closed => SlidingPath::Closed(scene.length / scene.count),
+        scene::Path::Straight if scene.nominal_stroke > 0.0 => {
+            SlidingPath::Stroke { stroke: scene.nominal_stroke, length: scene.length }
+        }
+        scene::Path::Straight => SlidingPath::Unidirectional,
+    }
+}
+
+/// Shortest step that is to be resolved, s: a 60th of a cycle of to-and-fro sliding, a thousandth of everything else.
+pub fn shortest(scene: &Scene) -> f64 {
+    let cycle = match path_of(scene) {
+        SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {
+            2.0 * stroke / scene.nominal_velocity / 60.0
+        }
+        _ => f64::INFINITY,
+    };
+    cycle.min(1e-3 * scene.nominal_duration)
+}
+
+fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHeat>, String> {
+    let body = &scene.strip;
+    if body.conductivity == 0.0 {
+        return Ok(None);
+    }
+    let expansion = if body.thermal_expansion > 0.0 {
+        let material =
+            Material::new(body.youngs_modulus, body.poissons_ratio).map_err(|error| format!("strip: {error}"))?;
+        let base = if scene.smooth_base { elasticity::Base::Smooth } else { elasticity::Base::Bonded };
+        Some(Expansion { material, coefficient: body.thermal_expansion, base })
+    } else {
+        None
+    };
+    let properties = StripProperties {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        convection: body.convection * cooled_part(scene),
+        base: match body.far_thermal {
+            ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
+            ThermalBoundary::Convecting => Base::Convecting(body.convection),
+            ThermalBoundary::Insulated => Base::Insulated,
+        },
+        path: path_of(scene),
+        expansion,
+        lateral: Lateral::of(scene),
+    };
+    let (duration, way) = (scene.nominal_duration, f64::INFINITY);
+    let mut resolution = Resolution { duration, shortest: shortest(scene), tolerance, way };
+    for _ in 0..MOST_DOUBLINGS {
+        let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
+        if strip.states() <= MOST_STATES {
+            strip.expect(EXPECTED * scene.nominal_velocity);
+            return Ok(Some(strip));
+        }
+        // What decays faster answers at once.
+        resolution.shortest *= 2.0;
+    }
+    Err(format!("strip: more than {MOST_STATES} thermal states, however long the shortest step that they resolve"))
+}
+
+/// Cooled area of the strip over its area beside the contact on a closed path; 1 where it is not given, or the path open.
+/// The mate of an annulus has its cooled area itself.
+pub fn cooled_part(scene: &Scene) -> f64 {
+    if scene.geometry == Geometry::Annular {
+        return 1.0;
+    }
+    let free = scene.length * scene.depth - scene.contact_area() * scene.count;
+    if scene.path == scene::Path::Closed && scene.strip.cooled_area > 0.0 && free > 0.0 {
+        scene.strip.cooled_area / free
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,385 @@
+//! What one repetition of a stage evaluates: friction heat and its split, temperatures of both surfaces, the gap.
+
+use super::ThermalCoupling;
+use conduction::line::{GAMMA, Stage};
+use contact::friction::FrictionLaw;
+use contact::wear::line::StageError;
+use numerics::dense;
+
+impl ThermalCoupling {
+    /// Temperature and distortion of both bodies at the stage if no heat came in it.
+    pub(super) fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
+        for side in 0..2 {
+            let (free_response, distortion) = (&mut self.free_response[side], &mut self.free_distortion[side]);
+            match &self.bodies[side] {
+                Some(own) => {
+                    let around = &self.surroundings[side];
+                    let known = &mut self.flux[0][side];
+                    if stage == Stage::First {
+                        let back = -GAMMA * self.step;
+                        known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
+                    }
+                    match (stage, self.staggered) {
+                        (Stage::End, false) => {
+                            own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion)
+                        }
+                        _ => own.free_response(&state.bodies[side], around, stage, known, free_response, distortion),
+                    }
+                }
+                None => {
+                    free_response.fill(self.surroundings[side].ambient);
+                    distortion.fill(0.0);
+                }
+            }
+        }
+    }
+
+    pub(super) fn conducts(&self) -> [bool; 2] {
+        self.bodies.each_ref().map(Option::is_some)
+    }
+
+    /// Puts the distortion by the stage's own heat, at the reference, on the contact's compliance, and finds whether that is
+    /// exact.
+    pub(super) fn operator(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
+        let s = stage as usize;
+        self.partitions[s].close(&self.closed);
+        let known = !self.refactored[s] && self.is_solved_directly(self.partitions[s].open().len());
+        self.exact[s] = known
+            && self
+                .kinetic_coefficient
+                .iter()
+                .all(|kinetic_coefficient| kinetic_coefficient * slip == self.reference.per_pressure);
+        let per_pressure = self.reference.per_pressure;
+        if !self.refactored[s] {
+            let (place, made) = (self.partitions.place(s), self.partitions[s].thermal_compliance(per_pressure));
+            if made || self.taken[s] != place {
+                self.taken[s] = usize::MAX;
+                self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()))?;
+                self.taken[s] = place;
+            }
+        }
+        let reduced = self.exact[s] && self.conducts() == [true, true];
+        self.contacts[s].set_low_rank_update(if reduced { self.partitions[s].low_rank_update() } else { None });
+        Ok(())
+    }
+
+    /// Makes the operators of the stage's own gains and friction, where those of the reference do not converge.
+    pub(super) fn refactor(&mut self, stage: Stage, slip: f64) {
+        let s = stage as usize;
+        let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
+        self.partitions.take_passing(s).build((f64::NAN, f64::NAN), influence);
+        if let Some(friction_jacobian) = &mut self.friction_jacobian {
+            friction_jacobian.build(&self.partitions[s], influence, self.half_resistance);
+        }
+        let mean = self.kinetic_coefficient.iter().sum::<f64>() / self.kinetic_coefficient.len() as f64;
+        self.partitions[s].thermal_compliance(mean * slip);
+        self.taken[s] = self.partitions.place(s);
+        // Gains are finite, and so is their product with a velocity.
+        let _ = self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()));
+        self.refactored[s] = true;
+    }
+
+    /// Takes into the operators of the stage that friction follows the temperature.
+    pub(super) fn linearize(&mut self, stage: Stage, slip: f64, friction: &FrictionLaw) -> Result<(), StageError> {
+        let s = stage as usize;
+        let Some(friction_jacobian) = &mut self.friction_jacobian else { return Ok(()) };
+        let (closed, pressure) = (&self.closed, &self.pressure);
+        let (kinetic_coefficient, contact_temperature, ratio) =
+            (&self.kinetic_coefficient, &self.contact_temperature, &self.ratio);
+        let heat = friction_jacobian.linearize(
+            |i| if closed[i] { slip * ratio[i] * kinetic_coefficient[i] } else { 0.0 },
+            |i| if closed[i] { slip * ratio[i] * pressure[i] * friction.fall(contact_temperature[i]) } else { 0.0 },
+        );
+        self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_by(heat)))?;
+        self.linearized = true;
+        Ok(())
+    }
+
+    /// Whether the operators of the reference are exact while `open` cells exchange no heat, as long as friction is that of the
+    /// reference.
+    pub(super) fn is_solved_directly(&self, open: usize) -> bool {
+        let partition = self.conducts() != [true, true] || self.partitions[0].is_exact_with(open);
+        self.reference.exact && !self.staggered && partition
+    }
+
+    /// Friction heat of the stage with the pressure known so far, and the split of it in which both surfaces agree; returns
+    /// how far they were from that, see [`ThermalCoupling::residual_norm`].
+    ///
+    /// Where the operators of the stage are exact nothing has to be known: the pressure is taken to be 0, and the split that of
+    /// no friction heat.
+    pub(super) fn assemble_fluxes(&mut self, stage: Stage, slip: f64) -> f64 {
+        let s = stage as usize;
+        let conducts = self.conducts();
+        let exchanges = conducts == [true, true] && self.half_resistance > 0.0;
+        for ((per_pressure, kinetic_coefficient), ratio) in
+            self.per_pressure.iter_mut().zip(&self.kinetic_coefficient).zip(&self.ratio)
+        {
+            *per_pressure = kinetic_coefficient * slip * ratio;
+        }
+        let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);
+        if self.exact[s] {
+            self.pressure.fill(0.0);
+            friction.fill(0.0);
+            punch.fill(0.0);
+            strip.fill(0.0);
+            if exchanges {
+                let [cold, update_temperatures] = &self.free_response;
+                self.difference
+                    .iter_mut()
+                    .zip(update_temperatures.iter().zip(cold))
+                    .for_each(|(residual, (update_temperatures, cold))| *residual = update_temperatures - cold);
+                self.partitions[s].exchange(&self.difference, punch);
+                strip.iter_mut().zip(&*punch).for_each(|(strip, punch)| *strip = -punch);
+            }
+            self.temperatures_current = false;
+            return 0.0;
+        }
+        match &self.friction_jacobian {
+            // What the heat lacks of the law at the temperature that it makes, with the temperature that follows: where a
+            // rise by all of the heat changes friction by more than itself, the law alone alternates however short the step is.
+            Some(friction_jacobian) if self.linearized => {
+                let known = friction.iter().zip(&self.pressure).zip(&self.per_pressure);
+                for (residual, ((heat, pressure), per_pressure)) in self.difference.iter_mut().zip(known) {
+                    *residual = if *per_pressure > 0.0 { pressure - heat / per_pressure } else { 0.0 };
+                }
+                friction_jacobian.add_heat(&self.difference, friction);
+            }
+            _ => {
+                let known = self.pressure.iter().zip(&self.per_pressure);
+                for (heat, (pressure, per_pressure)) in friction.iter_mut().zip(known) {
+                    *heat = per_pressure * pressure;
+                }
+            }
+        }
+        let open = self.partitions[s].open();
+        open.iter().for_each(|&i| (friction[i], punch[i]) = (0.0, 0.0));
+        match conducts {
+            [true, true] if exchanges => {}
+            [true, true] => punch.iter_mut().zip(&*friction).for_each(|(punch, heat)| *punch = 0.5 * heat),
+            [true, false] => punch.copy_from_slice(friction),
+            [false, _] => punch.fill(0.0),
+        }
+        rest(strip, friction, punch, conducts[1]);
+        if !exchanges {
+            return 0.0;
+        }
+        if !self.temperatures_current {
+            self.update_temperatures(stage);
+        }
+        let residual_norm = self.residual_norm(stage);
+        self.temperatures_current = false;
+        let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
+        self.partitions[s].exchange(&self.difference, punch);
+        rest(strip, friction, punch, true);
+        residual_norm
+    }
+
+    /// Temperature by which the punch's surface is too cold for its flux, cell by cell, in `difference`.
+    fn residual(&mut self, stage: Stage) {
+        let s = stage as usize;
+        let ([punch, strip], [punch_flux, strip_flux]) = (&self.temperature[s], &self.flux[s]);
+        let (surfaces, fluxes) = (strip.iter().zip(punch), strip_flux.iter().zip(punch_flux));
+        for ((residual, (strip, punch)), (given, taken)) in self.difference.iter_mut().zip(surfaces).zip(fluxes) {
+            *residual = strip - punch + self.half_resistance * (given - taken);
+        }
+        self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
+    }
+
+    /// How far the surfaces are from the law of the interface, relative to the largest rise and jump of temperature; cell by
+    /// cell, in K, in `difference`.
+    fn residual_norm(&mut self, stage: Stage) -> f64 {
+        let s = stage as usize;
+        self.residual(stage);
+        let scale = (largest(&self.temperature[s][0]).max(largest(&self.temperature[s][1])))
+            .max(self.half_resistance * largest(&self.friction[s]));
+        if scale > 0.0 { largest(&self.difference) / scale } else { 0.0 }
+    }
+
+    /// The gap with everything that moves it, less what the pressure known so far does through the contact's extra
+    /// compliance. The part that is distortion by heat stands in `distortion`.
+    pub(super) fn undeformed(&mut self, stage: Stage, gap: &[f64]) {
+        let s = stage as usize;
+        let moved = &mut self.distortion;
+        let [punch, strip] = &self.free_distortion;
+        moved.iter_mut().zip(punch.iter().zip(strip)).for_each(|(moved, (punch, strip))| *moved = punch + strip);
+        if self.exact[s] {
+            // What the strip gives the punch gets.
+            if self.bodies.iter().all(Option::is_some) && self.expands.contains(&true) {
+                self.partitions[s].distort_relatively(&self.flux[s][0], moved);
+            }
+        } else {
+            self.difference.iter_mut().zip(&self.pressure).for_each(|(less, pressure)| *less = -pressure);
+            dense::multiply_add(self.partitions[s].thermal_compliance_values(), &self.difference, moved);
+            for side in 0..2 {
+                if let (Some(own), true) = (&self.bodies[side], self.expands[side]) {
+                    dense::multiply_add(own.influence(stage).distortion.as_slice(), &self.flux[s][side], moved);
+                }
+            }
+        }
+        self.gap.iter_mut().zip(gap.iter().zip(&*moved)).for_each(|(target, (gap, moved))| *target = gap + moved);
+    }
+
+    /// Takes the pressure found, with its share of heat; returns how much it differs from the one known before, relative to
+    /// the largest. A difference of no more than `enough` leaves the split as it is.
+    pub(super) fn update_pressure(&mut self, stage: Stage, pressure: &[f64], enough: f64) -> f64 {
+        let s = stage as usize;
+        if self.exact[s] {
+            return self.update_pressure_exactly(stage, pressure);
+        }
+        let most = largest(pressure).max(largest(&self.pressure));
+        for ((own, new), moved) in self.pressure.iter_mut().zip(pressure).zip(&mut self.gap) {
+            *moved = new - *own;
+            *own = *new;
+        }
+        let change = largest(&self.gap);
+        let known = self.pressure.iter().zip(&self.per_pressure);
+        for ((own, difference), (pressure, per_pressure)) in
+            self.friction[s].iter().zip(&mut self.difference).zip(known)
+        {
+            *difference = per_pressure * pressure - own;
+        }
+        // An open cell had none and gets none.
+        self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
+        if let (Some(friction_jacobian), true) = (&self.friction_jacobian, self.linearized) {
+            // The temperature that follows is that of the friction at that temperature.
+            self.difference.fill(0.0);
+            friction_jacobian.add_heat(&self.gap, &mut self.difference);
+        }
+        for (friction, more) in self.friction[s].iter_mut().zip(&self.difference) {
+            *friction += more;
+        }
+        let change = if most > 0.0 { change / most } else { 0.0 };
+        self.temperatures_current = false;
+        let conducts = self.conducts();
+        let [punch, strip] = &mut self.flux[s];
+        match conducts {
+            [true, true] if change <= enough => {}
+            [true, true] => self.partitions[s].share(&self.difference, punch),
+            [true, false] => punch.copy_from_slice(&self.friction[s]),
+            [false, _] => {}
+        }
+        rest(strip, &self.friction[s], punch, conducts[1]);
+        change
+    }
+
+    /// [`ThermalCoupling::update_pressure`] where nothing was known before, and nothing is left to repeat.
+    fn update_pressure_exactly(&mut self, stage: Stage, pressure: &[f64]) -> f64 {
+        let s = stage as usize;
+        self.pressure.copy_from_slice(pressure);
+        for ((heat, pressure), per_pressure) in self.friction[s].iter_mut().zip(pressure).zip(&self.per_pressure) {
+            *heat = per_pressure * pressure;
+        }
+        let conducts = self.conducts();
+        let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
+        match conducts {
+            [true, true] => self.partitions[s].share_all(friction, punch),
+            [true, false] => punch.copy_from_slice(friction),
+            [false, _] => {}
+        }
+        rest(strip, friction, punch, conducts[1]);
+        0.0
+    }
+
+    /// Temperatures of both surfaces by their fluxes.
+    pub(super) fn update_temperatures(&mut self, stage: Stage) {
+        let s = stage as usize;
+        self.temperatures_current = true;
+        if self.exact[s] && self.half_resistance > 0.0 && self.bodies.iter().all(Option::is_some) {
+            // The strip's surface follows from the law of the interface.
+            let [punch, strip] = &mut self.temperature[s];
+            punch.copy_from_slice(&self.free_response[0]);
+            if let Some(own) = &self.bodies[0] {
+                self.partitions[s].update_punch_temperature(own.influence(stage), &self.flux[s][0], punch);
+            }
+            let [taken, given] = &self.flux[s];
+            for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
+                *strip = punch - self.half_resistance * (given - taken);
+            }
+            // It does not hold on open cells, whose surfaces are apart.
+            let open = self.partitions[s].open();
+            if open.len() == strip.len() {
+                strip.copy_from_slice(&self.free_response[1]);
+            } else {
+                open.iter().zip(self.partitions[s].apart()).for_each(|(&i, apart)| strip[i] = punch[i] - apart);
+            }
+            return;
+        }
+        for side in 0..2 {
+            let temperature = &mut self.temperature[s][side];
+            temperature.copy_from_slice(&self.free_response[side]);
+            if let Some(own) = &self.bodies[side] {
+                dense::multiply_add(own.influence(stage).temperature.as_slice(), &self.flux[s][side], temperature);
+            }
+        }
+        // An insulator's surface follows from the second law of the interface; where it touches nothing it has no temperature of its
+        // own, and shows the other's.
+        let conducts = self.conducts();
+        if let [true, false] | [false, true] = conducts {
+            let own = usize::from(!conducts[1]);
+            for i in 0..self.closed.len() {
+                let apart = if self.closed[i] { self.friction[s][i] * self.half_resistance } else { 0.0 };
+                self.temperature[s][own][i] = self.temperature[s][1 - own][i] + apart;
+            }
+        }
+    }
+
+    /// Whether all cells that carry pressure exchange heat; if not, they do from now on.
+    pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
+        let mut settled = true;
+        for (closed, p) in self.closed.iter_mut().zip(pressure) {
+            if *p > 0.0 && !*closed {
+                *closed = true;
+                settled = false;
+                self.temperatures_current = false;
+            }
+        }
+        settled
+    }
+
+    /// Displacement of both surfaces by heat at the end of the step, from what the last repetition knew of it and what the
+    /// pressure found does through the contact's extra compliance.
+    pub(super) fn distort_by_contact(&mut self) {
+        self.partitions[1].add_displacement(self.exact[1], &self.pressure, &mut self.distortion);
+    }
+
+    /// Displacement of both surfaces by heat at the end of the step.
+    pub(super) fn distort(&mut self) {
+        for (i, moved) in self.distortion.iter_mut().enumerate() {
+            *moved = self.free_distortion[0][i] + self.free_distortion[1][i];
+        }
+        for side in 0..2 {
+            if let (Some(own), true) = (&self.bodies[side], self.expands[side]) {
+                dense::multiply_add(
+                    own.influence(Stage::End).distortion.as_slice(),
+                    &self.flux[1][side],
+                    &mut self.distortion,
+                );
+            }
+        }
+    }
+}
+
+/// Numbers that [`largest`] looks at together.
+const ABREAST: usize = 8;
+
+/// Largest absolute value; what is not a number does not count.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    let more = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
+    let (groups, rest) = values.as_chunks::<ABREAST>();
+    let mut most = [0.0; ABREAST];
+    for group in groups {
+        for k in 0..ABREAST {
+            most[k] = more(most[k], group[k]);
+        }
+    }
+    most.into_iter().chain(rest.iter().copied()).fold(0.0, more)
+}
+
+/// What of the friction heat the strip takes, if it conducts.
+fn rest(strip: &mut [f64], friction: &[f64], punch: &[f64], conducts: bool) {
+    if conducts {
+        strip.iter_mut().zip(friction.iter().zip(punch)).for_each(|(strip, (heat, punch))| *strip = heat - punch);
+    } else {
+        strip.fill(0.0);
+    }
+}

@@ -1,0 +1,136 @@
+//! Outputs of heat along the contact line, by value reference. They are those of the end of the last step: the bodies'
+//! states are held in between.
+
+use crate::line::Line;
+use crate::lumped::conditions::Conditions;
+use crate::{INPUTS, Inputs};
+use conduction::line::Surroundings;
+use numerics::scalar::Dual;
+use scene::variables::{COUNT, reference};
+use scene::{STATIONS, ThermalBoundary, value};
+
+impl Line {
+    /// What acts on both bodies at `inputs` besides the contact.
+    pub(in crate::line) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
+        let reference = self.mean.state().reference;
+        let inputs = Inputs::from_array(*inputs);
+        let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);
+        let cooling = self.state.heat.as_ref().map_or_else(Default::default, |heat| heat.cooling);
+        let far = [conditions.punch_far, conditions.strip_far];
+        let bodies = [&self.operators.mean.punch, &self.operators.mean.strip];
+        std::array::from_fn(|side| {
+            let around = Surroundings { ambient: conditions.ambient, far: far[side], ..Surroundings::default() };
+            around.with_air(cooling[side], bodies[side].far != ThermalBoundary::Convecting)
+        })
+    }
+
+    /// Temperatures and heat flows.
+    pub(in crate::line) fn write_heat_flows(&self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        let (Some(heat), Some(state), Some(bodies)) = (&self.heat, &self.state.heat, &self.operators.heat) else {
+            return;
+        };
+        let operators = &self.operators;
+        let all = operators.shared_depth * operators.scene.faces;
+        let areas = &operators.weights;
+        let absolute = self.mean.state().reference;
+        let around = self.around(inputs);
+        let into = |side: usize| all * state.flux[side].iter().zip(areas).map(|(q, c)| q * c).sum::<f64>();
+        let (mut ambient, mut far) = (0.0, [0.0; 2]);
+        for side in 0..2 {
+            if let Some(own) = &heat.bodies[side] {
+                let [air, face] = own.flows(&state.bodies[side], &around[side], &state.flux[side]);
+                ambient += air - bodies.cooled_length[side] * around[side].cooling;
+                far[side] = all * face;
+            }
+        }
+        value!(values, "contact_temperature") = state.mean(areas) + absolute;
+        value!(values, "contact_temperature_max") = operators.hottest.of(&state.temperature) + absolute;
+        value!(values, "heat_flow_punch") = into(0);
+        value!(values, "heat_flow_strip") = into(1);
+        value!(values, "heat_flow_punch_top") = far[0];
+        value!(values, "heat_flow_strip_base") = far[1];
+        value!(values, "heat_flow_ambient") = all * ambient;
+    }
+
+    /// The heat account and mean temperatures.
+    pub(in crate::line) fn write_heat_account(&self, values: &mut [f64; COUNT]) {
+        let (Some(heat), Some(state), Some(bodies)) = (&self.heat, &self.state.heat, &self.operators.heat) else {
+            return;
+        };
+        let operators = &self.operators;
+        let all = operators.shared_depth * operators.scene.faces;
+        let absolute = self.mean.state().reference;
+        let [punch, strip] = [0, 1].map(|side| {
+            let own = heat.bodies[side].as_ref();
+            own.map_or_else(Default::default, |own| state.account(side, own.as_ref()))
+        });
+        value!(values, "dissipated_energy") = state.dissipated * all;
+        value!(values, "heat_received_punch") = punch.received * all;
+        value!(values, "heat_received_strip") = strip.received * all;
+        value!(values, "stored_heat") = (punch.stored + strip.stored) * all;
+        value!(values, "heat_lost_ambient") = (punch.ambient + strip.ambient) * all;
+        value!(values, "heat_lost_punch_top") = punch.far * all;
+        value!(values, "heat_lost_strip_base") = strip.far * all;
+        if let Some(own) = &heat.bodies[0] {
+            value!(values, "punch.mean_temperature") = own.mean_temperature(&state.bodies[0]) + absolute;
+        }
+        if let Some(own) = &heat.bodies[1] {
+            value!(values, "strip.mean_temperature") = own.mean_temperature(&state.bodies[1]) + absolute;
+        }
+        value!(values, "estimated_step_error") = bodies.error + self.state.error;
+    }
+
+    /// Temperature of the contact along the line, mean of both surfaces.
+    pub(in crate::line) fn write_heat_profile(&mut self, values: &mut [f64; COUNT]) {
+        let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
+        let absolute = self.mean.state().reference;
+        let [punch, strip] = &state.temperature;
+        for (i, contact_temperature) in heat.contact_temperature.iter_mut().enumerate() {
+            *contact_temperature = 0.5 * (punch[i] + strip[i]) + absolute;
+        }
+        let first = const { reference("profile.temperature") } as usize;
+        self.operators.profile.fill(&heat.contact_temperature, &mut values[first..first + STATIONS]);
+    }
+
+    /// Derivatives along `seed`: with the states held, only air and far faces change heat flows, and no temperature.
+    pub(in crate::line) fn write_heat_rates(
+        &self,
+        inputs: &[f64; INPUTS],
+        seed: &[f64; INPUTS],
+        derivatives: &mut [f64; COUNT],
+    ) {
+        let (Some(heat), Some(state)) = (&self.heat, &self.state.heat) else { return };
+        for held in [
+            const { reference("contact_temperature") },
+            const { reference("contact_temperature_max") },
+            const { reference("heat_flow_punch") },
+            const { reference("heat_flow_strip") },
+        ] {
+            derivatives[held as usize] = 0.0;
+        }
+        let first = const { reference("profile.temperature") } as usize;
+        derivatives[first..first + STATIONS].fill(0.0);
+        let reference_temperature = self.mean.state().reference;
+        let duals = Inputs::from_array(std::array::from_fn(|i| Dual { value: inputs[i], derivative: seed[i] }));
+        let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference_temperature, &duals);
+        let far = [conditions.punch_far.derivative, conditions.strip_far.derivative];
+        let all = self.operators.shared_depth * self.operators.scene.faces;
+        let (mut ambient, mut faces) = (0.0, [0.0; 2]);
+        for (side, around) in self.around(inputs).iter().enumerate() {
+            let Some(own) = &heat.bodies[side] else { continue };
+            // Linear in what acts: a difference is the derivative.
+            let moved = Surroundings {
+                ambient: around.ambient + conditions.ambient.derivative,
+                far: around.far + far[side],
+                ..*around
+            };
+            let of = |around| own.flows(&state.bodies[side], around, &state.flux[side]);
+            let (now, then) = (of(around), of(&moved));
+            ambient += all * (then[0] - now[0]);
+            faces[side] = all * (then[1] - now[1]);
+        }
+        value!(derivatives, "heat_flow_ambient") = ambient;
+        value!(derivatives, "heat_flow_punch_top") = faces[0];
+        value!(derivatives, "heat_flow_strip_base") = faces[1];
+    }
+}

@@ -1,0 +1,460 @@
+//! The split of the friction heat between the bodies, and the distortion by it, as operators on the pressure.
+//!
+//! On the cells in contact
+//!
+//! ```text
+//! (G_1 + G_2 + I/h_c) q_1 = b_2 - b_1 + (G_2 + I/(2 h_c)) Q,    q_2 = Q - q_1
+//! q_1 = y + Y Q,    u_T = d_1 + d_2 + (D_1 - D_2) y + E_0 Q,    E_0 = (D_1 - D_2) Y + D_2
+//! ```
+//!
+//! Cells that do not exchange heat keep their fluxes at 0 by differences of temperature of their own, so with the inverse P of
+//! the first matrix and o these cells
+//!
+//! ```text
+//! q_1 = (I - P_:o P_oo^-1 I_o:) (y + Y Q),    E_0 less (D_1 - D_2) P_:o P_oo^-1 Y_o:
+//! ```
+//!
+//! An insulator takes nothing. At h_c = 0 the surfaces do not exchange heat and share that of friction equally.
+//!
+//! These operators cost N^3, and the strip's gains change with the velocity. So they are made at a reference velocity and
+//! kept while the velocity stays near it; a stage repeats their solution on the residual of its own gains, at N^2 each.
+//! From a hundred cells these products wait for memory, and may run in single precision ([`HeatPartition::in_single_precision`]).
+
+#[cfg(test)]
+mod tests;
+
+use conduction::line::SurfaceInfluence;
+use contact::{LowRankUpdate, largest_reduction};
+use nalgebra::DMatrix;
+use numerics::dense::{self, SingleMatrix};
+
+/// See the module. Nothing is allocated after construction.
+#[derive(Clone, Debug)]
+pub struct HeatPartition {
+    resistance: Option<f64>,
+    /// Step and velocity that the operators were made for.
+    key: Option<(f64, f64)>,
+    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product instead of two substitutions that wait for their
+    /// own results. What it lacks in precision the repetition makes up for.
+    inverse: Vec<f64>,
+    /// Cells that exchange heat; those that do not, and the factors of their part of the inverse.
+    closed: Vec<bool>,
+    open: Vec<usize>,
+    known: bool,
+    factors: Vec<f64>,
+    /// P_:o P_oo^-1 by columns, of no more open cells than a [`LowRankUpdate`] holds.
+    held: Vec<f64>,
+    exchanged: Vec<usize>,
+    /// Y on all cells, by columns.
+    shares: Vec<f64>,
+    /// D_1 - D_2 on all cells, by columns, m per W/m2.
+    across: Vec<f64>,
+    /// E_0 of all cells, m per W/m2.
+    distortion: DMatrix<f64>,
+    /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v at the mean radius where mu is that of all
+    /// cells.
+    thermal_compliance: DMatrix<f64>,
+    per_pressure: f64,
+    /// Sliding velocity of the cells over that at the mean radius.
+    ratio: Vec<f64>,
+    /// Widths of the cells, m.
+    widths: Vec<f64>,
+    /// See [`HeatPartition::norms`].
+    norms: [[f64; 2]; 2],
+    /// What open cells take off the extra compliance, for the heat per pressure `reduced_by`; see [`LowRankUpdate`].
+    left: Vec<f64>,
+    right: Vec<f64>,
+    reduced_by: f64,
+    column: Vec<f64>,
+    needed: Vec<f64>,
+    /// See [`HeatPartition::apart`].
+    apart: Vec<f64>,
+    /// See [`HeatPartition::in_single_precision`].
+    single: Option<Box<Single>>,
+}
+
+/// The operators that every stage takes a product with, in single precision.
+#[derive(Clone, Debug)]
+struct Single {
+    inverse: SingleMatrix,
+    shares: SingleMatrix,
+    across: SingleMatrix,
+    /// Rise of the punch's temperature by its flux.
+    punch: SingleMatrix,
+    /// The extra compliance, for the heat per pressure `of`.
+    thermal_compliance: SingleMatrix,
+    of: f64,
+}
+
+impl HeatPartition {
+    /// For cells of these widths (m) that slide at `ratio` times the velocity at the mean radius, with the contact conductance
+    /// `conductance` (W/(m2 K)).
+    pub fn new(widths: &[f64], ratio: &[f64], conductance: f64) -> HeatPartition {
+        let count = ratio.len();
+        let square = || vec![0.0; count * count];
+        HeatPartition {
+            resistance: (conductance > 0.0).then(|| 1.0 / conductance),
+            key: None,
+            inverse: square(),
+            closed: vec![false; count],
+            open: Vec::with_capacity(count),
+            known: false,
+            factors: square(),
+            held: vec![0.0; count * largest_reduction(count)],
+            exchanged: vec![0; count],
+            shares: square(),
+            across: square(),
+            distortion: dense::untouched(count),
+            thermal_compliance: dense::untouched(count),
+            per_pressure: f64::NAN,
+            ratio: ratio.to_vec(),
+            widths: widths.to_vec(),
+            norms: [[0.0; 2]; 2],
+            left: vec![0.0; count * largest_reduction(count)],
+            right: vec![0.0; count * largest_reduction(count)],
+            reduced_by: f64::NAN,
+            column: vec![0.0; count],
+            needed: vec![0.0; count],
+            apart: vec![0.0; count],
+            single: None,
+        }
+    }
+
+    /// Memory for another split of these cells.
+    pub fn like(&self) -> HeatPartition {
+        let conductance = self.resistance.map_or(0.0, f64::recip);
+        let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
+        let own = HeatPartition { resistance: self.resistance, ..partition };
+        if self.single.is_some() { own.in_single_precision() } else { own }
+    }
+
+    /// Takes products with inverse, shares and what lies across in single precision: at a hundred cells they are as fast as
+    /// memory hands out the matrices. Split of the heat and distortion lose 1e-7 of themselves; that nothing of the heat is lost
+    /// does not depend on it, nor what a repetition comes to.
+    pub fn in_single_precision(mut self) -> HeatPartition {
+        let count = self.closed.len();
+        let zeros = || SingleMatrix::zeros(count, count);
+        let [inverse, shares, across, punch, thermal_compliance] = [(); 5].map(|()| zeros());
+        self.single = Some(Box::new(Single { inverse, shares, across, punch, thermal_compliance, of: f64::NAN }));
+        self
+    }
+
+    /// Whether the operators are those of this step (s) and reference velocity (m/s).
+    pub fn is_for(&self, key: (f64, f64)) -> bool {
+        self.key == Some(key)
+    }
+
+    /// Makes the operators of the given gains (`None`: an insulator).
+    pub fn build(&mut self, key: (f64, f64), influence: [Option<&SurfaceInfluence>; 2]) {
+        let count = self.closed.len();
+        self.key = Some(key);
+        self.known = false;
+        self.per_pressure = f64::NAN;
+        if let Some(single) = &mut self.single {
+            single.of = f64::NAN;
+        }
+        for (norms, influence) in self.norms.iter_mut().zip(influence) {
+            *norms = influence.map_or([0.0; 2], |influence| {
+                [&influence.temperature, &influence.distortion]
+                    .map(|matrix| norm(matrix, &self.widths, &mut self.column))
+            });
+        }
+        match influence {
+            [Some(punch), Some(strip)] => {
+                let (own, other) = (strip.temperature.as_slice(), punch.temperature.as_slice());
+                self.shares.fill(0.0);
+                self.inverse.fill(0.0);
+                for (entry, (own, other)) in self.factors.iter_mut().zip(own.iter().zip(other)) {
+                    *entry = own + other;
+                }
+                if let Some(resistance) = self.resistance {
+                    for i in 0..count {
+                        self.factors[i * count + i] += resistance;
+                        self.inverse[i * count + i] = 1.0;
+                    }
+                    dense::factorise(&mut self.factors, count, &mut self.exchanged);
+                    for column in self.inverse.chunks_exact_mut(count) {
+                        dense::substitute(&self.factors, count, &self.exchanged, column);
+                    }
+                    let columns = self.shares.chunks_exact_mut(count).zip(own.chunks_exact(count));
+                    for (i, (share, own)) in columns.enumerate() {
+                        self.column.copy_from_slice(own);
+                        self.column[i] += 0.5 * resistance;
+                        dense::multiply_add(&self.inverse, &self.column, share);
+                    }
+                } else {
+                    (0..count).for_each(|i| self.shares[i * count + i] = 0.5);
+                }
+                let (own, other) = (strip.distortion.as_slice(), punch.distortion.as_slice());
+                for (entry, (own, other)) in self.across.iter_mut().zip(own.iter().zip(other)) {
+                    *entry = other - own;
+                }
+                self.distortion.copy_from(&strip.distortion);
+                for (target, share) in
+                    self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
+                {
+                    dense::multiply_add(&self.across, share, target);
+                }
+                if let Some(single) = &mut self.single {
+                    single.inverse.copy_from(&self.inverse);
+                    single.shares.copy_from(&self.shares);
+                    single.across.copy_from(&self.across);
+                    single.punch.copy_from(punch.temperature.as_slice());
+                }
+            }
+            [Some(only), None] | [None, Some(only)] => self.distortion.copy_from(&only.distortion),
+            [None, None] => self.distortion.fill(0.0),
+        }
+    }
+
+    /// Takes the cells `closed` for those that exchange heat.
+    pub fn close(&mut self, closed: &[bool]) {
+        if self.known && self.closed == closed {
+            return;
+        }
+        self.known = true;
+        self.reduced_by = f64::NAN;
+        self.closed.copy_from_slice(closed);
+        self.open.clear();
+        self.open.extend((0..closed.len()).filter(|&i| !closed[i]));
+        let (count, m) = (closed.len(), self.open.len());
+        if m == 0 || m == count || self.resistance.is_none() {
+            return;
+        }
+        for (target, &j) in self.factors.chunks_exact_mut(m).zip(&self.open) {
+            let column = &self.inverse[j * count..(j + 1) * count];
+            target.iter_mut().zip(&self.open).for_each(|(entry, &i)| *entry = column[i]);
+        }
+        dense::factorise(&mut self.factors[..m * m], m, &mut self.exchanged[..m]);
+        if m > largest_reduction(count) {
+            return;
+        }
+        for k in 0..m {
+            let solution = &mut self.needed[..m];
+            solution.fill(0.0);
+            solution[k] = 1.0;
+            dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], solution);
+            let column = &mut self.held[k * count..(k + 1) * count];
+            column.fill(0.0);
+            for (value, &j) in solution.iter().zip(&self.open) {
+                dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], column);
+            }
+        }
+    }
+
+    /// Adds to the punch's flux what takes the temperature difference `residual` (strip above punch, resistance of the
+    /// interface included, K) away on the cells that exchange heat; on the others it is 0.
+    ///
+    /// Differences `y` on the open cells that keep their fluxes at 0, `P_oo y = (P residual)_o` with the inverse P, solve the
+    /// equations of the closed ones: as long as few cells are open that is hardly more than the product.
+    pub fn exchange(&mut self, residual: &[f64], flux: &mut [f64]) {
+        let (count, m) = (self.closed.len(), self.open.len());
+        if m == count {
+            return;
+        }
+        self.apart[..m].fill(0.0);
+        self.column.fill(0.0);
+        match &self.single {
+            Some(single) => single.inverse.multiply_add(residual, &mut self.column),
+            None => dense::multiply_add(&self.inverse, residual, &mut self.column),
+        }
+        self.keep_from_open();
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Takes from the fluxes in `column` what the differences of temperature take that keep those of open cells at 0.
+    fn keep_from_open(&mut self) {
+        let (count, m) = (self.closed.len(), self.open.len());
+        if m == 0 {
+            return;
+        }
+        let needed = &mut self.needed[..m];
+        needed.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
+        let few = m <= largest_reduction(count);
+        if few {
+            dense::multiply_add(&self.held[..count * m], needed, &mut self.column);
+        }
+        dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], needed);
+        for ((value, &j), apart) in needed.iter().zip(&self.open).zip(&mut self.apart) {
+            if !few {
+                dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
+            }
+            *apart += value;
+        }
+        self.open.iter().for_each(|&i| self.column[i] = 0.0);
+    }
+
+    /// Whether the extra compliance of bodies that both conduct is exact with `open` open cells: with its reduction, which does
+    /// not hold many.
+    pub fn is_exact_with(&self, open: usize) -> bool {
+        open <= largest_reduction(self.closed.len()) || open == self.closed.len() || self.resistance.is_none()
+    }
+
+    /// What open cells take off the extra compliance last made, of bodies that both conduct.
+    pub fn low_rank_update(&mut self) -> Option<LowRankUpdate<'_>> {
+        let (count, m) = (self.closed.len(), self.open.len());
+        if m == 0 || m > largest_reduction(count) || m == count || self.resistance.is_none() {
+            return None;
+        }
+        let (left, right) = (&mut self.left[..count * m], &mut self.right[..m * count]);
+        if self.reduced_by != self.per_pressure {
+            self.reduced_by = self.per_pressure;
+            left.fill(0.0);
+            for (target, &j) in left.chunks_exact_mut(count).zip(&self.open) {
+                dense::multiply_add(&self.across, &self.inverse[j * count..(j + 1) * count], target);
+            }
+            let columns = right.chunks_exact_mut(m).zip(self.shares.chunks_exact(count)).zip(&self.ratio);
+            for ((target, share), ratio) in columns {
+                let heat = self.per_pressure * ratio;
+                target.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = heat * share[i]);
+                dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], target);
+            }
+        }
+        Some(LowRankUpdate { acting: &self.closed, left, right })
+    }
+
+    /// Adds the displacement by `pressure` through the extra compliance last made, less its reduction where it is `reduced`.
+    pub fn add_displacement(&mut self, reduced: bool, pressure: &[f64], moved: &mut [f64]) {
+        match &mut self.single {
+            Some(single) if !self.per_pressure.is_nan() => {
+                if single.of != self.per_pressure {
+                    single.of = self.per_pressure;
+                    single.thermal_compliance.copy_from(self.thermal_compliance.as_slice());
+                }
+                single.thermal_compliance.multiply_add(pressure, moved);
+            }
+            _ => dense::multiply_add(self.thermal_compliance.as_slice(), pressure, moved),
+        }
+        if !reduced {
+            return;
+        }
+        let mut room = std::mem::take(&mut self.needed);
+        if let Some(LowRankUpdate { left, right, .. }) = self.low_rank_update() {
+            let weights = &mut room[..left.len() / moved.len()];
+            weights.fill(0.0);
+            dense::multiply_add(right, pressure, weights);
+            weights.iter_mut().for_each(|weight| *weight = -*weight);
+            dense::multiply_add(left, weights, moved);
+        }
+        self.needed = room;
+    }
+
+    /// Temperature of the punch above the strip (K) on the cells that do not exchange heat, in their order, by the fluxes of the
+    /// last [`HeatPartition::exchange`] and what [`HeatPartition::share_all`] has added since; while others do.
+    pub fn apart(&self) -> &[f64] {
+        &self.apart[..self.open.len()]
+    }
+
+    /// Cells that do not exchange heat.
+    pub fn open(&self) -> &[usize] {
+        &self.open
+    }
+
+    /// Puts the punch's share of friction heat (W/m2) in `column`, as if all cells exchanged heat.
+    fn share_on_all(&mut self, heat: &[f64]) {
+        self.column.fill(0.0);
+        match &self.single {
+            Some(single) => single.shares.multiply_add(heat, &mut self.column),
+            None => dense::multiply_add(&self.shares, heat, &mut self.column),
+        }
+    }
+
+    /// Adds to the punch's flux its share of additional friction heat (W/m2), which is 0 on open cells.
+    pub fn share(&mut self, heat: &[f64], flux: &mut [f64]) {
+        self.share_on_all(heat);
+        self.open.iter().for_each(|&i| self.column[i] = 0.0);
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Adds to the punch's flux its share of all friction heat (W/m2), which is 0 on open cells as it is, and what keeps it at 0
+    /// there.
+    pub fn share_all(&mut self, heat: &[f64], flux: &mut [f64]) {
+        if self.resistance.is_none() || self.open.len() == self.closed.len() {
+            return self.share(heat, flux);
+        }
+        self.share_on_all(heat);
+        self.keep_from_open();
+        flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
+    }
+
+    /// Adds the rise of the punch's temperature, K, by the flux into it (W/m2), where both bodies conduct; `influence` are those that
+    /// the operators were made of.
+    pub fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
+        match &self.single {
+            Some(single) => single.punch.multiply_add(flux, temperature),
+            None => dense::multiply_add(influence.temperature.as_slice(), flux, temperature),
+        }
+    }
+
+    /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) that the strip gives the punch.
+    pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
+        match &self.single {
+            Some(single) => single.across.multiply_add(flux, moved),
+            None => dense::multiply_add(&self.across, flux, moved),
+        }
+    }
+
+    /// Bounds of the rise of temperature (K) and of the displacement (m) of each body by a flux of 1 W/m2, all in the root mean
+    /// square over the contact.
+    pub fn norms(&self) -> &[[f64; 2]; 2] {
+        &self.norms
+    }
+
+    /// The extra compliance last made, by columns, m/Pa.
+    pub fn thermal_compliance_values(&self) -> &[f64] {
+        self.thermal_compliance.as_slice()
+    }
+
+    /// Y on all cells, by columns: part of the friction heat that enters the punch where both bodies conduct.
+    pub fn shares(&self) -> &[f64] {
+        &self.shares
+    }
+
+    /// The extra compliance for pressures that change the heat by `heat` (N x N by columns, m/s).
+    pub fn thermal_compliance_by(&mut self, heat: &[f64]) -> &DMatrix<f64> {
+        let count = self.closed.len();
+        self.per_pressure = f64::NAN;
+        self.thermal_compliance.fill(0.0);
+        for (target, column) in
+            self.thermal_compliance.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count))
+        {
+            dense::multiply_add(self.distortion.as_slice(), column, target);
+        }
+        &self.thermal_compliance
+    }
+
+    /// The extra compliance last made, m/Pa.
+    pub fn thermal_compliance_matrix(&self) -> &DMatrix<f64> {
+        &self.thermal_compliance
+    }
+
+    /// Makes the extra compliance for the heat `per_pressure` (m/s: mu s v at the mean radius); false where it is the last one.
+    pub fn thermal_compliance(&mut self, per_pressure: f64) -> bool {
+        if self.per_pressure == per_pressure {
+            return false;
+        }
+        self.per_pressure = per_pressure;
+        self.thermal_compliance.copy_from(&self.distortion);
+        for (mut column, ratio) in self.thermal_compliance.column_iter_mut().zip(&self.ratio) {
+            column *= per_pressure * ratio;
+        }
+        true
+    }
+}
+
+/// Bound of the root mean square over cells of these widths that a flux of root mean square 1 leaves, by Schur's test: the
+/// geometric mean of the largest sum over a row and the largest over a column, which counts by width. `sums` is room for a
+/// number per cell.
+fn norm(matrix: &DMatrix<f64>, widths: &[f64], sums: &mut [f64]) -> f64 {
+    sums.fill(0.0);
+    let mut column_sum: f64 = 0.0;
+    for (column, heated) in matrix.as_slice().chunks_exact(sums.len().max(1)).zip(widths) {
+        let mut own = 0.0;
+        for ((sum, entry), width) in sums.iter_mut().zip(column).zip(widths) {
+            *sum += entry.abs();
+            own += width * entry.abs();
+        }
+        column_sum = column_sum.max(own / heated);
+    }
+    (column_sum * sums.iter().copied().fold(0.0, f64::max)).sqrt()
+}

@@ -1,0 +1,132 @@
+//! Bodies and operators made ready for a step with heat.
+
+use super::air::{balance, cooling};
+use super::bodies::cooled_part;
+use super::{FrozenJacobian, ThermalCoupling};
+use crate::Inputs;
+use crate::line::Line;
+use crate::line::trajectory::InputTrajectory;
+use crate::lumped::conditions::Conditions;
+use crate::lumped::operators::BodyOperators;
+use conduction::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
+use scene::{Body, Scheme, ThermalBoundary};
+
+/// Lengths of the last step over which what changed in it is taken to go on: step control doubles a step at most. Where the importer
+/// takes one that is longer by more, after microseconds behind a reversal perhaps, the rate of the last says nothing of its end.
+const FORESEEN: f64 = 2.0;
+
+/// Travel within which heat under the contact answers as at the reference, in lengths of diffusion over the step.
+const REACH: f64 = 0.25;
+
+impl Line {
+    /// Makes the bodies ready for a part of `step` (s) that begins at `start` (s from the start of the piece).
+    pub(in crate::line) fn prepare_heat(&mut self, path: &InputTrajectory, start: f64, step: f64) {
+        let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
+        let velocity = [path.velocity(start), path.velocity(start + step)];
+        let operators = &self.operators;
+        let reference_velocity = state.reference.choose(velocity, heat.validity_radius(step));
+        let key = (step, reference_velocity);
+        let monolithic = operators.scene.scheme == Scheme::Monolithic;
+        if monolithic && !heat.partitions.take(key) {
+            heat.bodies.iter_mut().flatten().for_each(|own| own.prepare(step, [reference_velocity; 2]));
+            for stage in [Stage::First, Stage::End] {
+                let influence = heat.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
+                heat.partitions[stage as usize].build(key, influence);
+            }
+        }
+        (heat.refactored, heat.iterations) = ([false; 2], 0);
+        let flat = operators.scene.friction_fade.flat;
+        let kinetic_coefficient = if flat {
+            self.friction.kinetic_coefficient(0.0)
+        } else {
+            self.friction.coefficient * state.reference.fade
+        };
+        let (stribeck, sign) = (self.friction.stribeck(reference_velocity), self.friction.sign(reference_velocity));
+        heat.reference = FrozenJacobian {
+            velocity: reference_velocity,
+            exact: flat && velocity == [reference_velocity; 2],
+            per_pressure: kinetic_coefficient * (stribeck * (sign * reference_velocity)),
+            friction: sign.abs() * kinetic_coefficient * stribeck,
+            speed: sign * reference_velocity,
+            kinetic_coefficient,
+        };
+        let reference = self.mean.state().reference;
+        let conditions = |time: f64| {
+            let inputs = Inputs::from_array(path.inputs(time));
+            Conditions::new(&operators.mean, &self.tunables, reference, &inputs)
+        };
+        let middle = conditions(start + 0.5 * step);
+        let scene = &operators.scene;
+        (heat.step, heat.velocity) = (step, velocity);
+        let far = [middle.punch_far, middle.strip_far];
+        let each: [(&BodyOperators, &Body, [f64; FACES]); 2] = [
+            (&operators.mean.punch, &scene.punch, [1.0; FACES]),
+            (&operators.mean.strip, &scene.strip, [cooled_part(scene), 1.0]),
+        ];
+        for (side, (mean, body, parts)) in each.into_iter().enumerate() {
+            let ambient = middle.ambient;
+            let held = mean.far != ThermalBoundary::Convecting;
+            let around = Surroundings { ambient, far: far[side], ..Surroundings::default() };
+            let mut around = around.with_air(state.cooling[side], held);
+            if let Some(own) = &mut heat.bodies[side] {
+                match monolithic {
+                    true => own.prepare(step, velocity),
+                    false => own.prepare_euler(step, velocity),
+                }
+                if mean.is_cooled_variably() {
+                    let [from, to] = [start, start + step].map(conditions);
+                    let law = |face: usize, t: f64, at: &Conditions| match mean.air[face].acts() {
+                        true => cooling(body, reference, t, at.ambient, at.forced).map(|value| parts[face] * value),
+                        false => [0.0; 2],
+                    };
+                    let with = |flux: [f64; FACES]| {
+                        let around = around.with_air(flux, held);
+                        own.cooled_temperature(&state.bodies[side], &around, &state.flux[side])
+                    };
+                    let last = state.cooling[side];
+                    let now = with(last);
+                    // What jumps with the inputs is felt at once, in part.
+                    let mut velocity_radius = [[0.0; FACES]; FACES];
+                    for face in (0..FACES).filter(|&face| mean.air[face].acts()) {
+                        let mut more = last;
+                        more[face] += 1.0;
+                        let then = with(more);
+                        (0..FACES).for_each(|other| velocity_radius[other][face] = then[other] - now[other]);
+                    }
+                    let begin = balance(last, now, velocity_radius, |face, t| law(face, t, &from));
+                    // The contact's fluxes as they have changed so far.
+                    let [first, end] = &mut heat.flux;
+                    let slopes = state.flux[side].iter().zip(&state.slope[side]);
+                    let expected = first[side].iter_mut().zip(&mut end[side]).zip(slopes);
+                    for ((first, end), (flux, slope)) in expected {
+                        (*first, *end) = (flux + GAMMA * step * slope, flux + step * slope);
+                    }
+                    around = around.with_air(begin, held);
+                    let mut ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
+                    let drift = match state.last_step > 0.0 {
+                        true => (step / state.last_step).min(FORESEEN) * (ahead.lagging - state.lagging[side]),
+                        false => 0.0,
+                    };
+                    heat.lagging[side] = ahead.lagging;
+                    ahead.temperature[BESIDE] += drift;
+                    let end = balance(begin, ahead.temperature, ahead.rise, |face, t| law(face, t, &to));
+                    around = around.with_air(end, held);
+                    if monolithic {
+                        around.cooling_fall = begin[BESIDE] - end[BESIDE];
+                        around.far_fall = if held { 0.0 } else { begin[FAR] - end[FAR] };
+                    }
+                }
+            }
+            heat.surroundings[side] = around;
+        }
+    }
+}
+
+impl ThermalCoupling {
+    /// Difference of velocity (m/s) that hardly changes how a step of `step` s answers heat.
+    fn validity_radius(&self, step: f64) -> f64 {
+        let velocity_radius =
+            self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
+        velocity_radius.min(REACH * (self.diffusivity / step).sqrt())
+    }
+}

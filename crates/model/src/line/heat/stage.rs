@@ -1,0 +1,319 @@
+//! A stage of the step with heat: pressure, heat split, wear and rigid motion at once.
+
+use super::ThermalCoupling;
+use super::evaluation::largest;
+use crate::line::Line;
+use crate::line::trajectory::StageConditions;
+use conduction::line::Stage;
+use contact::wear::line::{Coefficient, StageError, WearTerm};
+use numerics::maximum::maximum;
+
+/// Repetitions until contact and temperature agree; then a shorter step has to help.
+const MAXIMUM_ITERATIONS: usize = 80;
+
+/// Difference (relative) at which the friction coefficient agrees with the temperature.
+const AGREEMENT: f64 = 1e-10;
+
+/// Error that the repetition may leave in the pressure, relative to the largest: as a part of the step's tolerance, and its
+/// bounds. Fluxes and heat balance are exact whatever is left.
+const PART: f64 = 1e-3;
+const LEAST: f64 = 1e-9;
+const MOST: f64 = 1e-6;
+
+/// Error of the temperatures of both surfaces, relative to the largest, over that of the pressure.
+const TEMPERATURE: f64 = 10.0;
+
+/// Repetition from which on the operators are those of the stage instead of the reference.
+const REFACTOR_FROM: usize = 12;
+
+/// Ratio of successive changes, and repetition, from which on friction that follows the temperature takes its derivative along
+/// instead of going on like a geometric series.
+const SLOW: f64 = 0.4;
+const SLOW_FROM: usize = 3;
+
+/// Repetition from which on the others are compared, and the next one goes on along what they have in common.
+const COMPARED_FROM: usize = 1;
+
+/// What a repetition still changes, from one to the next.
+#[derive(Clone, Copy, Debug, Default)]
+struct Convergence {
+    last: Option<f64>,
+    slow: bool,
+}
+
+impl Convergence {
+    /// What is left once `change` is made up for: changes fall like a geometric series.
+    fn remaining_error(&mut self, change: f64) -> f64 {
+        let last = self.last.replace(change);
+        self.slow = last.is_some_and(|last| change > SLOW * last);
+        match last {
+            Some(last) if change < 0.5 * last => change * change / (last - change),
+            _ => change,
+        }
+    }
+}
+
+impl Line {
+    /// Solves a stage of length `tau` (s) on the gap in `work`; `moment` takes the friction coefficient over.
+    pub(in crate::line) fn solve_with_heat(
+        &mut self,
+        stage: Stage,
+        moment: &mut StageConditions,
+        velocity: f64,
+        tau: f64,
+        travel: f64,
+    ) -> Result<(), StageError> {
+        let Some(mut heat) = self.heat.take() else { unreachable!("only scenes with heat along the line come here") };
+        let outcome = self.solve_both(&mut heat, stage, moment, velocity, tau, travel);
+        self.heat = Some(heat);
+        outcome
+    }
+
+    fn solve_both(
+        &mut self,
+        heat: &mut ThermalCoupling,
+        stage: Stage,
+        moment: &mut StageConditions,
+        velocity: f64,
+        tau: f64,
+        travel: f64,
+    ) -> Result<(), StageError> {
+        let operators = self.operators.clone();
+        let count = operators.count();
+        let s = stage as usize;
+        if self.work.track.is_some() {
+            self.work.carried_over = None;
+            std::mem::swap(&mut self.contact, &mut heat.contacts[s]);
+            self.set_operator(travel, moment);
+            std::mem::swap(&mut self.contact, &mut heat.contacts[s]);
+        }
+        let Some(state) = &self.state.heat else { unreachable!("a scene with heat along the line has its state") };
+        heat.begin(stage, state);
+        // A cell that was in contact at the start of the step exchanges heat throughout it, one that closes within it from
+        // then on. So the repetition only closes cells, and ends; and a cell that opens when it gets heat and closes when
+        // it does not, which has no state of its own, changes from step to step instead of stopping them.
+        let follows = operators.wears_by_cell() || !operators.scene.friction_fade.flat;
+        let earlier = match stage {
+            Stage::First => {
+                let untouched = self.state.pressure.iter().all(|p| *p == 0.0);
+                for (closed, p) in heat.closed.iter_mut().zip(&self.state.pressure) {
+                    *closed = *p > 0.0 || untouched;
+                }
+                heat.predict_first(state, &self.state.pressure);
+                &state.temperature
+            }
+            Stage::End => {
+                heat.predict_end(state, [&self.state.pressure, &self.work.first.pressure]);
+                // Where nothing follows the temperature it is not known at the first stage.
+                if follows { &heat.temperature[0] } else { &state.temperature }
+            }
+        };
+        if moment.load == 0.0 {
+            heat.closed.fill(false);
+        }
+        let [first, end] = &mut heat.contacts;
+        match stage {
+            Stage::First => first.set_status(self.contact.status()),
+            Stage::End => end.set_status(first.status()),
+        }
+        let reference = self.mean.state().reference;
+        let stribeck = self.friction.stribeck(velocity);
+        let sign = moment.sign;
+        let fades = !operators.scene.friction_fade.flat;
+        let by_cell = operators.wears_by_cell();
+        for (contact_temperature, (punch, strip)) in
+            heat.contact_temperature.iter_mut().zip(earlier[0].iter().zip(&earlier[1]))
+        {
+            *contact_temperature = 0.5 * (punch + strip) + reference;
+        }
+        match fades {
+            true => {
+                let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.contact_temperature);
+                cells.for_each(|(kinetic_coefficient, contact_temperature)| {
+                    *kinetic_coefficient = self.friction.kinetic_coefficient(*contact_temperature)
+                });
+            }
+            false => heat.kinetic_coefficient.fill(self.friction.kinetic_coefficient(0.0)),
+        }
+        heat.linearized = false;
+        let mut slip = moment.slip(stribeck);
+        let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
+        let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
+        heat.temperatures_current = false;
+        heat.acceleration.forget();
+        // What an accelerated repetition lacks over what it changes.
+        let mut residual_norm: Option<f64> = None;
+        for iteration in 0..MAXIMUM_ITERATIONS {
+            if fades {
+                moment.kinetic_coefficient =
+                    weighted(&heat.kinetic_coefficient, &heat.pressure, &operators.torque_weights);
+                moment.follow(sign * stribeck);
+                slip = moment.slip(stribeck);
+                heat.temperatures_current = false;
+            }
+            let slow = fades && iteration >= SLOW_FROM && pressures.slow;
+            if !heat.refactored[s] && (iteration == REFACTOR_FROM || slow) {
+                heat.refactor(stage, slip);
+                (pressures, temperatures) = Default::default();
+                heat.acceleration.forget();
+                residual_norm = None;
+            }
+            heat.operator(stage, slip)?;
+            if heat.refactored[s] && fades {
+                heat.linearize(stage, slip, &self.friction)?;
+            }
+            self.work.budget.solutions += 1;
+            self.set_conditions(moment, tau);
+            self.set_laws(heat, moment, by_cell);
+            let compared = !follows && !heat.exact[s] && iteration >= COMPARED_FROM;
+            if compared {
+                heat.acceleration.begin(&heat.pressure, &heat.flux[s][0]);
+            }
+            let residual = heat.assemble_fluxes(stage, slip);
+            heat.undeformed(stage, &self.work.gap);
+            let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
+            if !heat.exact[s] && self.work.track.is_none() && self.conditions.rate.terms.iter().all(uniform) {
+                self.wear_at_reference(heat, moment, tau);
+            }
+            if !heat.exact[s] && self.conditions.signed_friction != 0.0 && heat.reference.friction != 0.0 {
+                // The contact's matrix has the friction coefficient of the reference, every cell its own.
+                let known = heat.reference.friction.copysign(self.conditions.signed_friction);
+                let cells = heat.difference.iter_mut().zip(heat.kinetic_coefficient.iter().zip(&heat.pressure));
+                for (difference, (kinetic_coefficient, pressure)) in cells {
+                    *difference = (sign * kinetic_coefficient * stribeck - known) * pressure;
+                }
+                if largest(&heat.difference) > 0.0 {
+                    heat.contacts[s].add_shear_displacement(&heat.difference, &mut heat.gap);
+                }
+                self.conditions.signed_friction = known;
+            }
+            let found = match stage {
+                Stage::First => &mut self.work.first,
+                Stage::End => &mut self.work.end,
+            };
+            heat.contacts[s].stage_into(&heat.gap, tau, &self.conditions, found)?;
+            let change = heat.update_pressure(stage, &found.pressure, enough);
+            let mut unlike: f64 = 0.0;
+            if follows {
+                heat.update_temperatures(stage);
+                for i in 0..count {
+                    let [punch, strip] = &heat.temperature[s];
+                    let contact_temperature = 0.5 * (punch[i] + strip[i]) + reference;
+                    unlike = maximum(
+                        unlike,
+                        (contact_temperature - heat.contact_temperature[i]).abs() / contact_temperature.abs().max(1.0),
+                    );
+                    heat.contact_temperature[i] = contact_temperature;
+                    heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(contact_temperature);
+                }
+            }
+            let active_set_settled = heat.update_active_set(&found.pressure);
+            let of_series = [pressures.remaining_error(change), temperatures.remaining_error(residual)];
+            // What an accelerated repetition changes follows no series.
+            let [remaining_error, unlike_surfaces] =
+                residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
+            let remaining_error = maximum(remaining_error, unlike_surfaces / TEMPERATURE);
+            if active_set_settled && unlike <= AGREEMENT && (heat.exact[s] || remaining_error <= enough) {
+                heat.iterations = heat.iterations.max(iteration);
+                self.finish_stage(heat, stage);
+                return Ok(());
+            }
+            if !active_set_settled {
+                heat.acceleration.forget();
+                residual_norm = None;
+            } else if compared {
+                let most = largest(&heat.pressure);
+                let moved = heat.acceleration.improve(&mut heat.pressure, &mut heat.flux[s][0]);
+                residual_norm = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
+            }
+        }
+        Err(StageError::NotConverged { stage: tau, iterations: MAXIMUM_ITERATIONS })
+    }
+
+    /// Gives the contact the wear of the reference, whose factors are kept, and the gap what it lacks.
+    fn wear_at_reference(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, tau: f64) {
+        let operators = &self.operators;
+        let acceleration = self.tunables.wear_acceleration;
+        let reference = operators.coefficients(
+            heat.reference.speed,
+            heat.reference.kinetic_coefficient,
+            moment.temperature,
+            acceleration,
+        );
+        let reshaping = (0..2).filter(|&body| operators.reshapes(body));
+        for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
+            let residual = tau * (heat.laws[body][0] - reference[body]);
+            heat.difference.fill(residual);
+            operators.scale_by_relative_rates(body, &heat.pressure, &mut heat.difference);
+            heat.gap.iter_mut().zip(&heat.difference).for_each(|(gap, worn)| *gap += worn);
+            term.coefficient = Coefficient::Uniform(reference[body]);
+        }
+    }
+
+    /// Depth rates at the reference pressure, with the temperature and the friction of every cell.
+    pub(super) fn set_laws(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, by_cell: bool) {
+        let operators = &self.operators;
+        let acceleration = self.tunables.wear_acceleration;
+        if !by_cell {
+            let uniform = operators.coefficients(
+                moment.speed,
+                heat.kinetic_coefficient[0],
+                heat.contact_temperature[0],
+                acceleration,
+            );
+            heat.laws.iter_mut().zip(uniform).for_each(|(laws, own)| laws.fill(own));
+            return;
+        }
+        for i in 0..heat.contact_temperature.len() {
+            let own = operators.coefficients(
+                moment.speed,
+                heat.kinetic_coefficient[i],
+                heat.contact_temperature[i],
+                acceleration,
+            );
+            (heat.laws[0][i], heat.laws[1][i]) = (own[0], own[1]);
+        }
+        let reshaping = (0..2).filter(|&body| operators.reshapes(body));
+        for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
+            if let Coefficient::PerCell(values) = &mut term.coefficient {
+                let rates = heat.laws[body].iter().zip(&operators.radial[body]);
+                values.iter_mut().zip(rates).for_each(|(value, (law, radial))| *value = law * radial);
+            }
+        }
+    }
+
+    /// Depth rates of the stage, and the way on.
+    fn finish_stage(&mut self, heat: &mut ThermalCoupling, stage: Stage) {
+        let s = stage as usize;
+        let pressure = match stage {
+            Stage::First => &self.work.first.pressure,
+            Stage::End => &self.work.end.pressure,
+        };
+        for body in 0..2 {
+            let rates = &mut self.work.rates[s][body];
+            rates.copy_from_slice(&heat.laws[body]);
+            if largest(rates) > 0.0 {
+                self.operators.scale_by_relative_rates(body, pressure, rates);
+            }
+        }
+        if stage == Stage::End {
+            self.contact.set_status(heat.contacts[s].status());
+            if !heat.temperatures_current {
+                heat.update_temperatures(stage);
+            }
+            heat.distort_by_contact();
+        }
+    }
+}
+
+/// Mean of `values` weighted with the pressure, or over the contact where there is none.
+pub(super) fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64 {
+    let (mut sum, mut load, mut plain, mut total) = (0.0, 0.0, 0.0, 0.0);
+    for i in 0..values.len() {
+        sum += weights[i] * pressure[i] * values[i];
+        load += weights[i] * pressure[i];
+        plain += weights[i] * values[i];
+        total += weights[i];
+    }
+    if load > 0.0 { sum / load } else { plain / total }
+}

@@ -1,0 +1,340 @@
+//! The operator split between contact and heat: what a step costs when it does not solve both together.
+//!
+//! A step of h takes pressure, wear and rigid motion first, with the distortion and the temperatures of its start, then
+//! heats the bodies with the pressure found, both by implicit Euler:
+//!
+//! ```text
+//! g0 + w + h f(p) + A p + u_T - delta - theta x >= 0,  p >= 0,  ...     u_T, mu, k at the start of the step
+//! w <- w + h f(p),    T <- implicit Euler step of both bodies with q_1 + q_2 = mu s v p
+//! ```
+//!
+//! It is consistent and of first order: the distortion comes one step late. A pressure wave of the number m, growing at
+//! the rate b, grows by g = exp(b h) with
+//!
+//! ```text
+//! z (1 + z) = 2 R/g,    z^2 = 1 + (1 - 1/g)/(h kd m^2)
+//! ```
+//!
+//! on one conducting half-plane, more slowly than in truth.
+//!
+//! # Where it fails
+//!
+//! The heat of one step changes friction heat in the next: a linear map of the flux to a flux, by distortion and pressure
+//! and by temperature and friction coefficient (its steepest change over the step per kelvin). An eigenvalue of it on the positive
+//! axis above 1 is an instability of the scene itself. Elsewhere it is made by the delay: friction that fades returns less
+//! heat one step too late, so steps alternate between hot and cold. A change that alternates, g = -1, sees implicit Euler
+//! steps of half the length, wear included:
+//!
+//! ```text
+//! x = x/g + h (b q - lambda x)  =>  x = b q/(lambda + 2/h)
+//! ```
+//!
+//! so it grows where the map of half the step has an eigenvalue below -1. There the step is refused.
+
+use super::ThermalCoupling;
+use super::stage::weighted;
+use crate::StepFailure;
+use crate::budget::MOST_STEPS;
+use crate::line::Line;
+use crate::line::operators::StripWear;
+use crate::line::trajectory::{InputTrajectory, StageConditions};
+use conduction::line::{GAMMA, Stage};
+use contact::friction::FrictionLaw;
+use contact::wear::line::{Disturbance, StageError};
+use numerics::dense;
+use numerics::scalar::Dual;
+
+/// Applications of the map until its largest eigenvalue stands out, and those over which it is taken.
+const APPLICATIONS: usize = 32;
+const OBSERVED: usize = 8;
+
+/// Largest angle between the map's largest direction and its image, as a cosine, at which the scene itself grows.
+const SAME_DIRECTION: f64 = 0.5;
+
+/// Halvings of the interval (in the logarithm) in which the bound of a refused step is looked for.
+const BISECTIONS: u32 = 30;
+
+/// What a failed part of the step says.
+enum Refusal {
+    Stage(StageError),
+    Diverges(f64),
+}
+
+impl From<StageError> for Refusal {
+    fn from(error: StageError) -> Refusal {
+        Refusal::Stage(error)
+    }
+}
+
+impl Line {
+    /// Carries contact and heat over a piece one after the other, in one step, or as many as a track in the strip asks.
+    pub(in crate::line) fn staggered(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
+        let mut parts: u32 = 1;
+        let far = |line: &Line, step: f64| line.too_far(path, 0.0, step) || line.too_far(path, length - step, step);
+        // More parts than a communication step may try end below.
+        while parts < MOST_STEPS && far(self, length / f64::from(parts)) {
+            parts *= 2;
+        }
+        let step = length / f64::from(parts);
+        for part in 0..parts {
+            let start = f64::from(part) * step;
+            self.spend(path, start)?;
+            self.prepare_heat(path, start, step);
+            let Some(mut heat) = self.heat.take() else {
+                unreachable!("only scenes with heat along the line come here")
+            };
+            let outcome = self.split_step(&mut heat, path, start, step);
+            self.heat = Some(heat);
+            match outcome {
+                Ok(()) => {}
+                Err(Refusal::Stage(error)) => return Err(self.failure(path, start, &error)),
+                Err(Refusal::Diverges(limit)) => {
+                    return Err(StepFailure(format!(
+                        "solver.scheme = staggered is stable only for steps below {limit:e} s here (sliding velocity {} m/s, \
+                         normal load {} N); the step is {step:e} s",
+                        path.velocity(start + step),
+                        path.at(start + step).load
+                    )));
+                }
+            }
+            self.accept(path, start, step);
+            self.state.steps += 1;
+        }
+        Ok(())
+    }
+
+    /// Pressure and wear, then heat; left in `work` and `heat`.
+    fn split_step(
+        &mut self,
+        heat: &mut ThermalCoupling,
+        path: &InputTrajectory,
+        start: f64,
+        step: f64,
+    ) -> Result<(), Refusal> {
+        let operators = self.operators.clone();
+        let mut moment = path.at(start + step);
+        let velocity = path.velocity(start + step);
+        let travel = step * path.velocity(start + 0.5 * step);
+        let slip = self.friction_at_start(heat, &mut moment, velocity);
+        self.set_gap(moment.expansion);
+        self.add_held_distortion();
+        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
+            own.copy_from(track);
+        }
+        self.meet_track(travel);
+        self.set_operator(travel, &moment);
+        self.set_conditions(&moment, step);
+        self.set_laws(heat, &moment, operators.wears_by_cell());
+        self.contact.stage_into(&self.work.gap, step, &self.conditions, &mut self.work.end)?;
+        let pressure = &self.work.end.pressure;
+        for body in 0..2 {
+            for (i, p) in pressure.iter().enumerate() {
+                let law = heat.laws[body][i];
+                let rate = if law == 0.0 { 0.0 } else { law * operators.relative_rate(body, i, *p) };
+                self.work.rates[0][body][i] = rate;
+                self.work.rates[1][body][i] = rate;
+            }
+        }
+        self.leave_first_stage((1.0 - GAMMA) * travel, (1.0 - GAMMA) * step);
+        if operators.strip_wear == StripWear::Even {
+            // The stage stood on the strip as it was before all of its wear; the last part is added where it is accepted.
+            let mean = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
+            self.work.end.approach += (1.0 - GAMMA) * step * mean;
+        }
+        heat.take_pressure(self.state.heat.as_ref(), &self.work.end.pressure, slip);
+        // What does not return in full in one step does not grow; only where it does the exact question is worth its cost.
+        if self.delay_grows(heat, step, slip) {
+            heat.change_step(0.5 * step);
+            if self.delay_grows(heat, 0.5 * step, slip) {
+                return Err(Refusal::Diverges(self.longest_stable(heat, step, slip)));
+            }
+            heat.change_step(step);
+        }
+        Ok(())
+    }
+
+    /// Whether the map of a step of `step` s has an eigenvalue of modulus 1 or more off the positive axis.
+    fn delay_grows(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> bool {
+        let (growth, along) = self.lag(heat, step, slip);
+        growth >= 1.0 && along < SAME_DIRECTION
+    }
+
+    /// Friction and wear coefficients of the cells at the temperatures of the start; returns s v with the Stribeck factor.
+    fn friction_at_start(&self, heat: &mut ThermalCoupling, moment: &mut StageConditions, velocity: f64) -> f64 {
+        let operators = &self.operators;
+        let Some(state) = &self.state.heat else { return 0.0 };
+        let reference = self.mean.state().reference;
+        for (i, contact_temperature) in heat.contact_temperature.iter_mut().enumerate() {
+            *contact_temperature = 0.5 * (state.temperature[0][i] + state.temperature[1][i]) + reference;
+            heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(*contact_temperature);
+        }
+        let stribeck = self.friction.stribeck(velocity);
+        if !operators.scene.friction_fade.flat {
+            moment.kinetic_coefficient =
+                weighted(&heat.kinetic_coefficient, &self.state.pressure, &operators.torque_weights);
+            moment.follow(moment.sign * stribeck);
+        }
+        moment.slip(stribeck)
+    }
+
+    /// Largest factor by which the heat of one step of `step` s returns in the next, and the cosine between what went out
+    /// and what came back.
+    fn lag(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> (f64, f64) {
+        let count = heat.gap.len();
+        let fades = !self.operators.scene.friction_fade.flat;
+        let reference = self.mean.state().reference;
+        let (mut product, mut along) = (1.0, 1.0);
+        // Any start that is not orthogonal to what grows.
+        for (i, flux) in heat.gap.iter_mut().enumerate() {
+            let closed = if heat.closed[i] { 1.0 } else { 0.0 };
+            *flux = closed * ((0.618_033_988_75 * i as f64).fract() - 0.4);
+        }
+        normalise(&mut heat.gap);
+        for application in 0..APPLICATIONS {
+            heat.respond();
+            let gap = &heat.free_response[1];
+            let disturbance = Disturbance { gap, normal: 0.0, tilt: 0.0, moment: 0.0, signed_friction: 0.0 };
+            let (state, rate) = (&self.work.end, &mut self.work.rate);
+            if self.contact.stage_response_into(step, &self.conditions, state, &disturbance, rate).is_err() {
+                return (0.0, 1.0);
+            }
+            let returned = &mut heat.sums[0];
+            for i in 0..count {
+                let slip = slip * heat.ratio[i];
+                returned[i] = slip * heat.kinetic_coefficient[i] * rate.pressure[i];
+                if fades {
+                    let end = 0.5 * (heat.temperature[1][0][i] + heat.temperature[1][1][i]) + reference;
+                    let slope = slope_over(&self.friction, heat.contact_temperature[i], end);
+                    returned[i] += slip * slope * heat.free_response[0][i] * state.pressure[i];
+                }
+            }
+            along = heat.gap.iter().zip(&*returned).map(|(out, back)| out * back).sum();
+            let factor = normalise(returned);
+            if factor == 0.0 {
+                return (0.0, 1.0);
+            }
+            along /= factor;
+            if application >= APPLICATIONS - OBSERVED {
+                product *= factor;
+            }
+            std::mem::swap(&mut heat.gap, &mut heat.sums[0]);
+        }
+        (product.powf(1.0 / OBSERVED as f64), along)
+    }
+
+    /// Longest step (s) below `step` in which the delay does not make anything grow, at the pressure of the step tried.
+    fn longest_stable(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> f64 {
+        let (mut stable, mut unstable) = ((1e-9 * step).ln(), step.ln());
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (stable + unstable);
+            let half = 0.5 * middle.exp();
+            heat.change_step(half);
+            *(if self.delay_grows(heat, half, slip) { &mut unstable } else { &mut stable }) = middle;
+        }
+        stable.exp()
+    }
+}
+
+impl ThermalCoupling {
+    /// Gains and split of an implicit Euler step of another length.
+    fn change_step(&mut self, step: f64) {
+        let velocity = self.velocity;
+        self.bodies.iter_mut().flatten().for_each(|body| body.prepare_euler(step, velocity));
+        self.step = step;
+        self.split_end();
+    }
+
+    /// Makes the split of the end for the cells in contact.
+    fn split_end(&mut self) {
+        let key = (self.step, self.velocity[1]);
+        let steady = self.velocity[0] == self.velocity[1];
+        let known = if steady { self.partitions.take(key) } else { false };
+        if !known {
+            let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
+            match steady {
+                true => self.partitions[1].build(key, influence),
+                false => self.partitions.take_passing(1).build((f64::NAN, f64::NAN), influence),
+            }
+        }
+        self.partitions[1].close(&self.closed);
+    }
+
+    /// Heats both bodies over the step with the friction of `pressure`.
+    fn take_pressure(&mut self, state: Option<&super::state::HeatState>, pressure: &[f64], slip: f64) {
+        let Some(state) = state else { return };
+        for (closed, p) in self.closed.iter_mut().zip(pressure) {
+            *closed = *p > 0.0;
+        }
+        self.pressure.copy_from_slice(pressure);
+        // The split starts from what the state knows, so that a replay gives the same bits.
+        self.flux[1][0].copy_from_slice(&state.flux[0]);
+        self.begin(Stage::End, state);
+        self.split_end();
+        self.temperatures_current = false;
+        self.assemble_fluxes(Stage::End, slip);
+        self.update_temperatures(Stage::End);
+        let [first, end] = &mut self.flux;
+        for (first, end) in first.iter_mut().zip(end) {
+            first.copy_from_slice(end);
+        }
+        let [first, end] = &mut self.friction;
+        first.copy_from_slice(end);
+        self.distort();
+    }
+
+    /// Mean temperature of both surfaces, in `free_response[0]`, and displacement, in `free_response[1]`, by the friction heat in `gap` alone.
+    fn respond(&mut self) {
+        let conducts = self.conducts();
+        let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
+        let count = self.gap.len();
+        let [punch, strip] = [&mut self.free_distortion[1], &mut self.sums[1]];
+        punch.fill(0.0);
+        match (influence, self.half_resistance > 0.0) {
+            ([Some(_), Some(own)], true) => {
+                let residual = &mut self.difference;
+                residual.iter_mut().zip(&self.gap).for_each(|(residual, flux)| *residual = self.half_resistance * flux);
+                dense::multiply_add(own.temperature.as_slice(), &self.gap, residual);
+                self.partitions[1].exchange(residual, punch);
+            }
+            ([Some(_), Some(_)], false) => punch.iter_mut().zip(&self.gap).for_each(|(own, flux)| *own = 0.5 * flux),
+            ([Some(_), None], _) => punch.copy_from_slice(&self.gap),
+            _ => {}
+        }
+        for i in 0..count {
+            strip[i] = if conducts[1] { self.gap[i] - punch[i] } else { 0.0 };
+        }
+        let [temperatures_current, moved] = &mut self.free_response;
+        temperatures_current.fill(0.0);
+        moved.fill(0.0);
+        for (influence, flux) in influence.into_iter().zip([&*punch, &*strip]) {
+            if let Some(influence) = influence {
+                dense::multiply_add(influence.temperature.as_slice(), flux, temperatures_current);
+                dense::multiply_add(influence.distortion.as_slice(), flux, moved);
+            }
+        }
+        if conducts == [true, true] {
+            temperatures_current.iter_mut().for_each(|t| *t *= 0.5);
+        } else {
+            temperatures_current.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
+        }
+    }
+}
+
+/// Change of the friction coefficient per K at the first temperature, or on the way to the other where that is steeper:
+/// tables have corners, over which a tangent does not see.
+fn slope_over(friction: &FrictionLaw, start: f64, end: f64) -> f64 {
+    let tangent = friction.kinetic_coefficient(Dual { value: start, derivative: 1.0 }).derivative;
+    let chord = (friction.kinetic_coefficient(end) - friction.kinetic_coefficient(start)) / (end - start);
+    if chord.abs() > tangent.abs() { chord } else { tangent }
+}
+
+/// Scales to the length 1; returns the length it had.
+fn normalise(values: &mut [f64]) -> f64 {
+    let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
+    if length > 0.0 && length.is_finite() {
+        values.iter_mut().for_each(|value| *value /= length);
+        length
+    } else {
+        0.0
+    }
+}

@@ -1,0 +1,80 @@
+//! Where the repetition of a stage starts: fluxes and pressure go on as they have changed so far.
+//!
+//! In the first stage a value is expected on the line through the last two stages, at the end on the parabola through these
+//! and the first stage; where it has jumped (its slope is 0) it is expected to stay. A start closer to the solution saves
+//! repetitions and changes nothing else.
+
+use super::ThermalCoupling;
+use super::state::HeatState;
+use conduction::line::GAMMA;
+
+/// A value at gamma h from its value and slope at 0.
+fn on_the_line(start: f64, slope: f64, step: f64) -> f64 {
+    start + GAMMA * step * slope
+}
+
+/// A value at h: from those at 0 and gamma h, and the slope to that at 0 from (1 - gamma) `last` before.
+fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> f64 {
+    if slope == 0.0 {
+        return first;
+    }
+    let rate = (first - start) / (GAMMA * step);
+    let bend = (rate - slope) / (GAMMA * step + (1.0 - GAMMA) * last);
+    first + (1.0 - GAMMA) * step * (rate + step * bend)
+}
+
+impl ThermalCoupling {
+    /// Whether the first repetition will be the last whatever it starts from.
+    fn needs_no_start(&self) -> bool {
+        self.is_solved_directly(self.closed.iter().filter(|closed| !**closed).count())
+    }
+
+    /// A start that depends on nothing, for what turns out to need one after all.
+    fn begin_at_nothing(&mut self, s: usize) {
+        self.flux[s][0].fill(0.0);
+        self.pressure.fill(0.0);
+    }
+
+    /// Puts what is expected of the first stage into the punch's flux and the pressure.
+    pub(super) fn predict_first(&mut self, state: &HeatState, pressure: &[f64]) {
+        if self.needs_no_start() {
+            return self.begin_at_nothing(0);
+        }
+        for i in 0..pressure.len() {
+            self.flux[0][0][i] = on_the_line(state.flux[0][i], state.slope[0][i], self.step);
+            self.pressure[i] = on_the_line(pressure[i], state.pressure_slope[i], self.step).max(0.0);
+        }
+    }
+
+    /// The same for the end; `pressure` is that of the start and of the first stage.
+    pub(super) fn predict_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
+        if self.needs_no_start() {
+            return self.begin_at_nothing(1);
+        }
+        let (step, last) = (self.step, state.last_step);
+        let [first, end] = &mut self.flux;
+        for i in 0..pressure[0].len() {
+            end[0][i] = on_the_parabola(state.flux[0][i], first[0][i], state.slope[0][i], step, last);
+            let expected = on_the_parabola(pressure[0][i], pressure[1][i], state.pressure_slope[i], step, last);
+            self.pressure[i] = expected.max(0.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_parabolas_go_on() {
+        let (step, last) = (0.7, 0.4);
+        let value = |t: f64| 3.0 - 2.0 * t + 5.0 * t * t;
+        let before = -(1.0 - GAMMA) * last;
+        let slope = (value(0.0) - value(before)) / -before;
+        let end = on_the_parabola(value(0.0), value(GAMMA * step), slope, step, last);
+        assert!((end - value(step)).abs() < 1e-13, "{end} {}", value(step));
+        let line = |t: f64| 3.0 - 2.0 * t;
+        assert!((on_the_line(line(0.0), -2.0, step) - line(GAMMA * step)).abs() < 1e-14);
+        assert_eq!(on_the_parabola(1.0, 2.0, 0.0, step, last), 2.0);
+    }
+}

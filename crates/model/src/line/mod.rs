@@ -1,0 +1,460 @@
+//! The line level: pressure, wear and shape on the cells of the contact line.
+//!
+//! Heat, friction coefficient, distance and bristle depend on the mean of the pressure and are carried by the lumped
+//! level's equations ([`Lumped`], with the wear and the holder taken out); the contact line adds what varies along the
+//! contact. The two meet once per piece of a communication step: the contact line needs the temperature where tables or
+//! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
+
+pub mod cycle;
+mod explicit;
+pub mod heat;
+pub mod hottest;
+pub mod operators;
+mod outputs;
+pub mod profile;
+mod saved;
+pub mod state;
+mod step;
+mod trajectory;
+mod wear_rates;
+
+use crate::events::edges;
+use crate::lumped::conditions::Tunables;
+use crate::lumped::{self, Lumped, limit};
+use crate::{INPUTS, StepFailure};
+use contact::friction::FrictionLaw;
+use contact::wear::line::{Conditions, WearingContact};
+use contact::{ContactState, Normal, Tilt, WorkCounter};
+use heat::ThermalCoupling;
+use heat::state::HeatState;
+use numerics::maximum::maximum;
+use operators::LineOperators;
+use scene::Geometry;
+use state::LineState;
+use std::sync::Arc;
+use step::Work;
+use trajectory::{InputTrajectory, LumpedTemperature, Slipped, StageConditions};
+
+/// Whether an input differs from what it was at the end of the last step by more than rounding, on the scale of what it is in this step
+/// and the last.
+fn jumps(before: f64, now: f64, scale: f64) -> bool {
+    // Before the first step there is no number.
+    before.is_nan() || (now - before).abs() > 1e-6 * scale
+}
+
+/// A scene at the line level.
+#[derive(Clone, Debug)]
+pub struct Line {
+    operators: Arc<LineOperators>,
+    mean: Lumped,
+    friction: FrictionLaw,
+    tunables: Tunables,
+    state: LineState,
+    /// State before the step under way.
+    backup: (lumped::state::LumpedState, LineState),
+    /// The backup has the temperatures inside the bodies at the start of the step: where it has not, they have not changed.
+    bodies_kept: bool,
+    contact: WearingContact,
+    conditions: Conditions,
+    /// Heat along the contact line, where its distribution feeds back.
+    heat: Option<Box<ThermalCoupling>>,
+    work: Work,
+    /// Internal steps that may still be tried, where they are counted.
+    attempts_left: Option<u32>,
+    /// Equilibrium last shown, and the inputs it belongs to.
+    shown: ([f64; INPUTS], ContactState),
+}
+
+impl Line {
+    /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
+    pub fn new(operators: Arc<LineOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
+        let mut mean = Lumped::new(operators.mean.clone(), tunables, inputs);
+        let mut friction = FrictionLaw::new(&operators.scene);
+        friction.coefficient = tunables.friction_coefficient;
+        let mut state = LineState::new(&operators);
+        if let Some(bodies) = &operators.heat {
+            let scene = &operators.scene;
+            let reference = mean.state().reference;
+            let rise = [&scene.punch, &scene.strip]
+                .map(|body| if body.initial_temperature > 0.0 { body.initial_temperature - reference } else { 0.0 });
+            // An insulator has no temperature but that of the surface it lies on.
+            let rise = match [scene.punch.conductivity > 0.0, scene.strip.conductivity > 0.0] {
+                [true, false] => [rise[0]; 2],
+                [false, true] => [rise[1]; 2],
+                _ => rise,
+            };
+            let kinetic_coefficient = friction.kinetic_coefficient(reference + 0.5 * (rise[0] + rise[1]));
+            mean.set_friction_coefficient(kinetic_coefficient);
+            state.heat = Some(HeatState::new(bodies, operators.count(), rise, kinetic_coefficient));
+        }
+        Line {
+            backup: (mean.state().clone(), state.clone()),
+            bodies_kept: true,
+            contact: operators.contact(),
+            conditions: operators.conditions(),
+            heat: operators.heat.as_ref().map(|bodies| Box::new(ThermalCoupling::new(&operators, bodies))),
+            work: Work::new(&operators),
+            attempts_left: None,
+            shown: ([f64::NAN; INPUTS], ContactState::new(operators.count())),
+            mean,
+            friction,
+            tunables,
+            state,
+            operators,
+        }
+    }
+
+    /// What the scene was made into.
+    pub fn operators(&self) -> &Arc<LineOperators> {
+        &self.operators
+    }
+
+    /// Whether a bristle carries the force at standstill.
+    pub fn has_bristle(&self) -> bool {
+        self.mean.has_bristle()
+    }
+
+    /// The contact's state.
+    pub fn state(&self) -> &LineState {
+        &self.state
+    }
+
+    /// The mean's state.
+    pub fn mean_state(&self) -> &lumped::state::LumpedState {
+        self.mean.state()
+    }
+
+    /// Work (J) of the friction force on all faces since initialisation.
+    pub fn friction_work(&self) -> f64 {
+        self.mean.friction_work()
+    }
+
+    /// Appends the contact's state as numbers.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        let mut state = self.state.clone();
+        state.status.copy_from(self.contact.status());
+        state.save(out);
+    }
+
+    /// Replaces everything that changes.
+    pub fn set_state(&mut self, mean: &lumped::state::LumpedState, line: &LineState) {
+        self.mean.set_state(mean);
+        self.state.copy_from(line);
+        self.contact.set_status(&self.state.status);
+        self.tell_friction();
+        self.forget_shown();
+    }
+
+    /// What the contact solver has done so far.
+    pub fn contact_work(&self) -> WorkCounter {
+        let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::counter);
+        heat.fold(self.contact.counter(), |sum, counter| sum + counter)
+    }
+
+    /// From here on at most `most` internal steps are tried: a step that would need more fails.
+    pub fn limit_attempts(&mut self, most: u32) {
+        self.attempts_left = Some(most);
+    }
+
+    /// Internal steps that may still be tried, where they are counted.
+    pub fn attempts_left(&self) -> Option<u32> {
+        self.attempts_left
+    }
+
+    /// Parameters that may change between steps.
+    pub fn set_tunables(&mut self, tunables: Tunables) {
+        if let Some(heat) = &mut self.state.heat
+            && self.friction.coefficient > 0.0
+        {
+            heat.kinetic_coefficient *= tunables.friction_coefficient / self.friction.coefficient;
+        }
+        self.friction.coefficient = tunables.friction_coefficient;
+        self.tunables = tunables;
+        self.mean.set_tunables(tunables);
+        self.tell_friction();
+        self.state.end_inputs = [f64::NAN; INPUTS];
+        self.forget_shown();
+    }
+
+    /// Tells the mean the friction coefficient of the contact line at its temperatures.
+    fn tell_friction(&mut self) {
+        if let Some(heat) = &self.state.heat {
+            self.mean.set_friction_coefficient(heat.kinetic_coefficient);
+        }
+    }
+
+    fn forget_shown(&mut self) {
+        self.shown.0 = [f64::NAN; INPUTS];
+    }
+
+    /// Limits reached so far; see [`limit`].
+    pub fn limits(&self) -> u8 {
+        self.state.limits | self.mean.limits()
+    }
+
+    /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates `slopes`, or
+    /// not at all. On failure the state is the one before the step.
+    ///
+    /// # Errors
+    /// [`StepFailure`] where the contact has no equilibrium, no step size gives a solution, or a body is worn through.
+    pub fn step(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Result<(), StepFailure> {
+        self.backup.0.clone_from(self.mean.state());
+        self.state.status.copy_from(self.contact.status());
+        self.backup.1.copy_contact_from(&self.state);
+        self.bodies_kept = false;
+        self.work.budget.start();
+        let outcome =
+            self.watch_growth(inputs).and_then(|()| self.pieces(inputs, slopes, step)).and_then(|()| self.watch());
+        if outcome.is_err() {
+            self.mean.set_state(&self.backup.0);
+            self.state.copy_contact_from(&self.backup.1);
+            if let (true, Some(own), Some(before)) = (self.bodies_kept, &mut self.state.heat, &self.backup.1.heat) {
+                own.copy_bodies_from(before);
+            }
+            self.contact.set_status(&self.state.status);
+            self.tell_friction();
+        }
+        self.forget_shown();
+        outcome
+    }
+
+    /// The step in pieces between sign changes of the velocity and of the load.
+    fn pieces(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
+        let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
+        if inputs[1] < 0.0 || last_load < 0.0 {
+            self.state.limits |= limit::NEGATIVE_LOAD;
+        }
+        let (edges, count) = edges(inputs, slopes, step, self.operators.scene.mean_radius);
+        let end: [f64; INPUTS] =
+            std::array::from_fn(|index| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step));
+        let scales: [f64; 3] = std::array::from_fn(|index| inputs[index].abs().max(end[index].abs()));
+        let radius = self.operators.scene.mean_radius;
+        let speed = |inputs: &[f64; INPUTS]| (inputs[0] + radius * inputs[2]).abs();
+        self.state.fastest = self.state.fastest.max(speed(inputs)).max(speed(&end));
+        let jumped = (0..3).any(|index| {
+            let scale = scales[index].max(self.state.scales[index]);
+            jumps(self.state.end_inputs[index], inputs[index], scale)
+        });
+        if let Some(heat) = &mut self.state.heat
+            && jumped
+        {
+            heat.jump();
+        }
+        for piece in edges[..=count].windows(2) {
+            let length = piece[1] - piece[0];
+            if length > 0.0 {
+                // Which way it slides between its ends: at them the velocity is 0 to rounding.
+                let middle = 0.5 * (piece[0] + piece[1]);
+                let velocity = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * middle);
+                let velocity = velocity(0) + self.operators.scene.mean_radius * velocity(2);
+                if let Some(heat) = &mut self.state.heat
+                    && velocity * self.state.direction < 0.0
+                {
+                    heat.reverse();
+                }
+                self.state.direction = if velocity == 0.0 { 0.0 } else { velocity.signum() };
+                let mut start = *inputs;
+                if let Some(slopes) = slopes {
+                    for (value, slope) in start.iter_mut().zip(slopes) {
+                        *value += slope * piece[0];
+                    }
+                }
+                self.piece(&start, slopes, length)?;
+            }
+        }
+        (self.state.end_inputs, self.state.scales) = (end, scales);
+        Ok(())
+    }
+
+    /// A piece without events: mean and contact line, in the order in which they need each other.
+    fn piece(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+    ) -> Result<(), StepFailure> {
+        let operators = self.operators.clone();
+        let decides_load = operators.decides_load();
+        if self.heat.is_some() {
+            return self.warm_piece(inputs, slopes, length);
+        }
+        let follows_heat = operators.follows_heat();
+        if !decides_load {
+            let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
+            return self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length);
+        }
+        // The load that the contact carries at the start; with an expanding caliper or fading friction a first pass of
+        // the mean at this load tells how hot it gets.
+        let first = self.carried(inputs);
+        let mut loaded = *inputs;
+        loaded[1] = first;
+        let mut heat = LumpedTemperature::constant(self.temperature(&loaded), self.expansion());
+        if follows_heat {
+            self.work.mean.clone_from(self.mean.state());
+            heat = self.step_mean(&loaded, None, length, true)?;
+            let before = std::mem::replace(&mut self.work.mean, lumped::state::LumpedState::empty());
+            self.mean.set_state(&before);
+            self.work.mean = before;
+        }
+        self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+        let last = self.state.carried;
+        let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
+        rates[1] = (last - first) / length;
+        let sloped = slopes.is_some() || first != last;
+        self.mean.step(&loaded, sloped.then_some(&rates), length)
+    }
+
+    /// A piece with heat along the contact line: the mean only counts distance, and carries a bristle.
+    fn warm_piece(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+    ) -> Result<(), StepFailure> {
+        if self.mean.has_bristle() {
+            // Its heat is the work of the mean force, so the mean comes first.
+            let mut loaded = *inputs;
+            loaded[1] = self.carried(inputs);
+            let mut rates = slopes.copied();
+            if let (Some(rates), true) = (&mut rates, self.operators.decides_load()) {
+                rates[1] = 0.0;
+            }
+            let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
+            self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+            self.tell_friction();
+            return Ok(());
+        }
+        let heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
+        if !self.operators.decides_load() {
+            self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+            self.tell_friction();
+            return self.mean.step(inputs, slopes, length);
+        }
+        let mut loaded = *inputs;
+        loaded[1] = self.carried(inputs);
+        self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
+        self.tell_friction();
+        let last = self.state.carried;
+        let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
+        rates[1] = (last - loaded[1]) / length;
+        let sloped = slopes.is_some() || last != loaded[1];
+        self.mean.step(&loaded, sloped.then_some(&rates), length)
+    }
+
+    /// Carries the mean over the piece; how temperature and expansion went where `observed`.
+    fn step_mean(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+        observed: bool,
+    ) -> Result<LumpedTemperature, StepFailure> {
+        if !observed {
+            self.mean.step(inputs, slopes, length)?;
+            return Ok(LumpedTemperature::constant(self.mean.state().reference, 0.0));
+        }
+        let (temperature, expansion) = (self.temperature(inputs), self.expansion());
+        let (distance, dissipated) = (self.mean.state().distance, self.mean.state().dissipated);
+        self.mean.step(inputs, slopes, length)?;
+        let state = self.mean.state();
+        let slipped = self.mean.has_bristle().then(|| {
+            let carried = inputs[1].max(0.0) + slopes.map_or(0.0, |slopes| slopes[1] * length);
+            let full = carried * self.operators.mean.scene.faces * self.operators.mean.power_factor;
+            let ratio = if full > 0.0 { state.end_force / full } else { 0.0 };
+            let work = (state.dissipated - dissipated) * self.operators.mean.area;
+            let impulse = 0.5 * length * (inputs[1].max(0.0) + carried.max(0.0));
+            let heat_per_pressure = if impulse > 0.0 { work / impulse } else { 0.0 };
+            Slipped { distance: state.distance - distance, ratio, heat_per_pressure }
+        });
+        Ok(LumpedTemperature {
+            temperature: [temperature, state.end_temperature + state.reference],
+            expansion: [expansion, self.expansion()],
+            slipped,
+        })
+    }
+
+    /// Contact temperature (K) for these inputs with the states held.
+    fn temperature(&mut self, inputs: &[f64; INPUTS]) -> f64 {
+        self.mean.point(inputs).contact_temperature + self.mean.state().reference
+    }
+
+    /// Displacement of both surfaces by the mean temperature of the bodies, m into them.
+    fn expansion(&self) -> f64 {
+        if self.operators.scene.holder_stiffness > 0.0 && self.heat.is_none() {
+            -self.mean.expansion_of_bodies()
+        } else {
+            0.0
+        }
+    }
+
+    /// Balance of holder and contact at `moment`.
+    fn balance(&mut self, moment: &StageConditions) -> (f64, Normal, Tilt) {
+        let operators = self.operators.clone();
+        let scene = &operators.scene;
+        let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
+        let signed = if coupled { moment.signed_friction } else { 0.0 };
+        let tilt = match (operators.rotates, operators.pivot) {
+            (false, _) => Tilt::Fixed(0.0),
+            (true, None) => Tilt::ResultantAt(0.0),
+            (true, Some(height)) => Tilt::ResultantAt(moment.signed_friction * height),
+        };
+        let load = moment.load / operators.shared_depth;
+        let stiffness = scene.holder_stiffness / operators.shared_depth;
+        let normal = if stiffness > 0.0 && moment.load > 0.0 {
+            // The caliper holds the actuator's load on the unworn, cold bodies.
+            let reference = self.reference_approach(load);
+            Normal::Spring { load: load + stiffness * reference, stiffness }
+        } else {
+            Normal::Load(load)
+        };
+        (signed, normal, tilt)
+    }
+
+    /// Approach of the unworn bodies at rest under `load` (N/m), m.
+    fn reference_approach(&mut self, load: f64) -> f64 {
+        if self.work.reference.0 != load {
+            let operators = &self.operators;
+            self.conditions.signed_friction = 0.0;
+            (self.conditions.normal, self.conditions.tilt) = (Normal::Load(load), Tilt::Fixed(0.0));
+            let saved = &mut self.work.status;
+            saved.copy_from(self.contact.status());
+            let known = self.contact.stage_into(&operators.initial_gap, 0.0, &self.conditions, &mut self.work.shown);
+            self.contact.set_status(saved);
+            self.work.reference = (load, if known.is_ok() { self.work.shown.approach } else { 0.0 });
+        }
+        self.work.reference.1
+    }
+
+    /// Limits and validity after a step.
+    fn watch(&mut self) -> Result<(), StepFailure> {
+        if let Some(name) = self.state.not_finite() {
+            return Err(StepFailure(format!(
+                "{name} along the contact line is no finite number after the step: no solution was found"
+            )));
+        }
+        let scene = &self.operators.scene;
+        let deepest = |depths: &[f64]| depths.iter().copied().fold(0.0, maximum);
+        self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;
+        if let Some(heat) = &self.state.heat {
+            let lowest = heat.lowest() + self.mean.state().reference;
+            if lowest.is_nan() || lowest < 0.0 {
+                return Err(StepFailure(format!(
+                    "heat along the contact line has lost its balance: a surface of {lowest} K, which cannot be below 0 K, at \
+                     punch.conductivity = {} and strip.conductivity = {} W/(m.K)",
+                    scene.punch.conductivity, scene.strip.conductivity
+                )));
+            }
+            let highest = self.operators.hottest.of(&heat.temperature) + self.mean.state().reference;
+            self.state.limits |= lumped::limits_of_temperature(scene, highest);
+        }
+        if self.state.track.as_ref().is_some_and(|track| track.revisited()) {
+            self.state.limits |= limit::VALIDITY;
+        }
+        Ok(())
+    }
+}

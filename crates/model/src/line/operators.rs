@@ -1,0 +1,413 @@
+//! What the contact line is made of, built once from the scene and shared by every state.
+
+use super::heat::bodies::{Bodies, on_the_cells};
+use super::hottest::Hottest;
+use super::profile::{Profile, cell_means};
+use crate::lumped;
+use contact::wear::law::{REFERENCE_PRESSURE, WearLaw};
+use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
+use contact::wear::rocking::rocking_limit;
+use contact::{ContactState, Normal, Tilt, check_operators};
+use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
+use elasticity::{Cells, Compliance};
+use nalgebra::DMatrix;
+use scene::{Constraint, FadeTable, Fidelity, Geometry, HeatAlongContact, InitialShape, Path, Scene, Scheme};
+use std::sync::Arc;
+
+/// Cells where the scene leaves the choice: pressure to about 1e-3 away from the edges.
+const CHOSEN_CELLS: usize = 33;
+
+/// The same for the reference level.
+const FINEST_CELLS: usize = 257;
+
+/// How the strip's worn depth moves under the punch.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum StripWear {
+    /// It does not wear.
+    None,
+    /// Every point of a closed path comes by: evenly along the path, one depth for all cells.
+    Even,
+    /// Annular contact: every radius keeps its own depth.
+    ByRadius,
+    /// A straight path keeps a track in its own coordinate.
+    Track,
+}
+
+/// How uneven a pressure is, relative to its mean.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Unevenness {
+    /// Root mean square of its deviation from the mean.
+    pub pressure: f64,
+    /// Root mean square of what shear coupling changes.
+    pub shear: f64,
+    /// The same of the moment about the pivot.
+    pub rotation: f64,
+}
+
+/// See the module.
+#[derive(Debug)]
+pub struct LineOperators {
+    /// The scene it was built from.
+    pub scene: Scene,
+    /// Heat, friction and everything else that the mean pressure decides.
+    pub mean: Arc<lumped::operators::LumpedOperators>,
+    /// The conducting bodies, where heat is carried along the contact line; `None`: by its mean.
+    pub heat: Option<Bodies>,
+    /// The cells.
+    pub cells: Cells,
+    /// Weights of the load integral, m: areas of the cells per depth.
+    pub weights: Vec<f64>,
+    /// Weights of the torque over the mean radius, m.
+    pub torque_weights: Vec<f64>,
+    /// r/r_m of the cells; all 1 but in annular geometry.
+    pub radius_ratio: Vec<f64>,
+    /// Wear rate of punch and strip on the cells over that at the mean radius.
+    pub radial: [Vec<f64>; 2],
+    /// Gap of the unworn bodies, N cell means, m.
+    pub initial_gap: Vec<f64>,
+    /// Normal compliance of both bodies and shear coupling (strip less punch), N x N, m/Pa.
+    normal: DMatrix<f64>,
+    shear: DMatrix<f64>,
+    /// Displacement scale per mean pressure (m/Pa): what the error of a worn shape is measured against.
+    pub displacement_scale: f64,
+    /// Wear laws of punch and strip, with the factor of the mean over the path.
+    pub wear: [(WearLaw, f64); 2],
+    /// What the strip's wear does.
+    pub strip_wear: StripWear,
+    /// Stations of the profiles.
+    pub profile: Profile,
+    /// The highest temperature of the contact.
+    pub hottest: Hottest,
+    /// Length by which a load per face is shared: depth times number of punches, m.
+    pub shared_depth: f64,
+    /// Pivot height where the punch can rotate and friction turns it, m.
+    pub pivot: Option<f64>,
+    /// A free tilt.
+    pub rotates: bool,
+}
+
+/// Finds the gap of a run-in punch, N cell means in m, of a scene with or without (`false`) resolved heat. Steady states are a layer above
+/// this one, so whoever builds operators passes the function that finds them.
+pub type RunIn = fn(&Scene, bool, &Cells, &[Compliance; 2]) -> Result<Vec<f64>, String>;
+
+impl LineOperators {
+    /// Builds the contact line of `scene`.
+    ///
+    /// # Errors
+    /// A text with the numbers where the bodies or the run-in shape do not exist.
+    pub fn new(scene: &Scene, run_in: RunIn) -> Result<LineOperators, String> {
+        Self::with_heat(scene, on_the_cells(scene), run_in)
+    }
+
+    /// The same with the mean's reduced bodies of `known`, the lumped level of the same scene.
+    ///
+    /// # Errors
+    /// As [`LineOperators::new`].
+    pub fn beside(
+        scene: &Scene,
+        known: &lumped::operators::LumpedOperators,
+        run_in: RunIn,
+    ) -> Result<LineOperators, String> {
+        Self::build(scene, on_the_cells(scene), Some(known), run_in)
+    }
+
+    /// The same with heat along the contact line, or without, whether it feeds back or not.
+    ///
+    /// # Errors
+    /// As [`LineOperators::new`].
+    pub fn with_heat(scene: &Scene, heat: bool, run_in: RunIn) -> Result<LineOperators, String> {
+        Self::build(scene, heat, None, run_in)
+    }
+
+    fn build(
+        scene: &Scene,
+        heat: bool,
+        known: Option<&lumped::operators::LumpedOperators>,
+        run_in: RunIn,
+    ) -> Result<LineOperators, String> {
+        let count = match (scene.cells, scene.fidelity) {
+            (0, Fidelity::Field) => FINEST_CELLS,
+            (0, _) => CHOSEN_CELLS,
+            (cells, _) => cells,
+        };
+        let cells = cells_for(scene, count).map_err(|error| error.to_string())?;
+        let weights = load_weights(scene, &cells);
+        let radius_ratio = relative_radii(scene, &cells);
+        let bodies = compliances(scene, &cells).map_err(|error| error.to_string())?;
+        let [punch, strip] = &bodies;
+        let mut initial_gap = match &scene.initial_shape {
+            InitialShape::Flat | InitialShape::RunIn => vec![0.0; count],
+            InitialShape::Parabolic(radius) => cells.means_from_primitive(|x| x * x * x / (6.0 * radius)),
+            InitialShape::Tabulated(values) => cell_means(&cells, values),
+        };
+        if scene.initial_shape == InitialShape::RunIn {
+            initial_gap = run_in(scene, heat, &cells, &bodies)
+                .map_err(|error| format!("contact.initial_shape = run_in: {error}"))?;
+        }
+        let normal = &punch.normal + &strip.normal;
+        let shear = &strip.shear - &punch.shear;
+        let profile_pressure = nalgebra::DVector::from_fn(count, |i, _| match count {
+            1 => 1.0,
+            _ => cells.centres()[i] / cells.half_width(),
+        });
+        let displacement: Vec<f64> = (&normal * profile_pressure).iter().map(|u| u * u).collect();
+        let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
+        // What can be wrong with the matrices is found here, once.
+        check_operators(count, &normal, &shear).map_err(|error| error.to_string())?;
+        let law = |body: &scene::Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
+        let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
+            (false, ..) => StripWear::None,
+            (true, Geometry::Annular, _) => StripWear::ByRadius,
+            (true, _, Path::Closed) => StripWear::Even,
+            (true, _, Path::Straight) => StripWear::Track,
+        };
+        let radial = [&scene.punch, &scene.strip]
+            .map(|body| radius_ratio.iter().map(|ratio: &f64| ratio.powf(body.wear_velocity_exponent)).collect());
+        let coverage = if scene.path == Path::Closed { scene.coverage() } else { 1.0 };
+        let rotates = scene.constraint == Constraint::TranslateAndRotate;
+        let mean = Arc::new(lumped::operators::LumpedOperators::with_heat_of(&mean_scene(scene, heat), known));
+        let heat = heat.then(|| Bodies::new(scene, &cells)).transpose()?;
+        let operators = LineOperators {
+            heat,
+            profile: Profile::new(&cells),
+            hottest: Hottest::new(&cells, scene.geometry == Geometry::Periodic),
+            wear: [(law(&scene.punch), 1.0), (law(&scene.strip), coverage)],
+            shared_depth: scene.depth * scene.count,
+            pivot: (rotates && scene.geometry == Geometry::Line).then_some(scene.pivot_height),
+            scene: scene.clone(),
+            mean,
+            cells,
+            torque_weights: weights.iter().zip(&radius_ratio).map(|(weight, ratio)| weight * ratio).collect(),
+            weights,
+            radius_ratio,
+            radial,
+            initial_gap,
+            normal,
+            shear,
+            displacement_scale,
+            strip_wear,
+            rotates,
+        };
+        operators.check_acceleration(scene.friction_coefficient, scene.wear_acceleration)?;
+        Ok(operators)
+    }
+
+    /// N.
+    pub fn count(&self) -> usize {
+        self.cells.count()
+    }
+
+    /// Whether friction or wear of a cell follow its own temperature.
+    pub fn wears_by_cell(&self) -> bool {
+        let fades = !self.scene.friction_fade.flat;
+        self.heat.is_some() && self.wear.iter().any(|(law, _)| law.active() && law.follows_temperature(fades))
+    }
+
+    /// The contact as it is before the first step, with memory of its own.
+    pub fn contact(&self) -> WearingContact {
+        let (normal, shear) = (self.normal.clone(), self.shear.clone());
+        let mut contact = WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
+            .expect("the same matrices were accepted when the operators were made");
+        if self.strip_wear == StripWear::Track {
+            // The first operator makes room for all that follow.
+            contact.set_operator(Some(&DMatrix::identity(self.count(), self.count())));
+        }
+        contact
+    }
+
+    /// Conditions of a contact under no load, with a term for every body that reshapes the contact.
+    pub fn conditions(&self) -> Conditions {
+        let term = |body: usize| WearTerm {
+            coefficient: match self.scene.geometry {
+                _ if self.wears_by_cell() => Coefficient::PerCell(vec![0.0; self.count()]),
+                Geometry::Annular => Coefficient::PerCell(vec![0.0; self.count()]),
+                _ => Coefficient::Uniform(0.0),
+            },
+            exponent: self.wear[body].0.pressure_exponent,
+        };
+        let terms = (0..2).filter(|&body| self.reshapes(body)).map(term).collect();
+        Conditions {
+            signed_friction: 0.0,
+            normal: Normal::Load(0.0),
+            tilt: Tilt::Fixed(0.0),
+            rate: CellRate { reference_pressure: REFERENCE_PRESSURE, terms },
+        }
+    }
+
+    /// Load per face (N) that gives the mean its heat and friction: the contact's, on an annulus by its torque.
+    pub fn carried(&self, pressure: &[f64]) -> f64 {
+        let (mut torque, mut load) = (0.0, 0.0);
+        for i in 0..pressure.len() {
+            load += self.weights[i] * pressure[i];
+            torque += self.weights[i] * pressure[i] * self.radius_ratio[i];
+        }
+        let carried = if self.mean.power_factor == 1.0 { load } else { torque / self.mean.power_factor };
+        carried * self.shared_depth
+    }
+
+    /// The same contact with its heat by the mean; nothing is built anew.
+    pub fn with_heat_by_its_mean(&self) -> LineOperators {
+        let mut scene = self.scene.clone();
+        scene.heat_along_contact = HeatAlongContact::ByItsMean;
+        LineOperators {
+            mean: Arc::new(lumped::operators::LumpedOperators::with_heat_of(
+                &mean_scene(&scene, false),
+                Some(&self.mean),
+            )),
+            heat: None,
+            cells: self.cells.clone(),
+            weights: self.weights.clone(),
+            torque_weights: self.torque_weights.clone(),
+            radius_ratio: self.radius_ratio.clone(),
+            radial: self.radial.clone(),
+            initial_gap: self.initial_gap.clone(),
+            normal: self.normal.clone(),
+            shear: self.shear.clone(),
+            displacement_scale: self.displacement_scale,
+            wear: self.wear.clone(),
+            strip_wear: self.strip_wear,
+            profile: self.profile.clone(),
+            hottest: self.hottest.clone(),
+            shared_depth: self.shared_depth,
+            pivot: self.pivot,
+            rotates: self.rotates,
+            scene,
+        }
+    }
+
+    /// How uneven the pressure of the unworn, cold contact is at nominal load.
+    pub fn unevenness(&self) -> Unevenness {
+        let scene = &self.scene;
+        let friction = scene.friction_coefficient;
+        let coupled = if scene.shear_coupling && scene.geometry != Geometry::Annular { friction } else { 0.0 };
+        let lever = self.pivot.map_or(0.0, |height| friction * height);
+        let pressure = |signed: f64, lever: f64| -> Option<Vec<f64>> {
+            let (mut contact, mut conditions) = (self.contact(), self.conditions());
+            conditions.normal = Normal::Load(scene.nominal_load / self.shared_depth);
+            conditions.signed_friction = signed;
+            if self.rotates {
+                conditions.tilt = Tilt::ResultantAt(lever);
+            }
+            let mut state = ContactState::new(self.count());
+            contact.stage_into(&self.initial_gap, 0.0, &conditions, &mut state).ok().map(|()| state.pressure)
+        };
+        let width = 2.0 * self.cells.half_width();
+        let root_mean_square = |of: &dyn Fn(usize) -> f64| {
+            let square: f64 = self.cells.widths().iter().enumerate().map(|(i, c)| c * of(i) * of(i)).sum();
+            (square / width).sqrt()
+        };
+        let Some(full) = pressure(coupled, lever) else { return Unevenness::default() };
+        let mean = self.cells.integral(&full) / width;
+        let apart = |other: Option<Vec<f64>>| match other {
+            Some(other) if mean > 0.0 => root_mean_square(&|i| full[i] - other[i]) / mean,
+            _ => 0.0,
+        };
+        Unevenness {
+            pressure: if mean > 0.0 { root_mean_square(&|i| full[i] - mean) / mean } else { 0.0 },
+            shear: if coupled == 0.0 { 0.0 } else { apart(pressure(0.0, lever)) },
+            rotation: if lever == 0.0 { 0.0 } else { apart(pressure(coupled, 0.0)) },
+        }
+    }
+
+    /// What was chosen, for the log.
+    pub fn plan(&self) -> String {
+        let strip = match self.strip_wear {
+            StripWear::None => "does not wear",
+            StripWear::Even => "wears evenly along its path",
+            StripWear::ByRadius => "wears by radius",
+            StripWear::Track => "keeps its worn track",
+        };
+        let chosen = if self.scene.cells == 0 { " (chosen)" } else { "" };
+        let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
+        let heat = match &self.heat {
+            Some(bodies) => format!(
+                "heat along the contact line, thermal states: punch {}{}, strip {}, with its distortion of the shape",
+                bodies.states[0],
+                if self.scene.fidelity == Fidelity::Field { " (finite elements, unreduced)" } else { "" },
+                bodies.states[1]
+            ),
+            None => "heat by its mean, without distortion of the shape".into(),
+        };
+        format!("{} cells{chosen}; the strip {strip}; {heat}{bound}", self.count())
+    }
+
+    /// The longest stable explicit step at nominal conditions, for the log.
+    fn explicit_bound(&self) -> String {
+        let scene = &self.scene;
+        let (mut contact, mut conditions) = (self.contact(), self.conditions());
+        conditions.normal = Normal::Load(scene.nominal_load / self.shared_depth);
+        if self.rotates {
+            conditions.tilt = Tilt::ResultantAt(0.0);
+        }
+        let laws = self.coefficients(
+            scene.nominal_velocity,
+            scene.friction_coefficient,
+            scene.ambient_temperature,
+            scene.wear_acceleration,
+        );
+        for (term, body) in (0..2).filter(|&body| self.reshapes(body)).enumerate() {
+            conditions.rate.terms[term].coefficient = laws[body].into();
+        }
+        let mut state = ContactState::new(self.count());
+        match contact.stage_into(&self.initial_gap, 0.0, &conditions, &mut state) {
+            Ok(()) => format!(
+                "; explicit wear is stable for steps below {:e} s at nominal load and speed",
+                explicit_limit(&mut contact, &conditions, &state.pressure)
+            ),
+            Err(error) => format!("; explicit wear: {error}"),
+        }
+    }
+
+    /// What a user should know before the scene runs.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let scene = &self.scene;
+        let distorts = |body: &scene::Body| body.thermal_expansion > 0.0 && body.conductivity > 0.0;
+        // Heat by its mean where it has no effect along the contact, or where a plan says what leaving that out costs, is
+        // nothing to warn of.
+        if scene.scheme == Scheme::Explicit && (distorts(&scene.punch) || distorts(&scene.strip)) {
+            warnings.push(
+                "thermal distortion of the shape is not part of this level with solver.scheme = explicit: the \
+                 bodies' mean expansion acts on holder.stiffness only"
+                    .into(),
+            );
+        }
+        let critical = self.mean.critical_speed.at(scene.friction_coefficient);
+        if self.heat.is_some() && critical > 0.0 && scene.nominal_velocity > critical {
+            let grows = self.mean.critical_speed.what_grows(scene.friction_coefficient, scene.nominal_velocity);
+            warnings.push(format!(
+                "thermoelastically unstable: nominal.velocity = {} m/s is above {critical} m/s, {grows}",
+                scene.nominal_velocity
+            ));
+        }
+        let limit = rocking_limit(scene.punch.wear_pressure_exponent) * 0.5 * scene.width;
+        if let Some(height) = self.pivot
+            && scene.nominal_stroke > 0.0
+            && scene.punch.wear_coefficient > 0.0
+            && scene.friction_coefficient * height >= limit
+        {
+            warnings.push(format!(
+                "sliding to and fro, the punch rocks itself round: contact.friction_coefficient x holder.pivot_height = {} m \
+                 is not below {limit} m, so no steady cycle exists",
+                scene.friction_coefficient * height
+            ));
+        }
+        warnings
+    }
+}
+
+/// The scene whose mean quantities the lumped level carries: the contact line does the wear and stands between holder and
+/// load.
+fn mean_scene(scene: &Scene, heat: bool) -> Scene {
+    let mut mean = scene.clone();
+    for body in [&mut mean.punch, &mut mean.strip] {
+        body.wear_coefficient = 0.0;
+        body.wear_limit = 0.0;
+    }
+    mean.holder_stiffness = 0.0;
+    if heat {
+        // The contact line tells the mean its friction coefficient.
+        mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
+    }
+    mean
+}

@@ -1,0 +1,319 @@
+//! Outputs and profiles of the line level, by value reference: the mean's, with what the contact line knows better.
+
+use super::Line;
+use super::operators::LineOperators;
+use super::trajectory::StageConditions;
+use crate::{INPUTS, Inputs};
+use contact::Normal;
+use contact::wear::line::Disturbance;
+use numerics::maximum::maximum;
+use numerics::scalar::Dual;
+use scene::variables::{COUNT, reference};
+use scene::{Geometry, STATIONS, value};
+
+impl Line {
+    /// Pressure, approach and tilt for these inputs with the worn shape held, left in `shown`. Where the contact has no
+    /// equilibrium (the step will say so) the last one stays.
+    fn equilibrium(&mut self, inputs: &[f64; INPUTS]) {
+        if self.shown.0 == *inputs {
+            return;
+        }
+        // Where friction follows the temperature, the step's end knows it to the step's tolerance only.
+        if self.state.current
+            && self.state.end_inputs == *inputs
+            && (!self.operators.follows_heat() || self.heat.is_some() && self.operators.scene.friction_fade.flat)
+        {
+            let (state, shown) = (&self.state, &mut self.shown);
+            shown.1.pressure.copy_from_slice(&state.pressure);
+            (shown.1.approach, shown.1.tilt) = (state.approach, state.tilt);
+            shown.0 = *inputs;
+            return;
+        }
+        let moment = self.moment(inputs);
+        self.set_gap(moment.expansion);
+        self.add_held_distortion();
+        let (signed, normal, tilt) = self.balance(&moment);
+        self.conditions.signed_friction = signed;
+        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
+        // Looking must not change where the next step starts.
+        self.work.status.copy_from(self.contact.status());
+        let found = self.contact.stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.shown);
+        self.contact.set_status(&self.work.status);
+        if found.is_ok() {
+            std::mem::swap(&mut self.shown.1, &mut self.work.shown);
+        }
+        self.shown.0 = *inputs;
+    }
+
+    /// Conditions of the contact for these inputs with the states held.
+    fn moment(&mut self, inputs: &[f64; INPUTS]) -> StageConditions {
+        let load = inputs[1].max(0.0);
+        let point = self.mean.point(inputs);
+        let felt = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
+        let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
+        let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
+        let signed_friction =
+            if full > 0.0 { point.force / full } else { self.friction.sign(velocity) * point.friction_coefficient };
+        StageConditions {
+            sign: self.friction.sign(velocity),
+            signed_friction,
+            load,
+            speed: point.wearing_speed,
+            kinetic_coefficient: point.kinetic_coefficient,
+            temperature: felt.unwrap_or(point.contact_temperature) + self.mean.state().reference,
+            expansion: self.expansion(),
+            heat_per_pressure: None,
+        }
+    }
+
+    /// Load per face (N) that the mean feels for these inputs.
+    pub(super) fn carried(&mut self, inputs: &[f64; INPUTS]) -> f64 {
+        if !self.operators.decides_load() {
+            return inputs[1];
+        }
+        self.equilibrium(inputs);
+        self.operators.carried(&self.shown.1.pressure)
+    }
+
+    /// The inputs as the mean takes them.
+    fn loaded(&mut self, inputs: &[f64; INPUTS]) -> [f64; INPUTS] {
+        let mut loaded = *inputs;
+        loaded[1] = self.carried(inputs);
+        loaded
+    }
+
+    /// Mean worn depths of punch and strip, m.
+    fn depths(&self) -> [f64; 2] {
+        let operators = &self.operators;
+        let total: f64 = operators.weights.iter().sum();
+        [&self.state.punch, &self.state.strip].map(|depth| {
+            depth.iter().zip(&operators.weights).map(|(depth, weight)| depth * weight).sum::<f64>() / total
+        })
+    }
+
+    /// Writes the outputs that answer the inputs (but `friction_slope`), and the worn depths.
+    pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        self.equilibrium(inputs);
+        let loaded = self.loaded(inputs);
+        self.mean.write_contact(&loaded, values);
+        self.write_heat_flows(inputs, values);
+        let moment = self.moment(&loaded);
+        let operators = &self.operators;
+        let (scene, shown) = (&operators.scene, &self.shown.1);
+        let pressure = &shown.pressure;
+        let (mut rates, acceleration) = (0.0, self.tunables.wear_acceleration);
+        operators.for_rates(&moment, acceleration, pressure, |i, punch, strip| {
+            rates += operators.weights[i] * pressure[i] * (punch + strip / operators.wear[1].1);
+        });
+        let carrying: f64 =
+            pressure.iter().zip(operators.cells.widths()).map(|(p, c)| if *p > 0.0 { *c } else { 0.0 }).sum();
+        let total: f64 = operators.weights.iter().sum();
+        let load: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
+        value!(values, "pressure_mean") = load / total;
+        value!(values, "pressure_max") = pressure.iter().copied().fold(0.0, maximum);
+        value!(values, "contact_fraction") = (carrying / (2.0 * operators.cells.half_width())).min(1.0);
+        value!(values, "tilt") = shown.tilt;
+        value!(values, "approach") = shown.approach;
+        value!(values, "wear_dissipation_power") = rates * operators.shared_depth * scene.faces;
+        if scene.geometry == Geometry::Annular && load > 0.0 {
+            let torque: f64 =
+                (0..pressure.len()).map(|i| operators.weights[i] * pressure[i] * operators.radius_ratio[i]).sum();
+            value!(values, "effective_radius") = scene.mean_radius * torque / load;
+        }
+        value!(values, "limit_reached") = f64::from(self.limits() & 7);
+        self.write_depths(values);
+    }
+
+    fn write_depths(&self, values: &mut [f64; COUNT]) {
+        let [punch, strip] = self.depths();
+        value!(values, "wear_depth") = punch + strip;
+        value!(values, "wear_depth_punch") = punch;
+        value!(values, "wear_depth_strip") = strip;
+    }
+
+    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    pub fn write_end(&self, values: &mut [f64; COUNT]) {
+        self.mean.write_end(values);
+        if let Some(heat) = &self.state.heat {
+            let state = self.mean.state();
+            value!(values, "contact_temperature") = heat.mean(&self.operators.weights) + state.reference;
+        }
+        let [punch, strip] = self.depths();
+        value!(values, "wear_depth") = punch + strip;
+    }
+
+    /// Writes the outputs that only the states give: the heat account, volumes, distance.
+    pub fn write_account(&self, values: &mut [f64; COUNT]) {
+        self.mean.write_account(values);
+        let (operators, state) = (&self.operators, &self.state);
+        let scene = &operators.scene;
+        let all = operators.shared_depth * scene.faces;
+        value!(values, "wear_volume_punch") = state.volume[0] * all;
+        value!(values, "wear_volume_strip") = state.volume[1] * all;
+        let life = |depth: &[f64], body: &scene::Body| {
+            let deepest = depth.iter().copied().fold(0.0, maximum) + body.initial_wear;
+            if body.wear_limit > 0.0 { (1.0 - deepest / body.wear_limit).clamp(0.0, 1.0) } else { 1.0 }
+        };
+        value!(values, "remaining_life") = life(&state.punch, &scene.punch).min(life(&state.strip, &scene.strip));
+        value!(values, "estimated_step_error") += state.error;
+        self.write_heat_account(values);
+    }
+
+    /// Writes `friction_slope` and the profiles.
+    pub fn write_rest(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        self.equilibrium(inputs);
+        let loaded = self.loaded(inputs);
+        self.mean.write_rest(&loaded, values);
+        self.write_heat_profile(values);
+        let (profile, state) = (&self.operators.profile, &self.state);
+        let columns = [
+            (const { reference("profile.pressure") }, &self.shown.1.pressure),
+            (const { reference("profile.wear_punch") }, &state.punch),
+            (const { reference("profile.wear_strip") }, &state.strip),
+        ];
+        for (first, means) in columns {
+            let first = first as usize;
+            profile.fill(means, &mut values[first..first + STATIONS]);
+        }
+        let first = const { reference("profile.x") } as usize;
+        values[first..first + STATIONS].copy_from_slice(profile.positions());
+    }
+
+    /// Derivatives of every output in the direction `seed` of the inputs, with the states held.
+    pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
+        self.equilibrium(inputs);
+        let moment = self.moment(inputs);
+        let operators = self.operators.clone();
+        let (scene, count) = (&operators.scene, operators.count());
+        // Friction per load in dual numbers: what turns the punch and shifts the pressure.
+        let mut duals = [Dual::from(0.0); INPUTS];
+        for i in 0..INPUTS {
+            duals[i] = Dual { value: inputs[i], derivative: seed[i] };
+        }
+        let point = self.mean.dual_point(&Inputs::from_array(duals));
+        let full = operators.mean.scene.faces * operators.mean.power_factor;
+        let load = inputs[1].max(0.0);
+        let load_rate = if inputs[1] > 0.0 { seed[1] } else { 0.0 };
+        let signed_rate = if load > 0.0 {
+            (point.force.derivative - moment.signed_friction * full * load_rate) / (full * load)
+        } else {
+            0.0
+        };
+        let (signed, normal, tilt) = self.balance(&moment);
+        let per_depth = load_rate / operators.shared_depth;
+        let normal_rate = match normal {
+            // The holder's reference moves with the load by the elastic approach of the unworn bodies.
+            Normal::Spring { stiffness, .. } => per_depth + stiffness * self.reference_rate(load, per_depth),
+            _ => per_depth,
+        };
+        self.conditions.signed_friction = signed;
+        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
+        let coupled = scene.shear_coupling && scene.geometry != Geometry::Annular;
+        let friction_rate = if coupled { signed_rate } else { 0.0 };
+        let lever_rate = operators.pivot.map_or(0.0, |height| signed_rate * height);
+        let disturbance = Disturbance {
+            gap: &self.work.still,
+            normal: normal_rate,
+            tilt: lever_rate,
+            moment: 0.0,
+            signed_friction: friction_rate,
+        };
+        let rate = &mut self.work.rate;
+        if self.contact.response_into(&self.conditions, &self.shown.1, &disturbance, rate).is_err() {
+            rate.pressure.fill(0.0);
+            (rate.approach, rate.tilt) = (0.0, 0.0);
+        }
+        let carried_rate =
+            if operators.decides_load() { operators.carried(&self.work.rate.pressure) } else { load_rate };
+        let mut loaded = *inputs;
+        loaded[1] = self.carried(inputs);
+        let mut seeds = *seed;
+        seeds[1] = carried_rate;
+        self.mean.write_derivatives(&loaded, &seeds, derivatives);
+        self.write_heat_rates(inputs, seed, derivatives);
+        let (pressure, rate) = (&self.shown.1.pressure, &self.work.rate);
+        let loaded_point = self
+            .mean
+            .dual_point(&Inputs::from_array(std::array::from_fn(|i| Dual { value: loaded[i], derivative: seeds[i] })));
+        let total: f64 = operators.weights.iter().sum();
+        let sum = |of: &dyn Fn(usize) -> f64| (0..count).map(|i| operators.weights[i] * of(i)).sum::<f64>();
+        let highest = (0..count).max_by(|&i, &j| pressure[i].total_cmp(&pressure[j])).unwrap_or(0);
+        value!(derivatives, "pressure_mean") = sum(&|i| rate.pressure[i]) / total;
+        value!(derivatives, "pressure_max") = rate.pressure[highest];
+        value!(derivatives, "contact_fraction") = 0.0;
+        value!(derivatives, "tilt") = rate.tilt;
+        value!(derivatives, "approach") = rate.approach;
+        value!(derivatives, "wear_dissipation_power") = {
+            let felt = self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(&operators.weights)));
+            let temperature =
+                felt.unwrap_or(loaded_point.contact_temperature) + Dual::from(self.mean.state().reference);
+            let laws = operators.coefficients(
+                loaded_point.wearing_speed,
+                loaded_point.kinetic_coefficient,
+                temperature,
+                self.tunables.wear_acceleration,
+            );
+            let power = sum(&|i| operators.dissipation_rate(laws, i, pressure[i], rate.pressure[i]));
+            power * operators.shared_depth * scene.faces
+        };
+        let load = sum(&|i| pressure[i]);
+        if scene.geometry == Geometry::Annular && load > 0.0 {
+            let ratio = &operators.radius_ratio;
+            let torque = sum(&|i| pressure[i] * ratio[i]);
+            let change = sum(&|i| rate.pressure[i] * ratio[i]) - torque / load * sum(&|i| rate.pressure[i]);
+            value!(derivatives, "effective_radius") = scene.mean_radius * change / load;
+        }
+        let first = const { reference("profile.pressure") } as usize;
+        operators.profile.fill_rates(pressure, &rate.pressure, &mut derivatives[first..first + STATIONS]);
+    }
+
+    /// d(reference approach) by the load, times `rate`.
+    fn reference_rate(&mut self, load: f64, rate: f64) -> f64 {
+        let load = load / self.operators.shared_depth;
+        let step = 1e-5 * load;
+        let [low, high] = [load - step, load + step].map(|load| self.reference_approach(load));
+        if step > 0.0 { (high - low) / (2.0 * step) * rate } else { 0.0 }
+    }
+}
+
+impl LineOperators {
+    /// Whether the contact line decides the load that the mean feels.
+    pub fn decides_load(&self) -> bool {
+        self.scene.holder_stiffness > 0.0 || self.scene.geometry == Geometry::Annular
+    }
+
+    /// Whether the contact line needs to know what the mean does during a step.
+    pub fn follows_heat(&self) -> bool {
+        let scene = &self.scene;
+        let expands = scene.holder_stiffness > 0.0
+            && [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
+        let fades = !scene.friction_fade.flat || self.wear.iter().any(|(law, _)| law.active() && !law.fade.flat);
+        fades || expands || scene.stick_stiffness > 0.0
+    }
+
+    /// Calls `take(cell, punch rate, strip rate)` for every cell, m/s.
+    fn for_rates(
+        &self,
+        moment: &StageConditions,
+        acceleration: f64,
+        pressure: &[f64],
+        mut take: impl FnMut(usize, f64, f64),
+    ) {
+        let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
+        for i in 0..pressure.len() {
+            let [punch, strip] = std::array::from_fn(|body| laws[body] * self.relative_rate(body, i, pressure[i]));
+            take(i, punch, strip);
+        }
+    }
+
+    /// Change of the power per area `p (dw_1/dt + dw_2/dt)` of cell `i`, W/m2, by the change `change` of its pressure and
+    /// that of the laws' coefficients.
+    fn dissipation_rate(&self, laws: [Dual; 2], i: usize, pressure: f64, change: f64) -> f64 {
+        let of = |body: usize| {
+            let (law, factor) = &self.wear[body];
+            let relative = self.relative_rate(body, i, pressure) / if body == 1 { *factor } else { 1.0 };
+            relative * (laws[body].derivative * pressure + laws[body].value * (1.0 + law.pressure_exponent) * change)
+        };
+        of(0) + of(1)
+    }
+}

@@ -1,0 +1,105 @@
+//! The line level's state as numbers, and back.
+
+use super::operators::LineOperators;
+use super::state::LineState;
+use crate::INPUTS;
+
+impl LineState {
+    /// Takes over `other` without allocating.
+    pub fn copy_from(&mut self, other: &LineState) {
+        if let (Some(mine), Some(heat)) = (&mut self.heat, &other.heat) {
+            mine.copy_bodies_from(heat);
+        }
+        self.copy_contact_from(other);
+    }
+
+    /// Takes over everything but the temperatures inside the bodies.
+    pub fn copy_contact_from(&mut self, other: &LineState) {
+        self.punch.copy_from_slice(&other.punch);
+        self.strip.copy_from_slice(&other.strip);
+        match (&mut self.track, &other.track) {
+            (Some(mine), Some(track)) => mine.copy_from(track),
+            (mine, track) => mine.clone_from(track),
+        }
+        match (&mut self.heat, &other.heat) {
+            (Some(mine), Some(heat)) => mine.copy_contact_from(heat),
+            (mine, heat) => mine.clone_from(heat),
+        }
+        self.volume = other.volume;
+        self.pressure.copy_from_slice(&other.pressure);
+        (self.approach, self.tilt) = (other.approach, other.tilt);
+        self.current = other.current;
+        self.end_inputs = other.end_inputs;
+        (self.scales, self.fastest, self.direction) = (other.scales, other.fastest, other.direction);
+        (self.carried, self.position) = (other.carried, other.position);
+        self.status.copy_from(&other.status);
+        (self.refinement, self.limits) = (other.refinement, other.limits);
+        (self.error, self.steps, self.rejected) = (other.error, other.steps, other.rejected);
+    }
+
+    /// Appends all numbers of the state, in an order that [`LineState::load`] reads.
+    pub fn save(&self, out: &mut Vec<f64>) {
+        out.push(self.punch.len() as f64);
+        out.extend(&self.punch);
+        out.extend(&self.strip);
+        out.extend(&self.pressure);
+        out.extend(self.volume);
+        out.extend([self.approach, self.tilt, f64::from(u8::from(self.current)), self.carried, self.position]);
+        out.extend(self.end_inputs);
+        out.extend(self.scales);
+        out.extend([self.fastest, self.direction]);
+        out.extend([f64::from(self.refinement), f64::from(self.limits), self.error]);
+        out.extend([self.steps as f64, self.rejected as f64]);
+        self.status.save(out);
+        if let Some(heat) = &self.heat {
+            heat.save(out);
+        }
+        out.push(f64::from(u8::from(self.track.is_some())));
+        if let Some(track) = &self.track {
+            track.save(out);
+        }
+    }
+
+    /// Reads what [`LineState::save`] wrote for a state of `operators`; `None` if the numbers cannot be one.
+    pub fn load(operators: &LineOperators, numbers: &[f64]) -> Option<LineState> {
+        let numbers = &mut numbers.iter();
+        let mut state = LineState::new(operators);
+        let mut next = || numbers.next().copied();
+        if next()? != operators.count() as f64 {
+            return None;
+        }
+        for slot in state.punch.iter_mut().chain(&mut state.strip).chain(&mut state.pressure) {
+            *slot = next()?;
+        }
+        for slot in &mut state.volume {
+            *slot = next()?;
+        }
+        (state.approach, state.tilt) = (next()?, next()?);
+        state.current = next()? != 0.0;
+        (state.carried, state.position) = (next()?, next()?);
+        for slot in state.end_inputs.iter_mut().take(INPUTS) {
+            *slot = next()?;
+        }
+        for slot in &mut state.scales {
+            *slot = next()?;
+        }
+        (state.fastest, state.direction) = (next()?, next()?);
+        let (refinement, limits) = (next()?, next()?);
+        if !(0.0..=60.0).contains(&refinement) || !(0.0..256.0).contains(&limits) {
+            return None;
+        }
+        (state.refinement, state.limits) = (refinement as u8, limits as u8);
+        state.error = next()?;
+        (state.steps, state.rejected) = (next()? as u64, next()? as u64);
+        state.status.load(numbers)?;
+        if let Some(heat) = &mut state.heat {
+            heat.load(numbers)?;
+        }
+        match (*numbers.next()? != 0.0, &mut state.track) {
+            (true, Some(track)) => track.load(numbers)?,
+            (false, None) => {}
+            _ => return None,
+        }
+        numbers.next().is_none().then_some(state)
+    }
+}

@@ -1,0 +1,98 @@
+//! What changes along the contact line; everything a saved state needs.
+
+use super::heat::state::HeatState;
+use super::operators::{LineOperators, StripWear};
+use crate::INPUTS;
+use contact::wear::line::{LineTrack, Status};
+use numerics::maximum::all_finite;
+
+/// See the module. Vectors have N values, one per cell.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LineState {
+    /// Worn depth of the punch, m.
+    pub punch: Vec<f64>,
+    /// Worn depth of the strip under the cells, m.
+    pub strip: Vec<f64>,
+    /// The strip's track on a straight path.
+    pub track: Option<LineTrack>,
+    /// Heat in the bodies, where the contact line carries it.
+    pub heat: Option<HeatState>,
+    /// Position of the punch on the strip, m.
+    pub position: f64,
+    /// Worn volumes per depth and punch (punch, strip), m2.
+    pub volume: [f64; 2],
+    /// Pressure at the end of the last step, Pa.
+    pub pressure: Vec<f64>,
+    /// Approach (m) and tilt (rad) at the end of the last step.
+    pub approach: f64,
+    /// See `approach`.
+    pub tilt: f64,
+    /// Whether pressure, approach and tilt are those of the end of the last step.
+    pub current: bool,
+    /// Inputs at the end of the last step; NaN: none, or a parameter has changed since.
+    pub end_inputs: [f64; INPUTS],
+    /// Largest magnitudes of velocity, load and angular velocity at the ends of the last step.
+    pub scales: [f64; 3],
+    /// Highest speed at the ends of a step so far, m/s.
+    pub fastest: f64,
+    /// Which way it slid last: the sign of the velocity between two events.
+    pub direction: f64,
+    /// Load per face that the mean feels at the end of the last step, N.
+    pub carried: f64,
+    /// Where the contact solver starts.
+    pub status: Status,
+    /// log2 of the number of parts the last communication step was cut into.
+    pub refinement: u8,
+    /// Bits of limit_reached seen so far.
+    pub limits: u8,
+    /// Running estimate of the relative error of the worn shape.
+    pub error: f64,
+    /// Accepted steps.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+}
+
+impl LineState {
+    /// Nothing worn; bodies with heat along the line at the reference temperature.
+    pub fn new(operators: &LineOperators) -> LineState {
+        let zeros = vec![0.0; operators.count()];
+        LineState {
+            punch: zeros.clone(),
+            strip: zeros.clone(),
+            track: (operators.strip_wear == StripWear::Track)
+                .then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
+            heat: (operators.heat.as_ref()).map(|bodies| HeatState::new(bodies, operators.count(), [0.0; 2], 0.0)),
+            position: 0.0,
+            volume: [0.0; 2],
+            pressure: zeros,
+            approach: 0.0,
+            tilt: 0.0,
+            current: false,
+            end_inputs: [f64::NAN; INPUTS],
+            scales: [0.0; 3],
+            fastest: 0.0,
+            direction: 0.0,
+            carried: 0.0,
+            status: Status::new(operators.count()),
+            refinement: 0,
+            limits: 0,
+            error: 0.0,
+            steps: 0,
+            rejected: 0,
+        }
+    }
+
+    /// What is not all finite numbers, if anything.
+    pub fn not_finite(&self) -> Option<&'static str> {
+        let contact = [self.approach, self.tilt, self.carried, self.position, self.volume[0], self.volume[1]];
+        let rows = [
+            ("the pressure", &self.pressure[..]),
+            ("the worn depth of the punch", &self.punch),
+            ("the worn depth of the strip", &self.strip),
+            ("approach, tilt, load, position or worn volume", &contact),
+        ];
+        let own = rows.into_iter().find(|(_, numbers)| !all_finite(numbers)).map(|(name, _)| name);
+        own.or_else(|| self.heat.as_ref().and_then(HeatState::not_finite))
+    }
+}

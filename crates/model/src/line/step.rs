@@ -1,0 +1,507 @@
+//! Time stepping of the worn shape within a piece of a communication step.
+//!
+//! SDIRK2, `gamma = 1 - 1/sqrt 2`: second order, L-stable, stiffly accurate, so the pressure of the last stage is the
+//! pressure on the shape at the end. With the depth rates `f` of the law on the cells,
+//!
+//! ```text
+//! gap_1 = g0 + w + gamma h f(p_1) + A p_1 - ...            at gamma h
+//! gap_2 = g0 + w + (1 - gamma) h f(p_1) + gamma h f(p_2) + A p_2 - ...     at h
+//! w    <- w + h [(1 - gamma) f(p_1) + gamma f(p_2)]
+//! ```
+//!
+//! The embedded first-order solution bounds the error; the piece is cut into 2^n equal parts as it asks.
+
+use super::Line;
+use super::operators::{LineOperators, StripWear};
+use super::trajectory::{InputTrajectory, StageConditions};
+use crate::StepFailure;
+use crate::budget::Budget;
+use crate::lumped;
+use conduction::line::{GAMMA, Stage};
+use contact::wear::law::REFERENCE_PRESSURE;
+use contact::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, WearingContact};
+use contact::{ContactState, Normal};
+use nalgebra::DMatrix;
+use numerics::maximum::maximum;
+use scene::Scheme;
+
+/// Finest subdivision: 2^-40 of the piece.
+const FINEST: u8 = 40;
+
+/// log2 of the number of parts of a piece from which heat is no reason to cut it further.
+const FOLLOWING: u8 = 8;
+
+/// Steps for which none is tried that is as long as one which was too long for what grows.
+const RETRY_DELAY: u8 = 32;
+
+/// A stage without a solution at a shorter step is cut this often before the reason is reported.
+const CUTS_WITHOUT_SOLUTION: u8 = 20;
+
+/// Memory that a step works in.
+#[derive(Clone, Debug)]
+pub struct Work {
+    pub gap: Vec<f64>,
+    pub first: ContactState,
+    pub end: ContactState,
+    /// Depth rates of punch and strip at both stages, N values each.
+    pub rates: [[Vec<f64>; 2]; 2],
+    pub strip: Vec<f64>,
+    pub deposit: Vec<f64>,
+    /// What the strip carries along, for the travel `carried_over` (m).
+    pub carry: DMatrix<f64>,
+    pub carried_over: Option<f64>,
+    pub operator: DMatrix<f64>,
+    /// The strip's track as the step under way leaves it.
+    pub track: Option<LineTrack>,
+    pub shown: ContactState,
+    pub rate: ContactRate,
+    pub still: Vec<f64>,
+    pub status: Status,
+    /// Load per depth, and the approach of the unworn bodies under it.
+    pub reference: (f64, f64),
+    pub mean: lumped::state::LumpedState,
+    /// What the communication step under way has cost.
+    pub budget: Budget,
+}
+
+impl Work {
+    /// Memory for a contact line.
+    pub fn new(operators: &LineOperators) -> Work {
+        let count = operators.count();
+        let zeros = || vec![0.0; count];
+        let tracked = if operators.strip_wear == StripWear::Track { count } else { 0 };
+        Work {
+            gap: zeros(),
+            first: ContactState::new(count),
+            end: ContactState::new(count),
+            rates: [[zeros(), zeros()], [zeros(), zeros()]],
+            strip: zeros(),
+            deposit: zeros(),
+            carry: DMatrix::zeros(tracked, tracked),
+            carried_over: None,
+            operator: DMatrix::zeros(tracked, tracked),
+            track: (tracked > 0).then(|| LineTrack::new(&operators.cells, operators.scene.nominal_stroke)),
+            shown: ContactState::new(count),
+            rate: ContactRate::new(count),
+            still: zeros(),
+            status: Status::new(operators.count()),
+            reference: (f64::NAN, 0.0),
+            mean: lumped::state::LumpedState::empty(),
+            budget: Budget::new(count),
+        }
+    }
+}
+
+/// What a part of a piece found.
+enum Outcome {
+    /// Error in units of the tolerance.
+    Tried(f64),
+    /// Too long for what grows.
+    Outgrown,
+    /// No solution.
+    Failed(StageError),
+}
+
+impl Line {
+    /// Carries the worn shape over a piece.
+    pub(super) fn step_line(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
+        let operators = self.operators.clone();
+        if self.heat.is_none() && (!operators.wears() || path.idle()) {
+            return self.stand(path, length);
+        }
+        match operators.scene.scheme {
+            Scheme::Explicit => return self.explicit(path, length),
+            Scheme::Staggered if self.heat.is_some() => return self.staggered(path, length),
+            // Without heat along the line there is nothing to split.
+            Scheme::Staggered | Scheme::Monolithic => {}
+        }
+        let mut level = self.state.refinement;
+        let (mut part, mut failures) = (0_u64, 0);
+        while part < 1_u64 << level {
+            let step = length / (1_u64 << level) as f64;
+            let start = part as f64 * step;
+            if self.too_far(path, start, step) && level < FINEST {
+                level += 1;
+                part *= 2;
+                continue;
+            }
+            match &mut self.attempts_left {
+                Some(0) => return Err(StepFailure("the internal steps that were allowed are used up".into())),
+                Some(left) => *left -= 1,
+                None => {}
+            }
+            self.spend(path, start)?;
+            let newton = self.newton_iterations();
+            let outcome = self.attempt(path, start, step);
+            self.work.budget.solutions += self.newton_iterations() - newton;
+            let halvings = match outcome {
+                Outcome::Tried(error) if error <= 1.0 => {
+                    self.accept(path, start, step);
+                    self.state.steps += 1;
+                    self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
+                    part += 1;
+                    failures = 0;
+                    // Error ~ h^2: room for doubling the step.
+                    let rejected_by_growth =
+                        self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
+                    if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {
+                        level -= 1;
+                        part /= 2;
+                    }
+                    continue;
+                }
+                Outcome::Tried(error) if error.is_finite() => (0.5 * error.log2()).ceil().clamp(1.0, 10.0) as u8,
+                Outcome::Tried(_) => 2,
+                Outcome::Outgrown => {
+                    if let Some(heat) = &mut self.state.heat {
+                        heat.rejected_by_growth = [step, f64::from(RETRY_DELAY)];
+                    }
+                    1
+                }
+                Outcome::Failed(error) => {
+                    failures += 1;
+                    // Heat of a long step may let the pressure run away where that of a short one does not.
+                    let curable = self.heat.is_some() || matches!(error, StageError::NotConverged { .. });
+                    if failures > CUTS_WITHOUT_SOLUTION || !curable {
+                        return Err(self.failure(path, start, &error));
+                    }
+                    2
+                }
+            };
+            self.state.rejected += 1;
+            if level >= FINEST {
+                return Err(StepFailure(format!(
+                    "no solution of pressure and wear in a step of {step} s (piece of {length} s cut by 2^{FINEST}); \
+                     sliding velocity {} m/s",
+                    path.velocity(start)
+                )));
+            }
+            let before = level;
+            level = (level + halvings).min(FINEST);
+            part <<= level - before;
+        }
+        self.state.refinement = level;
+        Ok(())
+    }
+
+    /// Counts an internal step that is about to be tried at `start` (s from the start of the piece).
+    pub(super) fn spend(&mut self, path: &InputTrajectory, start: f64) -> Result<(), StepFailure> {
+        let (scene, length) = (&self.operators.scene, path.length());
+        self.work.budget.spend(|| {
+            format!(
+                "{start} s of a piece of {length} s are done on {} cells at solver.tolerance = {}; sliding velocity {} to {} m/s, \
+                 normal load {} to {} N",
+                self.operators.count(),
+                scene.tolerance,
+                path.velocity(0.0),
+                path.velocity(length),
+                path.at(0.0).load,
+                path.at(length).load
+            )
+        })
+    }
+
+    /// Solutions of the contact that rates which are not linear in the pressure have taken so far.
+    fn newton_iterations(&self) -> u64 {
+        let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::newton_iterations);
+        self.contact.newton_iterations() + heat.sum::<u64>()
+    }
+
+    pub(super) fn failure(&self, path: &InputTrajectory, time: f64, error: &StageError) -> StepFailure {
+        let moment = path.at(time);
+        StepFailure(format!(
+            "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
+            path.velocity(time),
+            moment.load,
+            moment.signed_friction.abs()
+        ))
+    }
+
+    /// A strip that keeps its track may move at most a quarter of the half-width under the punch in one step.
+    pub(super) fn too_far(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
+        let travel = step * path.velocity(start + 0.5 * step).abs();
+        self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
+    }
+
+    /// Nothing wears: only the position on a track and the load move on.
+    fn stand(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
+        let travel = length * path.velocity(0.5 * length);
+        self.state.position += travel;
+        if travel != 0.0
+            && let Some(track) = &self.state.track
+        {
+            track.depth_under(self.state.position, &mut self.state.strip);
+        }
+        if !self.operators.decides_load() {
+            self.state.current = false;
+            return Ok(());
+        }
+        let moment = path.at(length);
+        self.set_gap(moment.expansion);
+        let (signed, normal, tilt) = self.balance(&moment);
+        (self.conditions.signed_friction, self.conditions.normal, self.conditions.tilt) = (signed, normal, tilt);
+        self.contact
+            .stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.end)
+            .map_err(|error| self.failure(path, length, &error))?;
+        self.keep_end();
+        Ok(())
+    }
+
+    /// Gap of the worn bodies before they deform: `g0 + w + u_T`.
+    pub(super) fn set_gap(&mut self, expansion: f64) {
+        let (operators, state) = (&self.operators, &self.state);
+        for i in 0..operators.count() {
+            self.work.gap[i] = operators.initial_gap[i] + state.punch[i] + state.strip[i] + expansion;
+        }
+    }
+
+    /// Adds the bodies' distortion at the end of the last step to the gap.
+    pub(super) fn add_held_distortion(&mut self) {
+        if let Some(heat) = &self.state.heat {
+            self.work.gap.iter_mut().zip(&heat.distortion).for_each(|(gap, moved)| *gap += moved);
+        }
+    }
+
+    /// Coefficients of the depth rates at `moment`, and the balance.
+    pub(super) fn set_conditions(&mut self, moment: &StageConditions, tau: f64) {
+        let (signed, normal, tilt) = self.balance(moment);
+        let operators = &self.operators;
+        self.conditions.signed_friction = signed;
+        (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
+        let coefficients = operators.coefficients(
+            moment.speed,
+            moment.kinetic_coefficient,
+            moment.temperature,
+            self.tunables.wear_acceleration,
+        );
+        let mut term = 0;
+        for body in 0..2 {
+            if operators.reshapes(body) {
+                match &mut self.conditions.rate.terms[term].coefficient {
+                    Coefficient::Uniform(value) => *value = coefficients[body],
+                    Coefficient::PerCell(values) => {
+                        for (value, radial) in values.iter_mut().zip(&operators.radial[body]) {
+                            *value = coefficients[body] * radial;
+                        }
+                    }
+                }
+                term += 1;
+            }
+        }
+        // Even wear of the strip takes load off a caliper within the stage.
+        if operators.strip_wear == StripWear::Even
+            && let Normal::Spring { load, stiffness } = &mut self.conditions.normal
+        {
+            let pressure = &self.state.pressure;
+            let rate = operators.even_rate(coefficients[1], pressure);
+            let carried: f64 = pressure.iter().zip(&operators.weights).map(|(p, w)| p * w).sum();
+            let exponent = operators.wear[1].0.pressure_exponent;
+            let slope = if carried > 0.0 { tau * exponent * rate / carried } else { 0.0 };
+            let softened = 1.0 + *stiffness * slope;
+            *load = (*load - *stiffness * tau * (1.0 - exponent) * rate) / softened;
+            *stiffness /= softened;
+        }
+    }
+
+    /// Tries a part; both stages are left in `work`.
+    fn attempt(&mut self, path: &InputTrajectory, start: f64, step: f64) -> Outcome {
+        let operators = self.operators.clone();
+        let count = operators.count();
+        let acceleration = self.tunables.wear_acceleration;
+        let [mut early, mut late] = [path.at(start + GAMMA * step), path.at(start + step)];
+        let base = 1.0 - GAMMA;
+        let travel = step * path.velocity(start + 0.5 * step);
+        if let (Some(own), Some(track)) = (&mut self.work.track, &self.state.track) {
+            own.copy_from(track);
+        }
+        self.set_gap(early.expansion);
+        self.meet_track(GAMMA * travel);
+        let tau = GAMMA * step;
+        let outcome = if self.heat.is_some() {
+            self.prepare_heat(path, start, step);
+            self.solve_with_heat(Stage::First, &mut early, path.velocity(start + tau), tau, GAMMA * travel)
+        } else {
+            self.set_operator(GAMMA * travel, &early);
+            self.set_conditions(&early, tau);
+            self.work.budget.solutions += 1;
+            let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.first);
+            operators.rates(&early, acceleration, &self.work.first.pressure, &mut self.work.rates[0]);
+            found
+        };
+        if let Err(error) = outcome {
+            return Outcome::Failed(error);
+        }
+        let shift = late.expansion - early.expansion;
+        if operators.strip_wear == StripWear::Track {
+            self.leave_first_stage(base * travel, base * step);
+            self.set_gap(late.expansion);
+            self.meet_track(travel);
+            for i in 0..count {
+                self.work.gap[i] += base * step * self.work.rates[0][0][i];
+            }
+        } else {
+            let even = if operators.strip_wear == StripWear::Even {
+                operators.cells.integral(&self.work.rates[0][1]) / (2.0 * operators.cells.half_width())
+            } else {
+                0.0
+            };
+            for i in 0..count {
+                self.work.gap[i] += base * step * (self.reshaping(0, i) + even) + shift;
+            }
+        }
+        let outcome = if self.heat.is_some() {
+            self.solve_with_heat(Stage::End, &mut late, path.velocity(start + step), tau, GAMMA * travel)
+        } else {
+            self.set_conditions(&late, tau);
+            self.work.budget.solutions += 1;
+            let found = self.contact.stage_into(&self.work.gap, tau, &self.conditions, &mut self.work.end);
+            operators.rates(&late, acceleration, &self.work.end.pressure, &mut self.work.rates[1]);
+            found
+        };
+        if let Err(error) = outcome {
+            return Outcome::Failed(error);
+        }
+        let widths = operators.cells.widths();
+        let (mut square, mut load) = (0.0, 0.0);
+        for i in 0..count {
+            let difference = self.reshaping(0, i) - self.reshaping(1, i);
+            square += widths[i] * difference * difference;
+            load += operators.weights[i] * self.work.first.pressure[i].max(self.work.end.pressure[i]);
+        }
+        let width = 2.0 * operators.cells.half_width();
+        let estimate = (0.5 - GAMMA) * step * (square / width).sqrt();
+        let scene = &operators.scene;
+        let mean = (load / width).max(1e-6 * scene.nominal_load / scene.contact_area());
+        let bound = scene.tolerance * operators.displacement_scale * mean;
+        let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
+        if self.heat.is_some() && resolved {
+            let coefficient = late.kinetic_coefficient * self.friction.stribeck(path.velocity(start + step));
+            if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
+                return Outcome::Outgrown;
+            }
+        }
+        let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
+        // Contact that opens or closes is an event of heat: short steps go over it.
+        Outcome::Tried(if resolved { maximum(wear, self.heat_error(bound)) } else { wear })
+    }
+
+    /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.
+    pub(super) fn meet_track(&mut self, travel: f64) {
+        let (state, work) = (&self.state, &mut self.work);
+        let Some(track) = &work.track else { return };
+        track.depth_under(state.position + travel, &mut work.strip);
+        for i in 0..work.gap.len() {
+            work.gap[i] += work.strip[i] - state.strip[i];
+        }
+    }
+
+    /// Deposits the first stage's wear of `duration` (s) over the first `travel` (m) on the step's track.
+    pub(super) fn leave_first_stage(&mut self, travel: f64, duration: f64) {
+        let (state, work) = (&self.state, &mut self.work);
+        let Some(track) = &mut work.track else { return };
+        for (deposit, rate) in work.deposit.iter_mut().zip(&work.rates[0][1]) {
+            *deposit = duration * rate;
+        }
+        track.deposit(state.position, state.position + travel, &work.deposit);
+    }
+
+    /// Tells the contact what a stage's wear does to the gap: the punch's stays under its cell, the strip's is carried
+    /// along by `travel` (m). Where both wear, every cell's depth is shared as the pressure of the last step has it.
+    pub(super) fn set_operator(&mut self, travel: f64, moment: &StageConditions) {
+        let Some(track) = &self.work.track else { return };
+        let operators = &self.operators;
+        let known = self.work.carried_over == Some(travel);
+        if !known {
+            track.operator(travel, &mut self.work.carry);
+            self.work.carried_over = Some(travel);
+        }
+        if !operators.reshapes(0) {
+            if !known {
+                self.contact.set_operator(Some(&self.work.carry));
+            }
+            return;
+        }
+        let laws = operators.coefficients(
+            moment.speed,
+            moment.kinetic_coefficient,
+            moment.temperature,
+            self.tunables.wear_acceleration,
+        );
+        for j in 0..operators.count() {
+            let pressure = self.state.pressure[j].max(1e-3 * REFERENCE_PRESSURE);
+            let [punch, strip] = std::array::from_fn(|body| laws[body] * operators.relative_rate(body, j, pressure));
+            let share = if strip > 0.0 { strip / (punch + strip) } else { 0.0 };
+            for i in 0..operators.count() {
+                let own = if i == j { 1.0 - share } else { 0.0 };
+                self.work.operator[(i, j)] = own + share * self.work.carry[(i, j)];
+            }
+        }
+        self.contact.set_operator(Some(&self.work.operator));
+    }
+
+    /// Rate (m/s) at which cell `i` changes its gap at a stage.
+    fn reshaping(&self, stage: usize, i: usize) -> f64 {
+        let [punch, strip] = &self.work.rates[stage];
+        if self.operators.reshapes(1) { punch[i] + strip[i] } else { punch[i] }
+    }
+
+    /// Takes the part that was tried.
+    pub(super) fn accept(&mut self, path: &InputTrajectory, start: f64, step: f64) {
+        let operators = self.operators.clone();
+        let count = operators.count();
+        let travel = step * path.velocity(start + 0.5 * step);
+        let weights = [(1.0 - GAMMA) * step, GAMMA * step];
+        let worn = |body: usize, i: usize, work: &Work| {
+            weights[0] * work.rates[0][body][i] + weights[1] * work.rates[1][body][i]
+        };
+        let mut even = 0.0;
+        for i in 0..count {
+            let depth = worn(0, i, &self.work);
+            self.state.punch[i] += depth;
+            self.state.volume[0] += operators.weights[i] * depth;
+            let depth = worn(1, i, &self.work);
+            self.work.deposit[i] = depth;
+            self.state.volume[1] += operators.weights[i] * depth / operators.wear[1].1;
+            even += operators.cells.widths()[i] * depth;
+        }
+        match operators.strip_wear {
+            StripWear::None => {}
+            StripWear::Even => {
+                let depth = even / (2.0 * operators.cells.half_width());
+                self.state.strip.iter_mut().for_each(|worn| *worn += depth);
+                // The last stage stood on the strip as it was before its own wear.
+                let last = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
+                self.work.end.approach += weights[1] * last;
+            }
+            StripWear::ByRadius => {
+                for (worn, depth) in self.state.strip.iter_mut().zip(&self.work.deposit) {
+                    *worn += depth;
+                }
+            }
+            StripWear::Track => {
+                let (state, work) = (&mut self.state, &mut self.work);
+                if let (Some(track), Some(own)) = (&mut state.track, &mut work.track) {
+                    for (deposit, rate) in work.deposit.iter_mut().zip(&work.rates[1][1]) {
+                        *deposit = weights[1] * rate;
+                    }
+                    let end = state.position + travel;
+                    own.deposit(end - GAMMA * travel, end, &work.deposit);
+                    own.depth_under(end, &mut state.strip);
+                    track.copy_from(own);
+                }
+            }
+        }
+        self.state.position += travel;
+        self.accept_heat(step, path.velocity(start + step));
+        self.keep_end();
+    }
+
+    /// Makes the last stage the state's equilibrium.
+    pub(super) fn keep_end(&mut self) {
+        let (state, end) = (&mut self.state, &self.work.end);
+        state.pressure.copy_from_slice(&end.pressure);
+        (state.approach, state.tilt) = (end.approach, end.tilt);
+        state.current = true;
+        state.carried = self.operators.carried(&state.pressure);
+    }
+}

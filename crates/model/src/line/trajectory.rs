@@ -1,0 +1,166 @@
+//! What acts on the contact line during a piece of a communication step.
+
+use super::Line;
+use crate::INPUTS;
+use contact::friction::FrictionLaw;
+
+/// How temperature and expansion go over a piece: linearly between its ends.
+#[derive(Clone, Copy, Debug)]
+pub struct LumpedTemperature {
+    /// Contact temperature at the ends, K.
+    pub temperature: [f64; 2],
+    /// Displacement of both surfaces by heat, m into the bodies.
+    pub expansion: [f64; 2],
+    /// What a bristle did in the piece.
+    pub slipped: Option<Slipped>,
+}
+
+/// What a bristle did in a piece, all cells alike.
+#[derive(Clone, Copy, Debug)]
+pub struct Slipped {
+    /// Distance slipped, m.
+    pub distance: f64,
+    /// Friction force over normal load at the end, signed.
+    pub ratio: f64,
+    /// Mean friction heat flux over the pressure, m/s.
+    pub heat_per_pressure: f64,
+}
+
+impl LumpedTemperature {
+    /// Nothing changes, nothing is carried by a bristle.
+    pub fn constant(temperature: f64, expansion: f64) -> LumpedTemperature {
+        LumpedTemperature { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
+    }
+}
+
+/// The contact's conditions at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct StageConditions {
+    /// s: sign of the velocity, regularised where the law says so.
+    pub sign: f64,
+    /// s mu.
+    pub signed_friction: f64,
+    /// Load per face that the actuator gives, N, >= 0.
+    pub load: f64,
+    /// Speed that wears, m/s.
+    pub speed: f64,
+    /// Friction coefficient without Stribeck factor.
+    pub kinetic_coefficient: f64,
+    /// Contact temperature, K.
+    pub temperature: f64,
+    /// Displacement of both surfaces by heat, m into the bodies.
+    pub expansion: f64,
+    /// Friction heat flux over the pressure, m/s, where a bristle decides it.
+    pub heat_per_pressure: Option<f64>,
+}
+
+impl StageConditions {
+    /// Takes the friction coefficient `kinetic_coefficient` over; `direction` is s with the Stribeck factor. A bristle's force stays.
+    pub fn follow(&mut self, direction: f64) {
+        if self.heat_per_pressure.is_none() {
+            self.signed_friction = direction * self.kinetic_coefficient;
+        }
+    }
+
+    /// Friction heat flux over the friction coefficient (without Stribeck factor) and the pressure, m/s.
+    pub fn slip(&self, stribeck: f64) -> f64 {
+        match self.heat_per_pressure {
+            Some(heat) if self.kinetic_coefficient > 0.0 => heat / self.kinetic_coefficient,
+            Some(_) => 0.0,
+            None => stribeck * self.speed,
+        }
+    }
+}
+
+/// Speed, as a part of the highest so far, up to which the bodies are at rest: rounding of an input that is meant to be 0.
+const REST: f64 = 1e-12;
+
+/// Conditions over a piece.
+#[derive(Clone, Debug)]
+pub struct InputTrajectory {
+    inputs: [f64; INPUTS],
+    slopes: Option<[f64; INPUTS]>,
+    length: f64,
+    heat: LumpedTemperature,
+    friction: FrictionLaw,
+    mean_radius: f64,
+    /// Which way it slides throughout the piece; 0 at rest.
+    direction: f64,
+}
+
+impl InputTrajectory {
+    /// From the inputs at the start of a piece of `length` (s) and their rates.
+    pub fn new(
+        line: &Line,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        length: f64,
+        heat: LumpedTemperature,
+    ) -> InputTrajectory {
+        let (friction, mean_radius) = (line.friction.clone(), line.operators.scene.mean_radius);
+        let direction = 0.0;
+        let path = InputTrajectory {
+            inputs: *inputs,
+            slopes: slopes.copied(),
+            length,
+            heat,
+            friction,
+            mean_radius,
+            direction,
+        };
+        // At its ends, where it turns round, the velocity is 0 to rounding only: the middle tells.
+        let middle = path.velocity(0.5 * length);
+        let rests = middle.abs() <= REST * line.state.fastest;
+        InputTrajectory { direction: if rests { 0.0 } else { middle.signum() }, ..path }
+    }
+
+    /// Sliding velocity at `time` (s from the start of the piece), m/s.
+    pub fn velocity(&self, time: f64) -> f64 {
+        let at = |index: usize| self.inputs[index] + self.slopes.map_or(0.0, |slopes| slopes[index] * time);
+        at(0) + self.mean_radius * at(2)
+    }
+
+    /// Length of the piece, s.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Inputs at `time` (s from the start of the piece).
+    pub fn inputs(&self, time: f64) -> [f64; INPUTS] {
+        std::array::from_fn(|index| self.inputs[index] + self.slopes.map_or(0.0, |slopes| slopes[index] * time))
+    }
+
+    /// Conditions at `time` (s from the start of the piece).
+    pub fn at(&self, time: f64) -> StageConditions {
+        let part = time / self.length;
+        let between = |ends: [f64; 2]| ends[0] + (ends[1] - ends[0]) * part;
+        let velocity = self.velocity(time);
+        let temperature = between(self.heat.temperature);
+        let kinetic_coefficient = self.friction.kinetic_coefficient(temperature);
+        let regularised = self.friction.regularization_velocity > 0.0;
+        let sign = if regularised { self.friction.sign(velocity) } else { self.direction };
+        let (signed_friction, speed) = match self.heat.slipped {
+            Some(slipped) => (slipped.ratio, slipped.distance / self.length),
+            None => (sign * (kinetic_coefficient * self.friction.stribeck(velocity)), (sign * velocity).max(0.0)),
+        };
+        let load = (self.inputs[1] + self.slopes.map_or(0.0, |slopes| slopes[1] * time)).max(0.0);
+        let heat_per_pressure = self.heat.slipped.map(|slipped| slipped.heat_per_pressure);
+        let expansion = between(self.heat.expansion);
+        StageConditions {
+            sign,
+            signed_friction,
+            load,
+            speed,
+            kinetic_coefficient,
+            temperature,
+            expansion,
+            heat_per_pressure,
+        }
+    }
+
+    /// Whether the contact is open or at rest throughout.
+    pub fn idle(&self) -> bool {
+        let [start, end] = [self.at(0.0), self.at(self.length)];
+        start.speed == 0.0 && end.speed == 0.0 || start.load == 0.0 && end.load == 0.0
+    }
+}

@@ -1,0 +1,87 @@
+//! Depth rates of both bodies on the cells.
+
+use super::operators::{LineOperators, StripWear};
+use super::trajectory::StageConditions;
+use contact::wear::law::REFERENCE_PRESSURE;
+use numerics::scalar::Scalar;
+
+impl LineOperators {
+    /// Whether anything wears.
+    #[inline]
+    pub fn wears(&self) -> bool {
+        self.wear[0].0.active() || self.wear[1].0.active()
+    }
+
+    /// Whether the wear of the body (0: punch, 1: strip) changes the gap by cell.
+    #[inline]
+    pub fn reshapes(&self, body: usize) -> bool {
+        match body {
+            0 => self.wear[0].0.active(),
+            _ => matches!(self.strip_wear, StripWear::ByRadius | StripWear::Track),
+        }
+    }
+
+    /// Depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
+    pub(super) fn coefficients<S: Scalar>(
+        &self,
+        speed: S,
+        kinetic_coefficient: S,
+        temperature: S,
+        acceleration: f64,
+    ) -> [S; 2] {
+        std::array::from_fn(|body| {
+            let (law, factor) = &self.wear[body];
+            law.rate(S::from(REFERENCE_PRESSURE), speed, kinetic_coefficient, temperature) * (factor * acceleration)
+        })
+    }
+
+    /// Depth rate of the body (0: punch, 1: strip) on cell `i` relative to that at the reference pressure and the mean
+    /// radius.
+    #[inline]
+    pub(super) fn relative_rate(&self, body: usize, i: usize, pressure: f64) -> f64 {
+        self.radial[body][i] * power(pressure / REFERENCE_PRESSURE, self.wear[body].0.pressure_exponent)
+    }
+
+    /// Multiplies `rates`, of all cells, by [`LineOperators::relative_rate`].
+    pub(super) fn scale_by_relative_rates(&self, body: usize, pressure: &[f64], rates: &mut [f64]) {
+        let exponent = self.wear[body].0.pressure_exponent;
+        let cells = rates.iter_mut().zip(self.radial[body].iter().zip(pressure));
+        if exponent == 1.0 {
+            return cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE));
+        }
+        cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE).powf(exponent));
+    }
+
+    /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
+    pub(super) fn rates(
+        &self,
+        moment: &StageConditions,
+        acceleration: f64,
+        pressure: &[f64],
+        rates: &mut [Vec<f64>; 2],
+    ) {
+        let laws = self.coefficients(moment.speed, moment.kinetic_coefficient, moment.temperature, acceleration);
+        for body in 0..2 {
+            if laws[body] == 0.0 {
+                rates[body].fill(0.0);
+                continue;
+            }
+            for i in 0..pressure.len() {
+                rates[body][i] = laws[body] * self.relative_rate(body, i, pressure[i]);
+            }
+        }
+    }
+
+    /// Mean depth rate (m/s) of a strip that wears evenly, `coefficient` at the reference pressure.
+    pub(super) fn even_rate(&self, coefficient: f64, pressure: &[f64]) -> f64 {
+        let exponent = self.wear[1].0.pressure_exponent;
+        let sum: f64 =
+            self.cells.widths().iter().zip(pressure).map(|(c, p)| c * power(p / REFERENCE_PRESSURE, exponent)).sum();
+        coefficient * sum / (2.0 * self.cells.half_width())
+    }
+}
+
+#[inline]
+fn power(base: f64, exponent: f64) -> f64 {
+    if exponent == 1.0 { base } else { base.powf(exponent) }
+}

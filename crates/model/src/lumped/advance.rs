@@ -1,0 +1,355 @@
+//! One communication step of the lumped level: at once where it can be, else in pieces between events and parts of those.
+
+use super::conditions::Conditions;
+use super::operators::BodyOperators;
+use super::state::LumpedState;
+use super::step::{Attempt, Propagators, Stepper};
+use super::{KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
+use crate::budget::Budget;
+use crate::events::edges;
+use crate::{INPUTS, Inputs, StepFailure};
+use pulp::NullaryFnOnce;
+
+/// Finest subdivision of a communication step: 2^-40 of it.
+const FINEST: u8 = 40;
+
+/// Conditions during a piece of a communication step.
+enum InputTrajectory<'a> {
+    /// The same all along.
+    Constant(Conditions),
+    /// By the time since the start of the piece, s.
+    Varying(&'a dyn Fn(f64) -> Conditions),
+}
+
+impl InputTrajectory<'_> {
+    fn at(&self, time: f64) -> Conditions {
+        match self {
+            InputTrajectory::Constant(conditions) => *conditions,
+            InputTrajectory::Varying(conditions) => conditions(time),
+        }
+    }
+}
+
+/// A plain step as a whole, compiled for every vector unit; no operation is fused, so all give the same bits.
+struct AtOnce<'a, const CONSTANT: bool> {
+    stepper: Stepper<'a>,
+    state: &'a mut LumpedState,
+    /// Conditions at the start and at the three points.
+    at: [&'a Conditions; 4],
+}
+
+impl<const CONSTANT: bool> NullaryFnOnce for AtOnce<'_, CONSTANT> {
+    type Output = Option<Attempt>;
+
+    #[inline(always)]
+    fn call(mut self) -> Option<Attempt> {
+        let (operators, propagators) = (self.stepper.operators, self.stepper.propagators);
+        if CONSTANT {
+            let speed = self.at[0].velocity.abs();
+            self.stepper.flash.prepare_steady(operators, &propagators.flash, speed, propagators.step);
+        }
+        self.stepper.fast_path::<CONSTANT>(self.state, self.at)
+    }
+}
+
+impl Lumped {
+    /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates
+    /// `slopes`, or not at all. On failure the state is the one before the step.
+    ///
+    /// # Errors
+    /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
+    pub fn step(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+    ) -> Result<(), StepFailure> {
+        self.frozen_is_current = false;
+        let mut is_too_long = false;
+        if slopes.is_none() && self.state.refinement == 0 && self.operators.fast_path {
+            match self.attempt_single_step(inputs, step) {
+                Some(attempt) if attempt.error <= 1.0 => return self.conclude(inputs, step, &attempt),
+                attempt => is_too_long = attempt.is_some(),
+            }
+        }
+        self.by_pieces(inputs, slopes, step, is_too_long)
+    }
+
+    /// Tries the whole communication step under held inputs in the plain form; `None` where that form does not serve.
+    /// Unless the error of the attempt is at most 1, nothing has changed.
+    #[inline]
+    fn attempt_single_step(&mut self, inputs: &[f64; INPUTS], step: f64) -> Option<Attempt> {
+        self.know(inputs);
+        let index = self.propagators_of(step);
+        let propagators = &self.propagators[index];
+        let stepper = Stepper {
+            flash: &mut self.flash,
+            cut: 1.0,
+            ends: None,
+            operators: &self.operators,
+            friction: &self.friction,
+            tunables: &self.tunables,
+            propagators,
+        };
+        self.arch.dispatch(AtOnce::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] })
+    }
+
+    /// Ends a step that was taken at once.
+    #[inline]
+    fn conclude(&mut self, inputs: &[f64; INPUTS], step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
+        let (state, within) = (&mut self.state, &self.operators.unremarkable);
+        state.steps += 1;
+        state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
+        let is_unremarkable = state.punch.depth < within.depth[0]
+            && state.strip.depth < within.depth[1]
+            && (inputs[0] + self.operators.scene.mean_radius * inputs[2]).abs() <= within.speed
+            && (0.0..=within.load).contains(&inputs[1])
+            && attempt.hottest + state.reference <= within.temperature;
+        if is_unremarkable {
+            return Ok(());
+        }
+        if inputs[1] < 0.0 {
+            state.limits |= limit::NEGATIVE_LOAD;
+        }
+        self.judge_temperature(attempt.hottest);
+        self.watch(inputs, None, step)
+    }
+
+    /// The step in all its generality; `is_too_long` if the whole of it was tried in vain.
+    #[inline(never)]
+    fn by_pieces(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+        is_too_long: bool,
+    ) -> Result<(), StepFailure> {
+        let mut backup = None;
+        let outcome =
+            self.pieces(inputs, slopes, step, is_too_long, &mut backup).and_then(|()| self.watch(inputs, slopes, step));
+        if outcome.is_err()
+            && let Some(backup) = backup
+        {
+            self.state = backup;
+        }
+        outcome
+    }
+
+    /// The step in pieces between sign changes of the velocity and of the load.
+    fn pieces(
+        &mut self,
+        inputs: &[f64; INPUTS],
+        slopes: Option<&[f64; INPUTS]>,
+        step: f64,
+        is_too_long: bool,
+        backup: &mut Option<LumpedState>,
+    ) -> Result<(), StepFailure> {
+        if self.near_end_of_body(inputs, slopes, step) {
+            *backup = Some(self.state.clone());
+        }
+        let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
+        if inputs[1] < 0.0 || last_load < 0.0 {
+            self.state.limits |= limit::NEGATIVE_LOAD;
+        }
+        let mut budget = Budget::new(1);
+        let Some(slopes) = slopes else {
+            let constant = self.conditions(inputs);
+            return self.piece(&InputTrajectory::Constant(constant), step, is_too_long, backup, &mut budget);
+        };
+        let (edges, count) = edges(inputs, Some(slopes), step, self.operators.scene.mean_radius);
+        if count > 1 && backup.is_none() {
+            *backup = Some(self.state.clone());
+        }
+        let (operators, tunables, reference) = (self.operators.clone(), self.tunables, self.state.reference);
+        for piece in edges[..=count].windows(2) {
+            let at = |time: f64| {
+                let mut now = *inputs;
+                for (value, slope) in now.iter_mut().zip(slopes) {
+                    *value += slope * (piece[0] + time);
+                }
+                Conditions::new(&operators, &tunables, reference, &Inputs::from_array(now))
+            };
+            if piece[1] > piece[0] {
+                self.piece(&InputTrajectory::Varying(&at), piece[1] - piece[0], false, backup, &mut budget)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A piece without events, cut into 2^n equal parts where its error asks for it; `is_too_long` if the whole of it
+    /// was tried in vain.
+    fn piece(
+        &mut self,
+        course: &InputTrajectory,
+        length: f64,
+        is_too_long: bool,
+        backup: &mut Option<LumpedState>,
+        budget: &mut Budget,
+    ) -> Result<(), StepFailure> {
+        let mut level = self.state.refinement + u8::from(is_too_long);
+        self.state.rejected += u64::from(is_too_long);
+        let mut part: u64 = 0;
+        // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
+        let mut whole = None;
+        while part < 1_u64 << level {
+            let tolerance = self.operators.scene.tolerance;
+            budget.spend(|| {
+                let [start, end] = [course.at(0.0), course.at(length)];
+                format!(
+                    "{part} of 2^{level} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
+                     normal load {} to {} N",
+                    start.velocity, end.velocity, start.load, end.load
+                )
+            })?;
+            let step = length / (1_u64 << level) as f64;
+            let start = part as f64 * step;
+            if level > 0 && backup.is_none() {
+                *backup = Some(self.state.clone());
+            }
+            let index = self.propagators_of(step);
+            let varying = match course {
+                InputTrajectory::Constant(_) => None,
+                InputTrajectory::Varying(conditions) => {
+                    Some([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|c| conditions(start + c * step)))
+                }
+            };
+            let now = match (course, &varying) {
+                (InputTrajectory::Constant(now), _) => *now,
+                (_, Some(at)) => at[0],
+                _ => course.at(start),
+            };
+            if let Some(at) = &varying
+                && whole.is_none()
+            {
+                whole = Some(if level == 0 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
+            } else if varying.is_none() && self.has_bristle() {
+                // A change between sticking and slipping is no polynomial at any step.
+                whole = Some([now; 2]);
+            }
+            let speeds = match &varying {
+                Some(at) => at.each_ref().map(|conditions| conditions.velocity.abs()),
+                None => [now.velocity.abs(); 4],
+            };
+            self.flash.prepare(&self.operators, &self.propagators[index].flash, speeds, step);
+            let mut stepper = Stepper {
+                flash: &mut self.flash,
+                cut: (1_u64 << level) as f64,
+                ends: whole.as_ref(),
+                operators: &self.operators,
+                friction: &self.friction,
+                tunables: &self.tunables,
+                propagators: &self.propagators[index],
+            };
+            let mut attempt = None;
+            if self.operators.fast_path {
+                let (stepper, state) = (stepper.reborrow(), &mut self.state);
+                attempt = match &varying {
+                    Some(at) => self.arch.dispatch(AtOnce::<false> { stepper, state, at: at.each_ref() }),
+                    None => self.arch.dispatch(AtOnce::<true> { stepper, state, at: [&now; 4] }),
+                };
+            }
+            let attempt = attempt.unwrap_or_else(|| match &varying {
+                Some(at) => stepper.attempt(&mut self.state, at, false),
+                None => stepper.attempt(&mut self.state, &[now; 4], true),
+            });
+            if attempt.error <= 1.0 {
+                self.state.steps += 1;
+                self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
+                self.judge_temperature(attempt.hottest);
+                part += 1;
+                // The error falls by about eight when the step is halved: room for doubling it.
+                if level > 0 && part.is_multiple_of(2) && attempt.error < 0.3 {
+                    level -= 1;
+                    part /= 2;
+                }
+                continue;
+            }
+            self.state.rejected += 1;
+            if level >= FINEST {
+                let last = course.at(start + step);
+                return Err(StepFailure(format!(
+                    "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
+                     contact temperature {} K, sliding velocity {} m/s, normal load {} N",
+                    attempt.hottest + self.state.reference,
+                    last.velocity,
+                    last.load
+                )));
+            }
+            level += 1;
+            part *= 2;
+        }
+        self.state.refinement = level;
+        Ok(())
+    }
+
+    /// Index of the weights for this step size (s), made if they are not among the recent ones.
+    fn propagators_of(&mut self, step: f64) -> usize {
+        if self.propagators.get(self.latest).is_none_or(|known| known.step != step) {
+            self.latest = self.find_propagators(step);
+        }
+        self.latest
+    }
+
+    #[inline(never)]
+    fn find_propagators(&mut self, step: f64) -> usize {
+        if let Some(index) = self.propagators.iter().position(|known| known.step == step) {
+            return index;
+        }
+        let made = Propagators::new(&self.operators, step);
+        if self.propagators.len() < KEPT_STEPS {
+            self.propagators.push(made);
+            return self.propagators.len() - 1;
+        }
+        let index = self.oldest;
+        self.propagators[index] = made;
+        self.oldest = (self.oldest + 1) % KEPT_STEPS;
+        index
+    }
+
+    /// Whether the step could wear a body through: only then is the state before it kept.
+    fn near_end_of_body(&self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> bool {
+        let operators = &self.operators;
+        let scene = &operators.scene;
+        let largest = |index: usize| {
+            let change = slopes.map_or(0.0, |slopes| slopes[index] * step);
+            inputs[index].abs().max((inputs[index] + change).abs())
+        };
+        let speed = largest(0) + scene.mean_radius * largest(2);
+        // Behind a caliper the load may rise above what the actuator gives.
+        let caliper = operators.series_stiffness > 0.0;
+        let pressure = largest(1) / operators.area;
+        let worn = |depth: f64, initial: f64, height: f64, body: &BodyOperators| {
+            let rate = body.wear.highest_rate(pressure, speed) * (body.wear_factor * self.tunables.wear_acceleration);
+            depth + initial + step * rate > NEAR_END * height
+        };
+        caliper
+            || worn(self.state.punch.depth, scene.punch.initial_wear, scene.punch.height, &operators.punch)
+            || worn(self.state.strip.depth, scene.strip.initial_wear, scene.strip.height, &operators.strip)
+    }
+
+    fn judge_temperature(&mut self, hottest: f64) {
+        self.state.limits |= limits_of_temperature(&self.operators.scene, hottest + self.state.reference);
+    }
+
+    /// Limits and validity after a step.
+    fn watch(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
+        let scene = &self.operators.scene;
+        self.state.limits |= limits_of_wear(scene, [self.state.punch.depth, self.state.strip.depth])?;
+        if let Some(track) = &self.state.track {
+            if track.revisited() {
+                self.state.limits |= limit::VALIDITY;
+            }
+            let depth = track.under(self.state.position) + scene.strip.initial_wear;
+            if scene.strip.wear_limit > 0.0 && depth >= scene.strip.wear_limit {
+                self.state.limits |= limit::WEAR;
+            }
+        }
+        let last = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * step);
+        let (speed, load) = ((last(0) + scene.mean_radius * last(2)).abs(), last(1));
+        let beyond = |value: f64, nominal: f64| nominal > 0.0 && value > NOMINAL_MARGIN * nominal;
+        if beyond(speed, scene.nominal_velocity) || beyond(load, scene.nominal_load) {
+            self.state.limits |= limit::VALIDITY;
+        }
+        Ok(())
+    }
+}

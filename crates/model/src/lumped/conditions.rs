@@ -1,0 +1,76 @@
+//! What the inputs mean for the contact at one instant.
+
+use super::operators::{BodyOperators, LumpedOperators};
+use crate::Inputs;
+use numerics::scalar::Scalar;
+use scene::ThermalBoundary;
+
+/// Parameters that may change between steps.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tunables {
+    /// mu_0.
+    pub friction_coefficient: f64,
+    /// K.
+    pub ambient_temperature: f64,
+    /// Multiplies wear.
+    pub wear_acceleration: f64,
+}
+
+/// See the module.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Conditions<S = f64> {
+    /// Velocity of the punch over the strip, m/s.
+    pub velocity: S,
+    /// Load per face, N, >= 0: what the actuator gives.
+    pub load: S,
+    /// s v >= 0 with the regularised sign s, m/s.
+    pub slip: S,
+    /// s.
+    pub sign: S,
+    /// Stribeck factor.
+    pub stribeck: S,
+    /// Ambient temperature, K above the reference.
+    pub ambient: S,
+    /// Prescribed temperature of the punch's top, K above the reference.
+    pub punch_far: S,
+    /// Prescribed temperature of the strip's base, K above the reference.
+    pub strip_far: S,
+    /// Forced convection's velocity factor (v_c/v0)^0.8.
+    pub forced: S,
+}
+
+impl<S: Scalar> Conditions<S> {
+    /// Conditions of `inputs`; temperatures are counted from `reference` (K).
+    #[inline]
+    pub fn new(operators: &LumpedOperators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
+        let scene = &operators.scene;
+        let velocity = inputs.sliding_velocity + inputs.angular_velocity * scene.mean_radius;
+        let sign = operators.friction.sign(velocity);
+        let ambient = inputs.ambient_temperature_offset + S::from(tunables.ambient_temperature - reference);
+        let far = |body: &BodyOperators, external: S| match body.far {
+            ThermalBoundary::Held if body.far_temperature > 0.0 => S::from(body.far_temperature - reference),
+            ThermalBoundary::Held => ambient,
+            ThermalBoundary::External => external - S::from(reference),
+            ThermalBoundary::Convecting | ThermalBoundary::Insulated => S::from(0.0),
+        };
+        let mut faces = operators.punch.air.iter().chain(&operators.strip.air);
+        let cools = faces.any(|face| face.forced > 0.0);
+        let forced = if cools {
+            let air = (velocity.abs() + inputs.cooling_velocity).positive();
+            if air.value() > 0.0 { air.four_fifths() } else { S::from(0.0) }
+        } else {
+            S::from(0.0)
+        };
+        Conditions {
+            velocity,
+            load: inputs.normal_load.positive(),
+            slip: sign * velocity,
+            sign,
+            stribeck: operators.friction.stribeck(velocity),
+            ambient,
+            punch_far: far(&operators.punch, inputs.punch_external_temperature),
+            strip_far: far(&operators.strip, inputs.strip_external_temperature),
+            forced,
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! The two laws of the interface: how friction heat splits, and where friction and temperature agree.
+
+use contact::friction::FrictionLaw;
+use numerics::scalar::Scalar;
+
+/// What a body does at the contact: `T = level + gain q`; no `gain` for an insulator.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Side<S> {
+    /// Temperature without contact flux, K.
+    pub level: S,
+    /// Temperature per flux into the body, K m2/W.
+    pub gain: Option<f64>,
+}
+
+/// Heat fluxes into both bodies and their surface temperatures.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HeatPartition<S> {
+    /// Flux into the punch, W/m2.
+    pub punch: S,
+    /// Flux into the strip, W/m2.
+    pub strip: S,
+    /// Surface temperature of the punch, K.
+    pub punch_temperature: S,
+    /// Surface temperature of the strip, K.
+    pub strip_temperature: S,
+}
+
+/// Solves `q1 + q2 = q`, `T1 - T2 = (q2 - q1)/(2 h_c)` for the friction heat `q` (W/m2) and the contact
+/// conductance `conductance` (W/(m2 K)): derived by writing both temperatures as level + gain q_i.
+/// An insulator takes no heat; its surface then follows from the same second law, and without conductance shows the
+/// temperature of the other.
+#[inline]
+pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
+    match (punch.gain, strip.gain) {
+        (Some(gain_punch), Some(gain_strip)) => {
+            let into_punch = if conductance > 0.0 {
+                let resistance = 1.0 / conductance;
+                (strip.level - punch.level + q * (gain_strip + 0.5 * resistance))
+                    * (1.0 / (gain_punch + gain_strip + resistance))
+            } else {
+                q * 0.5
+            };
+            let into_strip = q - into_punch;
+            HeatPartition {
+                punch: into_punch,
+                strip: into_strip,
+                punch_temperature: punch.level + into_punch * gain_punch,
+                strip_temperature: strip.level + into_strip * gain_strip,
+            }
+        }
+        (Some(gain), None) => {
+            let temperature = punch.level + q * gain;
+            let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
+            HeatPartition {
+                punch: q,
+                strip: S::from(0.0),
+                punch_temperature: temperature,
+                strip_temperature: temperature + jump,
+            }
+        }
+        (None, Some(gain)) => {
+            let temperature = strip.level + q * gain;
+            let jump = if conductance > 0.0 { q * (0.5 / conductance) } else { S::from(0.0) };
+            HeatPartition {
+                punch: S::from(0.0),
+                strip: q,
+                punch_temperature: temperature + jump,
+                strip_temperature: temperature,
+            }
+        }
+        (None, None) => HeatPartition {
+            punch: S::from(0.0),
+            strip: S::from(0.0),
+            punch_temperature: punch.level,
+            strip_temperature: strip.level,
+        },
+    }
+}
+
+/// The same where the surfaces do not touch: no heat passes. An insulator has no temperature of its own and shows the other's.
+#[inline]
+pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
+    let levels = match (punch.gain, strip.gain) {
+        (Some(_), None) => [punch.level; 2],
+        (None, Some(_)) => [strip.level; 2],
+        _ => [punch.level, strip.level],
+    };
+    let [punch_temperature, strip_temperature] = levels;
+    HeatPartition { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
+}
+
+/// Contact temperature (K, absolute) that satisfies `T = level + gain mu(T)`, with `level` in K, absolute,
+/// and `gain` >= 0 the rise per unit of the faded friction coefficient: the smallest solution, found
+/// segment by segment of the fade table, so it always ends. Where a rising table allows several
+/// solutions the smallest is the one that a heating contact reaches first.
+#[inline]
+pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
+    let fade = &friction.fade;
+    if fade.flat || gain.value() == 0.0 {
+        return level + gain * (friction.coefficient * fade.factor[0]);
+    }
+    let first = fade.temperature.iter().position(|knot| level.value() < *knot).unwrap_or(8);
+    for segment in first..8 {
+        // mu = a + b T on the segment that ends at temperature[segment].
+        let (a, b) = match segment {
+            0 => (fade.factor[0], 0.0),
+            _ => {
+                let (left, right) = (fade.temperature[segment - 1], fade.temperature[segment]);
+                let slope = (fade.factor[segment] - fade.factor[segment - 1]) / (right - left);
+                (fade.factor[segment - 1] - slope * left, slope)
+            }
+        };
+        let (a, b) = (a * friction.coefficient, b * friction.coefficient);
+        let denominator = S::from(1.0) - gain * b;
+        if denominator.value() > 0.0 {
+            let temperature = (level + gain * a) / denominator;
+            if temperature.value() <= fade.temperature[segment] {
+                return temperature;
+            }
+        }
+    }
+    // Beyond the table the factor is constant; a level that is no number ends here as well.
+    level + gain * (friction.coefficient * fade.factor[7])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use scene::FadeTable;
+
+    #[test]
+    fn split_by_effusivity_and_its_limits() {
+        let side = |level, gain| Side { level, gain: Some(gain) };
+        let perfect = partition(side(0.0, 2.0), side(0.0, 1.0), 30.0, 1e15);
+        assert!((perfect.punch - 10.0).abs() < 1e-9 && (perfect.strip - 20.0).abs() < 1e-9);
+        assert!((perfect.punch_temperature - perfect.strip_temperature).abs() < 1e-9);
+        let none = partition(side(5.0, 2.0), side(0.0, 1.0), 30.0, 0.0);
+        assert_eq!((none.punch, none.strip), (15.0, 15.0));
+        let finite = partition(side(5.0, 2.0), side(1.0, 1.0), 30.0, 0.4);
+        let jump = finite.punch_temperature - finite.strip_temperature;
+        assert!((jump - (finite.strip - finite.punch) / 0.8).abs() < 1e-12);
+        let insulated = partition(Side { level: 7.0, gain: None }, side(1.0, 1.0), 30.0, 10.0);
+        assert_eq!((insulated.punch, insulated.strip_temperature, insulated.punch_temperature), (0.0, 31.0, 32.5));
+    }
+
+    #[test]
+    fn friction_and_temperature_agree() {
+        let mut law = FrictionLaw {
+            coefficient: 0.4,
+            fade: FadeTable::new(
+                [300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0],
+                [1.0, 1.1, 0.9, 0.5, 0.4, 0.4, 0.3, 0.2],
+            ),
+            static_ratio: 1.0,
+            stribeck_velocity: 1.0,
+            regularization_velocity: 0.0,
+        };
+        for level in [250.0, 320.0, 480.0, 950.0, 1500.0] {
+            for gain in [0.0, 10.0, 300.0, 2000.0, 1e5] {
+                let temperature = agree(&law, level, gain);
+                let residual = level + gain * law.kinetic_coefficient(temperature) - temperature;
+                assert!(residual.abs() < 1e-9 * temperature, "{level} {gain}: {temperature} {residual}");
+            }
+        }
+        // A table that rises steeply: the smallest of several solutions, and an end even so.
+        law.fade = FadeTable::new(law.fade.temperature, [0.1, 0.1, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
+        let low = agree(&law, 300.0, 500.0);
+        assert!((low - 320.0).abs() < 1e-9, "{low}");
+        let high = agree(&law, 395.0, 500.0);
+        assert!((high - 795.0).abs() < 1e-9, "{high}");
+    }
+}

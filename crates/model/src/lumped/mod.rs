@@ -1,0 +1,232 @@
+//! The lumped level: uniform pressure, a few thermal states per body, a moving source.
+
+mod advance;
+pub mod air;
+pub mod bristle;
+pub mod conditions;
+pub mod error_weights;
+mod estimate;
+mod fast_path;
+mod flash_step;
+pub mod interface;
+pub mod operators;
+pub mod outputs;
+pub mod point;
+pub mod saved;
+pub mod stage;
+mod stage_body;
+mod stages;
+pub mod state;
+pub mod step;
+
+use crate::{INPUTS, Inputs, StepFailure};
+use conditions::{Conditions, Tunables};
+use contact::friction::FrictionLaw;
+use flash_step::FlashStep;
+use numerics::scalar::Dual;
+use operators::LumpedOperators;
+use point::{Frozen, Point};
+use pulp::Arch;
+use scene::Scene;
+use state::LumpedState;
+use std::sync::Arc;
+use step::Propagators;
+
+/// Bits of [`LumpedState::limits`].
+pub mod limit {
+    /// A wear limit is reached.
+    pub const WEAR: u8 = 1;
+    /// The temperature limit is exceeded.
+    pub const TEMPERATURE: u8 = 2;
+    /// The scene has left the model's validity.
+    pub const VALIDITY: u8 = 4;
+    /// The load was below zero (not shown in the output).
+    pub const NEGATIVE_LOAD: u8 = 8;
+    /// Accelerated wear holds thermoelastic instability back noticeably (not shown in the output).
+    pub const ACCELERATED: u8 = 16;
+    /// The sliding speed is above the critical one (not shown in the output).
+    pub const UNSTABLE: u8 = 32;
+}
+
+/// Temperature (K) above which constant material properties mean nothing any more.
+pub const HIGHEST_VALID_TEMPERATURE: f64 = 2500.0;
+
+/// Part of a body's height that may be worn off before conduction and compliance must be rebuilt.
+const HIGHEST_VALID_WEAR: f64 = 0.5;
+
+/// Part of a body's height that a step may wear off without the state before it being kept.
+const NEAR_END: f64 = 0.9;
+
+/// Step sizes whose weights are kept.
+const KEPT_STEPS: usize = 12;
+
+/// Load and speed that a run may exceed the nominal by before the plan no longer holds.
+const NOMINAL_MARGIN: f64 = 10.0;
+
+/// Limits that a contact temperature (K) reaches.
+pub fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
+    let exceeded = scene.temperature_limit > 0.0 && hottest > scene.temperature_limit;
+    let invalid = hottest > HIGHEST_VALID_TEMPERATURE;
+    (if exceeded { limit::TEMPERATURE } else { 0 }) | (if invalid { limit::VALIDITY } else { 0 })
+}
+
+/// Limits that punch and strip are at with these depths (m) worn off since the start, initial wear aside.
+///
+/// # Errors
+/// A body that is worn through.
+#[inline]
+pub fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure> {
+    let mut limits = 0;
+    for (name, depth, body) in [("punch", depths[0], &scene.punch), ("strip", depths[1], &scene.strip)] {
+        let worn = depth + body.initial_wear;
+        if worn >= body.height {
+            return Err(StepFailure(format!(
+                "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
+                body.height
+            )));
+        }
+        if worn > HIGHEST_VALID_WEAR * body.height {
+            limits |= limit::VALIDITY;
+        }
+        if body.wear_limit > 0.0 && worn >= body.wear_limit {
+            limits |= limit::WEAR;
+        }
+    }
+    Ok(limits)
+}
+
+/// A scene at the lumped level.
+#[derive(Clone, Debug)]
+pub struct Lumped {
+    operators: Arc<LumpedOperators>,
+    friction: FrictionLaw,
+    tunables: Tunables,
+    state: LumpedState,
+    frozen: Frozen,
+    frozen_is_current: bool,
+    /// Weights of recent step sizes; never part of the state, always rebuilt to the same bits.
+    propagators: Vec<Propagators>,
+    oldest: usize,
+    /// Index of those last used.
+    latest: usize,
+    /// The machine's vector unit.
+    arch: Arch,
+    flash: FlashStep,
+    /// Conditions last computed, with the inputs they belong to.
+    known: ([f64; INPUTS], Conditions),
+}
+
+impl Lumped {
+    /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
+    pub fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
+        let ambient = tunables.ambient_temperature + Inputs::from_array(*inputs).ambient_temperature_offset;
+        let mut state = LumpedState::new(&operators, ambient);
+        let mut friction = operators.friction.clone();
+        friction.coefficient = tunables.friction_coefficient;
+        let known = (*inputs, Conditions::new(&operators, &tunables, state.reference, &Inputs::from_array(*inputs)));
+        state.far_start = [known.1.punch_far, known.1.strip_far];
+        state.far = state.far_start;
+        Lumped {
+            frozen: Frozen::default(),
+            frozen_is_current: false,
+            friction,
+            tunables,
+            state,
+            propagators: Vec::with_capacity(KEPT_STEPS),
+            oldest: 0,
+            latest: 0,
+            arch: Arch::new(),
+            flash: FlashStep::empty(),
+            known,
+            operators,
+        }
+    }
+
+    /// What the scene was made into.
+    pub fn operators(&self) -> &Arc<LumpedOperators> {
+        &self.operators
+    }
+
+    /// Whether a bristle carries the force at standstill.
+    pub fn has_bristle(&self) -> bool {
+        self.operators.scene.stick_stiffness > 0.0
+    }
+
+    /// Everything that changes.
+    pub fn state(&self) -> &LumpedState {
+        &self.state
+    }
+
+    /// Work (J) of the friction force on all faces since initialisation.
+    pub fn friction_work(&self) -> f64 {
+        self.state.dissipated * self.operators.area * self.operators.scene.faces
+    }
+
+    /// Replaces everything that changes.
+    pub fn set_state(&mut self, state: &LumpedState) {
+        self.state.clone_from(state);
+        self.frozen_is_current = false;
+        self.forget_conditions();
+    }
+
+    /// Parameters that may change between steps.
+    pub fn set_tunables(&mut self, tunables: Tunables) {
+        self.friction.coefficient = tunables.friction_coefficient;
+        self.tunables = tunables;
+        self.forget_conditions();
+    }
+
+    /// Sets the friction coefficient that somebody knows better than the tunable parameter.
+    pub fn set_friction_coefficient(&mut self, coefficient: f64) {
+        self.friction.coefficient = coefficient;
+    }
+
+    /// Inputs that no inputs are equal to: the next conditions are computed anew.
+    fn forget_conditions(&mut self) {
+        self.known.0 = [f64::NAN; INPUTS];
+    }
+
+    fn refresh(&mut self) {
+        if !self.frozen_is_current {
+            self.frozen = Frozen::new(&self.operators, &self.state);
+            self.frozen_is_current = true;
+        }
+    }
+
+    /// The contact now, for these inputs and with the states held.
+    pub fn point(&mut self, inputs: &[f64; INPUTS]) -> Point {
+        self.refresh();
+        let conditions = self.conditions(inputs);
+        point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+    }
+
+    /// The contact now in dual numbers, with the states held.
+    pub fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
+        self.refresh();
+        let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
+        point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
+    }
+
+    /// Mean outward displacement of both contact surfaces by the bodies' mean temperatures, m.
+    pub fn expansion_of_bodies(&self) -> f64 {
+        self.expansion(&self.operators.punch, &self.state.punch)
+            + self.expansion(&self.operators.strip, &self.state.strip)
+    }
+
+    fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {
+        self.know(inputs);
+        self.known.1
+    }
+
+    /// Makes the known conditions those of `inputs`.
+    #[inline]
+    fn know(&mut self, inputs: &[f64; INPUTS]) {
+        // By bits and without a branch for every input: one comparison of a vector.
+        let differs =
+            self.known.0.iter().zip(inputs).fold(0, |differs, (known, now)| differs | known.to_bits() ^ now.to_bits());
+        if differs != 0 {
+            let inputs_now = Inputs::from_array(*inputs);
+            self.known = (*inputs, Conditions::new(&self.operators, &self.tunables, self.state.reference, &inputs_now));
+        }
+    }
+}

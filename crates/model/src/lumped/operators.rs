@@ -1,0 +1,410 @@
+//! What the lumped level is made of, built once from the scene and shared by every state.
+
+use super::air::{Air, FACES};
+use crate::instability::CriticalSpeed;
+use conduction::flash::Flash;
+use conduction::lateral::Lateral;
+use conduction::moving_source::{self, MovingSource};
+use conduction::reduced::{Observation, ReducedBody};
+use conduction::slab::{Base, CoolingPort, Slab};
+use contact::friction::FrictionLaw;
+use contact::wear::law::WearLaw;
+use elasticity::mean::mean_compliance;
+use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
+
+/// A body's heat and wear at the lumped level.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BodyOperators {
+    /// Conduction; `None` for an insulator.
+    pub heat: Option<ReducedBody>,
+    /// Part of the contact flux that enters per reference area.
+    pub coverage: f64,
+    /// Reference area of the conduction problem per face, m2.
+    pub area: f64,
+    /// Cooling beyond the constant heat transfer, beside the contact and at the far face.
+    pub air: [Air; FACES],
+    /// The cooled surface is observed as the contact surface is.
+    pub cooled_is_contact: bool,
+    /// Condition of the face opposite to the contact.
+    pub far: ThermalBoundary,
+    /// Temperature there where it is held, K; 0: ambient.
+    pub far_temperature: f64,
+    /// Temperature at initialisation, K; 0: ambient.
+    pub initial_temperature: f64,
+    /// Wear law.
+    pub wear: WearLaw,
+    /// Mean of (r/r_m)^(1 + a) over the contact: 1 for line geometry.
+    pub wear_factor: f64,
+    /// Wear rate below which errors do not count, m/s: a millionth of the nominal one.
+    pub least_wear: f64,
+    /// Worn volume per worn depth under the contact, per face, m2.
+    pub worn_area: f64,
+    /// Depth lost at start, and at which life ends (0: never), m.
+    pub initial_wear: f64,
+    pub wear_limit: f64,
+    /// Mean outward displacement per kelvin of mean temperature, m/K.
+    pub expansion: f64,
+}
+
+impl BodyOperators {
+    /// Whether cooling beyond the constant heat transfer acts anywhere.
+    pub fn is_cooled_variably(&self) -> bool {
+        self.air.iter().any(Air::acts)
+    }
+}
+
+/// Bounds within which a step has nothing to report and cannot fail by wear.
+#[derive(Clone, PartialEq, Debug)]
+pub struct FastPathBounds {
+    /// Worn depths of punch and strip (m) below which no limit is reached.
+    pub depth: [f64; 2],
+    /// Worn depths (m) that a step may reach without a look at the bodies' ends before it.
+    pub depth_before_step: [f64; 2],
+    /// Speed, m/s.
+    pub speed: f64,
+    /// Load, N.
+    pub load: f64,
+    /// Contact temperature, K.
+    pub temperature: f64,
+}
+
+impl FastPathBounds {
+    fn new(scene: &Scene) -> FastPathBounds {
+        let bodies = [&scene.punch, &scene.strip];
+        let limited = |value: f64| if value > 0.0 { value } else { f64::INFINITY };
+        let mut depth = bodies
+            .map(|body| limited(body.wear_limit).min(super::HIGHEST_VALID_WEAR * body.height) - body.initial_wear);
+        if scene.path == Path::Straight {
+            // The track says what is worn.
+            depth[1] = f64::NEG_INFINITY;
+        }
+        FastPathBounds {
+            depth,
+            depth_before_step: bodies.map(|body| super::NEAR_END * body.height - body.initial_wear),
+            speed: super::NOMINAL_MARGIN * limited(scene.nominal_velocity),
+            load: super::NOMINAL_MARGIN * limited(scene.nominal_load),
+            temperature: limited(scene.temperature_limit).min(super::HIGHEST_VALID_TEMPERATURE),
+        }
+    }
+}
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LumpedOperators {
+    /// The scene it was built from.
+    pub scene: Scene,
+    pub punch: BodyOperators,
+    pub strip: BodyOperators,
+    /// Local heating of the strip under the contact; `None` where the contact covers the whole path or the strip is an insulator.
+    pub flash: Option<Flash>,
+    /// The strip's own mean temperature is felt at the contact (not on fresh material).
+    pub strip_remembers: bool,
+    /// Friction law.
+    pub friction: FrictionLaw,
+    /// Contact area per face, all its punches, m2.
+    pub area: f64,
+    /// Mean heat flux over mu p v, and friction force (torque over mean radius) over mu F: 1 for line geometry.
+    pub power_factor: f64,
+    /// Friction force of all faces over mu p, m2.
+    pub per_pressure: f64,
+    /// Torque over mu F, m.
+    pub effective_radius: f64,
+    /// A wear rate depends on the contact temperature.
+    pub wear_follows_temperature: bool,
+    /// The strip keeps a worn track of its own.
+    pub tracked: bool,
+    /// Friction heat flux below which errors do not count, W/m2: a millionth of the nominal one.
+    pub least_flux: f64,
+    /// The step may take its plain form: see [`super::fast_path`].
+    pub fast_path: bool,
+    /// What most steps stay within.
+    pub unremarkable: FastPathBounds,
+    /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
+    pub half_resistance: f64,
+    /// Part of a closed path that the punches cover.
+    pub strip_coverage: f64,
+    /// Where pressure waves begin to grow.
+    pub critical_speed: CriticalSpeed,
+    /// Mean compliance of both bodies, m/Pa.
+    pub compliance: f64,
+    /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
+    pub series_stiffness: f64,
+}
+
+impl LumpedOperators {
+    /// Builds the lumped level of `scene`.
+    pub fn new(scene: &Scene) -> LumpedOperators {
+        Self::with_heat_of(scene, None)
+    }
+
+    /// The same with the reduced bodies, the moving source and the critical speed of `known`, whose scene has the same bodies, contact,
+    /// nominal conditions and tolerance: wear, friction, holder and level may differ.
+    pub fn with_heat_of(scene: &Scene, known: Option<&LumpedOperators>) -> LumpedOperators {
+        let area = scene.contact_area() * scene.count;
+        let (power_factor, effective_radius) = match scene.geometry {
+            Geometry::Annular => {
+                let ratio = 0.5 * scene.width / scene.mean_radius;
+                let factor = 1.0 + ratio * ratio / 3.0;
+                (factor, scene.mean_radius * factor)
+            }
+            _ => (1.0, scene.mean_radius),
+        };
+        let (path, strip_length) = path_of(scene);
+        let endless = path == moving_source::Path::Endless;
+        let mut punch = punch_of(scene, area);
+        let (mut strip, slab) = strip_of(scene, area, strip_length, endless);
+        let flash = match known {
+            Some(known) => {
+                (punch.heat, strip.heat) = (known.punch.heat.clone(), known.strip.heat.clone());
+                known.flash.clone()
+            }
+            None => {
+                punch.heat = punch_heat(scene, area);
+                strip.heat = strip_heat(scene, area, strip_length, endless);
+                slab.and_then(|slab| flash_of(scene, slab, path))
+            }
+        };
+        if let (Some(heat), Some(flash), None) = (&mut strip.heat, &flash, known) {
+            append_track(heat, flash);
+        }
+        for body in [&mut punch, &mut strip] {
+            body.cooled_is_contact =
+                body.heat.as_ref().is_some_and(|heat| heat.cooled_temperature == heat.contact_temperature);
+        }
+        let (punch_compliance, _) = mean_compliance(&scene.punch, scene.width, false);
+        let (strip_compliance, _) = mean_compliance(&scene.strip, scene.width, true);
+        let compliance = punch_compliance + strip_compliance;
+        let series_stiffness =
+            if scene.holder_stiffness > 0.0 { 1.0 / (1.0 / scene.holder_stiffness + compliance / area) } else { 0.0 };
+        let fades = !scene.friction_fade.flat;
+        let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
+        let mut operators = LumpedOperators {
+            fast_path: false,
+            unremarkable: FastPathBounds::new(scene),
+            half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
+            strip_coverage: scene.coverage(),
+            wear_follows_temperature: follows(&punch) || follows(&strip),
+            punch,
+            strip,
+            flash,
+            strip_remembers: !endless,
+            friction: FrictionLaw::new(scene),
+            area,
+            power_factor,
+            per_pressure: area * scene.faces * power_factor,
+            effective_radius,
+            tracked: scene.path == Path::Straight,
+            least_flux: 1e-3 + 1e-6 * scene.friction_coefficient * scene.nominal_load / area * scene.nominal_velocity,
+            critical_speed: known.map_or_else(|| CriticalSpeed::new(scene), |known| known.critical_speed.clone()),
+            compliance,
+            series_stiffness,
+            scene: scene.clone(),
+        };
+        operators.fast_path = super::fast_path::possible(&operators);
+        operators
+    }
+}
+
+/// Local heating of the strip under the contact; `None` where the contact covers the whole path or the strip is an insulator.
+pub fn moving_source(scene: &Scene) -> Option<Flash> {
+    let (path, length) = path_of(scene);
+    let endless = path == moving_source::Path::Endless;
+    let (_, slab) = strip_of(scene, scene.contact_area() * scene.count, length, endless);
+    flash_of(scene, slab?, path)
+}
+
+fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flash> {
+    (scene.coverage() < 1.0 - 1e-9).then(|| {
+        let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), path).spreading(Lateral::of(scene));
+        Flash::new(&source, scene.nominal_duration, reduction_tolerance(scene))
+    })
+}
+
+/// Tolerance that the bodies are reduced to: a few states cannot follow more, and the time step does
+/// not need it.
+fn reduction_tolerance(scene: &Scene) -> f64 {
+    scene.tolerance.max(2e-5)
+}
+
+/// Path of the heat source, and the length of the strip it heats.
+pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
+    match scene.path {
+        Path::Closed => (moving_source::Path::Closed(scene.length / scene.count), scene.length),
+        Path::Straight if scene.nominal_stroke > 0.0 => {
+            let cell = stroke_cell(scene).max(scene.length);
+            (moving_source::Path::Stroke { stroke: scene.nominal_stroke, cell }, cell)
+        }
+        Path::Straight => (moving_source::Path::Endless, scene.width),
+    }
+}
+
+/// Cell of a to-and-fro path, long enough that its copies do not matter: stroke + width + 8 times the
+/// shortest of diffusion length, fin length and (where the base is held) height.
+fn stroke_cell(scene: &Scene) -> f64 {
+    let strip = &scene.strip;
+    let mut reach = (strip.conductivity / strip.capacity() * scene.nominal_duration).sqrt();
+    if strip.convection > 0.0 {
+        reach = reach.min((strip.conductivity * strip.height / strip.convection).sqrt());
+    }
+    if matches!(strip.far_thermal, ThermalBoundary::Held | ThermalBoundary::External) {
+        reach = reach.min(strip.height);
+    }
+    scene.nominal_stroke + scene.width + 8.0 * reach
+}
+
+fn base_of(body: &Body) -> Base {
+    match body.far_thermal {
+        ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
+        ThermalBoundary::Convecting if body.convection > 0.0 => Base::Convecting(body.convection),
+        ThermalBoundary::Convecting | ThermalBoundary::Insulated => Base::Insulated,
+    }
+}
+
+fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, wide: bool) -> BodyOperators {
+    let (_, expansion) = mean_compliance(body, scene.width, wide);
+    BodyOperators {
+        heat: None,
+        coverage,
+        area,
+        air: Air::of(body, cooled_part),
+        cooled_is_contact: false,
+        far: body.far_thermal,
+        far_temperature: body.far_temperature,
+        initial_temperature: body.initial_temperature,
+        least_wear: 1e-6
+            * WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade).rate(
+                scene.nominal_load / scene.contact_area(),
+                scene.nominal_velocity,
+                scene.friction_coefficient,
+                scene.ambient_temperature,
+            ),
+        wear: WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade),
+        wear_factor: annular_mean(scene, 1.0 + body.wear_velocity_exponent),
+        worn_area: 0.0,
+        initial_wear: body.initial_wear,
+        wear_limit: body.wear_limit,
+        expansion,
+    }
+}
+
+/// Mean of (r/r_m)^power over the contact of an annular scene; 1 otherwise.
+fn annular_mean(scene: &Scene, power: f64) -> f64 {
+    if scene.geometry != Geometry::Annular {
+        return 1.0;
+    }
+    let half = 0.5 * scene.width / scene.mean_radius;
+    let (outer, inner) = (1.0 + half, 1.0 - half);
+    (outer.powf(power + 1.0) - inner.powf(power + 1.0)) / ((power + 1.0) * 2.0 * half)
+}
+
+/// Cooled area of the punch, m2.
+fn punch_cooled(scene: &Scene) -> f64 {
+    let sides = 2.0 * scene.punch.height * scene.depth * scene.count;
+    if scene.punch.cooled_area > 0.0 { scene.punch.cooled_area } else { sides }
+}
+
+/// The punch as a slab under the contact's `area`, m2.
+pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
+    let body = &scene.punch;
+    Slab {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        surface_transfer: 0.0,
+        volume_transfer: body.convection * punch_cooled(scene) / (area * body.height),
+        base: base_of(body),
+        cooling: CoolingPort::Sides,
+    }
+}
+
+fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
+    let body = &scene.punch;
+    let mut operators = body_of(scene, body, area, punch_cooled(scene) / area, 1.0, false);
+    operators.worn_area = area;
+    operators
+}
+
+/// The punch's conduction; `None` of an insulator.
+fn punch_heat(scene: &Scene, area: f64) -> Option<ReducedBody> {
+    let conducts = scene.punch.conductivity > 0.0;
+    conducts.then(|| punch_slab(scene, area).reduce(scene.nominal_duration, reduction_tolerance(scene)))
+}
+
+/// Area of the strip's conduction problem (m2), the part of it that the contact covers, and its cooled area (m2).
+fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f64, f64) {
+    let reference = match scene.geometry {
+        Geometry::Annular => length * scene.width,
+        _ => length * scene.depth,
+    };
+    // On an endless path the problem is that of the integral over the path: all of it is cooled.
+    let (coverage, free) = if endless { (1.0, reference) } else { (area / reference, reference - area) };
+    let cooled = if scene.strip.cooled_area > 0.0 { scene.strip.cooled_area } else { free };
+    (reference, coverage, cooled)
+}
+
+/// The strip as a slab under a contact of `area` (m2) on a path of `length` (m), and the part of it that the contact covers.
+pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
+    let body = &scene.strip;
+    let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
+    let slab = Slab {
+        height: body.height,
+        conductivity: body.conductivity,
+        capacity: body.capacity(),
+        surface_transfer: body.convection * cooled / reference,
+        volume_transfer: 0.0,
+        base: base_of(body),
+        cooling: CoolingPort::Surface,
+    };
+    (slab, coverage)
+}
+
+/// The strip's operators, and its slab for the moving source.
+fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
+    let body = &scene.strip;
+    let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
+    let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
+    // A closed path wears all along; a straight one under the contact, which its track remembers.
+    operators.worn_area = area;
+    let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);
+    (operators, slab)
+}
+
+/// The strip's conduction, without its track; `None` of an insulator.
+fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<ReducedBody> {
+    if scene.strip.conductivity == 0.0 {
+        return None;
+    }
+    let (slab, coverage) = strip_slab(scene, area, length, endless);
+    let mut heat = slab.reduce(scene.nominal_duration, reduction_tolerance(scene));
+    let count = heat.count;
+    for weight in &mut heat.input[0][..count] {
+        *weight *= coverage;
+    }
+    for observation in [
+        &mut heat.contact_temperature,
+        &mut heat.cooled_temperature,
+        &mut heat.base_temperature,
+        &mut heat.mean_temperature,
+        &mut heat.ambient_flow,
+        &mut heat.base_flow,
+    ] {
+        observation.direct[0] *= coverage;
+    }
+    if endless {
+        // Fresh material arrives at its initial temperature: the mean heating is left behind.
+        heat.contact_temperature = Observation::NONE;
+    }
+    Some(heat)
+}
+
+/// The part of a stroke's heating that stays in the track decays without losing heat on the mean:
+/// states that only the contact temperature sees.
+fn append_track(heat: &mut ReducedBody, flash: &Flash) {
+    for (&rate, &residue) in flash.track.rate.iter().zip(&flash.track.residue) {
+        let state = heat.count;
+        heat.rate[state] = rate;
+        heat.input[0][state] = residue.sqrt();
+        heat.contact_temperature.states[state] = residue.sqrt();
+        heat.count += 1;
+    }
+}

@@ -1,0 +1,309 @@
+//! Outputs and profiles of the lumped level, by value reference.
+
+use super::Lumped;
+use super::conditions::Conditions;
+use super::limit;
+use super::operators::BodyOperators;
+use super::point::{self, Point};
+use super::state::BodyState;
+use crate::{INPUTS, Inputs};
+use numerics::maximum::maximum;
+use numerics::scalar::{Dual, Scalar};
+use scene::variables::{COUNT, ValueReference, reference};
+use scene::{STATIONS, value};
+
+macro_rules! emit {
+    ($emit:ident, $($name:literal = $value:expr),* $(,)?) => {
+        $( $emit(const { reference($name) }, $value); )*
+    };
+}
+
+impl Lumped {
+    /// Writes the outputs that answer the inputs (but `friction_slope`), and the worn depths.
+    pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        self.refresh();
+        let (point, conditions) = self.evaluate(&Inputs::from_array(*inputs));
+        self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: f64| {
+            values[reference as usize] = value;
+        });
+        let strip = self.strip_depth();
+        value!(values, "wear_depth") = self.state.punch.depth + strip;
+        value!(values, "wear_depth_punch") = self.state.punch.depth;
+        value!(values, "wear_depth_strip") = strip;
+    }
+
+    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    pub fn write_end(&self, values: &mut [f64; COUNT]) {
+        value!(values, "wear_depth") = self.state.punch.depth + self.strip_depth();
+        value!(values, "contact_temperature") = self.state.end_temperature + self.state.reference;
+        value!(values, "friction_force") = self.state.end_force;
+    }
+
+    /// Writes the outputs that only the states give: the heat account, volumes, distance.
+    pub fn write_account(&self, values: &mut [f64; COUNT]) {
+        self.on_states(&mut |reference: ValueReference, value: f64| values[reference as usize] = value);
+    }
+
+    /// Writes `friction_slope` and the profiles.
+    pub fn write_rest(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
+        value!(values, "friction_slope") = self.slope(&Inputs::from_array(*inputs));
+        let point = self.point(inputs);
+        let temperature = point.contact_temperature + self.state.reference;
+        let scene = &self.operators.scene;
+        let strip = self.strip_depth();
+        let columns = [
+            (const { reference("profile.pressure") }, point.pressure),
+            (const { reference("profile.temperature") }, temperature),
+            (const { reference("profile.wear_punch") }, self.state.punch.depth),
+            (const { reference("profile.wear_strip") }, strip),
+        ];
+        for (first, value) in columns {
+            values[first as usize..first as usize + STATIONS].fill(value);
+        }
+        let first = const { reference("profile.x") } as usize;
+        for station in 0..STATIONS {
+            let part = station as f64 / (STATIONS - 1) as f64;
+            values[first + station] = scene.width * (part - 0.5);
+        }
+        if let Some(track) = &self.state.track {
+            let first = const { reference("profile.wear_strip") } as usize;
+            let spacing = scene.width / (STATIONS - 1) as f64;
+            for station in 0..STATIONS {
+                let middle = spacing * station as f64 - 0.5 * scene.width;
+                let (from, to) =
+                    ((middle - 0.5 * spacing).max(-0.5 * scene.width), (middle + 0.5 * spacing).min(0.5 * scene.width));
+                values[first + station] = track.mean(self.state.position + from, self.state.position + to);
+            }
+        }
+    }
+
+    /// Derivatives of every output in the direction `seed` of the inputs, with the states held.
+    pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
+        self.refresh();
+        let mut duals = [Dual::from(0.0); INPUTS];
+        for i in 0..INPUTS {
+            duals[i] = Dual { value: inputs[i], derivative: seed[i] };
+        }
+        let inputs = Inputs::from_array(duals);
+        let (point, conditions) = self.evaluate(&inputs);
+        derivatives.fill(0.0);
+        self.on_inputs(&point, &conditions, &mut |reference: ValueReference, value: Dual| {
+            derivatives[reference as usize] = value.derivative;
+        });
+        value!(derivatives, "friction_slope") = self.slope(&inputs).derivative;
+    }
+
+    fn evaluate<S: Scalar>(&self, inputs: &Inputs<S>) -> (Point<S>, Conditions<S>) {
+        let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
+        let point =
+            point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions);
+        (point, conditions)
+    }
+
+    /// d friction_force / d velocity with the states held, N s/m.
+    fn slope<S: Scalar>(&mut self, inputs: &Inputs<S>) -> S {
+        self.refresh();
+        let lift = |value: S, derivative: f64| Dual { value, derivative: S::from(derivative) };
+        let inputs = Inputs {
+            sliding_velocity: lift(inputs.sliding_velocity, 1.0),
+            normal_load: lift(inputs.normal_load, 0.0),
+            angular_velocity: lift(inputs.angular_velocity, 0.0),
+            ambient_temperature_offset: lift(inputs.ambient_temperature_offset, 0.0),
+            cooling_velocity: lift(inputs.cooling_velocity, 0.0),
+            strip_external_temperature: lift(inputs.strip_external_temperature, 0.0),
+            punch_external_temperature: lift(inputs.punch_external_temperature, 0.0),
+        };
+        self.evaluate(&inputs).0.force.derivative
+    }
+
+    /// Outputs that answer the inputs.
+    fn on_inputs<S: Scalar>(
+        &self,
+        point: &Point<S>,
+        conditions: &Conditions<S>,
+        emit: &mut impl FnMut(ValueReference, S),
+    ) {
+        let (operators, scene, state) = (&self.operators, &self.operators.scene, &self.state);
+        let faces = scene.faces;
+        let absolute = S::from(state.reference);
+        let surface = point.partition;
+        let hotter = if surface.punch_temperature.value() > surface.strip_temperature.value() {
+            surface.punch_temperature
+        } else {
+            surface.strip_temperature
+        };
+        let kinetic = point.friction_coefficient * point.load * (faces * operators.power_factor);
+        // At standstill the Stribeck factor is the static ratio.
+        let limit =
+            point.kinetic_coefficient * point.load * (faces * operators.power_factor * scene.static_friction_ratio);
+        let carries = if point.pressure.value() > 0.0 { 1.0 } else { 0.0 };
+        let wearing = (point.wear_rate[0] + point.wear_rate[1]) * point.pressure * (operators.area * faces);
+        let closed = state.punch.depth + self.strip_depth()
+            - self.expansion(&operators.punch, &state.punch)
+            - self.expansion(&operators.strip, &state.strip);
+        emit!(
+            emit,
+            "contact_temperature" = point.contact_temperature + absolute,
+            "contact_temperature_max" = hotter + absolute,
+            "friction_force" = point.force,
+            "friction_torque" = point.force * scene.mean_radius,
+            "effective_radius" = S::from(operators.effective_radius),
+            "friction_power" = point.force * conditions.velocity,
+            "friction_coefficient" = point.friction_coefficient,
+            "friction_force_kinetic" = kinetic,
+            "friction_force_limit" = limit,
+            "critical_speed" = operators.critical_speed.at(point.friction_coefficient),
+            "pressure_mean" = point.pressure,
+            "pressure_max" = point.pressure,
+            "contact_fraction" = S::from(carries),
+            "tilt" = S::from(0.0),
+            "approach" = point.pressure * operators.compliance + S::from(closed),
+            "heat_flow_punch" = surface.punch * (operators.area * faces),
+            "heat_flow_strip" = surface.strip * (operators.area * faces),
+            "heat_flow_punch_top" = point.far_flow[0],
+            "heat_flow_strip_base" = point.far_flow[1],
+            "heat_flow_ambient" = point.ambient_flow[0] + point.ambient_flow[1],
+            "wear_dissipation_power" = wearing,
+        );
+        emit(const { reference("limit_reached") }, S::from(f64::from(state.limits & 7)));
+    }
+
+    /// Outputs that only the states give.
+    fn on_states(&self, emit: &mut impl FnMut(ValueReference, f64)) {
+        let (operators, scene, state) = (&self.operators, &self.operators.scene, &self.state);
+        let faces = scene.faces;
+        let strip_depth = self.strip_depth();
+        let punch = self.flows(&operators.punch, &state.punch);
+        let strip = self.flows(&operators.strip, &state.strip);
+        let stick = scene.stick_stiffness;
+        let life = |depth: f64, body: &BodyOperators| {
+            if body.wear_limit > 0.0 {
+                (1.0 - (depth + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
+            } else {
+                1.0
+            }
+        };
+        emit!(
+            emit,
+            "wear_volume_punch" = state.punch.worn * operators.punch.worn_area * faces,
+            "wear_volume_strip" = state.strip.worn * operators.strip.worn_area * faces,
+            "remaining_life" = life(state.punch.depth, &operators.punch).min(life(strip_depth, &operators.strip)),
+            "sliding_distance" = state.distance,
+            "dissipated_energy" = state.dissipated * operators.area * faces,
+            "bristle_deflection" = state.bristle,
+            "bristle_energy" = 0.5 * stick * state.bristle * state.bristle,
+            "heat_lost_ambient" = punch.ambient + strip.ambient,
+            "heat_lost_punch_top" = punch.far,
+            "heat_lost_strip_base" = strip.far,
+            "heat_received_punch" = punch.received,
+            "heat_received_strip" = strip.received,
+            "stored_heat" = punch.stored + strip.stored,
+            "punch.mean_temperature" = self.mean_temperature(&operators.punch, &state.punch, 1.0),
+            "strip.mean_temperature" = self.strip_mean_temperature(),
+            "estimated_step_error" = self.estimated_step_error(),
+        );
+    }
+
+    /// Worn depth of the strip under the contact, m.
+    fn strip_depth(&self) -> f64 {
+        match &self.state.track {
+            Some(track) => track.under(self.state.position),
+            None => self.state.strip.depth,
+        }
+    }
+
+    pub(super) fn expansion(&self, body: &BodyOperators, state: &BodyState) -> f64 {
+        body.heat.as_ref().map_or(0.0, |heat| body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count))
+    }
+
+    fn mean_temperature(&self, body: &BodyOperators, state: &BodyState, share: f64) -> f64 {
+        let ambient = self.tunables.ambient_temperature;
+        body.heat.as_ref().map_or(ambient, |heat| {
+            self.state.reference + share * heat.mean_temperature.of_states(&state.heat, heat.count)
+        })
+    }
+
+    /// Of a straight one-way path: over the track swept so far, above the material's initial temperature.
+    fn strip_mean_temperature(&self) -> f64 {
+        let operators = &self.operators;
+        if operators.strip_remembers {
+            return self.mean_temperature(&operators.strip, &self.state.strip, 1.0);
+        }
+        let swept = operators.scene.sliding_extent();
+        let share = swept / (swept + self.state.distance);
+        self.mean_temperature(&operators.strip, &self.state.strip, share) + point::strip_entry(operators, &self.state)
+    }
+
+    /// Where the heat of punch and strip went since initialisation, J, all faces.
+    pub fn heat_accounts(&self) -> [conduction::line::Account; 2] {
+        [(&self.operators.punch, &self.state.punch), (&self.operators.strip, &self.state.strip)].map(|(body, state)| {
+            let Account { received, ambient, far, stored } = self.flows(body, state);
+            conduction::line::Account { received, stored, ambient, far }
+        })
+    }
+
+    /// Heat account of one body, J, all faces.
+    fn flows(&self, body: &BodyOperators, state: &BodyState) -> Account {
+        let Some(heat) = &body.heat else { return Account::default() };
+        let all = body.area * self.operators.scene.faces;
+        let initial = if self.operators.strip_remembers || std::ptr::eq(body, &self.operators.punch) {
+            let start = if body.initial_temperature > 0.0 { body.initial_temperature } else { self.state.reference };
+            start - self.state.reference
+        } else {
+            0.0
+        };
+        let mut account = Account {
+            received: state.received[0] * self.operators.area * self.operators.scene.faces,
+            ..Account::default()
+        };
+        // Integral of a state: (input - gain of the state)/rate, exact for the exact propagation.
+        let (mut ambient, mut far, mut stored) = (0.0, 0.0, 0.0);
+        for k in 0..heat.count {
+            let gained = state.heat[k] - heat.stored.states[k] * initial;
+            stored += heat.stored.states[k] * gained;
+            if heat.rate[k] > 0.0 {
+                let entered: f64 = (0..4).map(|port| heat.input[port][k] * state.received[port]).sum();
+                let integral = (entered - gained) / heat.rate[k];
+                ambient += heat.ambient_flow.states[k] * integral;
+                far += heat.base_flow.states[k] * integral;
+            }
+        }
+        for port in 0..4 {
+            ambient += heat.ambient_flow.direct[port] * state.received[port];
+            far += heat.base_flow.direct[port] * state.received[port];
+        }
+        // What the stationary field of the far face holds beyond the states came and went through that face.
+        let side = usize::from(!std::ptr::eq(body, &self.operators.punch));
+        let beyond = heat.stored.direct[3] * (self.state.far[side] - self.state.far_start[side]);
+        stored += beyond;
+        far -= beyond;
+        // The flux into the cooled surface is heat from the air.
+        account.ambient = (ambient - state.received[1]) * all;
+        account.far = far * all;
+        account.stored = stored * all;
+        account
+    }
+
+    /// Reduction of both bodies, and the time step's share of the tolerance.
+    fn estimated_step_error(&self) -> f64 {
+        let reduction = [&self.operators.punch, &self.operators.strip]
+            .iter()
+            .filter_map(|body| body.heat.as_ref())
+            .map(|heat| heat.error)
+            .fold(0.0, maximum);
+        reduction + self.state.error
+    }
+
+    /// Limits reached so far; see [`limit`].
+    pub fn limits(&self) -> u8 {
+        self.state.limits & (limit::WEAR | limit::TEMPERATURE | limit::VALIDITY | limit::NEGATIVE_LOAD)
+    }
+}
+
+#[derive(Default)]
+struct Account {
+    received: f64,
+    ambient: f64,
+    far: f64,
+    stored: f64,
+}

@@ -1,0 +1,312 @@
+//! The contact at one instant with all states held: what outputs and directional derivatives come from.
+
+use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
+use super::bristle::Bristle;
+use super::conditions::{Conditions, Tunables};
+use super::interface::{HeatPartition, Side, agree, apart, partition};
+use super::operators::{BodyOperators, LumpedOperators};
+use super::state::{BodyState, LumpedState};
+use conduction::STEFAN_BOLTZMANN;
+use conduction::reduced::{Observation, Port, ReducedBody};
+use contact::friction::FrictionLaw;
+use numerics::scalar::Scalar;
+
+/// Sums over the states that do not change while the states are held.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Frozen {
+    punch: FrozenBody,
+    strip: FrozenBody,
+    flash: f64,
+    /// Worn and thermal approach that a caliper feels, m.
+    closed: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+struct FrozenBody {
+    contact: f64,
+    /// Of the faces that the air cools.
+    cooled: [f64; FACES],
+    ambient_flow: f64,
+    base_flow: f64,
+}
+
+impl FrozenBody {
+    fn new(body: &BodyOperators, state: &BodyState) -> FrozenBody {
+        let Some(heat) = &body.heat else { return FrozenBody::default() };
+        let of = |observation: &Observation| observation.of_states(&state.heat, heat.count);
+        FrozenBody {
+            contact: of(&heat.contact_temperature),
+            cooled: cooled_faces(heat).map(of),
+            ambient_flow: of(&heat.ambient_flow),
+            base_flow: of(&heat.base_flow),
+        }
+    }
+}
+
+impl Frozen {
+    /// Sums over `state`.
+    pub fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
+        let closed = if operators.series_stiffness > 0.0 {
+            let rise = |body: &BodyOperators, state: &BodyState| match &body.heat {
+                Some(heat) => body.expansion * heat.mean_temperature.of_states(&state.heat, heat.count),
+                None => 0.0,
+            };
+            state.punch.depth + state.strip.depth
+                - rise(&operators.punch, &state.punch)
+                - rise(&operators.strip, &state.strip)
+        } else {
+            0.0
+        };
+        Frozen {
+            punch: FrozenBody::new(&operators.punch, &state.punch),
+            strip: FrozenBody::new(&operators.strip, &state.strip),
+            flash: state.flash.iter().sum(),
+            closed,
+        }
+    }
+}
+
+/// The contact at one instant. Temperatures in K above the reference.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Point<S = f64> {
+    /// Load per face that reaches the contact, N.
+    pub load: S,
+    /// Mean pressure, Pa.
+    pub pressure: S,
+    /// Friction coefficient with Stribeck factor.
+    pub friction_coefficient: S,
+    /// Friction coefficient without it.
+    pub kinetic_coefficient: S,
+    /// Friction force of all faces, N, signed.
+    pub force: S,
+    /// Friction heat flux, W/m2.
+    pub flux: S,
+    /// Its split.
+    pub partition: HeatPartition<S>,
+    /// Mean of both surfaces.
+    pub contact_temperature: S,
+    /// Heat flows to ambient and out of the far faces, all faces, W: punch, strip.
+    pub ambient_flow: [S; 2],
+    /// See `ambient_flow`.
+    pub far_flow: [S; 2],
+    /// Speed that wears, m/s.
+    pub wearing_speed: S,
+    /// Wear rates of punch and strip under the contact, m/s.
+    pub wear_rate: [S; 2],
+}
+
+/// Flux into a cooled face (W/m2 of reference area) at the temperature `t`, K above the reference.
+#[inline]
+pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
+    let mut flux = (ambient - t) * forced * air.forced;
+    if air.emissivity > 0.0 {
+        // Nothing radiates below 0 K, where only an iteration goes: the flux then falls with the temperature everywhere,
+        // and [`cooling_slope`] is its derivative.
+        let fourth = |t: S| {
+            let absolute = (t + S::from(reference)).positive();
+            (absolute * absolute) * (absolute * absolute)
+        };
+        flux = flux + (fourth(ambient) - fourth(t)) * (STEFAN_BOLTZMANN * air.emissivity);
+    }
+    flux
+}
+
+/// Derivative of the outgoing cooling flux by the surface temperature, W/(m2 K), for implicit solves.
+#[inline]
+pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
+    forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3)
+}
+
+/// Levels that prescribed temperatures add to an observation.
+#[inline]
+fn prescribed<S: Scalar>(observation: &Observation, ambient: S, far: S) -> S {
+    ambient * observation.direct[Port::Ambient as usize] + far * observation.direct[Port::Base as usize]
+}
+
+/// Temperatures of the faces that the air cools.
+fn cooled_faces(heat: &ReducedBody) -> [&Observation; FACES] {
+    [&heat.cooled_temperature, &heat.base_temperature]
+}
+
+/// Cooling fluxes of a body with its states held: a face follows the fluxes only by its static remainders.
+fn held_cooling<S: Scalar>(
+    body: &BodyOperators,
+    heat: &ReducedBody,
+    frozen: &FrozenBody,
+    reference: f64,
+    conditions: &Conditions<S>,
+    far: S,
+    into: S,
+) -> [S; FACES] {
+    let mut flux = [S::from(0.0); FACES];
+    if !body.is_cooled_variably() {
+        return flux;
+    }
+    let faces = cooled_faces(heat);
+    let level: [S; FACES] = std::array::from_fn(|face| {
+        prescribed(faces[face], conditions.ambient, far)
+            + into * faces[face].direct[Port::Contact as usize]
+            + S::from(frozen.cooled[face])
+    });
+    // The remainders are tiny against the resistance of the air: the iteration contracts by their ratio.
+    for _ in 0..5 {
+        for face in 0..FACES {
+            if body.air[face].acts() {
+                let t = level[face] + raised(faces[face], &flux);
+                flux[face] = cooling_flux(&body.air[face], reference, t, conditions.ambient, conditions.forced);
+            }
+        }
+    }
+    flux
+}
+
+/// What cooling fluxes add to an observation at once.
+#[inline]
+fn raised<S: Scalar>(observation: &Observation, cooling: &[S; FACES]) -> S {
+    cooling[BESIDE] * observation.direct[PORTS_OF_FACES[BESIDE]]
+        + cooling[FAR] * observation.direct[PORTS_OF_FACES[FAR]]
+}
+
+/// Evaluates the contact with the states held.
+pub fn evaluate<S: Scalar>(
+    operators: &LumpedOperators,
+    friction: &FrictionLaw,
+    state: &LumpedState,
+    frozen: &Frozen,
+    tunables: &Tunables,
+    conditions: &Conditions<S>,
+) -> Point<S> {
+    let scene = &operators.scene;
+    let load = if operators.series_stiffness > 0.0 && conditions.load.value() > 0.0 {
+        (conditions.load - S::from(frozen.closed * operators.series_stiffness)).positive()
+    } else {
+        conditions.load
+    };
+    let pressure = load * (1.0 / operators.area);
+    let closed = pressure.value() > 0.0;
+    let body = |operators: &BodyOperators, frozen: &FrozenBody, extra: f64, far: S| match &operators.heat {
+        Some(heat) => {
+            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far, S::from(0.0));
+            let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
+                + raised(&heat.contact_temperature, &cooling)
+                + S::from(frozen.contact + extra);
+            (Side { level, gain: Some(heat.contact_temperature.direct[Port::Contact as usize]) }, cooling)
+        }
+        None => (Side { level: conditions.ambient, gain: None }, [S::from(0.0); FACES]),
+    };
+    let entry = strip_entry(operators, state);
+    let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, conditions.punch_far);
+    let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, conditions.strip_far);
+    let sides = (punch, strip);
+    let bristle = operators.bristle();
+    let faces = scene.faces;
+    // Heat per unit of the faded friction coefficient.
+    let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
+    let solve = |flux: S| {
+        if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
+    };
+    let mean = |partition: &HeatPartition<S>| (partition.punch_temperature + partition.strip_temperature) * 0.5;
+    let reference = S::from(state.reference);
+    let none = solve(S::from(0.0));
+    let level = mean(&none) + reference;
+    let (mut temperature, mut flux) = (level, S::from(0.0));
+    if closed && driver.value() > 0.0 {
+        // The temperature is affine in the heat: two evaluations give its gain.
+        let gain = mean(&solve(driver)) + reference - level;
+        temperature = agree(friction, level, gain);
+        flux = friction.kinetic_coefficient(temperature) * driver;
+    }
+    let kinetic_at = |temperature: S| {
+        friction.kinetic_coefficient(temperature) * conditions.stribeck * load * (faces * operators.power_factor)
+    };
+    // Sliding heats the contact, sticking does not: a bristle sticks where it is below the limit of its sliding.
+    if let Some(bristle) = bristle
+        && !bristle.force(state.bristle, conditions.velocity.value(), kinetic_at(temperature).value()).1
+    {
+        temperature = level;
+    }
+    let kinetic_coefficient = friction.kinetic_coefficient(temperature);
+    let mu = kinetic_coefficient * conditions.stribeck;
+    let kinetic = mu * load * (faces * operators.power_factor);
+    let mut force = kinetic * conditions.sign;
+    let mut wearing_speed = conditions.slip;
+    if let Some(bristle) = bristle {
+        let (held, slips) = bristle.force(state.bristle, conditions.velocity.value(), kinetic.value());
+        let v = conditions.velocity;
+        force = if slips {
+            kinetic * held.signum()
+        } else {
+            S::from(bristle.stiffness * state.bristle) + v * bristle.damping
+        };
+        let deflecting = match (slips, bristle.damping > 0.0) {
+            (true, true) => (force - S::from(bristle.stiffness * state.bristle)) * (1.0 / bristle.damping),
+            (true, false) => S::from(0.0),
+            (false, _) => v,
+        };
+        wearing_speed = if slips { (v - deflecting).abs() } else { S::from(0.0) };
+        // Heat: the slider's work and the damper's.
+        let power = force * v - deflecting * (bristle.stiffness * state.bristle);
+        flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
+    }
+    let partition = solve(flux);
+    // The cooled surface feels the contact's heat; what its flux then changes at the contact, through a static
+    // remainder once more, is left out.
+    let recool =
+        |operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], far: S, into: S| match &operators.heat {
+            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
+            None => before,
+        };
+    let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, partition.punch);
+    let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, partition.strip);
+    let contact_temperature = mean(&partition);
+    let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
+        Some(heat) => {
+            let observe = |observation: &Observation, states: f64| {
+                (S::from(states)
+                    + into * observation.direct[Port::Contact as usize]
+                    + raised(observation, &cooling)
+                    + prescribed(observation, conditions.ambient, far))
+                    * (body.area * faces)
+            };
+            (
+                observe(&heat.ambient_flow, frozen.ambient_flow) - cooling[BESIDE] * (body.area * faces),
+                observe(&heat.base_flow, frozen.base_flow),
+            )
+        }
+        None => (S::from(0.0), S::from(0.0)),
+    };
+    let punch_flows = flows(&operators.punch, &frozen.punch, partition.punch, punch_cooling, conditions.punch_far);
+    let strip_flows = flows(&operators.strip, &frozen.strip, partition.strip, strip_cooling, conditions.strip_far);
+    let wear = |body: &BodyOperators| {
+        body.wear.rate(pressure, wearing_speed, kinetic_coefficient, contact_temperature + reference)
+            * (body.wear_factor * tunables.wear_acceleration)
+    };
+    Point {
+        load,
+        pressure,
+        friction_coefficient: mu,
+        kinetic_coefficient,
+        force,
+        flux,
+        partition,
+        contact_temperature,
+        ambient_flow: [punch_flows.0, strip_flows.0],
+        far_flow: [punch_flows.1, strip_flows.1],
+        wearing_speed,
+        wear_rate: [wear(&operators.punch), wear(&operators.strip)],
+    }
+}
+
+/// Temperature (K above the reference) at which fresh material arrives on a straight one-way path.
+pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
+    let initial = operators.strip.initial_temperature;
+    if operators.strip_remembers || initial == 0.0 { 0.0 } else { initial - state.reference }
+}
+
+impl LumpedOperators {
+    /// The bristle, if the scene has one.
+    pub fn bristle(&self) -> Option<Bristle> {
+        (self.scene.stick_stiffness > 0.0)
+            .then_some(Bristle { stiffness: self.scene.stick_stiffness, damping: self.scene.stick_damping })
+    }
+}

@@ -1,0 +1,85 @@
+//! The lumped state as numbers.
+
+use super::state::LumpedState;
+use contact::wear::track::Track;
+
+impl LumpedState {
+    /// All numbers of the state, in the order that [`LumpedState::from_numbers`] reads.
+    pub fn numbers(&self) -> Vec<f64> {
+        let mut out = Vec::with_capacity(96);
+        for body in [&self.punch, &self.strip] {
+            write_row(&mut out, &body.heat);
+            out.extend(body.received);
+            out.extend([body.depth, body.worn]);
+        }
+        write_row(&mut out, &self.flash);
+        out.extend([self.position, self.distance, self.dissipated, self.bristle]);
+        out.extend([self.peak_rise, self.peak_flux, self.peak_wear, self.reference, self.error]);
+        out.extend([self.end_temperature, self.end_force]);
+        out.extend(self.far_start);
+        out.extend(self.far);
+        out.extend([f64::from(self.limits), f64::from(self.refinement), self.steps as f64, self.rejected as f64]);
+        if let Some(track) = &self.track {
+            out.push(1.0);
+            track.save(&mut out);
+        } else {
+            out.push(0.0);
+        }
+        out
+    }
+
+    /// The state of these numbers; `None` where they are not those of a state.
+    pub fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<LumpedState> {
+        let mut state = LumpedState::empty();
+        for body in [&mut state.punch, &mut state.strip] {
+            read_row(numbers, &mut body.heat)?;
+            for slot in body.received.iter_mut().chain([&mut body.depth, &mut body.worn]) {
+                *slot = *numbers.next()?;
+            }
+        }
+        read_row(numbers, &mut state.flash)?;
+        let mut next = || numbers.next().copied();
+        state.position = next()?;
+        state.distance = next()?;
+        state.dissipated = next()?;
+        state.bristle = next()?;
+        state.peak_rise = next()?;
+        state.peak_flux = next()?;
+        state.peak_wear = next()?;
+        state.reference = next()?;
+        state.error = next()?;
+        state.end_temperature = next()?;
+        state.end_force = next()?;
+        for slot in state.far_start.iter_mut().chain(&mut state.far) {
+            *slot = next()?;
+        }
+        state.limits = next()? as u8;
+        state.refinement = next()? as u8;
+        state.steps = next()? as u64;
+        state.rejected = next()? as u64;
+        if next()? != 0.0 {
+            let mut track = Track::new(1.0, 0.0);
+            track.load(numbers)?;
+            state.track = Some(track);
+        }
+        Some(state)
+    }
+}
+
+/// Writes a row without its trailing zeros.
+fn write_row(out: &mut Vec<f64>, values: &[f64]) {
+    let count = values.iter().rposition(|value| value.to_bits() != 0).map_or(0, |last| last + 1);
+    out.push(count as f64);
+    out.extend(&values[..count]);
+}
+
+fn read_row(numbers: &mut std::slice::Iter<'_, f64>, values: &mut [f64]) -> Option<()> {
+    let count = *numbers.next()?;
+    if !(0.0..=values.len() as f64).contains(&count) {
+        return None;
+    }
+    for slot in &mut values[..count as usize] {
+        *slot = *numbers.next()?;
+    }
+    Some(())
+}

@@ -1,0 +1,182 @@
+//! What one body contributes to the equations of a step.
+
+use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
+use super::operators::BodyOperators;
+use super::point::{cooling_flux, cooling_slope};
+use super::stage::{Observed, Propagator, QUADRATURE};
+use super::state::{BodyState, NewHeat};
+use conduction::reduced::{PORTS, Port};
+use numerics::maximum::maximum;
+
+/// What one body contributes to the stage equations.
+pub struct StageBody<'a> {
+    pub body: &'a BodyOperators,
+    pub propagator: Option<&'a Propagator>,
+    /// Contact temperature at the three points without contact and cooling flux.
+    pub level: [f64; 3],
+    /// Temperatures of the cooled faces at both stages likewise.
+    pub cooled: [[f64; 2]; FACES],
+    /// Stage fluxes through every port.
+    pub flux: [[f64; 2]; PORTS],
+    pub active: [bool; PORTS],
+    /// Faces whose flux follows from their temperature.
+    cools: [bool; FACES],
+}
+
+impl<'a> StageBody<'a> {
+    pub fn new(
+        body: &'a BodyOperators,
+        propagator: Option<&'a Propagator>,
+        state: &BodyState,
+        ambient: [f64; 2],
+        far: [f64; 2],
+    ) -> Self {
+        let mut stage = StageBody {
+            body,
+            propagator,
+            level: [ambient[0], 0.0, ambient[1]],
+            cooled: [[0.0; 2]; FACES],
+            flux: [[0.0; 2]; PORTS],
+            active: [true, false, ambient != [0.0; 2], far != [0.0; 2]],
+            cools: body.air.each_ref().map(|face| face.acts()),
+        };
+        stage.flux[Port::Ambient as usize] = ambient;
+        stage.flux[Port::Base as usize] = far;
+        if let (Some(propagator), Some(heat)) = (propagator, &body.heat) {
+            for point in [0, 2] {
+                stage.level[point] = stage.observe(&propagator.contact, point, state, heat.count);
+                for face in 0..FACES {
+                    if stage.cools[face] {
+                        stage.cooled[face][point / 2] = if face == BESIDE && body.cooled_is_contact {
+                            stage.level[point]
+                        } else {
+                            stage.observe(&propagator.cooled[face], point, state, heat.count)
+                        };
+                    }
+                }
+            }
+            for (port, cools) in PORTS_OF_FACES.into_iter().zip(stage.cools) {
+                stage.active[port] |= cools;
+            }
+        }
+        stage
+    }
+
+    /// What states and prescribed temperatures give at `point`.
+    #[inline]
+    fn observe(&self, observed: &Observed, point: usize, state: &BodyState, count: usize) -> f64 {
+        let mut sum = observed.of_states(point, &state.heat, count);
+        for (port, found) in [(Port::Ambient as usize, false), (Port::Base as usize, self.cools[FAR])] {
+            if self.active[port] && !found {
+                sum += observed.of_flux(port, point, self.flux[port]);
+            }
+        }
+        sum
+    }
+
+    /// Contact temperature at the point 2/3 without contact flux and cooling: only the error estimate needs it.
+    pub fn middle_level(&self, state: &BodyState) -> f64 {
+        match (self.propagator, &self.body.heat) {
+            (Some(propagator), Some(heat)) => self.observe(&propagator.contact, 1, state, heat.count),
+            _ => 0.5 * (self.level[0] + self.level[2]),
+        }
+    }
+
+    /// Contact temperature at `point` under the present stage fluxes.
+    pub fn contact(&self, point: usize) -> f64 {
+        self.level[point] + self.add(|propagator| &propagator.contact, point)
+    }
+
+    /// Contact temperature at `point` without contact flux.
+    pub fn contact_level(&self, point: usize) -> f64 {
+        match self.propagator {
+            Some(propagator) => self.add_cooling(self.level[point], &propagator.contact, point),
+            None => self.level[point],
+        }
+    }
+
+    /// Whether the air takes heat that follows from temperatures still to be found.
+    pub fn cools(&self) -> bool {
+        self.cools.contains(&true)
+    }
+
+    /// What contact and cooling add to an observation at `point`.
+    pub fn add(&self, of: impl Fn(&Propagator) -> &Observed, point: usize) -> f64 {
+        self.propagator.map_or(0.0, |propagator| self.add_to(of(propagator), point))
+    }
+
+    fn add_to(&self, observed: &Observed, point: usize) -> f64 {
+        self.add_cooling(observed.of_flux(0, point, self.flux[0]), observed, point)
+    }
+
+    fn add_cooling(&self, mut sum: f64, observed: &Observed, point: usize) -> f64 {
+        for (port, cools) in PORTS_OF_FACES.into_iter().zip(self.cools) {
+            if cools {
+                sum += observed.of_flux(port, point, self.flux[port]);
+            }
+        }
+        sum
+    }
+
+    pub fn gain(&self, point: usize) -> [f64; 2] {
+        self.propagator.map_or([0.0; 2], |propagator| propagator.contact.gain[0][point])
+    }
+
+    /// Updates the cooling fluxes from the present temperatures, linearised in the fluxes of both faces at the same stage;
+    /// returns the largest change of temperature that this makes.
+    pub fn cool(&mut self, reference: f64, ambient: [f64; 2], forced: [f64; 2]) -> f64 {
+        let Some(propagator) = self.propagator else { return 0.0 };
+        let mut change: f64 = 0.0;
+        for stage in 0..2 {
+            let point = 2 * stage;
+            // What the law asks for more at each face, and by how much each face's loss rises with either flux.
+            let (mut lack, mut matrix) = ([0.0; FACES], [[1.0, 0.0], [0.0, 1.0]]);
+            for face in 0..FACES {
+                if !self.cools[face] {
+                    continue;
+                }
+                let (air, observed) = (&self.body.air[face], &propagator.cooled[face]);
+                let t = self.cooled[face][stage] + self.add_to(observed, point);
+                let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage]);
+                let slope = cooling_slope(air, reference, t, forced[stage]);
+                lack[face] = wanted - self.flux[PORTS_OF_FACES[face]][stage];
+                for (entry, port) in matrix[face].iter_mut().zip(PORTS_OF_FACES) {
+                    *entry += slope * observed.gain[port][point][stage];
+                }
+            }
+            let step = solve(&matrix, lack);
+            for (port, step) in PORTS_OF_FACES.into_iter().zip(step) {
+                // Also what is no number.
+                if step != 0.0 {
+                    self.flux[port][stage] += step;
+                    change = maximum(change, (step * propagator.contact.gain[port][2][stage]).abs());
+                }
+            }
+        }
+        change
+    }
+
+    /// Heat at the end of the step, and what the ports have received by then.
+    pub fn advanced(&self, state: &BodyState, step: f64) -> NewHeat {
+        let mut new = NewHeat { heat: state.heat, received: state.received };
+        if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
+            propagator.advance(&mut new.heat, heat.count, &self.flux, self.active);
+            for port in 0..PORTS {
+                if port == 0 || self.active[port] {
+                    new.received[port] +=
+                        step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
+                }
+            }
+        }
+        new
+    }
+}
+
+/// Solves two equations.
+fn solve(matrix: &[[f64; 2]; 2], right: [f64; 2]) -> [f64; 2] {
+    let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
+    [
+        (right[0] * matrix[1][1] - matrix[0][1] * right[1]) / determinant,
+        (matrix[0][0] * right[1] - matrix[1][0] * right[0]) / determinant,
+    ]
+}

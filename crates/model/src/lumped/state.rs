@@ -1,0 +1,196 @@
+//! What changes at the lumped level; everything a saved state needs.
+
+use super::operators::LumpedOperators;
+use conduction::flash::MAX_FLASH_STATES;
+use conduction::reduced::MAX_STATES;
+use contact::wear::track::Track;
+use numerics::maximum::all_finite;
+
+/// Heat and wear of one body.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BodyState {
+    /// States of the reduced conduction problem.
+    pub heat: [f64; MAX_STATES],
+    /// Integrals of the fluxes through the ports since initialisation, by port.
+    pub received: [f64; 4],
+    /// Worn depth under a contact that stays on its material, m: punch, or strip of a closed path.
+    pub depth: f64,
+    /// Worn volume per face over `worn_area`, m.
+    pub worn: f64,
+}
+
+impl BodyState {
+    /// All zero.
+    pub const EMPTY: BodyState =
+        BodyState { heat: [0.0; conduction::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
+}
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct LumpedState {
+    pub punch: BodyState,
+    pub strip: BodyState,
+    /// States of the moving source, K.
+    pub flash: [f64; MAX_FLASH_STATES],
+    /// Worn track of a straight path; absent where nothing is tracked.
+    pub track: Option<Track>,
+    /// Position of the punch on the strip, m.
+    pub position: f64,
+    /// Distance slid, m.
+    pub distance: f64,
+    /// Friction heat per contact area, J/m2.
+    pub dissipated: f64,
+    /// Bristle deflection, m.
+    pub bristle: f64,
+    /// Prescribed temperatures of the far faces (punch, strip) at initialisation and now, K above the reference.
+    pub far_start: [f64; 2],
+    pub far: [f64; 2],
+    /// Largest temperature rise at the contact so far, K.
+    pub peak_rise: f64,
+    /// Largest friction heat flux so far, W/m2.
+    pub peak_flux: f64,
+    /// Largest wear rate so far, m/s.
+    pub peak_wear: f64,
+    /// Bits of limit_reached seen so far.
+    pub limits: u8,
+    /// log2 of the number of parts the last communication step was cut into.
+    pub refinement: u8,
+    /// Ambient temperature that heat is counted from, K.
+    pub reference: f64,
+    /// Contact temperature (K above the reference) and friction force (N) at the end of the last step.
+    pub end_temperature: f64,
+    pub end_force: f64,
+    /// Running estimate of the relative error.
+    pub error: f64,
+    /// Accepted steps, for work-precision charts.
+    pub steps: u64,
+    /// Rejected steps.
+    pub rejected: u64,
+}
+
+/// Heat of a body at the end of a step, before the step is accepted: see [`BodyState`].
+pub struct NewHeat {
+    pub heat: [f64; MAX_STATES],
+    pub received: [f64; 4],
+}
+
+/// What a step makes of a [`LumpedState`], before it is accepted.
+pub struct NewState {
+    pub punch: NewHeat,
+    pub strip: NewHeat,
+    pub flash: [f64; MAX_FLASH_STATES],
+    /// Way of the punch, m.
+    pub travel: f64,
+    pub dissipated: f64,
+    pub distance: f64,
+    /// Depths worn off (punch, strip), m.
+    pub worn: [f64; 2],
+    pub end_temperature: f64,
+    pub end_force: f64,
+}
+
+impl NewState {
+    /// Whether every number is finite.
+    #[inline(always)]
+    pub fn is_finite(&self) -> bool {
+        let NewState { punch, strip, flash, travel, dissipated, distance, worn, end_temperature, end_force } = self;
+        // What is beyond the last state is 0.
+        let numbers = [*travel, *dissipated, *distance, worn[0], worn[1], *end_temperature, *end_force, 0.0];
+        all_finite(&punch.heat)
+            & all_finite(&strip.heat)
+            & all_finite(&punch.received)
+            & all_finite(&strip.received)
+            & all_finite(flash)
+            & all_finite(&numbers)
+    }
+
+    /// Carries `state` over.
+    #[inline(always)]
+    pub fn commit(self, operators: &LumpedOperators, state: &mut LumpedState) {
+        (state.punch.heat, state.punch.received) = (self.punch.heat, self.punch.received);
+        (state.strip.heat, state.strip.received) = (self.strip.heat, self.strip.received);
+        state.flash = self.flash;
+        (state.dissipated, state.distance) = (self.dissipated, self.distance);
+        state.wear(operators, self.worn, self.travel);
+        (state.end_temperature, state.end_force) = (self.end_temperature, self.end_force);
+    }
+}
+
+impl LumpedState {
+    /// At initialisation: bodies at their initial temperatures, nothing worn. `ambient` in K.
+    pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
+        let reference = ambient;
+        let start = |body: &super::operators::BodyOperators| {
+            let mut state = BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
+            if let Some(heat) = &body.heat {
+                let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
+                for k in 0..heat.count {
+                    state.heat[k] = heat.stored.states[k] * (initial - reference);
+                }
+            }
+            state
+        };
+        let punch = start(&operators.punch);
+        let mut strip = start(&operators.strip);
+        if !operators.strip_remembers {
+            strip.heat = [0.0; MAX_STATES];
+        }
+        let track = operators
+            .tracked
+            .then(|| Track::new(0.5 * operators.scene.sliding_extent(), operators.scene.nominal_stroke));
+        LumpedState { punch, strip, track, reference, ..LumpedState::empty() }
+    }
+
+    /// All zero, no track.
+    pub fn empty() -> LumpedState {
+        LumpedState {
+            punch: BodyState::EMPTY,
+            strip: BodyState::EMPTY,
+            flash: [0.0; MAX_FLASH_STATES],
+            track: None,
+            position: 0.0,
+            distance: 0.0,
+            dissipated: 0.0,
+            bristle: 0.0,
+            far_start: [0.0; 2],
+            far: [0.0; 2],
+            peak_rise: 0.0,
+            peak_flux: 0.0,
+            peak_wear: 0.0,
+            limits: 0,
+            refinement: 0,
+            reference: 0.0,
+            end_temperature: 0.0,
+            end_force: 0.0,
+            error: 0.0,
+            steps: 0,
+            rejected: 0,
+        }
+    }
+
+    /// Takes the depths `worn` (m; punch, strip) off under a contact that moves on by `travel` (m).
+    #[inline]
+    pub fn wear(&mut self, operators: &LumpedOperators, worn: [f64; 2], travel: f64) {
+        self.punch.worn += worn[0];
+        self.punch.depth += worn[0];
+        self.strip.worn += worn[1];
+        match &mut self.track {
+            Some(track) if worn[1] > 0.0 => track.wear(self.position, self.position + travel, worn[1]),
+            Some(_) => {}
+            None => self.strip.depth += worn[1] * operators.strip_coverage,
+        }
+        self.position += travel;
+    }
+
+    /// Whether the state can belong to `operators`.
+    pub fn fits(&self, operators: &LumpedOperators) -> bool {
+        let within = |heat: &[f64], body: &super::operators::BodyOperators| {
+            let count = body.heat.as_ref().map_or(0, |heat| heat.count);
+            heat[count..].iter().all(|value| *value == 0.0)
+        };
+        within(&self.punch.heat, &operators.punch)
+            && within(&self.strip.heat, &operators.strip)
+            && self.track.is_some() == operators.tracked
+            && self.refinement <= 60
+    }
+}

@@ -1,0 +1,183 @@
+//! One implicit step of the lumped level: pressure, heat split, cooling, friction and wear together.
+//!
+//! Fluxes are linear between the Radau points 1/3 and 1 of the step; both stages are solved at once
+//! (two-stage Radau IIA in the fluxes, L-stable, third order on smooth histories), the states follow
+//! exactly ([`super::stage`]). The start of the step does not enter, so the layer that a jump of the inputs
+//! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
+//! is the error estimate.
+
+use super::air::Air;
+use super::conditions::{Conditions, Tunables};
+use super::flash_step::{FlashStep, decays_at_rest};
+use super::operators::{BodyOperators, LumpedOperators};
+use super::point::strip_entry;
+use super::stage::{Propagator, QUADRATURE};
+use super::stage_body::StageBody;
+use super::stages::Stages;
+use super::state::{LumpedState, NewState};
+use conduction::flash::MAX_FLASH_STATES;
+use contact::friction::FrictionLaw;
+use numerics::maximum::{all_finite, maximum};
+
+/// Both bodies over one step size.
+#[derive(Clone, Debug)]
+pub struct Propagators {
+    /// The step size, s.
+    pub step: f64,
+    pub(super) punch: Option<Propagator>,
+    pub(super) strip: Option<Propagator>,
+    /// Decays of the moving source at rest up to the point 1/3.
+    pub(super) flash: [f64; MAX_FLASH_STATES],
+}
+
+impl Propagators {
+    /// Weights for the step `step` (s).
+    pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
+        let of = |body: &BodyOperators| {
+            let cools = body.air.each_ref().map(Air::acts);
+            body.heat.as_ref().map(|heat| Propagator::new(heat, step, cools))
+        };
+        let flash = operators.flash.as_ref().map_or([1.0; MAX_FLASH_STATES], |flash| decays_at_rest(flash, step));
+        Propagators { step, punch: of(&operators.punch), strip: of(&operators.strip), flash }
+    }
+}
+
+/// What an attempted step found.
+pub struct Attempt {
+    /// Error in units of the tolerance; the step is good if at most 1.
+    pub error: f64,
+    /// Highest temperature seen, K above the reference.
+    pub hottest: f64,
+}
+
+/// Everything a step needs that does not change during it.
+pub struct Stepper<'a> {
+    pub operators: &'a LumpedOperators,
+    pub friction: &'a FrictionLaw,
+    pub tunables: &'a Tunables,
+    pub propagators: &'a Propagators,
+    /// Number of parts that the piece without events is cut into, and the conditions at its ends where they
+    /// change: what a part's error of wear is measured against.
+    pub cut: f64,
+    /// See `cut`.
+    pub ends: Option<&'a [Conditions; 2]>,
+    /// The moving source, prepared for this step and its speeds.
+    pub flash: &'a mut FlashStep,
+}
+
+impl Stepper<'_> {
+    /// The same for a shorter time.
+    pub fn reborrow(&mut self) -> Stepper<'_> {
+        Stepper { flash: &mut *self.flash, ..*self }
+    }
+
+    /// Tries the step from `state`; `conditions` at the start and at the three points,
+    /// all the same where `constant`. On success
+    /// (error at most 1) `state` is carried over, otherwise it is left as it was.
+    pub fn attempt(&mut self, state: &mut LumpedState, conditions: &[Conditions; 4], constant: bool) -> Attempt {
+        let operators = self.operators;
+        let scene = &operators.scene;
+        let step = self.propagators.step;
+        let (first, last) = (&conditions[1], &conditions[3]);
+        let ambient = [first.ambient, last.ambient];
+        let forced = [first.forced, last.forced];
+        let mut punch = StageBody::new(
+            &operators.punch,
+            self.propagators.punch.as_ref(),
+            &state.punch,
+            ambient,
+            [first.punch_far, last.punch_far],
+        );
+        let mut strip = StageBody::new(
+            &operators.strip,
+            self.propagators.strip.as_ref(),
+            &state.strip,
+            ambient,
+            [first.strip_far, last.strip_far],
+        );
+        let entry = strip_entry(operators, state);
+        for point in [0, 2] {
+            strip.level[point] += entry;
+            if operators.flash.is_some() {
+                strip.level[point] += self.flash.homogeneous(point, &state.flash);
+            }
+        }
+        let mut stages = Stages::new(self, state, conditions, &punch, &strip);
+        // Far below what the error estimate must see across the thin resistance of the interface.
+        let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
+        let mut converged = false;
+        for body in [&mut punch, &mut strip] {
+            if body.cools() {
+                body.cool(state.reference, ambient, forced);
+            }
+        }
+        for _ in 0..40 {
+            stages.loads(self, state, &punch, &strip);
+            let mut change = stages.solve(self, &mut punch, &mut strip);
+            for body in [&mut punch, &mut strip] {
+                if body.cools() {
+                    change = maximum(change, body.cool(state.reference, ambient, forced));
+                }
+            }
+            if change <= enough {
+                converged = true;
+                break;
+            }
+        }
+        let hottest = stages.hottest(&punch, &strip);
+        let is_absolute = stages.temperature.iter().all(|rise| rise + state.reference >= 0.0);
+        if !converged || !hottest.is_finite() || !is_absolute {
+            return Attempt { error: f64::INFINITY, hottest };
+        }
+        if operators.series_stiffness == 0.0 {
+            stages.wear(self);
+        }
+        let mut error = stages.bound(self, state, constant, &punch);
+        if error.is_nan() || error > 1.0 || state.refinement > 0 {
+            self.flash.prepare_middle(operators);
+            punch.level[1] = punch.middle_level(&state.punch);
+            strip.level[1] = strip.middle_level(&state.strip) + entry;
+            if operators.flash.is_some() {
+                strip.level[1] += self.flash.homogeneous(1, &state.flash);
+                stages.take_middle(&strip, self.flash);
+            }
+            error = stages.error(self, state, conditions, &punch, &strip, constant);
+        }
+        if error.is_nan() || error > 1.0 {
+            return Attempt { error, hottest };
+        }
+        let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);
+        let mean = |values: [f64; 2]| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
+        let new = NewState {
+            punch: punch.advanced(&state.punch, step),
+            strip: strip.advanced(&state.strip, step),
+            flash: match operators.flash {
+                Some(_) => self.flash.advanced(&state.flash, strip.flux[0]),
+                None => state.flash,
+            },
+            travel,
+            dissipated: state.dissipated + step * mean(stages.heat),
+            distance: state.distance + if stages.bristle.is_some() { stages.moved.slipped } else { travel.abs() },
+            worn: [step * mean(stages.rates[0]), step * mean(stages.rates[1])],
+            end_temperature: stages.temperature[1],
+            end_force: stages.kinetic_coefficient[1]
+                * last.stribeck
+                * last.sign
+                * stages.pressure[1]
+                * operators.per_pressure,
+        };
+        if !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far]) {
+            return Attempt { error: f64::INFINITY, hottest };
+        }
+        // Accepted: carry everything over.
+        new.commit(operators, state);
+        state.bristle = stages.moved.deflection;
+        state.far = [last.punch_far, last.strip_far];
+        for rise in stages.temperature {
+            state.peak_rise = state.peak_rise.max(rise.abs());
+        }
+        state.peak_flux = state.peak_flux.max(stages.heat[0]).max(stages.heat[1]);
+        state.peak_wear = state.peak_wear.max(stages.rates[0][1].max(stages.rates[1][1]));
+        Attempt { error, hottest }
+    }
+}

@@ -1,0 +1,352 @@
+//! Errors of the levels, measured: every level takes the whole nominal course, and so does a finer one.
+//!
+//! The contact line is run on 9, 17, 33, ... cells as it would be run for the user: with its own bodies, steps and tolerance. With d the
+//! largest difference of an output between two runs, over the largest value of the finer one, and r the ratio by which the differences of
+//! successive refinements fall, the finest cells n are off by about
+//!
+//! ```text
+//! e(n) = d(n/2, n)/(r - 1),
+//! ```
+//!
+//! and every other level c by `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cells. What reduction and
+//! time steps do is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
+//! proportional to it, so twice the difference. It is told as a part of `estimated_step_error`, which is a bound for the steps of the course
+//! as it is one for those of the user's run. No finer level cures it, so it does not decide. Cells are doubled until a level meets the tolerance or another doubling would
+//! cost more than [`BUDGET`]; one more doubling than was run is extrapolated with r.
+//!
+//! A reciprocating course is shorter than the nominal duration, and a run may end early where it needs more steps than the budget has.
+//! Errors of temperature and force are then carried on with the power of the time with which they grew over the last half of the run, to
+//! four times the time at most: slower heating of thick bodies is common to all levels.
+
+use super::Candidate;
+use super::cost::{self, build_cost};
+use super::model_level::{CELLS, ModelLevel};
+use super::trajectory::{NominalTrajectory, Run, distance};
+use crate::levels::ModelOperators;
+use crate::line::heat::bodies::on_the_cells;
+use crate::line::operators::RunIn;
+use scene::{HeatAlongContact, Scene};
+
+/// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which hold a step whose
+/// operators are made anew: some 100 ms.
+const BUDGET: f64 = 400e3;
+
+/// Part of the budget that one run may take, and the least steps that every run may take.
+const RUN_PART: f64 = 0.4;
+const LEAST_STEPS: f64 = 200.0;
+
+/// Expected cost of the next doubling over that of the last.
+const DEARER: f64 = 2.5;
+
+/// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower bound is
+/// that of a temperature under a pressure that is singular at the edge.
+const ASSUMED_RATIO: f64 = 2.0;
+const RATIO: (f64, f64) = (1.5, 4.0);
+
+/// Ratio of successive differences below which cells are taken not to converge, where the last difference is above this.
+const CONVERGING: (f64, f64) = (1.1, 0.05);
+
+/// Least part of a unidirectional course that a line has to cover, so that the end can be told from it.
+const TELLING: f64 = 0.2;
+
+/// Bounds of the power of the time with which an error is carried on, and the longest time to which it is, over what was run.
+const GROWTH: (f64, f64) = (0.0, 0.5);
+const CARRIED_ON: f64 = 4.0;
+
+/// Tolerance of the runs that reduction and time steps are judged by, over that of the scene.
+const STRICTER: f64 = 0.5;
+
+/// What was found.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// Every level with its error, by cost.
+    pub candidates: Vec<Candidate>,
+    /// The levels that were run, as they are for the scene.
+    pub operators: Vec<(ModelLevel, ModelOperators)>,
+    /// The finest contact line that was run.
+    pub finest: ModelLevel,
+    /// Its operators.
+    pub line: ModelOperators,
+    /// Whether the error is known: the cells converge, and enough of the course was run.
+    pub is_known: bool,
+    /// Peak rise of the contact temperature, K.
+    pub rise: f64,
+    /// Internal steps of all runs.
+    pub steps: u64,
+    /// Part of the nominal duration that the finest line covers.
+    pub covered: f64,
+    /// Cost of the comparison, counted microseconds.
+    pub cost: f64,
+}
+
+/// A level that was run.
+struct Level {
+    model_level: ModelLevel,
+    operators: ModelOperators,
+    run: Run,
+}
+
+/// Runs of a comparison so far.
+struct Progress<'a> {
+    /// Finds the shape of a run-in punch.
+    run_in: RunIn,
+    course: &'a NominalTrajectory,
+    /// Heat of the contact line, where it is resolved as far as it feeds back.
+    heat: HeatAlongContact,
+    levels: Vec<Level>,
+    /// Error by reduction and time steps over `estimated_step_error`: of the lumped level, of a line with its heat by the mean, and of one
+    /// with heat on its cells.
+    step_ratios: [f64; 3],
+    /// Even coarse lines cover too little of the course.
+    falls_short: bool,
+    cost: f64,
+    steps: u64,
+}
+
+/// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: heat is on the cells where the
+/// contact line has it there. `may_grow`: cells that neither agree to `enough` nor show a ratio
+/// of convergence are taken not to converge.
+///
+/// # Errors
+/// What a level or a step of it refuses.
+pub fn compare(
+    scene: &Scene,
+    course: &NominalTrajectory,
+    enough: f64,
+    by_cells: bool,
+    may_grow: bool,
+    run_in: RunIn,
+) -> Result<Comparison, String> {
+    let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
+    // Strokes are run with the wear of the whole duration: what they are run on is not what the user runs.
+    let run_scene = &course.scene(scene);
+    let whole = ModelLevel::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(run_scene);
+    let heat = match by_cells && on_the_cells(&whole) {
+        true => HeatAlongContact::OnTheCells,
+        false => HeatAlongContact::ByItsMean,
+    };
+    let mut progress = Progress {
+        course,
+        heat,
+        run_in,
+        levels: Vec::new(),
+        step_ratios: [1.0; 3],
+        falls_short: false,
+        cost: 0.0,
+        steps: 0,
+    };
+    let mean = progress.lumped(run_scene)?;
+    progress.line(run_scene, first, &mean)?;
+    progress.measure_steps(run_scene, first)?;
+    let mut cells = first;
+    loop {
+        let before = progress.cost;
+        cells = doubled(cells);
+        match progress.line(run_scene, cells, &mean) {
+            Err(reason) if progress.lines().count() < 2 => return Err(reason),
+            Err(_) => break,
+            Ok(()) => {}
+        }
+        let judgement = progress.judge(may_grow.then_some(enough))?;
+        let met = judgement.candidates.iter().any(|candidate| candidate.error() <= enough) && judgement.is_known;
+        let next = progress.cost + DEARER * (progress.cost - before);
+        if met || scene.cells > 0 || next > BUDGET || cells == CELLS[CELLS.len() - 1] {
+            break;
+        }
+    }
+    let Judgement { mut candidates, ratio, is_known } = progress.judge(may_grow.then_some(enough))?;
+    match scene.cells {
+        0 => progress.extrapolate(&mut candidates, ratio),
+        own => candidates
+            .retain(|candidate| candidate.model_level == ModelLevel::Lumped || candidate.model_level.cells() == own),
+    }
+    candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
+    let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
+    let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
+    let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
+    // Where the user has fixed the cells, the finer ones are there to compare with only.
+    let finest = if scene.cells > 0 { ModelLevel::Line { cells: scene.cells, heat } } else { finest.model_level };
+    let (steps, cost) = (progress.steps, progress.cost);
+    let operators = match course.repeats > 1.0 {
+        true => Vec::new(),
+        false => progress.levels.into_iter().map(|level| (level.model_level, level.operators)).collect(),
+    };
+    Ok(Comparison { candidates, operators, finest, line, is_known, rise, steps, covered, cost })
+}
+
+/// Errors of the levels so far.
+struct Judgement {
+    candidates: Vec<Candidate>,
+    /// Ratio by which the error falls when the cells are doubled.
+    ratio: f64,
+    is_known: bool,
+}
+
+/// About twice as many cells: the entries of [`CELLS`] one after the other.
+fn doubled(cells: usize) -> usize {
+    (2 * cells).saturating_sub(1).clamp(2, CELLS[CELLS.len() - 1])
+}
+
+impl Progress<'_> {
+    /// Runs the course on `operators`.
+    fn run(&mut self, operators: &ModelOperators) -> Result<Run, String> {
+        let per_step = cost::per_step(operators);
+        let most = (RUN_PART * BUDGET / per_step).max(LEAST_STEPS);
+        let run = self.course.run(operators, most as u32)?;
+        if run.history.len() < 2 {
+            return Err(format!("{most:.0} internal steps do not reach a hundredth of the nominal duration"));
+        }
+        self.cost += run.steps as f64 * per_step;
+        self.steps += run.steps;
+        Ok(run)
+    }
+
+    fn add(&mut self, model_level: ModelLevel, operators: ModelOperators) -> Result<(), String> {
+        let run = self.run(&operators)?;
+        self.levels.push(Level { model_level, operators, run });
+        Ok(())
+    }
+
+    fn lumped(&mut self, scene: &Scene) -> Result<ModelOperators, String> {
+        let operators = ModelOperators::new(&ModelLevel::Lumped.apply(scene), self.run_in)?;
+        self.cost += build_cost(&operators);
+        self.add(ModelLevel::Lumped, operators.clone())?;
+        Ok(operators)
+    }
+
+    /// The contact line on `cells` cells beside the lumped level `mean`, and the same with its heat by the mean.
+    fn line(&mut self, scene: &Scene, cells: usize, mean: &ModelOperators) -> Result<(), String> {
+        let model_level = ModelLevel::Line { cells, heat: self.heat };
+        let line = mean.line_beside(&model_level.apply(scene), self.run_in)?;
+        self.cost += build_cost(&line);
+        if self.heat == HeatAlongContact::OnTheCells {
+            self.add(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean }, line.with_mean_heat())?;
+        }
+        self.add(model_level, line)?;
+        let told = self.course.repeats > 1.0
+            || self.levels.last().is_some_and(|level| self.course.part(level.run.history.len()) >= TELLING);
+        if told {
+            return Ok(());
+        }
+        if self.lines().count() > 2 {
+            self.levels.pop();
+            return Err(format!(
+                "{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"
+            ));
+        }
+        self.falls_short = true;
+        Ok(())
+    }
+
+    /// Measures what reduction and time steps add to the error.
+    fn measure_steps(&mut self, scene: &Scene, cells: usize) -> Result<(), String> {
+        let mut stricter = scene.clone();
+        stricter.tolerance *= STRICTER;
+        let mut finer = Progress { levels: Vec::new(), ..*self };
+        let mean = finer.lumped(&stricter)?;
+        finer.line(&stricter, cells, &mean)?;
+        (self.cost, self.steps) = (finer.cost, finer.steps);
+        for (level, finer) in self.levels.iter().zip(&finer.levels) {
+            let apart = distance(&level.run.history, &finer.run.history);
+            let error = largest(apart) / (1.0 - STRICTER);
+            let bound = level.run.step_bound;
+            self.step_ratios[kind(level.model_level)] = if bound > 0.0 { (error / bound).min(1.0) } else { 1.0 };
+        }
+        Ok(())
+    }
+
+    /// Contact lines with their heat resolved, from coarse to fine.
+    fn lines(&self) -> impl DoubleEndedIterator<Item = &Level> {
+        self.levels.iter().filter(|level| level.model_level.heat() == Some(self.heat))
+    }
+
+    /// Errors of all levels. `agreed`: the difference that the finest lines may have where their ratio is not known.
+    fn judge(&self, agreed: Option<f64>) -> Result<Judgement, String> {
+        let mut lines = self.lines().rev();
+        let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
+            return Err("one contact line has nothing to be compared with".into());
+        };
+        let between = self.carried_on(&before.run, &finest.run);
+        let measured = lines.next().map(|earlier| {
+            let earlier = self.carried_on(&earlier.run, &before.run);
+            largest(earlier) / largest(between)
+        });
+        // Equal to the last bit: as good as it gets.
+        let measured = measured.map(|ratio| if ratio.is_nan() { RATIO.1 } else { ratio });
+        let ratio = measured.unwrap_or(ASSUMED_RATIO).clamp(RATIO.0, RATIO.1);
+        let own = between.map(|apart| apart / (ratio - 1.0));
+        let converges = match agreed {
+            Some(agreed) => largest(between) <= agreed || measured.is_some_and(|ratio| ratio >= RATIO.0),
+            None => measured.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
+        };
+        let candidates = self.levels.iter().map(|level| {
+            let apart = self.carried_on(&level.run, &finest.run);
+            Candidate {
+                model_level: level.model_level,
+                errors: std::array::from_fn(|output| apart[output] + own[output]),
+                step_ratio: self.step_ratios[kind(level.model_level)],
+                cost: cost::per_step(&level.operators),
+                run_cost: cost::per_step(&level.operators) * self.steps_of(&level.run),
+            }
+        });
+        Ok(Judgement { candidates: candidates.collect(), ratio, is_known: converges && !self.falls_short })
+    }
+
+    /// Expected internal steps of the nominal duration.
+    fn steps_of(&self, run: &Run) -> f64 {
+        run.steps as f64 / self.course.part(run.history.len())
+    }
+
+    /// Difference of two runs over what both cover, that of temperature and force carried on to the nominal duration.
+    fn carried_on(&self, run: &Run, finer: &Run) -> [f64; 3] {
+        let count = run.history.len().min(finer.history.len());
+        let apart = distance(&run.history[..count], &finer.history[..count]);
+        let (part, half) = (self.course.part(count), count / 2);
+        if part > 0.99 || half == 0 {
+            return apart;
+        }
+        let before = distance(&run.history[..half], &finer.history[..half]);
+        let doublings = (part / self.course.part(half)).log2();
+        std::array::from_fn(|output| {
+            // Wear is accelerated: its end has been seen.
+            if output == 0 || apart[output] == 0.0 {
+                return apart[output];
+            }
+            let power = ((apart[output] / before[output]).log2() / doublings).clamp(GROWTH.0, GROWTH.1);
+            apart[output] * part.recip().min(CARRIED_ON).powf(power)
+        })
+    }
+
+    /// Adds finer cells than were run. Heat by the mean beside cells that carry it has an error that finer cells leave.
+    fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64) {
+        let finest = candidates.iter().rev().find(|candidate| candidate.model_level.heat() == Some(self.heat)).copied();
+        let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
+        let cells = finest.model_level.cells();
+        // One doubling: beyond, the measured ratio tells little.
+        for count in CELLS.into_iter().filter(|&count| count > cells).take(1) {
+            let factor = (cells as f64 / count as f64).powf(ratio.log2());
+            let cost = cost::per_step_of(count, cost::states(&level.operators));
+            candidates.push(Candidate {
+                model_level: ModelLevel::Line { cells: count, heat: self.heat },
+                errors: finest.errors.map(|error| error * factor),
+                step_ratio: finest.step_ratio,
+                cost,
+                run_cost: cost * self.steps_of(&level.run),
+            });
+        }
+    }
+}
+
+/// Place of a level's step ratio.
+fn kind(model_level: ModelLevel) -> usize {
+    match model_level.heat() {
+        None => 0,
+        Some(HeatAlongContact::ByItsMean) => 1,
+        Some(_) => 2,
+    }
+}
+
+/// The largest; infinite where one is no number.
+pub fn largest(errors: [f64; 3]) -> f64 {
+    errors.into_iter().fold(0.0, |most, error| if error.is_nan() { f64::INFINITY } else { error.max(most) })
+}

@@ -1,0 +1,101 @@
+//! The effects that a level keeps or drops, each with the number that speaks for it.
+
+use super::Candidate;
+use super::groups::Groups;
+use super::model_level::ModelLevel;
+use crate::levels::ModelOperators;
+use scene::{HeatAlongContact, Scene};
+
+/// An effect.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Effect {
+    /// Its name.
+    pub name: &'static str,
+    /// What the number is.
+    pub measure: &'static str,
+    /// The number.
+    pub number: f64,
+    /// Whether the chosen rung has it.
+    pub kept: bool,
+    /// Relative error of the main outputs by dropping it; 0 where it is kept.
+    ///
+    /// What a uniform pressure costs is measured as a whole and shared among the effects that make the pressure uneven,
+    /// in proportion to how uneven each makes it.
+    pub error: f64,
+}
+
+/// Judges the effects of a scene; `fine` is a contact line of it.
+pub fn judge(
+    scene: &Scene,
+    groups: &Groups,
+    fine: &ModelOperators,
+    candidates: &[Candidate],
+    chosen: ModelLevel,
+) -> Vec<Effect> {
+    let uneven = match fine {
+        ModelOperators::Line(line) => line.unevenness(),
+        ModelOperators::Lumped(_) => Default::default(),
+    };
+    let distortion = groups.distortion_over_approach;
+    let line = chosen != ModelLevel::Lumped;
+    let by_cells = chosen.heat() == Some(HeatAlongContact::OnTheCells);
+    let find =
+        |wanted: ModelLevel| candidates.iter().find(|candidate| candidate.model_level == wanted).map(Candidate::error);
+    let cells = match fine {
+        ModelOperators::Line(line) => line.count(),
+        ModelOperators::Lumped(_) => 1,
+    };
+    let uniform = find(ModelLevel::Lumped).unwrap_or(0.0);
+    let exact = find(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
+    let mean = find(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean });
+    let heat_error = match (mean, exact) {
+        (Some(mean), Some(exact)) => (mean - exact).max(0.0),
+        _ => 0.0,
+    };
+    let felt = [uneven.pressure, uneven.shear, uneven.rotation, distortion.min(1.0)];
+    let total: f64 = felt.iter().sum();
+    let share = |number: f64| if total > 0.0 && !line { uniform * number / total } else { 0.0 };
+    let flash = match fine {
+        ModelOperators::Line(line) => line.mean.flash.is_some(),
+        ModelOperators::Lumped(_) => false,
+    };
+    let wears = scene.strip.wear_coefficient > 0.0;
+    vec![
+        effect("pressure along the contact", "rms deviation from its mean", uneven.pressure, line, share(felt[0])),
+        effect("strip elasticity", "its part of the compliance", groups.strip_compliance, line, 0.0),
+        effect(
+            "shear coupling",
+            "rms change of the pressure",
+            uneven.shear,
+            line && uneven.shear > 0.0,
+            share(felt[1]),
+        ),
+        effect(
+            "rotation",
+            "rms change of the pressure",
+            uneven.rotation,
+            line && uneven.rotation > 0.0,
+            share(felt[2]),
+        ),
+        effect(
+            "thermal distortion",
+            "distortion over elastic approach",
+            distortion,
+            by_cells && distortion > 0.0,
+            if line && !by_cells { heat_error } else { share(felt[3]) },
+        ),
+        effect(
+            "heat along the contact",
+            "change of the main outputs",
+            heat_error,
+            by_cells,
+            if by_cells { 0.0 } else { heat_error },
+        ),
+        effect("strip wear", "its part of the worn depth", groups.strip_wear, wears, 0.0),
+        effect("moving source", "Peclet number", groups.peclet, flash || by_cells, 0.0),
+    ]
+}
+
+fn effect(name: &'static str, measure: &'static str, number: f64, kept: bool, error: f64) -> Effect {
+    Effect { name, measure, number, kept, error: if kept { 0.0 } else { error } }
+}

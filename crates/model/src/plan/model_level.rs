@@ -1,0 +1,72 @@
+//! The levels that a scene can run at, with their cells.
+
+use scene::{Fidelity, HeatAlongContact, Scene};
+use std::fmt;
+
+/// Cells of the rungs of the line level.
+pub const CELLS: [usize; 6] = [9, 17, 33, 65, 129, 257];
+
+/// A level with its discretisation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ModelLevel {
+    /// Uniform pressure.
+    Lumped,
+    /// A contact line.
+    Line {
+        /// N.
+        cells: usize,
+        /// Whether its heat is on the cells.
+        heat: HeatAlongContact,
+    },
+}
+
+impl ModelLevel {
+    /// `scene` on this rung.
+    pub fn apply(self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        match self {
+            ModelLevel::Lumped => scene.fidelity = Fidelity::Lumped,
+            ModelLevel::Line { cells, heat } => {
+                scene.fidelity = Fidelity::Line;
+                (scene.cells, scene.heat_along_contact) = (cells, heat);
+            }
+        }
+        scene
+    }
+
+    /// Name of the level.
+    pub fn level(self) -> &'static str {
+        match self {
+            ModelLevel::Lumped => "lumped",
+            ModelLevel::Line { .. } => "line",
+        }
+    }
+
+    /// Heat of a contact line.
+    pub fn heat(self) -> Option<HeatAlongContact> {
+        match self {
+            ModelLevel::Lumped => None,
+            ModelLevel::Line { heat, .. } => Some(heat),
+        }
+    }
+
+    /// Cells of the contact.
+    pub fn cells(self) -> usize {
+        match self {
+            ModelLevel::Lumped => 1,
+            ModelLevel::Line { cells, .. } => cells,
+        }
+    }
+}
+
+impl fmt::Display for ModelLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ModelLevel::Lumped => f.write_str("lumped"),
+            ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean } => {
+                write!(f, "line, {cells} cells, mean heat")
+            }
+            ModelLevel::Line { cells, .. } => write!(f, "line, {cells} cells"),
+        }
+    }
+}

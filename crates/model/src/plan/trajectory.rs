@@ -1,0 +1,162 @@
+//! The nominal course of a scene: the inputs that `nominal.*` describe, over the whole nominal duration.
+
+use crate::INPUTS;
+use crate::levels::{Model, ModelOperators};
+use crate::lumped::conditions::Tunables;
+use scene::Scene;
+use scene::variables::{COUNT, reference};
+use std::f64::consts::PI;
+
+/// Ends of the segments of unidirectional sliding, in parts of the nominal duration: close together at the beginning, where the
+/// temperatures rise fastest.
+const UNIDIRECTIONAL: [f64; 17] =
+    [0.0, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+
+/// Ends of the segments of a half-stroke, in parts of it. The first is short: just behind the reversal the contact meets its own hot
+/// track, and the temperature of few cells is further off there than a quarter of a stroke later.
+const HALF_STROKE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.75, 1.0];
+
+/// Most half-strokes of a reciprocating course. What comes later is extrapolated from their second half.
+const HALF_STROKES: f64 = 24.0;
+
+/// Velocity (m/s) at both ends of a segment, and its length (s).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Segment {
+    /// At the start and the end.
+    pub velocity: [f64; 2],
+    /// s.
+    pub duration: f64,
+}
+
+/// See the module.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NominalTrajectory {
+    /// Communication steps.
+    pub segments: Vec<Segment>,
+    /// Load, N.
+    pub load: f64,
+    /// Nominal duration over that of the segments, at least 1: the factor by which the segments' wear is accelerated, so that they end
+    /// with the worn depth of the whole.
+    pub repeats: f64,
+}
+
+/// What a level gave over a course.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Run {
+    /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the segments that were completed.
+    pub history: Vec<[f64; 3]>,
+    /// `estimated_step_error` at the end.
+    pub step_bound: f64,
+    /// Internal steps, accepted and rejected.
+    pub steps: u64,
+    /// Part of the segments that was completed.
+    pub covered: f64,
+}
+
+impl NominalTrajectory {
+    /// The nominal course; `None` where nominal load or velocity is 0.
+    pub fn new(scene: &Scene) -> Option<NominalTrajectory> {
+        let (speed, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
+        if !(speed > 0.0 && load > 0.0 && duration > 0.0) {
+            return None;
+        }
+        if scene.nominal_stroke == 0.0 {
+            let segment = |ends: &[f64]| Segment { velocity: [speed; 2], duration: duration * (ends[1] - ends[0]) };
+            let segments = UNIDIRECTIONAL.windows(2).map(segment).collect();
+            return Some(NominalTrajectory { segments, load, repeats: 1.0 });
+        }
+        let half = scene.nominal_stroke / speed;
+        let count = (duration / half).clamp(1.0, HALF_STROKES).round();
+        let mut segments = Vec::with_capacity(count as usize * (HALF_STROKE.len() - 1));
+        for n in 0..count as usize {
+            // Sinusoidal, with the nominal speed as its mean. The strokes of one direction are equal to the last bit, so that operators
+            // prepared for one serve the next.
+            let direction = if n % 2 == 0 { 1.0 } else { -1.0 };
+            let at = |part: f64| {
+                let sine = (PI * part).sin();
+                if sine < 1e-9 { 0.0 } else { direction * 0.5 * PI * speed * sine }
+            };
+            segments.extend(
+                HALF_STROKE
+                    .windows(2)
+                    .map(|ends| Segment { velocity: [at(ends[0]), at(ends[1])], duration: half * (ends[1] - ends[0]) }),
+            );
+        }
+        Some(NominalTrajectory { segments, load, repeats: (duration / (half * count)).max(1.0) })
+    }
+
+    /// The scene that the course is run with: its wear is that of the nominal duration. Not by `wear_acceleration`, which is refused where it
+    /// hides growth: levels are compared only.
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        let mut scene = scene.clone();
+        scene.punch.wear_coefficient *= self.repeats;
+        scene.strip.wear_coefficient *= self.repeats;
+        scene
+    }
+
+    /// Runs the course on operators of [`NominalTrajectory::scene`]. It ends early where it needs more than `most` internal steps.
+    ///
+    /// # Errors
+    /// What a step refuses.
+    pub fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
+        let scene = operators.scene();
+        let tunables = Tunables {
+            friction_coefficient: scene.friction_coefficient,
+            ambient_temperature: scene.ambient_temperature,
+            wear_acceleration: scene.wear_acceleration,
+        };
+        let ambient = scene.ambient_temperature;
+        let mut inputs: [f64; INPUTS] = [self.segments[0].velocity[0], self.load, 0.0, 0.0, 0.0, ambient, ambient];
+        let mut model = Model::new(operators, tunables, &inputs);
+        model.limit_attempts(most);
+        let mut values = Box::new([0.0; COUNT]);
+        let mut run = Run { history: Vec::with_capacity(self.segments.len()), ..Run::default() };
+        for segment in &self.segments {
+            let [first, last] = segment.velocity;
+            let mut slopes = [0.0; INPUTS];
+            slopes[0] = (last - first) / segment.duration;
+            inputs[0] = first;
+            let varying = (first != last).then_some(&slopes);
+            if let Err(failure) = model.step(&inputs, varying, segment.duration) {
+                if model.out_of_attempts() {
+                    run.steps = u64::from(most);
+                    break;
+                }
+                return Err(failure.to_string());
+            }
+            let (accepted, rejected) = model.work();
+            run.steps = accepted + rejected;
+            model.write_end(&mut values);
+            model.write_account(&mut values);
+            let of = |name: usize| values[name];
+            run.step_bound = of(const { reference("estimated_step_error") } as usize);
+            run.history.push([
+                of(const { reference("wear_depth") } as usize),
+                of(const { reference("contact_temperature") } as usize) - ambient,
+                of(const { reference("friction_force") } as usize),
+            ]);
+        }
+        run.covered = run.history.len() as f64 / self.segments.len() as f64;
+        Ok(run)
+    }
+
+    /// Part of the nominal duration that the first `count` segments take.
+    pub fn part(&self, count: usize) -> f64 {
+        let duration = |segments: &[Segment]| segments.iter().map(|segment| segment.duration).sum::<f64>();
+        duration(&self.segments[..count]) / (duration(&self.segments) * self.repeats)
+    }
+}
+
+/// Largest difference of two histories over their common beginning in each of the three outputs, relative to the largest value of the
+/// second there. A value that is not finite makes the difference infinite.
+pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
+    std::array::from_fn(|output| {
+        let scale = one.iter().zip(other).map(|(_, main)| main[output].abs()).fold(0.0, f64::max);
+        let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
+            let difference = (a[output] - b[output]).abs();
+            if difference.is_finite() { difference } else { f64::INFINITY }
+        };
+        let apart = one.iter().zip(other).map(apart).fold(0.0, f64::max);
+        if apart == 0.0 { 0.0 } else { apart / scale }
+    })
+}

@@ -1,0 +1,11 @@
+//! Numerical tools that every part of the physics shares.
+
+pub mod acceleration;
+pub mod dense;
+pub mod factorization;
+pub mod four_fifths;
+pub mod grading;
+pub mod krylov;
+pub mod maximum;
+pub mod scalar;
+pub mod sdirk;

@@ -1,0 +1,194 @@
+//! A value of a scene file in the unit of its variable.
+
+use toml::de::DeValue;
+
+use scene::variables::units::{DisplayUnit, Unit};
+use scene::variables::{Kind, Row};
+
+/// What a value is, with its article, for messages.
+pub fn type_of(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("the string {text:?}"),
+        DeValue::Integer(number) => format!("the number {number}"),
+        DeValue::Float(number) => format!("the number {number}"),
+        DeValue::Boolean(flag) => format!("the boolean {flag}"),
+        DeValue::Datetime(time) => format!("the date {time}"),
+        DeValue::Array(_) => "an array".into(),
+        DeValue::Table(_) => "a table".into(),
+    }
+}
+
+/// The value for one element of `row`, checked against its bounds.
+///
+/// # Errors
+/// What is wrong, with the value and what would be accepted; ranges in the unit that was written.
+pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
+    match row.kind {
+        Kind::Real { unit, min, max, .. } => {
+            let written = Written::of(value, unit, !row.is_difference())?;
+            within(&written, min, max)?;
+            Ok(written.si())
+        }
+        Kind::Integer { min, max } => {
+            let DeValue::Integer(number) = value else {
+                return Err(format!("is {}, but must be an integer", type_of(value)));
+            };
+            let written = Written { number: integer(number.as_str(), number.radix()), unit: None, name: "" };
+            within(&written, min.map(f64::from), max.map(f64::from))?;
+            Ok(written.number)
+        }
+        Kind::Boolean => match value {
+            DeValue::Boolean(flag) => Ok(f64::from(u8::from(*flag))),
+            other => Err(format!("is {}, but must be true or false", type_of(other))),
+        },
+        Kind::Enumeration(kind) => {
+            let items = || kind.items.iter().map(|item| item.0).collect::<Vec<_>>().join(", ");
+            let DeValue::String(text) = value else {
+                return Err(format!("is {}, but must be one of the strings {}", type_of(value), items()));
+            };
+            match kind.items.iter().position(|item| item.0 == text) {
+                Some(index) => Ok(index as f64 + 1.0),
+                None => Err(format!("{text:?} is none of {}", items())),
+            }
+        }
+    }
+}
+
+/// A number in `unit`; `absolute`: whether units with an offset, such as degC, make sense.
+///
+/// # Errors
+/// What is wrong and what would be accepted.
+pub fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
+    let written = Written::of(value, unit, absolute)?;
+    within(&written, None, None)?;
+    Ok(written.si())
+}
+
+/// `number` of the unit `symbol` in `unit`; `absolute` as in [`real`].
+///
+/// # Errors
+/// Which units would be accepted, and where the number is not finite.
+pub fn in_si(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
+    let written = Written::in_unit(number, symbol, unit, absolute).map_err(|names| {
+        let wrong =
+            if symbol.is_empty() { "a unit is missing".into() } else { format!("{symbol:?} is the wrong unit") };
+        format!("{wrong}; accepted are {names}")
+    })?;
+    within(&written, None, None)?;
+    Ok(written.si())
+}
+
+/// A number as the file has it.
+struct Written {
+    number: f64,
+    /// `None`: the SI unit.
+    unit: Option<&'static DisplayUnit>,
+    /// Name of the unit, for messages; empty for the dimensionless.
+    name: &'static str,
+}
+
+impl Written {
+    fn of(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<Written, String> {
+        let name = if unit.name == "1" { "" } else { unit.name };
+        let plain = |number| Ok(Written { number, unit: None, name });
+        match value {
+            DeValue::Integer(number) => plain(integer(number.as_str(), number.radix())),
+            // TOML's own spellings of floats, `inf` and `nan` among them, are those of Rust.
+            DeValue::Float(number) => plain(number.as_str().parse().unwrap_or(f64::NAN)),
+            DeValue::String(text) => Self::from_text(text, unit, name, absolute),
+            other => Err(format!("is {}, but must be a number or a string such as {:?}", type_of(other), sample(unit))),
+        }
+    }
+
+    fn from_text(text: &str, unit: &'static Unit, name: &'static str, absolute: bool) -> Result<Written, String> {
+        let text = text.trim();
+        let (number, symbol) =
+            split(text).ok_or_else(|| format!("{text:?} is not a number with a unit, such as {:?}", sample(unit)))?;
+        if symbol.is_empty() && name.is_empty() {
+            return Ok(Written { number, unit: None, name });
+        }
+        Self::in_unit(number, symbol, unit, absolute).map_err(|names| {
+            let wrong =
+                if symbol.is_empty() { "has no unit".to_owned() } else { format!("has the wrong unit {symbol:?}") };
+            format!("{text:?} {wrong}; accepted are {names}")
+        })
+    }
+
+    /// # Errors
+    /// The units that would be accepted.
+    fn in_unit(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<Written, String> {
+        if symbol == unit.name {
+            let name = if unit.name == "1" { "" } else { unit.name };
+            return Ok(Written { number, unit: None, name });
+        }
+        match units(unit, absolute).find(|display| display.name == symbol) {
+            Some(display) => Ok(Written { number, unit: Some(display), name: display.name }),
+            None => {
+                let others = units(unit, absolute).map(|display| display.name);
+                Err(std::iter::once(unit.name).chain(others).collect::<Vec<_>>().join(", "))
+            }
+        }
+    }
+
+    fn si(&self) -> f64 {
+        self.unit.map_or(self.number, |unit| decimal((self.number - unit.offset) / unit.factor))
+    }
+
+    fn shown(&self, si: f64) -> f64 {
+        self.unit.map_or(si, |unit| decimal(unit.factor * si + unit.offset))
+    }
+}
+
+/// Units beside the SI unit; those with an offset only where `absolute`.
+pub fn units(unit: &'static Unit, absolute: bool) -> impl Iterator<Item = &'static DisplayUnit> {
+    unit.display.iter().filter(move |display| absolute || display.offset == 0.0)
+}
+
+/// Rounding to 15 significant decimal digits, so that `"20 um"` is the same number as `2e-5`.
+fn decimal(number: f64) -> f64 {
+    if number.is_finite() { format!("{number:.14e}").parse().unwrap_or(number) } else { number }
+}
+
+fn within(written: &Written, min: Option<f64>, max: Option<f64>) -> Result<(), String> {
+    let show = |number: f64| {
+        if written.name.is_empty() { format!("{number}") } else { format!("{number} {}", written.name) }
+    };
+    if !written.number.is_finite() {
+        return Err(format!("{} is not a finite number", written.number));
+    }
+    let si = written.si();
+    if min.is_none_or(|min| si >= min) && max.is_none_or(|max| si <= max) {
+        return Ok(());
+    }
+    let range = match (min.map(|min| written.shown(min)), max.map(|max| written.shown(max))) {
+        (Some(min), Some(max)) => format!("from {} to {}", show(min), show(max)),
+        (Some(min), None) => format!("at least {}", show(min)),
+        (None, Some(max)) => format!("at most {}", show(max)),
+        (None, None) => "any".into(),
+    };
+    Err(format!("{} is outside the allowed range: {range}", show(written.number)))
+}
+
+fn integer(digits: &str, radix: u32) -> f64 {
+    i64::from_str_radix(digits, radix).map_or(f64::NAN, |number| number as f64)
+}
+
+/// Number and unit of a text such as `1.2e3 mm3/(N.m)`, with or without the space.
+fn split(text: &str) -> Option<(f64, &str)> {
+    // The longest number wins, so that an exponent is not taken for a unit.
+    let ends = text.char_indices().map(|(at, symbol)| at + symbol.len_utf8());
+    ends.rev().find_map(|end| {
+        let (number, unit) = text.split_at(end);
+        // Rust would also read `inf` and `nan`, which no unit begins a number with.
+        let number = number.trim_end();
+        if !number.ends_with(|symbol: char| symbol.is_ascii_digit() || symbol == '.') {
+            return None;
+        }
+        Some((number.parse().ok()?, unit.trim_start()))
+    })
+}
+
+fn sample(unit: &Unit) -> String {
+    let symbol = unit.display.first().map_or(unit.name, |display| display.name);
+    format!("20 {symbol}")
+}

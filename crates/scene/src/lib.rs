@@ -1,0 +1,387 @@
+//! A scene: the parameters as the physics reads them, made from the values of the variable table.
+
+mod fade;
+mod rules;
+pub mod slot;
+pub mod variables;
+mod warnings;
+
+pub use fade::FadeTable;
+pub use rules::Broken;
+
+use crate::variables::{COUNT, TOLERANCES, reference};
+
+/// Value of the row called `$name` in `$values`; an unknown name does not compile.
+#[macro_export]
+macro_rules! value {
+    ($values:expr, $name:expr) => {
+        $values[const { $crate::variables::reference($name) } as usize]
+    };
+}
+
+/// The eight elements of the row called `$name`.
+macro_rules! eight {
+    ($values:expr, $name:expr) => {{
+        let mut eight = [0.0; 8];
+        let first = const { reference($name) } as usize;
+        eight.copy_from_slice(&$values[first..first + 8]);
+        eight
+    }};
+}
+
+/// Elastic model of a body.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MechanicalBody {
+    /// No deformation.
+    Rigid,
+    /// Independent springs.
+    Winkler,
+    /// Elastic half-plane.
+    HalfPlane,
+    /// Elastic body of finite height.
+    Elastic,
+}
+
+/// Thermal condition of the face opposite to the contact.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ThermalBoundary {
+    /// Constant temperature.
+    Held,
+    /// Heat transfer to ambient air.
+    Convecting,
+    /// No heat passes.
+    Insulated,
+    /// Temperature of an input.
+    External,
+}
+
+impl ThermalBoundary {
+    /// The condition of an item of the enumeration.
+    pub fn from_item(item: f64) -> ThermalBoundary {
+        match item as i32 {
+            1 => ThermalBoundary::Held,
+            2 => ThermalBoundary::Convecting,
+            3 => ThermalBoundary::Insulated,
+            _ => ThermalBoundary::External,
+        }
+    }
+}
+
+/// Geometry of the contact.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Geometry {
+    /// x along the sliding direction.
+    Line,
+    /// x along the radius.
+    Annular,
+    /// The punch covers the whole closed path.
+    Periodic,
+}
+
+/// Path of the punch on the strip.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Path {
+    /// Open track.
+    Straight,
+    /// Closed track.
+    Closed,
+}
+
+/// Level of the model.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Fidelity {
+    /// The cheapest that meets the tolerance.
+    Auto,
+    /// Uniform pressure, few thermal states.
+    Lumped,
+    /// Contact line.
+    Line,
+    /// Unreduced finite elements.
+    Field,
+}
+
+/// How a contact line carries its heat. No parameter: the plan decides, or the line itself.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum HeatAlongContact {
+    /// On the cells where its distribution feeds back on pressure, friction or wear; by its mean elsewhere.
+    #[default]
+    WhereItFeedsBack,
+    /// By its mean.
+    ByItsMean,
+    /// On the cells, wherever the scene allows it: the mean temperature then knows where the pressure is.
+    OnTheCells,
+}
+
+/// Time stepping.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Scheme {
+    /// All fields in one implicit step.
+    Monolithic,
+    /// Operator split.
+    Staggered,
+    /// Explicit wear.
+    Explicit,
+}
+
+/// Freedom of the punch in its holder.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Constraint {
+    /// Approach only.
+    Translate,
+    /// Approach and rotation about a pivot.
+    TranslateAndRotate,
+}
+
+/// Gap between the undeformed bodies at initialisation.
+#[derive(Clone, PartialEq, Debug)]
+pub enum InitialShape {
+    /// None.
+    Flat,
+    /// x^2/(2 R), R in m.
+    Parabolic(f64),
+    /// The steady state's, at nominal conditions.
+    RunIn,
+    /// Values (m) at the 33 stations of `profile.x`, linear between.
+    Tabulated(Box<[f64; STATIONS]>),
+}
+
+/// Stations of the profiles.
+pub const STATIONS: usize = 33;
+
+/// A body. Symbols and units as in the variable table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Body {
+    pub height: f64,
+    pub mechanical: MechanicalBody,
+    pub youngs_modulus: f64,
+    pub poissons_ratio: f64,
+    pub foundation_stiffness: f64,
+    pub density: f64,
+    pub specific_heat: f64,
+    pub conductivity: f64,
+    pub thermal_expansion: f64,
+    pub wear_coefficient: f64,
+    pub wear_pressure_exponent: f64,
+    pub wear_velocity_exponent: f64,
+    pub wear_fade: FadeTable,
+    pub initial_wear: f64,
+    pub wear_limit: f64,
+    pub initial_temperature: f64,
+    pub convection: f64,
+    pub convection_forced: f64,
+    pub emissivity: f64,
+    pub cooled_area: f64,
+    /// Condition of the face opposite to the contact.
+    pub far_thermal: ThermalBoundary,
+    /// Temperature there where it is held, K; 0: ambient.
+    pub far_temperature: f64,
+}
+
+impl Body {
+    /// Heat capacity by volume, J/(m3 K).
+    pub fn capacity(&self) -> f64 {
+        self.density * self.specific_heat
+    }
+}
+
+/// The parameters of a scene. Symbols and units as in the variable table.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Scene {
+    pub punch: Body,
+    pub strip: Body,
+    pub width: f64,
+    pub depth: f64,
+    pub count: f64,
+    pub path: Path,
+    /// Circumference of a closed path, resolved from the mean radius where not given; 0 for a straight one without a given length.
+    pub length: f64,
+    pub smooth_base: bool,
+    pub geometry: Geometry,
+    pub mean_radius: f64,
+    pub faces: f64,
+    pub friction_coefficient: f64,
+    pub friction_fade: FadeTable,
+    pub static_friction_ratio: f64,
+    pub stribeck_velocity: f64,
+    pub regularization_velocity: f64,
+    pub stick_stiffness: f64,
+    pub stick_damping: f64,
+    pub conductance: f64,
+    pub initial_shape: InitialShape,
+    pub shear_coupling: bool,
+    pub temperature_limit: f64,
+    pub constraint: Constraint,
+    pub pivot_height: f64,
+    pub holder_stiffness: f64,
+    pub ambient_temperature: f64,
+    pub nominal_load: f64,
+    pub nominal_velocity: f64,
+    pub nominal_duration: f64,
+    pub nominal_stroke: f64,
+    pub fidelity: Fidelity,
+    /// Cells of the contact line; 0: chosen.
+    pub cells: usize,
+    /// Heat of a contact line.
+    pub heat_along_contact: HeatAlongContact,
+    pub scheme: Scheme,
+    pub tolerance: f64,
+    pub wear_acceleration: f64,
+}
+
+macro_rules! body {
+    ($v:expr, $body:literal, $far:literal, $far_temperature:literal) => {
+        Body {
+            height: value!($v, concat!($body, ".height")),
+            mechanical: match value!($v, concat!($body, ".body")) as i32 {
+                1 => MechanicalBody::Rigid,
+                2 => MechanicalBody::Winkler,
+                3 => MechanicalBody::HalfPlane,
+                _ => MechanicalBody::Elastic,
+            },
+            youngs_modulus: value!($v, concat!($body, ".youngs_modulus")),
+            poissons_ratio: value!($v, concat!($body, ".poissons_ratio")),
+            foundation_stiffness: value!($v, concat!($body, ".foundation_stiffness")),
+            density: value!($v, concat!($body, ".density")),
+            specific_heat: value!($v, concat!($body, ".specific_heat")),
+            conductivity: value!($v, concat!($body, ".conductivity")),
+            thermal_expansion: value!($v, concat!($body, ".thermal_expansion")),
+            wear_coefficient: value!($v, concat!($body, ".wear_coefficient")),
+            wear_pressure_exponent: value!($v, concat!($body, ".wear_pressure_exponent")),
+            wear_velocity_exponent: value!($v, concat!($body, ".wear_velocity_exponent")),
+            wear_fade: FadeTable::new(
+                eight!($v, concat!($body, ".wear_fade.temperature")),
+                eight!($v, concat!($body, ".wear_fade.factor")),
+            ),
+            initial_wear: value!($v, concat!($body, ".initial_wear")),
+            wear_limit: value!($v, concat!($body, ".wear_limit")),
+            initial_temperature: value!($v, concat!($body, ".initial_temperature")),
+            convection: value!($v, concat!($body, ".convection")),
+            convection_forced: value!($v, concat!($body, ".convection_forced")),
+            emissivity: value!($v, concat!($body, ".emissivity")),
+            cooled_area: value!($v, concat!($body, ".cooled_area")),
+            far_thermal: ThermalBoundary::from_item(value!($v, $far)),
+            far_temperature: value!($v, $far_temperature),
+        }
+    };
+}
+
+impl Scene {
+    /// Reads the values of the variable table, each within its own bounds. `importer_tolerance` counts
+    /// where `solver.tolerance` is 0.
+    ///
+    /// # Errors
+    /// [`Broken`] rules that join several parameters, such as a tipping punch.
+    pub fn new(v: &[f64; COUNT], importer_tolerance: Option<f64>) -> Result<Scene, Broken> {
+        let mean_radius = value!(v, "contact.mean_radius");
+        let path = if value!(v, "strip.path") == 1.0 { Path::Straight } else { Path::Closed };
+        let given_length = value!(v, "strip.length");
+        let geometry = match value!(v, "contact.geometry") as i32 {
+            1 => Geometry::Line,
+            2 => Geometry::Annular,
+            _ => Geometry::Periodic,
+        };
+        let around = 2.0 * std::f64::consts::PI * mean_radius;
+        let length = if given_length == 0.0 && path == Path::Closed { around } else { given_length };
+        let own_tolerance = value!(v, "solver.tolerance");
+        let tolerance = if own_tolerance > 0.0 { own_tolerance } else { importer_tolerance.unwrap_or(1e-3) };
+        let scene = Scene {
+            punch: body!(v, "punch", "punch.top_thermal", "punch.top_temperature"),
+            strip: body!(v, "strip", "strip.base_thermal", "strip.base_temperature"),
+            width: value!(v, "punch.width"),
+            depth: value!(v, "depth"),
+            count: value!(v, "punch.count"),
+            path,
+            length,
+            smooth_base: value!(v, "strip.base") == 2.0,
+            geometry,
+            mean_radius,
+            faces: value!(v, "contact.faces"),
+            friction_coefficient: value!(v, "contact.friction_coefficient"),
+            friction_fade: FadeTable::new(
+                eight!(v, "contact.friction_fade.temperature"),
+                eight!(v, "contact.friction_fade.factor"),
+            ),
+            static_friction_ratio: value!(v, "contact.static_friction_ratio"),
+            stribeck_velocity: value!(v, "contact.stribeck_velocity"),
+            regularization_velocity: value!(v, "contact.regularization_velocity"),
+            stick_stiffness: value!(v, "contact.stick_stiffness"),
+            stick_damping: value!(v, "contact.stick_damping"),
+            conductance: value!(v, "contact.conductance"),
+            initial_shape: match value!(v, "contact.initial_shape") as i32 {
+                1 => InitialShape::Flat,
+                2 => InitialShape::Parabolic(value!(v, "contact.initial_radius")),
+                3 => InitialShape::RunIn,
+                _ => {
+                    let first = const { reference("contact.initial_gap") } as usize;
+                    InitialShape::Tabulated(Box::new(std::array::from_fn(|station| v[first + station])))
+                }
+            },
+            shear_coupling: value!(v, "contact.shear_coupling") != 0.0,
+            temperature_limit: value!(v, "contact.temperature_limit"),
+            constraint: if value!(v, "holder.constraint") == 1.0 {
+                Constraint::Translate
+            } else {
+                Constraint::TranslateAndRotate
+            },
+            pivot_height: value!(v, "holder.pivot_height"),
+            holder_stiffness: value!(v, "holder.stiffness"),
+            ambient_temperature: value!(v, "ambient_temperature"),
+            nominal_load: value!(v, "nominal.load"),
+            nominal_velocity: value!(v, "nominal.velocity"),
+            nominal_duration: value!(v, "nominal.duration"),
+            nominal_stroke: value!(v, "nominal.stroke"),
+            fidelity: match value!(v, "solver.fidelity") as i32 {
+                1 => Fidelity::Auto,
+                2 => Fidelity::Lumped,
+                3 => Fidelity::Line,
+                _ => Fidelity::Field,
+            },
+            cells: value!(v, "solver.cells") as usize,
+            heat_along_contact: HeatAlongContact::WhereItFeedsBack,
+            scheme: match value!(v, "solver.scheme") as i32 {
+                1 => Scheme::Monolithic,
+                2 => Scheme::Staggered,
+                _ => Scheme::Explicit,
+            },
+            tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
+            wear_acceleration: value!(v, "wear_acceleration"),
+        };
+        rules::check(&scene)?;
+        Ok(scene)
+    }
+
+    /// Whether both bodies are rigid: the pressure is uniform then.
+    pub fn has_rigid_bodies(&self) -> bool {
+        [self.punch.mechanical, self.strip.mechanical] == [MechanicalBody::Rigid; 2]
+    }
+
+    /// What a user should know about the values before the scene runs, at any level.
+    pub fn warnings(&self) -> Vec<String> {
+        warnings::of_temperatures(self)
+    }
+
+    /// The same about the inputs `strip.external_temperature` and `punch.external_temperature` (K).
+    pub fn warnings_of_external(&self, temperatures: [f64; 2]) -> Vec<String> {
+        warnings::of_external(self, temperatures)
+    }
+
+    /// Nominal contact area of one punch and one face, m2.
+    pub fn contact_area(&self) -> f64 {
+        self.width * self.depth
+    }
+
+    /// Part of the strip's length that all punches of a face cover; 0 for a straight path.
+    pub fn coverage(&self) -> f64 {
+        match (self.path, self.geometry) {
+            (Path::Straight, _) => 0.0,
+            (_, Geometry::Periodic) => 1.0,
+            (_, Geometry::Line) => self.count * self.width / self.length,
+            (_, Geometry::Annular) => self.count * self.depth / (2.0 * std::f64::consts::PI * self.mean_radius),
+        }
+    }
+
+    /// Length of the contact along the sliding direction, m.
+    pub fn sliding_extent(&self) -> f64 {
+        if self.geometry == Geometry::Annular { self.depth } else { self.width }
+    }
+}

@@ -1,0 +1,141 @@
+//! Steady states with heat: temperatures, heat flows and distortion beside pressure and shape.
+//!
+//! One way, all of it is found in one stroke: the wear fixes the pressure, the moving source of its heat the temperatures,
+//! and elasticity with the distortion the shape. To and fro, the pressure changes while a half-stroke lasts, since the heat
+//! of one direction distorts the contact of the other; there the steady cycle of the contact line's own steps is found
+//! ([`model::line::cycle`]).
+
+mod bodies;
+mod cycle;
+pub mod law;
+mod partition;
+mod unidirectional;
+
+pub use cycle::{cycle_map, nominal_half_strokes};
+
+use super::SteadyError;
+use super::states::{Sliding, SteadyState, steady_state};
+use bodies::{heat_leaves, with_steady_bodies};
+use elasticity::{Cells, Compliance};
+use scene::Scene;
+
+/// Steady state of a scene with its heat.
+#[derive(Clone, PartialEq, Debug)]
+pub struct HotState {
+    /// Pressure, shape and wear. Of to-and-fro sliding the means over the half-strokes; the shape is that of the bodies
+    /// unloaded and at the ambient temperature.
+    pub state: SteadyState,
+    /// Temperatures and heat.
+    pub heat: SteadyHeat,
+}
+
+/// Heat of a steady state. Temperatures in K, N cell means; pairs are punch and strip.
+#[derive(Clone, PartialEq, Debug)]
+pub struct SteadyHeat {
+    /// Of every stroke, as in the state.
+    pub strokes: Vec<StrokeHeat>,
+    /// Least and largest temperature of the surfaces in the cycle.
+    pub range: [[Vec<f64>; 2]; 2],
+    /// Least, mean and largest value in the cycle of the contact's mean temperature.
+    pub contact_temperature: [f64; 3],
+    /// Largest `contact_temperature_max` in the cycle, see [`Hottest`](model::line::hottest::Hottest).
+    pub highest: f64,
+    /// Means over the cycle, all punches and faces.
+    pub flows: HeatFlows,
+    /// How it was found.
+    pub accuracy: Accuracy,
+}
+
+/// Heat of a stroke.
+#[derive(Clone, PartialEq, Debug)]
+pub struct StrokeHeat {
+    /// Mean temperatures of the surfaces, K.
+    pub temperature: [Vec<f64>; 2],
+    /// Mean fluxes into the bodies, W/m2.
+    pub flux: [Vec<f64>; 2],
+    /// Pressure just after the reversal and at the end of the stroke, Pa; twice the same one way.
+    pub pressure_at: [Vec<f64>; 2],
+}
+
+/// Heat flows, W.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct HeatFlows {
+    /// Friction.
+    pub friction: f64,
+    /// Into the punch.
+    pub punch: f64,
+    /// Into the strip.
+    pub strip: f64,
+    /// Out of the punch's top.
+    pub punch_top: f64,
+    /// Out of the strip's base.
+    pub strip_base: f64,
+    /// To the air.
+    pub ambient: f64,
+}
+
+/// How a steady state was found.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Accuracy {
+    /// Cycles, or iterations, computed.
+    pub iterations: usize,
+    /// Last change of the shape over the elastic displacement under the mean pressure.
+    pub shape: f64,
+    /// Last change of the heat over the heat.
+    pub heat: f64,
+    /// Speed over the critical speed of thermoelastic instability; 0: there is none. Above 1 time stepping may depart from
+    /// this state.
+    pub speed_ratio: f64,
+}
+
+/// Steady state with heat of a scene under its nominal load; see [`steady_state`] for what exists.
+///
+/// Friction and wear follow the temperature where they have tables. Distortion is measured from the ambient temperature.
+/// Faces with a temperature from outside are at the ambient temperature.
+///
+/// # Errors
+/// What [`steady_state`] refuses; [`SteadyError::NoHeatLeaves`].
+pub fn hot_state(
+    scene: &Scene,
+    cells: &Cells,
+    compliances: &[Compliance; 2],
+    sliding: &Sliding,
+) -> Result<HotState, SteadyError> {
+    let cold = steady_state(scene, cells, compliances, sliding)?;
+    let speed = cold.strokes.iter().map(|stroke| stroke.velocity.abs()).fold(0.0, f64::max);
+    heat_leaves(scene, speed)?;
+    let scene = with_steady_bodies(scene, speed);
+    match *sliding {
+        Sliding::Unidirectional { .. } => unidirectional::solve(&scene, cells, compliances, &cold, sliding),
+        Sliding::Reciprocating { strokes, speeds } => cycle::solve(&scene, cells, &cold, strokes, speeds),
+    }
+}
+
+/// Whether steady sliding heats the contact of a scene at all, and its steady state with heat can be found.
+pub fn has_hot_state(scene: &Scene) -> bool {
+    let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
+    conducts && scene.friction_coefficient > 0.0
+}
+
+/// Shape of the run-in punch of a scene whose heat feeds back: gap of the unloaded bodies at the ambient temperature, N cell
+/// means, in m, least 0.
+///
+/// # Errors
+/// Those of [`hot_state`], and [`SteadyError::OnlyStripWears`] where the punch would keep its shape.
+pub fn hot_run_in_shape(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<Vec<f64>, SteadyError> {
+    let hot = hot_state(scene, cells, compliances, &Sliding::nominal(scene))?;
+    match hot.state.kind {
+        super::states::SteadyKind::RunIn => Ok(hot.state.shape),
+        _ => Err(SteadyError::OnlyStripWears),
+    }
+}
+
+/// Gap of a run-in punch, as the contact line starts with it: with resolved `heat` that of [`hot_run_in_shape`] where friction heats the
+/// contact, otherwise [`run_in_shape`](super::states::run_in_shape). It is the [`RunIn`](model::line::operators::RunIn) of the model.
+///
+/// # Errors
+/// The text of what the shape is refused for.
+pub fn run_in(scene: &Scene, heat: bool, cells: &Cells, compliances: &[Compliance; 2]) -> Result<Vec<f64>, String> {
+    let shape = if heat && has_hot_state(scene) { hot_run_in_shape } else { super::states::run_in_shape };
+    shape(scene, cells, compliances).map_err(|error| error.to_string())
+}

@@ -1,0 +1,84 @@
+//! Whether heat can leave the bodies, and bodies that are good for as long as they take to become steady.
+
+use crate::SteadyError;
+use conduction::STEFAN_BOLTZMANN;
+use scene::{Body, Geometry, InitialShape, Path, Scene, ThermalBoundary};
+
+/// Steady is what has lasted as long as the slowest of the times in which heat leaves, this often.
+const SLOWEST_TIMES: f64 = 5.0;
+
+/// Times in which heat spreads along a strip that nothing cools, of its height and the contact's width together: it takes
+/// nothing in the end.
+const SPREADING_TIMES: f64 = 30.0;
+
+/// Refuses what never becomes steady: friction heats the bodies for ever.
+pub(super) fn heat_leaves(scene: &Scene, speed: f64) -> Result<(), SteadyError> {
+    let fresh = scene.path == Path::Straight && scene.nominal_stroke == 0.0 && scene.strip.conductivity > 0.0;
+    if scene.friction_coefficient == 0.0 || fresh || leaves_punch(scene, speed) || leaves_strip(scene, speed) {
+        return Ok(());
+    }
+    let conducts = |body: &Body| body.conductivity > 0.0;
+    let closed = match (conducts(&scene.punch), conducts(&scene.strip)) {
+        (false, false) => "neither body conducts",
+        (true, false) => "only the punch conducts, its top is insulated and nothing cools its sides",
+        (false, true) => "only the strip conducts, its base is insulated and nothing cools its top",
+        (true, true) => "punch.top_thermal and strip.base_thermal are insulated and nothing cools the bodies' sides",
+    };
+    Err(SteadyError::NoHeatLeaves { closed })
+}
+
+/// Heat transfer coefficient of the air, radiation at the ambient temperature included.
+fn transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
+    let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
+    body.convection + body.convection_forced * speed.powf(0.8) + radiation
+}
+
+fn through_far_face(body: &Body, scene: &Scene, speed: f64) -> bool {
+    match body.far_thermal {
+        ThermalBoundary::Held | ThermalBoundary::External => true,
+        ThermalBoundary::Convecting => transfer(body, scene, speed) > 0.0,
+        ThermalBoundary::Insulated => false,
+    }
+}
+
+fn leaves_punch(scene: &Scene, speed: f64) -> bool {
+    let body = &scene.punch;
+    let sides = scene.geometry != Geometry::Periodic || body.cooled_area > 0.0;
+    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || sides && transfer(body, scene, speed) > 0.0)
+}
+
+fn leaves_strip(scene: &Scene, speed: f64) -> bool {
+    let body = &scene.strip;
+    let free = scene.geometry != Geometry::Periodic;
+    body.conductivity > 0.0 && (through_far_face(body, scene, speed) || free && transfer(body, scene, speed) > 0.0)
+}
+
+/// The scene with a nominal duration for which reduced bodies are good until they are steady; cold, and under a dead load.
+pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
+    let mut scene = scene.clone();
+    let (punch, strip) = (leaves_punch(&scene, speed), leaves_strip(&scene, speed));
+    let time = |body: &Body, leaves: bool| -> f64 {
+        if body.conductivity == 0.0 {
+            return 0.0;
+        }
+        let diffusivity = body.conductivity / body.capacity();
+        let through = body.height * body.height / diffusivity;
+        let transfer = transfer(body, &scene, speed);
+        let held = matches!(body.far_thermal, ThermalBoundary::Held | ThermalBoundary::External);
+        if !leaves {
+            let along = body.height + scene.width;
+            return SPREADING_TIMES * along * along / diffusivity;
+        }
+        through + if held || transfer == 0.0 { 0.0 } else { body.capacity() * body.height / transfer }
+    };
+    let slowest = time(&scene.punch, punch).max(time(&scene.strip, strip));
+    scene.nominal_duration = scene.nominal_duration.max(SLOWEST_TIMES * slowest);
+    if scene.initial_shape == InitialShape::RunIn {
+        scene.initial_shape = InitialShape::Flat;
+    }
+    for body in [&mut scene.punch, &mut scene.strip] {
+        body.initial_temperature = 0.0;
+    }
+    scene.holder_stiffness = 0.0;
+    scene
+}

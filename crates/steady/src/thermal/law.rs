@@ -1,0 +1,197 @@
+//! When heat leaves the steady pressures alone: the difference that it makes, against the length of a cycle.
+//!
+//! The wear of a cycle follows the mean pressure, and so does the mean heat: for `a = b = 1` a run-in contact has the same
+//! mean pressures p+ + p- and the same mean flux with heat as without, and the shape takes up the mean distortion. What
+//! heat changes is what it does differently in the two directions. The flux `mu v (p+ - p-)/2` changes its sign with every
+//! reversal, and a wave of it, `q cos(m x) exp(i w t)`, displaces the surface of a half-plane by
+//!
+//! ```text
+//! u = 2 alpha (1 + nu) q/(K L (L + m)),   L^2 = m^2 + i w/kd
+//!   = 2 alpha (1 + nu) q/(rho c) [1/(i w) - m kd^(1/2)/(i w)^(3/2) + ...]        w >> kd m^2
+//! ```
+//!
+//! With the cycle time P over the thermal time `a^2/kd` of the contact, r << 1:
+//!
+//! - the flux heats the surface by `q/(K L)`: the temperature swings by `r^(1/2)`;
+//! - the leading term of u is the heat of a half-stroke, a saw tooth: pressures within a half-stroke change by r;
+//! - a saw tooth's mean over the half-stroke is zero. The half-strokes' mean pressures, the p+ and p- of the run-in contact,
+//!   first feel the second term, which is out of step with the first: a wave long against `(kd P)^(1/2)` by `r^(3/2)`;
+//! - the flux jumps at the edges, so that its waves fall like 1/m only; the short ones are as in a long cycle, `u ~ q/m^2` and
+//!   `p ~ m u`, and close to the edges, over a length `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root mean square over
+//!   all of the contact falls like `r^(3/4)`. Inside, the edges' part is felt as well, so
+//!   that the measured power lies between 1 and 3/2.
+//!
+//! Besides, a strip carries its warm track to and fro under the punch: that changes pressures within a half-stroke in
+//! proportion to the stroke over the width, however short the cycle, and leaves their means alone. For r >> 1 every
+//! half-stroke reaches a steady state of its own, and the difference is a constant: that of a contact whose compliance has the
+//! steady distortion `mu v E0` on top.
+
+use super::bodies::{heat_leaves, with_steady_bodies};
+use super::cycle;
+use super::partition::HeatPartition;
+use crate::states::{Sliding, SteadyState, steady_state};
+use crate::{CycleProblem, SteadyError};
+use conduction::line::Stage;
+use contact::wear::line::CellRate;
+use elasticity::{Cells, Compliance};
+use model::instability::CriticalSpeed;
+use model::line::cycle::{Resolution, SolveOptions};
+use model::line::heat::bodies::Bodies;
+use scene::{Body, Scene};
+
+/// Part of the wear that is left, so that what a half-stroke wears is nothing against what it distorts.
+const WEAR: f64 = 1e-3;
+
+/// Part of the half-width that counts as inside.
+const INSIDE: f64 = 0.7;
+
+/// Doublings and parts of the half-strokes' steps: finer than elsewhere, since the means are what a saw tooth leaves.
+const RESOLUTION: Resolution = Resolution { levels: 5, parts: 4 };
+
+/// Differences, pressure with heat less without, of the half-strokes' means: root mean squares over the mean pressure.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Differences {
+    /// Within .7 of the half-width.
+    pub inside: f64,
+    /// Over all of the contact.
+    pub everywhere: f64,
+}
+
+/// Tolerance of the reduced bodies: relative to all of the temperature, of which short cycles turn over little.
+const BODIES: f64 = 2e-5;
+
+/// A point of the law.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct LawPoint {
+    /// Duration of a cycle over the thermal time `a^2/kd` of the contact, the longer one of the two bodies'.
+    pub ratio: f64,
+    /// Difference of the half-strokes' mean pressures, see [`Differences::inside`].
+    pub inside: f64,
+    /// See [`Differences::everywhere`].
+    pub everywhere: f64,
+    /// The difference inside of the pressures at the ends of the half-strokes.
+    pub ends: f64,
+    /// Root mean square over the contact of the hotter surface's temperature range in a cycle, over the mean rise.
+    pub swing: f64,
+}
+
+/// Thermal time of the contact, s.
+pub fn thermal_time(scene: &Scene) -> f64 {
+    let half = 0.5 * scene.width;
+    let time = |body: &Body| {
+        if body.conductivity > 0.0 { half * half * body.capacity() / body.conductivity } else { 0.0 }
+    };
+    time(&scene.punch).max(time(&scene.strip))
+}
+
+/// The scene at this ratio: with other heat capacities, so that friction, heat, stroke and steady distortion stay.
+fn at(scene: &Scene, ratio: f64) -> Scene {
+    let mut scene = scene.clone();
+    let cycle = 2.0 * scene.nominal_stroke / scene.nominal_velocity.abs();
+    let factor = cycle / thermal_time(&scene) / ratio;
+    for body in [&mut scene.punch, &mut scene.strip] {
+        body.density *= factor;
+        body.wear_coefficient *= WEAR;
+    }
+    scene.nominal_duration = cycle;
+    scene.tolerance = BODIES;
+    scene
+}
+
+/// The law at `ratio` for a scene that slides to and fro.
+///
+/// # Errors
+/// As [`super::hot_state`].
+pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f64) -> Result<LawPoint, SteadyError> {
+    let scene = at(scene, ratio);
+    let cold = cold_state(&scene, cells, compliances)?;
+    let speed = scene.nominal_velocity.abs();
+    heat_leaves(&scene, speed)?;
+    let scene = with_steady_bodies(&scene, speed);
+    let sliding = [scene.nominal_stroke; 2];
+    let hot = cycle::solve_with(&scene, cells, &cold, sliding, [speed; 2], RESOLUTION, &SolveOptions::default())?;
+    let mean = scene.nominal_load / (scene.count * scene.contact_area());
+    let mut worst = [0.0_f64; 3];
+    for ((stroke, heat), without) in hot.state.strokes.iter().zip(&hot.heat.strokes).zip(&cold.strokes) {
+        let found = [
+            root_mean_square(cells, INSIDE, |i| stroke.pressure[i] - without.pressure[i]),
+            root_mean_square(cells, 1.0, |i| stroke.pressure[i] - without.pressure[i]),
+            root_mean_square(cells, INSIDE, |i| heat.pressure_at[1][i] - without.pressure[i]),
+        ];
+        worst.iter_mut().zip(found).for_each(|(worst, value)| *worst = worst.max(value / mean));
+    }
+    let rise = hot.heat.contact_temperature[1] - scene.ambient_temperature;
+    let [low, high] = &hot.heat.range;
+    let swing = (0..2).map(|side| root_mean_square(cells, 1.0, |i| high[side][i] - low[side][i])).fold(0.0, f64::max);
+    let [inside, everywhere, ends] = worst;
+    Ok(LawPoint { ratio, inside, everywhere, ends, swing: swing / rise })
+}
+
+/// Over the cells whose centres lie within `part` of the half-width.
+fn root_mean_square(cells: &Cells, part: f64, values: impl Fn(usize) -> f64) -> f64 {
+    let inside = |i: &usize| cells.centres()[*i].abs() <= part * cells.half_width();
+    let (mut sum, mut width) = (0.0, 0.0);
+    for i in (0..cells.count()).filter(inside) {
+        sum += cells.widths()[i] * values(i) * values(i);
+        width += cells.widths()[i];
+    }
+    (sum / width).sqrt()
+}
+
+fn cold_state(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<SteadyState, SteadyError> {
+    match Sliding::nominal(scene) {
+        sliding @ Sliding::Reciprocating { .. } => steady_state(scene, cells, compliances, &sliding),
+        Sliding::Unidirectional { .. } => {
+            Err(SteadyError::Heat("the law is one of to-and-fro sliding: nominal.stroke = 0 m".into()))
+        }
+    }
+}
+
+/// The difference of the half-strokes' mean pressures for endless cycles, over the mean pressure: every half-stroke has the
+/// steady distortion of its own heat, the strip's as at rest.
+///
+/// # Errors
+/// As [`super::hot_state`]; friction and wear that follow the temperature, or a load that a pivot shifts.
+pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<Differences, SteadyError> {
+    let cold = cold_state(scene, cells, compliances)?;
+    let speed = scene.nominal_velocity.abs();
+    heat_leaves(scene, speed)?;
+    let scene = with_steady_bodies(scene, speed);
+    let made = Bodies::new(&scene, cells).map_err(SteadyError::Heat)?;
+    let mut bodies = made.copies();
+    let step = 1e8 * scene.nominal_duration;
+    bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [0.0; 2]));
+    let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
+    let mut partition = HeatPartition::new(cells.count(), scene.conductance);
+    partition.prepare((step, [0.0; 2]), influence, &vec![true; cells.count()]);
+    let friction = cold.strokes[0].friction;
+    let [mut punch, strip] = [compliances[0].clone(), compliances[1].clone()];
+    punch.normal += &partition.distortion * (friction * speed);
+    let problem = CycleProblem {
+        cells,
+        punch: &punch,
+        strip: &strip,
+        friction: [friction; 2],
+        load: scene.nominal_load / (scene.count * scene.depth),
+        pivot_height: (scene.constraint == scene::Constraint::TranslateAndRotate).then_some(scene.pivot_height),
+        rate: &CellRate::uniform(1.0, 1.0, scene.punch.wear_pressure_exponent),
+        durations: [1.0; 2],
+    };
+    let hot = problem.solve().map_err(|reason| {
+        let critical = CriticalSpeed::new(&scene).modelled(scene.friction_coefficient);
+        if critical == 0.0 || speed <= critical {
+            return reason;
+        }
+        SteadyError::Heat(format!(
+            "no steady pressures of endless half-strokes: {speed:.4} m/s is above the critical speed of thermoelastic \
+             instability, {critical:.4} m/s"
+        ))
+    })?;
+    let mean = problem.load / (2.0 * cells.half_width());
+    let both = [(&hot.forward, &cold.strokes[0].pressure), (&hot.backward, &cold.strokes[1].pressure)];
+    let worst = |part: f64| {
+        let one = |(hot, cold): (&Vec<f64>, &Vec<f64>)| root_mean_square(cells, part, |i| hot[i] - cold[i]);
+        both.into_iter().map(one).fold(0.0, f64::max) / mean
+    };
+    Ok(Differences { inside: worst(INSIDE), everywhere: worst(1.0) })
+}

@@ -1,0 +1,47 @@
+//! The component as the problems drive it: by names.
+
+use scene::variables::{STARTS, ValueReference, find};
+use sliding_contact::component::{Component, Values};
+use std::sync::Arc;
+
+/// An initialised component, addressed by names.
+pub struct Driven(Component);
+
+fn reference(name: &str) -> Result<ValueReference, String> {
+    find(name).ok_or_else(|| format!("there is no variable {name}"))
+}
+
+impl Driven {
+    /// The stock scene with these start values instead of its own, initialised.
+    pub fn new(changes: &[(&str, f64)]) -> Result<Driven, String> {
+        let mut starts: Values = STARTS;
+        // Problems say what level they are about; what does not is about the lumped one.
+        starts[reference("solver.fidelity")? as usize] = 2.0;
+        for (name, value) in changes {
+            starts[reference(name)? as usize] = *value;
+        }
+        let mut component = Component::new(Arc::new(starts));
+        component.enter_initialization();
+        component.initialise(None)?;
+        Ok(Driven(component))
+    }
+
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), String> {
+        self.0.set_input(reference(name)?, value);
+        Ok(())
+    }
+
+    pub fn set_slope(&mut self, name: &str, slope: f64) -> Result<(), String> {
+        self.0.set_input_derivative(reference(name)?, slope);
+        Ok(())
+    }
+
+    pub fn get(&mut self, name: &str) -> Result<f64, String> {
+        Ok(self.0.get(reference(name)?))
+    }
+
+    /// `count` steps of `step` seconds.
+    pub fn steps(&mut self, step: f64, count: u32) -> Result<(), String> {
+        (0..count).try_for_each(|_| self.0.step(step))
+    }
+}

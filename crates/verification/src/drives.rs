@@ -1,0 +1,193 @@
+//! Scenes driven over time whose course is known: what the charts of accuracy against cost, their tests and the examples
+//! share.
+//!
+//! A [`DriveProblem`] is a scene with its inputs over time, the times at which it is judged, and its truth: a closed form
+//! or an integral equation, or a run that is far finer than all that are judged. A [`Setting`] is one way to solve it; what
+//! comes out is a [`Record`], whose [`Errors`] are those of the quantities that users ask for. Time is taken with the
+//! clock that the caller brings.
+
+mod brake;
+mod clutch;
+mod families;
+mod pin;
+mod punch;
+mod run;
+
+pub use families::Family;
+pub use run::{Ending, Record, Schedule};
+
+use scene::variables::{STARTS, find};
+use scene::{Fidelity, Scheme};
+use sliding_contact::component::Values;
+use std::fmt;
+
+/// What a run is judged by.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Quantity {
+    /// Wear depth, m.
+    WearDepth,
+    /// Contact temperature, K; errors are relative to the peak rise above ambient.
+    ContactTemperature,
+    /// Friction force, N.
+    FrictionForce,
+    /// Largest of the 33 station means of the pressure, Pa.
+    PeakPressure,
+}
+
+impl Quantity {
+    /// All of them, in the order of a [`Sample`].
+    pub const ALL: [Self; 4] = [Self::WearDepth, Self::ContactTemperature, Self::FrictionForce, Self::PeakPressure];
+
+    /// What its error is relative to.
+    pub fn relative_to(self) -> &'static str {
+        match self {
+            Self::ContactTemperature => "peak rise",
+            _ => "largest value",
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::WearDepth => "wear depth",
+            Self::ContactTemperature => "contact temperature",
+            Self::FrictionForce => "friction force",
+            Self::PeakPressure => "peak pressure",
+        })
+    }
+}
+
+/// Wear depth (m), contact temperature (K), friction force (N) and peak pressure (Pa); NaN: not known, not judged.
+pub type Sample = [f64; 4];
+
+/// Largest error over the samples of each quantity, relative to the largest value of the truth (temperature: to the peak
+/// rise); NaN: not judged.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Errors(pub [f64; 4]);
+
+impl Errors {
+    /// The error of one quantity.
+    pub fn of(&self, quantity: Quantity) -> f64 {
+        self.0[quantity as usize]
+    }
+
+    /// The largest error of wear depth, contact temperature and friction force: what `solver.tolerance` is about.
+    pub fn of_main_outputs(&self) -> f64 {
+        self.0[..3].iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// One way to solve a problem.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Setting {
+    /// Level of the model.
+    pub fidelity: Fidelity,
+    /// Time stepping.
+    pub scheme: Scheme,
+    /// `solver.tolerance`.
+    pub tolerance: f64,
+    /// Cells of the contact line; 0: chosen.
+    pub cells: usize,
+    /// Communication step, s; infinite: from sample to sample.
+    pub step: f64,
+    /// Order of the inputs within a step: held (0) or with their derivatives (1).
+    pub order: u8,
+    /// Heat. Without it both bodies are insulators that slide without friction: temperature and friction force are not
+    /// judged. Only for a [`DriveProblem::isothermal`].
+    pub heat: bool,
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let level = match self.fidelity {
+            Fidelity::Auto => "auto",
+            Fidelity::Lumped => "lumped",
+            Fidelity::Line => "line",
+            Fidelity::Field => "field",
+        };
+        write!(formatter, "{level}")?;
+        match self.scheme {
+            Scheme::Monolithic => {}
+            Scheme::Staggered => write!(formatter, " staggered")?,
+            Scheme::Explicit => write!(formatter, " explicit")?,
+        }
+        if self.cells > 0 {
+            write!(formatter, ", {} cells", self.cells)?;
+        }
+        if !self.heat {
+            write!(formatter, ", no heat")?;
+        }
+        write!(formatter, ", tolerance {:.0e}, ", self.tolerance)?;
+        if self.step.is_finite() {
+            write!(formatter, "step {:.4e} s", self.step)
+        } else {
+            write!(formatter, "steps from sample to sample")
+        }?;
+        write!(formatter, ", inputs {}", if self.order == 0 { "held" } else { "linear" })
+    }
+}
+
+type Course = Box<dyn Fn(&[f64]) -> Result<Vec<Sample>, String>>;
+
+/// What the runs are judged against.
+pub enum Truth {
+    /// Known without the model under test.
+    Exact {
+        /// How, with the source.
+        how: &'static str,
+        /// Samples at the given times.
+        course: Course,
+    },
+    /// The first of these runs that the component accepts and that ends within the caller's budget: finer in every
+    /// respect than all that are judged.
+    Finest(Vec<Setting>),
+}
+
+/// A scene with its inputs, its judgement and its truth.
+pub struct DriveProblem {
+    /// Name on the command line and of the files.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub title: &'static str,
+    /// Its data, in one or two lines.
+    pub data: &'static str,
+    /// Start values of every variable.
+    pub starts: Values,
+    /// Sliding velocity (m/s) and normal load (N) at a time (s).
+    pub inputs: Schedule,
+    /// The communication step that an importer would take, s.
+    pub step: f64,
+    /// Communication steps that are compared, s, from coarse to fine.
+    pub steps: Vec<f64>,
+    /// Times at which runs are judged, s, ascending; the last ends the run.
+    pub samples: Vec<f64>,
+    /// What they are judged against.
+    pub truth: Truth,
+    /// Why the truth is known no better.
+    pub reason: &'static str,
+    /// Wear and pressure know nothing of heat and friction force, so that heat may be switched off.
+    pub isothermal: bool,
+}
+
+/// Every problem, in the order in which charts show them.
+///
+/// # Errors
+/// Where a scene that the problems are made from does not exist.
+pub fn problems() -> Result<Vec<DriveProblem>, String> {
+    Ok(vec![pin::problem()?, punch::cold()?, punch::hot()?, brake::stop()?, brake::cycle()?, clutch::problem()?])
+}
+
+/// The table's start values with these changes.
+fn starts(scene: Option<&Values>, changes: &[(&str, f64)]) -> Result<Values, String> {
+    let mut starts = *scene.unwrap_or(&STARTS);
+    for (name, value) in changes {
+        starts[find(name).ok_or_else(|| format!("there is no variable {name}"))? as usize] = *value;
+    }
+    Ok(starts)
+}
+
+/// Multiples of `spacing` up to `last`.
+fn every(spacing: f64, last: f64) -> Vec<f64> {
+    (1..=(last / spacing).round() as u32).map(|index| f64::from(index) * spacing).collect()
+}

@@ -1,0 +1,119 @@
+//! The settings that a chart compares: one thing varied at a time.
+
+use super::{DriveProblem, Setting};
+use scene::{Fidelity, Scheme};
+
+/// Settings that differ in one thing.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Family {
+    /// Name in the legend.
+    pub name: &'static str,
+    /// What differs, and what the rest is.
+    pub varied: &'static str,
+    /// From coarse to fine.
+    pub settings: Vec<Setting>,
+}
+
+/// Tolerance of a family that varies something else.
+const TIGHT: f64 = 1e-4;
+/// Cells of a family that varies something else.
+const CELLS: usize = 33;
+
+impl DriveProblem {
+    /// What is compared: every level and scheme; tolerances, cells, orders of the inputs and communication steps. `quick`:
+    /// the coarser half of each.
+    pub fn families(&self, quick: bool) -> Vec<Family> {
+        let setting = Setting {
+            fidelity: Fidelity::Line,
+            scheme: Scheme::Monolithic,
+            tolerance: TIGHT,
+            cells: CELLS,
+            step: self.step,
+            order: 1,
+            heat: true,
+        };
+        let kept = |count: usize| if quick { count.div_ceil(2) } else { count };
+        let tolerances = |fidelity: Fidelity, cells: usize, exponents: &[i32]| {
+            let with = |&exponent: &i32| Setting { fidelity, cells, tolerance: 10f64.powi(exponent), ..setting };
+            exponents[..kept(exponents.len())].iter().map(with).collect()
+        };
+        let steps = |like: Setting| {
+            let with = |&step: &f64| Setting { step, ..like };
+            self.steps[..kept(self.steps.len())].iter().map(with).collect()
+        };
+        let by_cells = |tolerance: f64, cells: &[usize]| {
+            let with = |&cells: &usize| Setting { cells, tolerance, ..setting };
+            cells[..kept(cells.len())].iter().map(with).collect()
+        };
+        let fine = [17, 25, 33, 49, 65];
+        // Cells and tolerance go together: the error of one is not worth less than that of the other.
+        let pairs: [(usize, i32); 9] =
+            [(5, -1), (9, -2), (13, -2), (17, -2), (21, -2), (33, -3), (49, -3), (65, -4), (97, -4)];
+        let isothermal = pairs[..kept(pairs.len())].iter().map(|&(cells, exponent)| Setting {
+            cells,
+            tolerance: 10f64.powi(exponent),
+            step: f64::INFINITY,
+            order: 0,
+            heat: false,
+            ..setting
+        });
+        let isothermal = Family {
+            name: "line, isothermal",
+            varied: "5 to 97 cells at tolerances from 1e-1 to 1e-4, heat switched off, steps from sample to sample",
+            settings: isothermal.collect(),
+        };
+        let mut families = vec![
+            Family { name: "auto", varied: "tolerance", settings: tolerances(Fidelity::Auto, 0, &[-1, -2, -3, -4]) },
+            Family {
+                name: "lumped",
+                varied: "tolerance",
+                settings: tolerances(Fidelity::Lumped, 0, &[-1, -2, -3, -4, -5]),
+            },
+            Family {
+                name: "lumped, inputs held",
+                varied: "communication step at tolerance 1e-4",
+                settings: steps(Setting { fidelity: Fidelity::Lumped, cells: 0, order: 0, ..setting }),
+            },
+            Family {
+                name: "line, tolerance",
+                varied: "tolerance at 33 cells",
+                settings: tolerances(Fidelity::Line, CELLS, &[-1, -2, -3, -4]),
+            },
+            Family {
+                name: "line, cells",
+                varied: "9 to 65 cells at tolerance 1e-4",
+                settings: by_cells(TIGHT, &[9, 17, 25, 33, 49, 65]),
+            },
+            Family {
+                name: "line, cells, 1e-3",
+                varied: "17 to 65 cells at tolerance 1e-3",
+                settings: by_cells(1e-3, &fine),
+            },
+            Family {
+                name: "line, cells, 1e-2",
+                varied: "17 to 65 cells at tolerance 1e-2",
+                settings: by_cells(1e-2, &fine),
+            },
+            Family {
+                name: "line, inputs held",
+                varied: "communication step at 33 cells, tolerance 1e-4",
+                settings: steps(Setting { order: 0, ..setting }),
+            },
+            Family {
+                name: "explicit",
+                varied: "communication step at 33 cells",
+                settings: steps(Setting { scheme: Scheme::Explicit, ..setting }),
+            },
+            Family {
+                name: "staggered",
+                varied: "communication step at 33 cells",
+                settings: steps(Setting { scheme: Scheme::Staggered, ..setting }),
+            },
+            Family { name: "field", varied: "tolerance", settings: tolerances(Fidelity::Field, 0, &[-1, -2, -3]) },
+        ];
+        if self.isothermal {
+            families.push(isothermal);
+        }
+        families
+    }
+}

@@ -1,0 +1,94 @@
+//! The punch that slides to and fro, cold and hot.
+
+use super::{DriveProblem, Setting, Truth, every, starts};
+use scene::{Fidelity, Scheme};
+use sliding_contact::component::Values;
+use std::f64::consts::PI;
+
+/// Half-stroke, m.
+const AMPLITUDE: f64 = 1.5e-3;
+/// Angular frequency of the stroke, 1/s.
+const FREQUENCY: f64 = 10.0;
+const LOAD: f64 = 10e3;
+/// Communication steps of a cycle that follow the velocity.
+const STEPS: f64 = 60.0;
+
+fn cycle() -> f64 {
+    2.0 * PI / FREQUENCY
+}
+
+fn scene() -> Result<Values, String> {
+    let text = include_str!("../../../../examples/reciprocating_punch/scene.toml");
+    Ok(scene_file::parse(text).map_err(|wrong| wrong.to_string())?.packaged.starts)
+}
+
+fn inputs(time: f64) -> [f64; 2] {
+    [AMPLITUDE * FREQUENCY * (FREQUENCY * time).cos(), LOAD]
+}
+
+/// Steps that end at the samples.
+fn steps() -> Vec<f64> {
+    [12.0, 24.0, 60.0, 120.0, 240.0].iter().map(|count| cycle() / count).collect()
+}
+
+/// Six samples in a cycle, none of them where the velocity changes sign: the sign of friction there is one of rounding.
+fn samples(cycles: f64) -> Vec<f64> {
+    every(cycle() / 6.0, cycles * cycle())
+}
+
+fn finest(tolerance: f64, count: f64) -> Truth {
+    let setting = |fidelity, cells| Setting {
+        fidelity,
+        scheme: Scheme::Monolithic,
+        tolerance,
+        cells,
+        step: cycle() / count,
+        order: 1,
+        heat: true,
+    };
+    let line = [129, 97, 65].map(|cells| setting(Fidelity::Line, cells));
+    Truth::Finest([setting(Fidelity::Field, 0)].into_iter().chain(line).collect())
+}
+
+/// Without heat in the shape, wear accelerated as the paper does with its reduced number of half-periods.
+pub(super) fn cold() -> Result<DriveProblem, String> {
+    let cycles = 12.0;
+    let changes = [
+        ("punch.thermal_expansion", 0.0),
+        ("strip.thermal_expansion", 0.0),
+        ("wear_acceleration", 100.0),
+        ("nominal.duration", cycles * cycle()),
+    ];
+    Ok(DriveProblem {
+        name: "reciprocating_punch",
+        title: "Reciprocating punch: an elastic block wears on an elastic strip, to and fro, cold",
+        data: "60 x 10 mm steel on steel, 10 kN, 1.5 mm sin(10 t), mu 0.25, wear 3.9e-5 mm3/(N m) times 100 over 12 cycles",
+        starts: starts(Some(&scene()?), &changes)?,
+        inputs: Box::new(inputs),
+        step: cycle() / STEPS,
+        steps: steps(),
+        samples: samples(cycles),
+        truth: finest(1e-6, 240.0),
+        reason: "where nothing expands every level takes heat by its mean, the truth too: finite elements, which resolve it, lie 1 to 2 % of the rise away",
+        isothermal: false,
+    })
+}
+
+/// With the heat of friction in the shape.
+pub(super) fn hot() -> Result<DriveProblem, String> {
+    let cycles = 4.0;
+    let changes = [("wear_acceleration", 10.0), ("nominal.duration", cycles * cycle())];
+    Ok(DriveProblem {
+        name: "hot_punch",
+        title: "Hot reciprocating punch: the same with frictional heat and the distortion that it causes",
+        data: "60 x 10 mm steel on steel, 10 kN, 1.5 mm sin(10 t), mu 0.25, expansion 1.1e-5 1/K, wear times 10, 4 cycles from cold",
+        starts: starts(Some(&scene()?), &changes)?,
+        inputs: Box::new(inputs),
+        step: cycle() / STEPS,
+        steps: steps(),
+        samples: samples(cycles),
+        truth: finest(1e-4, 120.0),
+        reason: "what remains is the difference to a run of twice its cells",
+        isothermal: false,
+    })
+}

@@ -1,0 +1,345 @@
+//! The strip along the contact line: moving bands cell by cell against Jaeger, image sums and plain Fourier sums.
+
+use super::{Problem, known};
+use conduction::lateral::Lateral;
+use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
+use conduction::line::{Stage, Surroundings, ThermalBody};
+use conduction::slab::Base;
+use elasticity::{self, Cells, Material};
+use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
+use std::f64::consts::PI;
+use std::sync::{Arc, OnceLock};
+
+/// Steps longer than any memory: the response is the steady one.
+const FOR_EVER: f64 = 1e12;
+
+fn refused(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+/// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
+fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
+    StripProperties {
+        height,
+        conductivity: 1.0,
+        capacity: 1.0,
+        convection: 0.0,
+        base,
+        path,
+        expansion: None,
+        lateral: None,
+    }
+}
+
+fn base_of(base: LayerBase) -> Base {
+    match base {
+        LayerBase::Held => Base::Held,
+        LayerBase::Insulated => Base::Insulated,
+    }
+}
+
+/// Cells, and their steady temperatures under a uniform flux 1 at `velocity`.
+fn steady(
+    properties: &StripProperties,
+    cells: usize,
+    half_width: f64,
+    resolution: Resolution,
+    velocity: f64,
+) -> Result<(Cells, Vec<f64>), String> {
+    let cells = Cells::graded(half_width, cells).map_err(refused)?;
+    let mut body = StripHeat::new(properties, &cells, &resolution).map_err(refused)?;
+    body.prepare(FOR_EVER, [velocity; 2]);
+    let influence = &body.influence(Stage::End).temperature;
+    let answer = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
+    Ok((cells, answer))
+}
+
+fn mean(cells: &Cells, values: &[f64]) -> f64 {
+    cells.integral(values) / (2.0 * cells.half_width())
+}
+
+/// Largest value over the contact and where it is.
+fn maximum(cells: &Cells, values: &[f64]) -> (f64, f64) {
+    let points = (0..=20_000).map(|k| -1.0 + 1e-4 * f64::from(k));
+    points
+        .map(|x| (cells.point_value(values, x), x))
+        .fold((0.0, 0.0), |best, here| if here.0 > best.0 { here } else { best })
+}
+
+pub(super) fn problems() -> Vec<Problem> {
+    let mut all = Vec::new();
+    jaeger(&mut all);
+    unidirectional(&mut all);
+    between_knots(&mut all);
+    closed_paths(&mut all);
+    oscillating(&mut all);
+    squares(&mut all);
+    distortion(&mut all);
+    all
+}
+
+/// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over his images.
+fn jaeger(all: &mut Vec<Problem>) {
+    // A slow band heats so deep and far that steps of a tenth of its thermal time would need too many waves.
+    let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
+    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+    for (peclet, height, cells, path, resolution) in [
+        (0.1, 60.0, 65, SlidingPath::Closed(4000.0), slow),
+        (1.0, 12.0, 65, SlidingPath::Unidirectional, fast),
+        (10.0, 4.0, 65, SlidingPath::Unidirectional, fast),
+        (100.0, 1.0, 129, SlidingPath::Unidirectional, fast),
+    ] {
+        moving_band(all, peclet, None, move || {
+            steady(&unit(height, Base::Held, path), cells, 1.0, resolution, 2.0 * peclet)
+        });
+    }
+    for (height, base) in [(0.4, LayerBase::Held), (2.0, LayerBase::Insulated)] {
+        for (peclet, cells) in [(0.1, 65), (1.0, 65), (10.0, 65), (100.0, 129)] {
+            moving_band(all, peclet, Some((height, base)), move || {
+                let resolution = if peclet < 1.0 { slow } else { fast };
+                steady(&unit(height, base_of(base), SlidingPath::Unidirectional), cells, 1.0, resolution, 2.0 * peclet)
+            });
+        }
+    }
+}
+
+/// A square on a half-space, whose heat spreads to both sides, against the history integral of what every instant has left under it.
+fn squares(all: &mut Vec<Problem>) {
+    let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+    for (peclet, height, cells, path, resolution) in
+        [(1.0, 30.0, 33, SlidingPath::Unidirectional, fast), (10.0, 4.0, 33, SlidingPath::Unidirectional, fast)]
+    {
+        all.push(Problem {
+            name: format!("moving square by cells, half-space, {path:?}, Pe = {peclet}"),
+            quantity: "mean T k/(q l)",
+            exact: Box::new(move || Ok(square_mean(peclet))),
+            scale: None,
+            compute: Box::new(move || {
+                let lateral = Some(Lateral::new(2.0, 1.0));
+                let properties = StripProperties { lateral, ..unit(height, Base::Held, path) };
+                let (cells, values) = steady(&properties, cells, 1.0, resolution, 2.0 * peclet)?;
+                Ok(mean(&cells, &values))
+            }),
+            bound: 5e-3,
+            reason: "eleven decays for what spreads to both sides",
+        });
+    }
+}
+
+/// Maximum, its place and mean of a moving band from one steady answer on the cells.
+fn moving_band(
+    all: &mut Vec<Problem>,
+    peclet: f64,
+    layer: Option<(f64, LayerBase)>,
+    steady: impl Fn() -> Result<(Cells, Vec<f64>), String> + Copy + Send + Sync + 'static,
+) {
+    let body = match layer {
+        None => "half-plane".to_owned(),
+        Some((height, LayerBase::Held)) => format!("layer of {height} l, held base"),
+        Some((height, LayerBase::Insulated)) => format!("layer of {height} l, insulated base"),
+    };
+    // One body answers all three.
+    let solved: Arc<OnceLock<Result<[f64; 3], String>>> = Arc::default();
+    let solve = move || {
+        let (cells, values) = steady()?;
+        let (highest, place) = maximum(&cells, &values);
+        Ok([highest, place, mean(&cells, &values)])
+    };
+    let answer = |index: usize| {
+        let solved = solved.clone();
+        Box::new(move || solved.get_or_init(solve).clone().map(|values| values[index]))
+    };
+    let found: Arc<OnceLock<(f64, f64)>> = Arc::default();
+    let highest = |part: fn((f64, f64)) -> f64| {
+        let found = found.clone();
+        Box::new(move || Ok(part(*found.get_or_init(|| band_maximum(peclet, layer)))))
+    };
+    all.push(Problem {
+        name: format!("moving band by cells, {body}, Jaeger, Pe = {peclet}"),
+        quantity: "max T k/(q l)",
+        exact: highest(|(value, _)| value),
+        scale: None,
+        compute: answer(0),
+        bound: 1e-4,
+        reason: "reduction and table over the velocity, interpolation between the cells",
+    });
+    all.push(Problem {
+        name: format!("moving band by cells, {body}, Jaeger's place of the maximum, Pe = {peclet}"),
+        quantity: "place of the maximum x/l",
+        exact: highest(|(_, place)| place),
+        scale: Some(1.0),
+        compute: answer(1),
+        bound: 3e-4,
+        reason: "flat at the maximum, which is looked for in steps of 1e-4",
+    });
+    all.push(Problem {
+        name: format!("moving band by cells, {body}, Jaeger's mean, Pe = {peclet}"),
+        quantity: "mean T k/(q l)",
+        exact: Box::new(move || Ok(band_mean(peclet, layer))),
+        scale: None,
+        compute: answer(2),
+        bound: 1e-4,
+        reason: "reduction and table over the velocity",
+    });
+}
+
+/// Fresh material: the image sum, at every speed.
+fn unidirectional(all: &mut Vec<Problem>) {
+    for (base, label, height) in
+        [(LayerBase::Held, "held", 0.4), (LayerBase::Held, "held", 40.0), (LayerBase::Insulated, "insulated", 2.0)]
+    {
+        for peclet in [1.0, 100.0, 1e6] {
+            all.push(Problem {
+                name: format!("moving band by cells, one way, layer of {height} l, {label} base, Pe = {peclet}"),
+                quantity: "mean T k/(q l)",
+                exact: Box::new(move || Ok(band_mean(peclet, Some((height, base))))),
+                scale: None,
+                compute: Box::new(move || {
+                    let properties = unit(height, base_of(base), SlidingPath::Unidirectional);
+                    let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+                    let (cells, values) = steady(&properties, 33, 1.0, resolution, 2.0 * peclet)?;
+                    Ok(mean(&cells, &values))
+                }),
+                bound: 1e-4,
+                reason: "reduction and table over the velocity",
+            });
+        }
+    }
+}
+
+/// Fresh material at velocities wherever they lie among the table's knots.
+fn between_knots(all: &mut Vec<Problem>) {
+    const HEIGHT: f64 = 2.0;
+    const COUNT: usize = 24;
+    for tolerance in [1e-3, 1e-4] {
+        all.push(Problem {
+            name: format!("moving band by cells, one way, {COUNT} speeds from Pe = 1 to 1000, tolerance {tolerance}"),
+            quantity: "largest relative error of the mean T",
+            exact: Box::new(|| Ok(0.0)),
+            scale: Some(1.0),
+            compute: Box::new(move || {
+                let cells = Cells::graded(1.0, 33).map_err(refused)?;
+                let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance, way: f64::INFINITY };
+                let mut body =
+                    StripHeat::new(&unit(HEIGHT, Base::Held, SlidingPath::Unidirectional), &cells, &resolution)
+                        .map_err(refused)?;
+                let errors = (0..COUNT).map(|k| {
+                    let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
+                    body.prepare(FOR_EVER, [2.0 * peclet; 2]);
+                    let influence = &body.influence(Stage::End).temperature;
+                    let answer: Vec<f64> = (0..cells.count()).map(|i| influence.row(i).sum()).collect();
+                    (mean(&cells, &answer) / band_mean(peclet, Some((HEIGHT, LayerBase::Held))) - 1.0).abs()
+                });
+                Ok(errors.fold(0.0, f64::max))
+            }),
+            bound: 0.1 * tolerance,
+            reason: "table over the velocity, whose knots stand closer where more is asked for",
+        });
+    }
+}
+
+/// Brake disc: what the contact is hotter than the disc's mean, against the plain Fourier sum.
+fn closed_paths(all: &mut Vec<Problem>) {
+    let (conductivity, capacity) = (54.0, 7200.0 * 460.0);
+    for velocity in [0.01, 1.0, -1.0, 30.0] {
+        let path = ClosedPath {
+            length: 0.74,
+            half_length: 0.0475,
+            height: 0.011,
+            conductivity,
+            diffusivity: conductivity / capacity,
+            base: LayerBase::Held,
+        };
+        // The mean wave's own part is the flux over the period through the layer.
+        let uniform = 2.0 * path.half_length / path.length * path.height / conductivity;
+        all.push(Problem {
+            name: format!("brake disc by cells, held base, plain Fourier sum, {velocity} m/s"),
+            quantity: "steady mean, K.m2/W",
+            exact: Box::new(move || Ok(path.steady_mean(velocity, 200_000) + uniform)),
+            scale: None,
+            compute: Box::new(move || {
+                let properties = StripProperties {
+                    height: path.height,
+                    conductivity,
+                    capacity,
+                    convection: 0.0,
+                    base: Base::Held,
+                    path: SlidingPath::Closed(path.length),
+                    expansion: None,
+                    lateral: None,
+                };
+                let resolution = Resolution { duration: 1000.0, shortest: 0.01, tolerance: 1e-3, way: f64::INFINITY };
+                let (cells, values) = steady(&properties, 33, path.half_length, resolution, velocity)?;
+                Ok(mean(&cells, &values))
+            }),
+            bound: 1e-4,
+            reason: "reduction and table over the velocity",
+        });
+    }
+}
+
+/// A band that oscillates by half of its half-width: temperature at its centre after 20, 40 and 80 periods.
+fn oscillating(all: &mut Vec<Problem>) {
+    for (periods, exact) in [(20, 2.41276), (40, 2.63325), (80, 2.85382)] {
+        all.push(Problem {
+            name: format!("oscillating band on a half-plane, {periods} periods"),
+            quantity: "T k/(q l) at the centre",
+            exact: known(exact),
+            scale: None,
+            compute: Box::new(move || {
+                let cells = Cells::graded(1.0, 33).map_err(refused)?;
+                let properties = unit(150.0, Base::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
+                let step = 2.0 * PI / 64.0;
+                let resolution =
+                    Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4, way: f64::INFINITY };
+                let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
+                let mut state = vec![0.0; body.states()];
+                let (flux, air) = (vec![1.0; cells.count()], Surroundings::default());
+                let velocity = |index: i32| 0.5 * (f64::from(index) * step).cos();
+                for index in 0..64 * periods {
+                    body.prepare(step, [velocity(index), velocity(index + 1)]);
+                    body.advance(&mut state, &air, &flux, &flux);
+                }
+                let mut temperature = vec![0.0; cells.count()];
+                body.temperature_at_frozen_state(&state, &air, &flux, velocity(64 * periods), &mut temperature);
+                Ok(cells.point_value(&temperature, 0.0))
+            }),
+            bound: 1e-4,
+            reason: "reduction, and a velocity that is linear in each of 64 steps a period",
+        });
+    }
+}
+
+/// A steadily heated half-plane curves by alpha (1+nu) q/K.
+fn distortion(all: &mut Vec<Problem>) {
+    all.push(Problem {
+        name: "thermal distortion of a half-plane under a uniform flux at rest".into(),
+        quantity: "curvature per flux, 1/(W/m)",
+        exact: known(1.1e-5 * 1.3 / 55.0),
+        scale: None,
+        compute: Box::new(|| {
+            let material = Material::new(200e9, 0.3).map_err(refused)?;
+            let expansion = Expansion { material, coefficient: 1.1e-5, base: elasticity::Base::Smooth };
+            let properties = StripProperties {
+                height: 100.0,
+                conductivity: 55.0,
+                capacity: 7800.0 * 460.0,
+                convection: 0.0,
+                base: Base::Held,
+                path: SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
+                expansion: Some(expansion),
+                lateral: None,
+            };
+            let cells = Cells::graded(0.1, 33).map_err(refused)?;
+            let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3, way: f64::INFINITY };
+            let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
+            body.prepare(1e14, [0.0; 2]);
+            let influence = &body.influence(Stage::End).distortion;
+            let moved: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+            let at = |x: f64| cells.point_value(&moved, x);
+            Ok((at(0.05) + at(-0.05) - 2.0 * at(0.0)) / 0.05f64.powi(2))
+        }),
+        bound: 2e-3,
+        reason: "second difference of the cells; waves shorter than a quarter of the shortest with states are left out",
+    });
+}

@@ -1,0 +1,122 @@
+//! Problems with a known answer: what `cargo fmu verify` prints, and what the tests assert.
+//!
+//! Each [`Problem`] carries its exact value with the derivation or the source, the computation, a bound
+//! on the error and the reason why the bound is what it is. Exact values never come from the code that
+//! they judge: closed forms stand here, and the rest is computed in [`reference`] by another method.
+
+mod annulus;
+pub mod applications;
+mod bodies;
+mod component;
+mod contact_line;
+mod driver;
+pub mod drives;
+mod heat_line;
+mod heat_punch;
+mod hot_states;
+mod instability;
+pub mod integrator;
+mod moving_source;
+mod operator_split;
+pub mod path_modes;
+pub mod planning;
+mod punch_heat;
+pub mod stability;
+mod steady_states;
+pub mod wave;
+mod wear_line;
+
+use std::time::Instant;
+
+type Value = Box<dyn Fn() -> Result<f64, String>>;
+
+/// A problem with a known answer.
+pub struct Problem {
+    /// What is solved, with its parameters.
+    pub name: String,
+    /// What is compared, with its unit.
+    pub quantity: &'static str,
+    /// The known value, by closed form or by a method of its own.
+    pub exact: Value,
+    /// What the error is relative to; `None`: the exact value. Temperatures: the peak rise, K.
+    pub scale: Option<f64>,
+    /// The value under test.
+    pub compute: Value,
+    /// Largest relative error.
+    pub bound: f64,
+    /// Why the bound is not smaller.
+    pub reason: &'static str,
+}
+
+/// A solved problem.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Row {
+    /// [`Problem::name`].
+    pub problem: String,
+    /// [`Problem::quantity`].
+    pub quantity: &'static str,
+    /// The known value.
+    pub exact: f64,
+    /// The value under test.
+    pub computed: f64,
+    /// |computed - exact| relative to [`Problem::scale`]; infinite where a value is not finite.
+    pub error: f64,
+    /// [`Problem::bound`].
+    pub bound: f64,
+    /// Wall time of the computation under test, set-up included, s.
+    pub cost_seconds: f64,
+}
+
+impl Row {
+    /// Whether the error is within its bound.
+    pub fn passes(&self) -> bool {
+        self.error <= self.bound
+    }
+}
+
+impl Problem {
+    /// Solves the problem.
+    ///
+    /// # Errors
+    /// What the model says where it does not accept the problem or fails on the way.
+    pub fn solve(&self) -> Result<Row, String> {
+        let named = |text: String| format!("{}: {text}", self.name);
+        let exact = (self.exact)().map_err(named)?;
+        let start = Instant::now();
+        let computed = (self.compute)().map_err(named)?;
+        let cost_seconds = start.elapsed().as_secs_f64();
+        let error = (computed - exact).abs() / self.scale.unwrap_or(exact.abs());
+        Ok(Row {
+            problem: self.name.clone(),
+            quantity: self.quantity,
+            exact,
+            computed,
+            error: if error.is_finite() { error } else { f64::INFINITY },
+            bound: self.bound,
+            cost_seconds,
+        })
+    }
+}
+
+/// Every problem, in the order in which it is printed.
+pub fn problems() -> Vec<Problem> {
+    let mut all = bodies::problems();
+    all.extend(moving_source::problems());
+    all.extend(heat_line::problems());
+    all.extend(punch_heat::problems());
+    all.extend(heat_punch::problems());
+    all.extend(annulus::problems());
+    all.extend(instability::problems());
+    all.extend(component::problems());
+    all.extend(operator_split::problems());
+    all.extend(contact_line::problems());
+    all.extend(wear_line::problems());
+    all.extend(steady_states::problems());
+    all.extend(hot_states::problems());
+    all
+}
+
+/// A value known in advance.
+fn known(value: f64) -> Value {
+    Box::new(move || Ok(value))
+}

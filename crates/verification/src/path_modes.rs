@@ -1,0 +1,123 @@
+//! The layer under a closed path in its exact modes: transients by plain sums, and what simple time schemes make of them.
+//!
+//! In the punch's frame the temperature of a layer with a held base is a sum over waves `q = 2 pi n/L` and depth modes
+//! `beta_k = (k + 1/2) pi/h`, each of which decays and turns by itself,
+//!
+//! ```text
+//! dx/dt = -lambda x + f(t),   lambda = kd (beta^2 + q^2) - i q v,   mean over the contact = sum of weight Re x
+//! ```
+//!
+//! with the weights `(2a/L) 2/(h rho c)` for n = 0 and `(4a/L) (sin(qa)/(qa))^2 2/(h rho c)` for the others. A one-step
+//! scheme multiplies a mode by R(lambda h) per step and has the same steady state.
+
+use exact::reference::{ClosedPath, LayerBase};
+use nalgebra::Complex;
+use std::f64::consts::PI;
+
+/// Modes of a closed path at one velocity.
+#[derive(Clone, Debug)]
+pub struct PathModes {
+    rate: Vec<Complex<f64>>,
+    weight: Vec<f64>,
+    /// Steady mean over the contact per flux, of all modes, K m2/W.
+    steady: f64,
+}
+
+impl PathModes {
+    /// Of `path`, whose base is held, with `waves` waves and `depths` modes through the depth; what is beyond follows
+    /// without delay.
+    pub fn new(path: &ClosedPath, velocity: f64, waves: u32, depths: u32) -> PathModes {
+        assert_eq!(path.base, LayerBase::Held, "the modes are those of a held base");
+        let capacity = path.conductivity / path.diffusivity;
+        let mut modes = PathModes { rate: Vec::new(), weight: Vec::new(), steady: 0.0 };
+        for n in 0..=waves {
+            let q = 2.0 * PI * f64::from(n) / path.length;
+            let shape = if n == 0 { 0.5 } else { ((q * path.half_length).sin() / (q * path.half_length)).powi(2) };
+            let weight = 4.0 * path.half_length / path.length * shape * 2.0 / (path.height * capacity);
+            for k in 0..depths {
+                let beta = (f64::from(k) + 0.5) * PI / path.height;
+                modes.rate.push(Complex::new(path.diffusivity * (beta * beta + q * q), -q * velocity));
+                modes.weight.push(weight);
+            }
+        }
+        let uniform = 2.0 * path.half_length / path.length * path.height / path.conductivity;
+        modes.steady = uniform + path.steady_mean(velocity, 20 * waves);
+        modes
+    }
+
+    /// Steady mean temperature over the contact per flux, K m2/W.
+    pub fn steady(&self) -> f64 {
+        self.steady
+    }
+
+    /// Sum over the modes of weight times the real part of `value`.
+    fn sum(&self, value: impl Fn(Complex<f64>) -> Complex<f64>) -> f64 {
+        self.rate.iter().zip(&self.weight).map(|(&rate, weight)| weight * value(rate).re).sum()
+    }
+
+    /// Mean over the contact after `count` steps of `step` (s) from the state that is steady for a flux of 1 at the
+    /// opposite velocity (`reversed`), or from rest, with the flux `flux`. A mode is multiplied by `factor(lambda h)` per
+    /// step.
+    pub fn after(
+        &self,
+        reversed: bool,
+        flux: f64,
+        step: f64,
+        count: i32,
+        factor: impl Fn(Complex<f64>) -> Complex<f64>,
+    ) -> f64 {
+        flux * self.steady
+            + self.sum(|rate| {
+                let start = if reversed { rate.conj().inv() } else { Complex::new(0.0, 0.0) };
+                factor(rate * step).powi(count) * (start - flux / rate)
+            })
+    }
+}
+
+/// exp(-z): no error.
+pub fn exact(z: Complex<f64>) -> Complex<f64> {
+    (-z).exp()
+}
+
+/// Trapezoidal rule.
+pub fn crank_nicolson(z: Complex<f64>) -> Complex<f64> {
+    (1.0 - 0.5 * z) / (1.0 + 0.5 * z)
+}
+
+/// Implicit Euler.
+pub fn implicit_euler(z: Complex<f64>) -> Complex<f64> {
+    (1.0 + z).inv()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sum_of_the_modes_is_the_steady_state_and_starts_from_the_start() {
+        let path = ClosedPath {
+            length: 8.0,
+            half_length: 1.0,
+            height: 2.0,
+            conductivity: 1.0,
+            diffusivity: 1.0,
+            base: LayerBase::Held,
+        };
+        for velocity in [0.0, 3.0] {
+            let modes = PathModes::new(&path, velocity, 200, 400);
+            // At once: nothing but what is beyond the modes, which falls like the root of their number.
+            let early = modes.after(false, 1.0, 1e-12, 1, exact);
+            assert!(early.abs() < 1e-2 * modes.steady(), "{early} {}", modes.steady());
+            // A half-space at short times: 2 sqrt(t/pi) but at the edges.
+            let short = modes.after(false, 1.0, 1e-3, 1, exact);
+            assert!((short / (2.0 * (1e-3 / PI).sqrt()) - 1.0).abs() < 0.05, "{short}");
+            assert!((modes.after(false, 1.0, 10.0, 10, exact) / modes.steady() - 1.0).abs() < 1e-12);
+            // Schemes agree on short steps.
+            let fine = modes.after(true, 0.5, 0.25, 2, exact);
+            for (factor, bound) in [(crank_nicolson as fn(_) -> _, 1e-3), (implicit_euler, 2e-2)] {
+                let stepped = modes.after(true, 0.5, 0.5 / 200.0, 200, factor);
+                assert!((stepped / fine - 1.0).abs() < bound, "{stepped} {fine}");
+            }
+        }
+    }
+}

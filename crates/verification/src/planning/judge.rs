@@ -1,0 +1,159 @@
+//! What a plan chose against every fixed setting, with a far finer run as the truth.
+
+use super::runs::{Record, distance, processor_seconds, run, run_with};
+use super::scenes::Generated;
+use model::line::heat::bodies::possible_on_the_cells;
+use model::plan::{self, Planned, model_level::ModelLevel};
+use scene::{HeatAlongContact, Scene};
+
+/// Cells of the fixed settings that plans compete with.
+const FIXED: [usize; 3] = [9, 17, 33];
+
+/// Tolerance of the truth, and of the coarser run that it is compared with.
+const TRUTH: [f64; 2] = [1e-4, 2e-4];
+
+/// What plans are judged by.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// A run far finer than all that are judged.
+    pub record: Record,
+    /// Its cells.
+    pub cells: usize,
+    /// How far wear depth, contact temperature and friction force of a run of half its cells and twice its tolerance are from it:
+    /// more than its own error.
+    pub errors: [f64; 3],
+}
+
+/// Far finer run of a scene, on `cells` cells, or on half as many where that many have no solution.
+///
+/// # Errors
+/// What the set-up or a step refuses.
+pub fn truth(generated: &Generated, cells: usize) -> Result<Truth, String> {
+    let of = |cells: usize, tolerance: f64| {
+        let scene = generated.scene(tolerance)?;
+        run(generated, &best(&scene, cells).apply(&scene))
+    };
+    let (record, cells) = match of(cells, TRUTH[0]) {
+        Ok(record) => (record, cells),
+        Err(_) => (of(cells / 2 + 1, TRUTH[0])?, cells / 2 + 1),
+    };
+    Ok(Truth { errors: distance(&of(cells / 2 + 1, TRUTH[1])?, &record), record, cells })
+}
+
+fn best(scene: &Scene, cells: usize) -> ModelLevel {
+    let heat = if possible_on_the_cells(scene) { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
+    ModelLevel::Line { cells, heat }
+}
+
+/// A setting that ran.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Outcome {
+    /// The rung.
+    pub model_level: ModelLevel,
+    /// Errors of wear depth, contact temperature and friction force against the truth.
+    pub errors: [f64; 3],
+    /// Expected cost of the run, microseconds.
+    pub work: f64,
+    /// Processor time of its steps, s.
+    pub seconds: f64,
+}
+
+impl Outcome {
+    /// The largest of the errors.
+    pub fn error(&self) -> f64 {
+        self.errors.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// A plan that was judged.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Judged {
+    /// What the plan was made for.
+    pub tolerance: f64,
+    /// The planned run.
+    pub chosen: Outcome,
+    /// Error that the plan expected of its rung.
+    pub planned_error: f64,
+    /// `estimated_error` at the end of the planned run.
+    pub estimated_error: f64,
+    /// Processor time of planning without building the rung that it chose, which costs as much where it is fixed; and of that, s.
+    pub planning_seconds: [f64; 2],
+    /// Every fixed setting that ran.
+    pub fixed: Vec<Outcome>,
+}
+
+impl Judged {
+    /// The cheapest fixed setting that meets the tolerance.
+    pub fn cheapest(&self) -> Option<&Outcome> {
+        let good = self.fixed.iter().filter(|outcome| outcome.error() <= self.tolerance);
+        good.min_by(|one, other| one.work.total_cmp(&other.work))
+    }
+
+    /// Whether planning is cheap: at most 20 ms, or a hundredth of the run that it is made for.
+    pub fn planning_is_cheap(&self) -> bool {
+        self.planning_seconds[0] <= (0.01 * self.chosen.seconds).max(0.02)
+    }
+
+    /// Work of the plan over that of [`Judged::cheapest`].
+    pub fn cost_ratio(&self) -> Option<f64> {
+        self.cheapest().map(|cheapest| self.chosen.work / cheapest.work)
+    }
+}
+
+/// Repetitions of a planning that is timed.
+const REPETITIONS: usize = 3;
+
+/// Plans a scene at a tolerance; processor time of that without building the rung that is chosen, and of building it, s: the least of
+/// some repetitions of the same work. What other threads do on the same core or cache counts with it, so it is for a machine at rest.
+///
+/// # Errors
+/// What the scene or the plan refuses.
+pub fn timed_plan(generated: &Generated, tolerance: f64) -> Result<(Planned, [f64; 2]), String> {
+    let scene = generated.scene(tolerance)?;
+    let once = || -> Result<(Planned, [f64; 2]), String> {
+        let begin = processor_seconds();
+        let planned = plan::make(&scene, steady::run_in)?;
+        Ok((planned, [processor_seconds() - begin, 0.0]))
+    };
+    let (planned, mut least) = once()?;
+    for _ in 1..REPETITIONS {
+        let (_, seconds) = once()?;
+        least = [least[0].min(seconds[0]), least[1].min(seconds[1])];
+    }
+    Ok((planned, least))
+}
+
+/// Runs a plan and all fixed settings of a scene at a tolerance.
+///
+/// # Errors
+/// What the scene, the plan or its run refuses.
+pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Judged, String> {
+    let scene = generated.scene(tolerance)?;
+    let (planned, planning_seconds) = timed_plan(generated, tolerance)?;
+    let outcome = |model_level: ModelLevel, record: &Record| Outcome {
+        model_level,
+        errors: distance(record, &truth.record),
+        work: record.work,
+        seconds: record.seconds[0],
+    };
+    let record = run_with(generated, &planned.operators)?;
+    let chosen = outcome(planned.plan.model_level, &record);
+    let mut model_levels = vec![ModelLevel::Lumped];
+    for cells in FIXED {
+        model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean });
+        if possible_on_the_cells(&scene) {
+            model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
+        }
+    }
+    let fixed = model_levels
+        .into_iter()
+        .filter_map(|model_level| Some(outcome(model_level, &run(generated, &model_level.apply(&scene)).ok()?)));
+    Ok(Judged {
+        tolerance,
+        chosen,
+        planned_error: planned.plan.estimated_error.unwrap_or(0.0),
+        estimated_error: planned.plan.estimated_error.or(record.estimated.last().copied()).unwrap_or(plan::UNKNOWN),
+        planning_seconds,
+        fixed: fixed.collect(),
+    })
+}

@@ -1,0 +1,417 @@
+//! Length of the wear step against the number of cells: explicit and default scheme.
+//!
+//! # The problem
+//!
+//! A rigid flat punch on a half-plane, no friction, wear in proportion to pressure (`dw/ds = k p`), translating under a
+//! constant load, in the units E* = 1, a = 1, mean pressure 1, k = 1. The pressure relaxes from the singular elastic one to
+//! the mean. On N cells, C the compliance and w the widths,
+//!
+//! ```text
+//! C dp/ds + p = d(delta)/ds,   sum w p = 2
+//! ```
+//!
+//! is linear: with the eigenpairs `C phi = Lambda phi + const` on the space of zero mean, each part decays as
+//! `exp(-s/Lambda)`. That is the reference, exact in the path s for the same cells, so that errors are those of the step
+//! alone.
+//!
+//! # The bound
+//!
+//! Explicit Euler multiplies a part by `1 - h/Lambda` per step: stable while `h < 2 Lambda_min`, and Lambda_min goes with the
+//! width of the edge cells, like 1/N^2.
+
+use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
+use crate::integrator::{Integrator, Scheme, StepError};
+use contact::wear::line::{CellRate, Conditions, WearingContact, explicit_limit};
+use contact::{ContactState, Normal, Tilt};
+use elasticity::{Cells, ElasticBody, HalfPlane, Material};
+use nalgebra::{DMatrix, DVector};
+use numerics::factorization;
+use std::f64::consts::E;
+
+/// What the map is about.
+pub const SUMMARY: &str = "wear step over the explicit limit against the number of cells, explicit and default scheme";
+
+/// Numbers of cells of the map.
+const COUNTS: [usize; 11] = [9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257];
+/// Steps of a run.
+const STEPS: u32 = 100;
+/// First step whose error is judged: a step longer than the fastest decay cannot follow it, only survive it.
+const JUDGED: u32 = 10;
+/// Change of a cell's error per step, over the mean pressure, that tells growth: half of what a cell needs to lift off.
+const ALTERNATION: f64 = 0.5;
+/// Allowance on [`Method::owed`], which is the leading term only.
+const ALLOWANCE: f64 = 1.5;
+
+/// How the steps are done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Method {
+    /// Explicit Euler without looking at its bound.
+    Unguarded,
+    /// `solver.scheme = explicit`.
+    Explicit,
+    /// The default: SDIRK2.
+    Default,
+}
+
+impl Method {
+    /// Largest error from the tenth step on that a method of this order owes, relative to the deviation at the start:
+    /// the largest value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10.
+    /// First order: `n z^2/2 exp(-n z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`,
+    /// `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 - 1/sqrt 2.
+    pub fn owed(self) -> f64 {
+        let n = f64::from(JUDGED);
+        match self {
+            Self::Unguarded | Self::Explicit => 2.0 / (E * E * n),
+            Self::Default => {
+                let gamma = conduction::line::GAMMA;
+                let constant = 3.0 * gamma.powi(2) - 2.0 * gamma.powi(3) - 1.0 / 6.0;
+                27.0 * constant / (E.powi(3) * n * n)
+            }
+        }
+    }
+}
+
+/// The relaxing contact with its exact solution, in parts that decay on their own.
+pub struct Relaxation {
+    cells: Cells,
+    compliance: DMatrix<f64>,
+    /// Roots of the cells' shares of the width: `root_i (p_i - 1)` has the root mean square of p - 1 as its length.
+    root: DVector<f64>,
+    /// Parts, in columns, in those coordinates.
+    parts: DMatrix<f64>,
+    /// Path on which each decays, ascending.
+    lengths: Vec<f64>,
+    /// What there is of each at the start.
+    start: DVector<f64>,
+}
+
+impl Relaxation {
+    /// The problem on `count` cells graded to the edges.
+    ///
+    /// # Errors
+    /// Numbers of cells that do not exist.
+    pub fn new(count: usize) -> Result<Self, String> {
+        let cells = Cells::graded(1.0, count).map_err(|error| error.to_string())?;
+        let material = Material::new(0.91, 0.3).map_err(|error| error.to_string())?;
+        let compliance = HalfPlane { material }.compliance(&cells).normal;
+        let root = DVector::from_iterator(count, cells.widths().iter().map(|width| (0.5 * width).sqrt()));
+        let scaled = DMatrix::from_fn(count, count, |i, j| compliance[(i, j)] * root[i] / root[j]);
+        let scaled = 0.5 * (&scaled + scaled.transpose());
+        // On the complement of the unit vector `root`, that is on zero mean.
+        let image = &scaled * &root;
+        let energy = root.dot(&image);
+        let projected =
+            &scaled - &image * root.transpose() - &root * image.transpose() + &root * root.transpose() * energy;
+        let eigen = factorization::symmetric_eigen(projected).map_err(|error| error.to_string())?;
+        let mut order: Vec<usize> =
+            (0..count).filter(|&k| eigen.eigenvectors.column(k).dot(&root).abs() < 0.5).collect();
+        order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let parts = eigen.eigenvectors.select_columns(&order);
+        let lengths = order.iter().map(|&k| eigen.eigenvalues[k]).collect();
+        let factors = factorization::lu(scaled).map_err(|error| error.to_string())?;
+        let singular = factors.solve(&root).ok_or("the compliance is singular")?;
+        let elastic = &singular / singular.dot(&root);
+        let start = parts.transpose() * (elastic - &root);
+        Ok(Self { cells, compliance, root, parts, lengths, start })
+    }
+
+    /// The bound of the theory, `2 Lambda_min`.
+    pub fn bound(&self) -> f64 {
+        2.0 * self.lengths[0]
+    }
+
+    /// `root (p - 1)` of the exact solution.
+    fn exact(&self, path: f64) -> DVector<f64> {
+        let parts = DVector::from_fn(self.start.len(), |k, _| self.start[k] * (-path / self.lengths[k]).exp());
+        &self.parts * parts
+    }
+
+    fn scaled(&self, pressure: &[f64]) -> DVector<f64> {
+        DVector::from_fn(pressure.len(), |i, _| self.root[i] * (pressure[i] - 1.0))
+    }
+
+    fn stepper(&self) -> Result<Stepper, String> {
+        let count = self.cells.count();
+        let (normal, shear) = (self.compliance.clone(), DMatrix::zeros(count, count));
+        let contact = WearingContact::new(&self.cells, self.cells.widths(), normal, shear, vec![0.0; count])
+            .map_err(|error| error.to_string())?;
+        let conditions = Conditions {
+            signed_friction: 0.0,
+            normal: Normal::Load(2.0),
+            tilt: Tilt::Fixed(0.0),
+            rate: CellRate::archard(1.0, 1.0),
+        };
+        let (explicit, default) = (Scheme::ExplicitEuler, Scheme::Sdirk2);
+        Ok(Stepper {
+            contact,
+            conditions,
+            schemes: [explicit, default].map(|scheme| Integrator::new(scheme, 1.0, count)),
+            worn: vec![0.0; count],
+            state: ContactState::new(count),
+        })
+    }
+
+    /// The bound that the explicit scheme reports.
+    ///
+    /// # Errors
+    /// Where the contact has no solution.
+    pub fn reported_bound(&self) -> Result<f64, String> {
+        let mut stepper = self.stepper()?;
+        let pressure = stepper.pressure()?;
+        Ok(explicit_limit(&mut stepper.contact, &stepper.conditions, &pressure))
+    }
+
+    /// Runs 100 steps of `ratio` times the bound of the theory. Returns what became of them and the largest error from the
+    /// tenth step on, as the root mean square over the contact relative to that of the deviation at the start.
+    ///
+    /// # Errors
+    /// Where a step fails otherwise than by refusing its length.
+    pub fn run(&self, method: Method, ratio: f64) -> Result<(Verdict, f64), String> {
+        let step = ratio * self.bound();
+        let mut stepper = self.stepper()?;
+        let deviation = self.start.norm();
+        // Largest error, and largest change of the error of a cell from one step to the next over the last ten.
+        let (mut error, mut alternation): (f64, f64) = (0.0, 0.0);
+        let mut before = DVector::zeros(self.root.len());
+        for done in 1..=STEPS {
+            let pressure = match method {
+                Method::Unguarded => stepper.unguarded(step)?,
+                // The bound depends on which cells are in contact only: once it is kept, it stays kept.
+                Method::Explicit if done > 1 => stepper.unguarded(step)?,
+                Method::Explicit => match stepper.step(0, step) {
+                    Err(StepError::Unstable { .. }) => return Ok((Verdict::Refused, f64::NAN)),
+                    outcome => outcome.map_err(|error| error.to_string())?,
+                },
+                Method::Default => stepper.step(1, step).map_err(|error| error.to_string())?,
+            };
+            if done < JUDGED {
+                continue;
+            }
+            let now = self.scaled(&pressure) - self.exact(f64::from(done) * step);
+            // A maximum would pass over NaN.
+            if !now.norm().is_finite() {
+                return Ok((Verdict::Grows, f64::INFINITY));
+            }
+            error = error.max(now.norm() / deviation);
+            if done > STEPS - JUDGED {
+                alternation = alternation.max((&now - &before).component_div(&self.root).amax());
+            }
+            before = now;
+        }
+        let verdict = if alternation > ALTERNATION {
+            Verdict::Grows
+        } else if error <= ALLOWANCE * method.owed() {
+            Verdict::Right
+        } else {
+            Verdict::Rings
+        };
+        Ok((verdict, error))
+    }
+
+    /// Longest step at which unguarded explicit Euler does not amplify the fastest part, by bisection to one part in a
+    /// thousand over 500 steps: found by stepping alone, without the eigenvalue. Begins run in but for a thousandth of
+    /// the mean pressure in a sawtooth, so that every cell stays in contact while it is decided.
+    ///
+    /// # Errors
+    /// Where the contact has no solution.
+    pub fn measured_bound(&self) -> Result<f64, String> {
+        let count = self.cells.count();
+        let sawtooth = |i: usize| if i.is_multiple_of(2) { 1e-3 } else { -1e-3 };
+        let uniform = &self.compliance * DVector::from_fn(count, |i, _| 1.0 + sawtooth(i));
+        // Not weighted: what grows is in the cells at the edges, which are narrow.
+        let amplitude = |pressure: &[f64]| pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
+        let grows = |step: f64| -> Result<bool, String> {
+            let mut stepper = self.stepper()?;
+            stepper.worn = uniform.iter().map(|u| uniform.max() - u).collect();
+            let mut history = [0.0; 2];
+            for half in &mut history {
+                for _ in 0..250 {
+                    *half = amplitude(&stepper.unguarded(step)?);
+                    if *half > 0.5 {
+                        return Ok(true);
+                    }
+                }
+            }
+            // Rounding neither grows nor dies out.
+            Ok(history[1] > history[0] && history[1] > 1e-9)
+        };
+        // From a step that surely damps, a hundredth of the width of an edge cell.
+        let mut low = 0.01 * self.cells.widths()[0];
+        let mut high = low;
+        while !grows(high)? {
+            (low, high) = (high, 4.0 * high);
+        }
+        while high > 1.001 * low {
+            let middle = (low * high).sqrt();
+            if grows(middle)? { high = middle } else { low = middle }
+        }
+        Ok((low * high).sqrt())
+    }
+}
+
+/// One run under way.
+struct Stepper {
+    contact: WearingContact,
+    conditions: Conditions,
+    /// The explicit and the default scheme.
+    schemes: [Integrator; 2],
+    worn: Vec<f64>,
+    state: ContactState,
+}
+
+impl Stepper {
+    fn pressure(&mut self) -> Result<Vec<f64>, String> {
+        let state = self.contact.pressure(&self.worn, &self.conditions).map_err(|error| error.to_string())?;
+        Ok(state.pressure)
+    }
+
+    /// Pressure after a step of a scheme.
+    fn step(&mut self, scheme: usize, step: f64) -> Result<Vec<f64>, StepError> {
+        let Self { contact, conditions, schemes, worn, state } = self;
+        let constant = &mut |_: f64, now: &mut Conditions| now.clone_from(conditions);
+        schemes[scheme].step(contact, worn, 0.0, step, constant, state)?;
+        Ok(state.pressure.clone())
+    }
+
+    /// Pressure after a step of explicit Euler.
+    fn unguarded(&mut self, step: f64) -> Result<Vec<f64>, String> {
+        let before = self.pressure()?;
+        for (worn, p) in self.worn.iter_mut().zip(&before) {
+            *worn += step * p;
+        }
+        self.pressure()
+    }
+}
+
+/// Steps of the map over the bound: 8 in a decade of the usual grid, none at 1 itself.
+fn ratios(grid: Grid) -> impl Iterator<Item = f64> {
+    let count = match grid {
+        Grid::Coarse => 8,
+        Grid::Normal => 32,
+        Grid::Fine => 64,
+    };
+    (0..count).map(move |k| 10f64.powf(-2.0 + 4.0 * (f64::from(k) + 0.5) / f64::from(count)))
+}
+
+/// Computes the map.
+///
+/// # Errors
+/// Where a contact has no solution.
+pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
+    let counts = if grid == Grid::Coarse { &[9, 33, 65][..] } else { &COUNTS[..] };
+    let methods = [Method::Unguarded, Method::Explicit, Method::Default];
+    let mut points = [(); 3].map(|()| Vec::new());
+    let (mut theory, mut reported, mut measured) = (Vec::new(), Vec::new(), Vec::new());
+    let (total, mut done) = (counts.iter().map(|n| n * n).sum::<usize>(), 0);
+    for &count in counts {
+        let relaxation = Relaxation::new(count)?;
+        let x = count as f64;
+        theory.push((x, relaxation.bound()));
+        reported.push((x, relaxation.reported_bound()?));
+        measured.push((x, relaxation.measured_bound()?));
+        for (method, points) in methods.into_iter().zip(&mut points) {
+            for ratio in ratios(grid) {
+                let (verdict, error) = relaxation.run(method, ratio)?;
+                points.push(Point { x, y: ratio, verdict, error });
+            }
+        }
+        done += count * count;
+        progress(done as f64 / total as f64);
+    }
+    Ok(assemble(points, theory, reported, measured))
+}
+
+fn assemble(
+    points: [Vec<Point>; 3],
+    theory: Vec<(f64, f64)>,
+    reported: Vec<(f64, f64)>,
+    measured: Vec<(f64, f64)>,
+) -> Map {
+    let axis = |label, range| Axis { label, logarithmic: true, range };
+    let cells = || axis("number of cells N", Some((7.0, 330.0)));
+    let step = || axis("wear step over the explicit limit", Some((0.01, 1e4)));
+    let curve = |name: &str, points, theory| Curve { name: name.to_owned(), points, theory };
+    let bound = || curve("bound of the theory", vec![(7.0, 1.0), (330.0, 1.0)], true);
+    let errors = |count: f64| {
+        let runs = ["explicit Euler, unguarded", "default: SDIRK2"].into_iter().zip([&points[0], &points[2]]);
+        let curves = runs.map(|(name, points)| {
+            let here = points.iter().filter(|point| point.x == count);
+            curve(name, here.map(|point| (point.y, point.error.max(1e-8))).collect(), false)
+        });
+        Panel {
+            title: format!("error from the tenth step on, N = {count}"),
+            x: axis("wear step over the explicit limit", Some((0.01, 100.0))),
+            y: axis("error over the deviation at the start", Some((1e-7, 1e3))),
+            points: Vec::new(),
+            curves: curves.chain([curve("bound of the theory", vec![(1.0, 1e-7), (1.0, 1e3)], true)]).collect(),
+        }
+    };
+    let bounds = Panel {
+        title: "the explicit limit".to_owned(),
+        x: cells(),
+        y: axis("longest wear step, k E* ds/a", None),
+        points: Vec::new(),
+        curves: vec![
+            curve("theory: 2 Λmin", theory, true),
+            curve("reported by the explicit scheme", reported, false),
+            curve("where unguarded runs begin to grow", measured, false),
+        ],
+    };
+    let (second, third) = (errors(33.0), errors(points[0].iter().map(|point| point.x).fold(0.0, f64::max)));
+    let titles = ["explicit Euler, unguarded", "solver.scheme = explicit", "default scheme: SDIRK2"];
+    let judged: Vec<Panel> = (titles.into_iter().zip(points))
+        .map(|(title, points)| Panel { title: title.to_owned(), x: cells(), y: step(), points, curves: vec![bound()] })
+        .collect();
+    let counted = |panel: &Panel, verdict: Verdict, above: bool| {
+        panel.points.iter().filter(|point| point.verdict == verdict && (point.y > 1.0) == above).count()
+    };
+    let apart = |curve: &Curve| {
+        let pairs = curve.points.iter().zip(&bounds.curves[0].points);
+        pairs.map(|(found, exact)| (found.1 / exact.1 - 1.0).abs()).fold(0.0, f64::max)
+    };
+    let findings = vec![
+        format!(
+            "Explicit Euler grows in {} of the {} runs above the bound 2 Λmin and in {} of the {} below it; bisected runs place \
+             the bound within {:.1e} of the theory.",
+            counted(&judged[0], Verdict::Grows, true),
+            judged[0].points.iter().filter(|point| point.y > 1.0).count(),
+            counted(&judged[0], Verdict::Grows, false),
+            judged[0].points.iter().filter(|point| point.y < 1.0).count(),
+            apart(&bounds.curves[2])
+        ),
+        format!(
+            "solver.scheme = explicit refuses {} runs above the bound and {} below it, and reports the bound within {:.1e} of the \
+             theory.",
+            counted(&judged[1], Verdict::Refused, true),
+            counted(&judged[1], Verdict::Refused, false),
+            apart(&bounds.curves[1])
+        ),
+        format!(
+            "The default scheme is right in {} of {} runs, to 10⁴ times the bound; its largest error from the tenth step on is \
+             {:.1e}.",
+            judged[2].count(Verdict::Right),
+            judged[2].points.len(),
+            judged[2].largest_error()
+        ),
+    ];
+    Map {
+        title: "Length of the wear step",
+        header: vec![
+            "Flat punch on a half-plane, no friction, dw/ds = k p, run in from the elastic pressure: 100 equal steps \
+             on N graded cells, against the exact solution on the same cells."
+                .to_owned(),
+            format!(
+                "right: error (root mean square, from the tenth step on, over the deviation at the start) within \
+                 {ALLOWANCE} times the largest of a method of the order: {:.1e} for explicit Euler, {:.1e} for SDIRK2.",
+                Method::Unguarded.owed(),
+                Method::Default.owed()
+            ),
+            "grows: in the last ten steps a cell still alternates by half the mean pressure or more (cells lift off and \
+             touch down in turns, which bounds it). refused: the scheme names its bound and does no step."
+                .to_owned(),
+        ],
+        findings,
+        panels: judged.into_iter().chain([bounds, second, third]).collect(),
+        columns: 3,
+    }
+}

@@ -1,5 +1,0 @@
-//! Numerical tools that every part of the physics shares.
-
-pub mod factorization;
-pub mod grading;
-pub mod maximum;
