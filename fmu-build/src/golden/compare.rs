@@ -1,7 +1,8 @@
 //! Where two records of a scene differ first, and by how much.
 
 use super::record::{Record, Series};
-use super::run::WORK;
+use super::run::{DERIVATIVE, WORK};
+use sliding_contact::variables::{Kind, TABLE};
 use std::fmt;
 
 /// How much may differ.
@@ -9,8 +10,8 @@ use std::fmt;
 pub enum Allowed {
     /// Nothing: bits, work counters and messages are the same.
     Nothing,
-    /// Values by so much of the largest magnitude that the variable has in the scene; work counters and the numbers in
-    /// messages by anything.
+    /// Values by so much of their scale, see [`least_scale`]; work counters, derivatives, which jump at kinks, and the
+    /// numbers in messages by anything.
     Relative(f64),
 }
 
@@ -42,7 +43,7 @@ pub struct Differences {
     pub work: Vec<Value>,
     /// Number of variables, profiles and arrays of which a kept value differs.
     pub count: usize,
-    /// The largest difference over the largest magnitude of its variable in the scene, and the variable.
+    /// The largest difference over the scale of its variable, see [`least_scale`], and the variable.
     pub largest: (f64, String),
 }
 
@@ -75,6 +76,20 @@ impl fmt::Display for Value {
         let units = units_in_the_last_place(self.recorded, self.now);
         let plural = if units == 1 { "" } else { "s" };
         write!(f, ": recorded {:e}, now {:e}, {units} unit{plural} in the last place", self.recorded, self.now)
+    }
+}
+
+/// The least scale of a variable's differences; the scale is the variable's largest magnitude in the scene where that is more.
+///
+/// What is rounding around 0, as the heat flow through a base that no heat has reached yet, is not to be told from 0: a
+/// thousandth of the variable's nominal value. Errors and residuals are relative numbers already.
+fn least_scale(variable: &str) -> f64 {
+    if variable.contains("error") || variable.contains("change_of") {
+        return 1.0;
+    }
+    match TABLE.iter().find(|row| row.name == variable).map(|row| row.kind) {
+        Some(Kind::Real { nominal, .. }) => 1e-3 * nominal,
+        _ => 0.0,
     }
 }
 
@@ -135,8 +150,7 @@ pub fn compare(recorded: &Record, now: &Record, allowed: Allowed) -> Differences
             found.structure.push(format!("{}: recorded {} values, now {}", then.name, lengths[0], lengths[1]));
             continue;
         }
-        let is_work = then.name.starts_with(WORK);
-        if is_work && !exact {
+        if !exact && [WORK, DERIVATIVE].iter().any(|kind| then.name.starts_with(kind)) {
             continue;
         }
         compare_series(recorded, [then, series], allowed, &mut earliest, &mut found);
@@ -153,9 +167,9 @@ fn compare_series(
 ) {
     let (variable, profile_point) = split(&then.name);
     let is_work = variable.starts_with(WORK);
-    // A maximum that a value which is not a number does not disappear in.
-    let scale =
-        then.values.iter().fold(0.0_f64, |most, value| if value.is_finite() { most.max(value.abs()) } else { most });
+    // Values that are not numbers are no magnitude; they show in the difference.
+    let magnitudes = then.values.iter().map(|value| value.abs()).filter(|magnitude| magnitude.is_finite());
+    let scale = magnitudes.fold(least_scale(variable), f64::max);
     let mut differs = false;
     for (place, (&old, &new)) in then.values.iter().zip(&now.values).enumerate() {
         if old.to_bits() == new.to_bits() {
@@ -164,7 +178,7 @@ fn compare_series(
         let relative = if old == new { 0.0 } else { (old - new).abs() / scale };
         let relative = if relative.is_nan() { f64::INFINITY } else { relative };
         let tolerated = matches!(allowed, Allowed::Relative(most) if relative <= most);
-        if !is_work && relative >= found.largest.0 {
+        if !is_work && relative > found.largest.0 {
             found.largest = (relative, variable.to_owned());
         }
         if tolerated {

@@ -16,8 +16,14 @@ const KEPT: usize = 8;
 /// Beginning of the names of work counters.
 pub const WORK: &str = "work.";
 
+/// Beginning of the names of derivatives.
+pub const DERIVATIVE: &str = "derivative.";
+
 /// Numbers of a command that are times measured.
 const MEASURED: [&str; 1] = ["planning_seconds"];
+
+/// Numbers of a command that count its work.
+const COUNTED: [&str; 3] = ["compared_steps", "computed", "cycles_computed"];
 
 /// What the component has done so far; the only place that asks for more than the FMU tells.
 fn work(component: &Component) -> [(&'static str, u64); 8] {
@@ -250,7 +256,7 @@ fn derivatives(layout: &Layout, component: &mut Component, record: &mut Record) 
         }
         for (row, value) in scalars.iter().zip(result) {
             if value != 0.0 {
-                let name = format!("derivative.{input}.{}", row.0);
+                let name = format!("{DERIVATIVE}{input}.{}", row.0);
                 record.series.push(Series { name, hash: Hash::of(&[value]), values: vec![value] });
             }
         }
@@ -297,7 +303,10 @@ fn flatten(json: &str) -> Vec<Series> {
                 if !key.is_empty() {
                     name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
                 }
-                let name = name.replace(' ', "_");
+                let mut name = name.replace(' ', "_");
+                if COUNTED.contains(&key.as_str()) {
+                    name.insert_str(0, WORK);
+                }
                 match series.last_mut().filter(|last| key.is_empty() && last.name == name) {
                     Some(last) => last.values.push(number),
                     None => series.push(Series { name, hash: Hash::default(), values: vec![number] }),
@@ -316,7 +325,7 @@ mod tests {
     #[test]
     fn numbers_of_json_are_found_by_their_path() {
         let json = serde_json::json!({"a": 0.1, "b": {"c": [1.0, 2.5e-300], "text": "x"}, "d": [{"e": 3}, {"e": 4}],
-            "planning_seconds": 1.5});
+            "planning_seconds": 1.5, "z": {"computed": 7}});
         let names: Vec<(String, Vec<f64>)> =
             flatten(&format!("{json:#}")).into_iter().map(|series| (series.name, series.values)).collect();
         let expected = [("a", vec![0.1]), ("b.c", vec![1.0, 2.5e-300]), ("d.1.e", vec![3.0]), ("d.2.e", vec![4.0])];
