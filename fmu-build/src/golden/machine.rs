@@ -1,5 +1,7 @@
 //! What of a machine the bits of the results depend on.
 //!
+//! Wider vectors than those of AVX2 are not used: without AVX-512 the bits are the same.
+//!
 //! Three things: how the C library computes exp, sin, pow and so on (it chooses by processor), how wide the vectors are in
 //! which products of matrices are summed up, and in which blocks they are (by the sizes of the caches). Each shows in
 //! the bits of a probe. The number of threads does not matter: nothing here uses more than one.
@@ -26,7 +28,6 @@ fn vector_units() -> String {
         ("avx", std::arch::is_x86_feature_detected!("avx")),
         ("avx2", std::arch::is_x86_feature_detected!("avx2")),
         ("fma", std::arch::is_x86_feature_detected!("fma")),
-        ("avx512f", std::arch::is_x86_feature_detected!("avx512f")),
     ];
     let names: Vec<&str> = known.iter().filter(|unit| unit.1).map(|unit| unit.0).collect();
     if names.is_empty() { "sse2".to_owned() } else { names.join(" ") }
