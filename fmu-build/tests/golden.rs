@@ -93,13 +93,3 @@ fn work_counters_messages_and_missing_records_are_differences() {
     assert!(!success && error.contains("line_cold_9.txt; cargo fmu golden record writes it"), "{error}");
     fs::remove_dir_all(&folder).unwrap();
 }
-
-#[test]
-fn names_that_are_no_golden_scene_are_refused_with_those_that_are() {
-    let (success, _, error) = golden(&["compare", "lumped_hold"]);
-    assert!(
-        !success && error.contains("\"lumped_hold\" is no golden scene; they are ") && error.contains("lumped_held"),
-        "{error}"
-    );
-    assert!(!golden(&["compare", "--tolerance", "7"]).0);
-}

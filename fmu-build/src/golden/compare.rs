@@ -266,6 +266,22 @@ mod tests {
     }
 
     #[test]
+    fn rounding_around_zero_is_no_large_difference() {
+        let named = |name: &str, value: f64| {
+            let mut record = record([0.0, value, 0.0], 5.0);
+            record.series[1].name = name.into();
+            record
+        };
+        let same = |name: &str, [then, now]: [f64; 2]| {
+            compare(&named(name, then), &named(name, now), Allowed::Relative(1e-6)).is_none()
+        };
+        // W, of 100 W; m, of 1e-6 m; relative.
+        assert!(same("heat_flow_strip_base", [1e-12, -7e-12]) && !same("heat_flow_strip_base", [1e-3, 2e-3]));
+        assert!(same("wear_depth", [0.0, 9e-16]) && !same("wear_depth", [0.0, 1.1e-15]));
+        assert!(same("estimated_error", [1e-9, 5e-7]) && !same("estimated_error", [1e-9, 1e-5]));
+    }
+
+    #[test]
     fn what_differs_between_the_kept_points_only_is_found_by_the_hashes() {
         let then = record([0.0, 1.0, 2.0], 5.0);
         let mut now = then.clone();
