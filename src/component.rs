@@ -13,6 +13,7 @@ pub use inputs::{LARGEST_INPUT, SHORTEST_STEP};
 pub use messages::Messages;
 pub use snapshot::Snapshot;
 
+use contact::WorkCounter;
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
@@ -556,6 +557,11 @@ impl Component {
     /// Accepted and rejected internal steps since initialisation: the work counters of the charts.
     pub fn work(&self) -> (u64, u64) {
         self.model.as_ref().map_or((0, 0), Model::work)
+    }
+
+    /// What the contact solver has done since initialisation; nothing at the lumped level.
+    pub fn contact_work(&self) -> WorkCounter {
+        self.model.as_ref().map_or_else(WorkCounter::default, Model::contact_work)
     }
 
     /// What the present level is made of; `None` before initialisation.

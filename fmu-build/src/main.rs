@@ -8,6 +8,7 @@ mod bench;
 mod chart;
 mod columns;
 mod cycles;
+mod golden;
 mod output;
 mod package;
 mod plan;
@@ -54,6 +55,7 @@ enum Command {
     Stability(stability::Arguments),
     Chart(chart::Arguments),
     Plan(plan::Arguments),
+    Golden(golden::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -72,6 +74,7 @@ fn main() -> ExitCode {
         Command::Stability(arguments) => stability::execute(&arguments),
         Command::Chart(arguments) => chart::execute(&arguments),
         Command::Plan(arguments) => plan::execute(&arguments),
+        Command::Golden(arguments) => golden::execute(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -34,6 +34,7 @@ fn nobody_reading_the_output_is_no_panic() {
         "plan pin_on_disk",
         "tables",
         "cycles reciprocating_punch --cycles 2 --cells 9 --cold --json",
+        "golden compare lumped_held",
         "--help",
     ] {
         let (reader, writer) = io::pipe().unwrap();
@@ -57,6 +58,8 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
         ("plan --tolerance 0", &["above 0"]),
         ("plan --tolerance nan", &["above 0"]),
         ("tables --tolerance 7", &["at most 0.5"]),
+        ("golden compare --tolerance 7", &["at most 0.5"]),
+        ("golden compare lumped_hold", &["\"lumped_hold\" is no golden scene; they are ", "lumped_held"]),
         ("plan -o plans.csv", &["--campaign"]),
         ("plan --campaign --set punch.width=1", &["--set"]),
         ("plan --campaign -o plans.parquet", &[".csv is written, not .parquet"]),
