@@ -4,8 +4,8 @@ use super::record::{Hash, Record, Series};
 use super::scenes::{GoldenScene, Replay, Segment};
 use crate::scenes;
 use anyhow::{Context, Result, bail};
-use sliding_contact::component::{Component, Snapshot};
 use scene::variables::{COUNT, Causality, ValueReference, Variability, find, lookup};
+use sliding_contact::component::{Component, Snapshot};
 use std::collections::BTreeMap;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
@@ -328,7 +328,13 @@ mod tests {
             "planning_seconds": 1.5, "z": {"computed": 7}});
         let names: Vec<(String, Vec<f64>)> =
             flatten(&format!("{json:#}")).into_iter().map(|series| (series.name, series.values)).collect();
-        let expected = [("a", vec![0.1]), ("b.c", vec![1.0, 2.5e-300]), ("d.1.e", vec![3.0]), ("d.2.e", vec![4.0])];
+        let expected = [
+            ("a", vec![0.1]),
+            ("b.c", vec![1.0, 2.5e-300]),
+            ("d.1.e", vec![3.0]),
+            ("d.2.e", vec![4.0]),
+            ("work.z.computed", vec![7.0]),
+        ];
         assert_eq!(names, expected.map(|(name, values)| (name.to_owned(), values)));
     }
 
