@@ -1,10 +1,9 @@
 //! What of a machine the bits of the results depend on.
 //!
-//! Wider vectors than those of AVX2 are not used: without AVX-512 the bits are the same.
-//!
 //! Three things: how the C library computes exp, sin, pow and so on (it chooses by processor), how wide the vectors are in
 //! which products of matrices are summed up, and in which blocks they are (by the sizes of the caches). Each shows in
-//! the bits of a probe. The number of threads does not matter: nothing here uses more than one.
+//! the bits of a probe. Vectors wider than those of AVX2 are not used. The number of threads does not matter: nothing here
+//! uses more than one.
 
 use super::record::Hash;
 use nalgebra::DMatrix;
