@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Leave the peers out: no Python environment is made.
     #[arg(long)]
     no_peers: bool,
-    /// Find the truths of the scenes anew, without a limit of time, and keep them in documentation/accuracy/truth: for scenes
+    /// Find the truths of the scenes anew, without a limit of time, and keep them in docs/accuracy/truth: for scenes
     /// whose finest run takes longer than a chart should.
     #[arg(long, conflicts_with_all = ["quick", "json", "output", "no_peers"])]
     write_truth: bool,

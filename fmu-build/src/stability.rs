@@ -206,7 +206,7 @@ fn index(chapters: &[(Definition, Map)]) -> String {
         "# Stability maps\n\n\
          Where each method is right, rings, hides growth, grows or refuses, over the ranges that decide it, with the \
          bound of the theory drawn in (dashed). Pictures, tables and every number on this page are written by \
-         `cargo fmu stability -o documentation/stability`; `--map NAME` computes one map, `--fine` twice as many points on \
+         `cargo fmu stability -o docs/stability`; `--map NAME` computes one map, `--fine` twice as many points on \
          each axis.\n\n",
     );
     for (definition, map) in chapters {

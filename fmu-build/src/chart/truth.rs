@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use verification::drives::{DriveProblem, Sample, Truth};
 
 fn path(problem: &DriveProblem) -> PathBuf {
-    project::root().join("documentation/accuracy/truth").join(format!("{}.csv", problem.name))
+    project::root().join("docs/accuracy/truth").join(format!("{}.csv", problem.name))
 }
 
 /// Fingerprint (FNV-1a) of everything that the truth depends on: start values, times and inputs at them.

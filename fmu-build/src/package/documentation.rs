@@ -19,10 +19,11 @@ const IMPORTERS: &str = include_str!("../../../modelDescription/documentation/im
 const MESSAGES: &str = include_str!("../../../modelDescription/documentation/messages.html");
 
 /// Pictures of the page, under their names beside it.
-pub const PICTURES: [(&str, &[u8]); 6] = [
+pub const PICTURES: [(&str, &[u8]); 7] = [
+    ("model.svg", include_bytes!("../../../docs/model.svg")),
     ("stopping_distance.png", include_bytes!("../../../examples/vehicle_brake/stopping_distance.png")),
     ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
-    ("realtime.svg", include_bytes!("../../../documentation/realtime/cold.svg")),
+    ("realtime.svg", include_bytes!("../../../docs/realtime/cold.svg")),
     ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
     ("hot_spots.png", include_bytes!("../../../examples/hot_spots/hot_spots.png")),
     ("sensitivities.png", include_bytes!("../../../examples/batch/sensitivities.png")),
