@@ -246,7 +246,9 @@ impl Component {
                     // The step and the held states agree to the tolerance of the step's own iteration.
                     let mean = value!(self.values, "contact_temperature");
                     let highest = &mut value!(self.values, "contact_temperature_max");
-                    *highest = highest.max(mean);
+                    if mean > *highest {
+                        *highest = mean;
+                    }
                     self.current |= group::MAIN | group::CONTACT;
                 }
                 group::ACCOUNT => {

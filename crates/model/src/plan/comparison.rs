@@ -25,6 +25,7 @@ use super::trajectory::{NominalTrajectory, Run, distance};
 use crate::levels::ModelOperators;
 use crate::line::heat::bodies::on_the_cells;
 use crate::line::operators::RunIn;
+use numerics::maximum::maximum;
 use scene::{HeatAlongContact, Scene};
 
 /// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which hold a step whose
@@ -162,7 +163,7 @@ pub fn compare(
     }
     candidates.sort_by(|one, other| one.run_cost.total_cmp(&other.run_cost));
     let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
-    let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, f64::max);
+    let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, maximum);
     let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
     // Where the user has fixed the cells, the finer ones are there to compare with only.
     let finest = if scene.cells > 0 { ModelLevel::Line { cells: scene.cells, heat } } else { finest.model_level };

@@ -36,6 +36,7 @@ use comparison::{Comparison, compare};
 use effects::Effect;
 use groups::Groups;
 use model_level::ModelLevel;
+use numerics::maximum::maximum;
 use scene::Scene;
 use trajectory::NominalTrajectory;
 
@@ -249,6 +250,6 @@ fn made_of(operators: &ModelOperators) -> ([usize; 3], u8, f64) {
     let bodies = [&mean.punch, &mean.strip].map(|body| body.heat.as_ref());
     let [punch, strip] = bodies.map(|heat| heat.map_or(0, |heat| heat.count));
     let source = mean.flash.as_ref().map_or(0, |flash| flash.decays.rate.len());
-    let error = bodies.into_iter().flatten().map(|heat| heat.error).fold(0.0, f64::max);
+    let error = bodies.into_iter().flatten().map(|heat| heat.error).fold(0.0, maximum);
     ([punch, strip, source], order, error)
 }

@@ -3,6 +3,7 @@
 use crate::INPUTS;
 use crate::levels::{Model, ModelOperators};
 use crate::lumped::conditions::Tunables;
+use numerics::maximum::maximum;
 use scene::Scene;
 use scene::variables::{COUNT, reference};
 use std::f64::consts::PI;
@@ -151,12 +152,12 @@ impl NominalTrajectory {
 /// second there. A value that is not finite makes the difference infinite.
 pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
-        let scale = one.iter().zip(other).map(|(_, main)| main[output].abs()).fold(0.0, f64::max);
+        let scale = one.iter().zip(other).map(|(_, main)| main[output].abs()).fold(0.0, maximum);
         let apart = |(a, b): (&[f64; 3], &[f64; 3])| {
             let difference = (a[output] - b[output]).abs();
             if difference.is_finite() { difference } else { f64::INFINITY }
         };
-        let apart = one.iter().zip(other).map(apart).fold(0.0, f64::max);
+        let apart = one.iter().zip(other).map(apart).fold(0.0, maximum);
         if apart == 0.0 { 0.0 } else { apart / scale }
     })
 }
