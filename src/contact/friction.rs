@@ -1,4 +1,4 @@
-//! The friction law: coefficient over temperature and velocity, and the sign of the velocity.
+//! Friction law: coefficient as a function of temperature and velocity, and the sign of the velocity.
 
 use crate::coupled::scalar::Scalar;
 use crate::scene::{FadeTable, Scene};
@@ -39,7 +39,7 @@ impl FrictionLaw {
         S::from(1.0) + (v.abs() * (-1.0 / self.stribeck_velocity)).exp() * (self.static_ratio - 1.0)
     }
 
-    /// s: sign of the velocity, regularised where the law says so; 0 at v = 0.
+    /// s: sign of the velocity, regularised if the law has a regularisation velocity; 0 at v = 0.
     #[inline]
     pub fn sign<S: Scalar>(&self, v: S) -> S {
         let regularization = self.regularization_velocity;
@@ -54,7 +54,7 @@ impl FrictionLaw {
         self.coefficient * self.fade.at(t).1
     }
 
-    /// mu_0 fade(T) at the temperature `t` (K): without the Stribeck factor, as wear feels it.
+    /// Kinetic friction coefficient at temperature, mu_0 fade(T), at `t` (K): without the Stribeck factor, as in the wear law.
     #[inline]
     pub fn kinetic_coefficient<S: Scalar>(&self, t: S) -> S {
         if self.fade.flat {
