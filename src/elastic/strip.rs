@@ -42,7 +42,7 @@ pub struct Strip {
     extent: Extent,
 }
 
-/// Length of unloaded strip, in heights, after which its surface no longer feels the load.
+/// Length of unloaded strip, in heights, after which its surface no longer responds to the load.
 const DECAY_LENGTH: f64 = 40.0;
 /// Value of `q h` beyond which `Phi - 1` is below 1e-16.
 const SHORTEST_WAVE: f64 = 23.0;
@@ -98,8 +98,8 @@ impl Strip {
         }
     }
 
-    /// Adds the sums over `(Phi - 1) cos(q_k r)/k` and `(1-2nu) (Psi - 1) sin(q_k r)/k`, cell means, in blocks of modes:
-    /// a product of two N x (2 modes) matrices each.
+    /// Adds the sums over `(Phi - 1) cos(q_k r)/k` and `(1-2nu) (Psi - 1) sin(q_k r)/k`, cell means, in blocks of modes: a
+    /// product of two N x (2 modes) matrices each.
     fn add_remainder(
         &self,
         cells: &Cells,

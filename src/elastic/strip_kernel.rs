@@ -1,6 +1,6 @@
 //! Surface displacement of an elastic layer under sinusoidal tractions.
 
-/// What holds the strip at its base.
+/// Boundary condition at the base of the strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
     /// Bonded to a rigid base: no displacement.

@@ -1,4 +1,4 @@
-//! How the surfaces of a scene's bodies move along the contact.
+//! Tangential compliance: displacement of the surfaces of a scene's bodies along the contact.
 
 use super::block::{Block, BlockProperties, Discretization};
 use super::scene::{BodyError, BodyReason, compliances};
@@ -24,8 +24,7 @@ pub struct TangentialCompliance {
 /// [`StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where nothing holds it; a block
 /// by finite elements; none for rigid bodies and Winkler foundations. `contact.shear_coupling` does not count.
 ///
-/// # Errors
-/// What a body refuses, as [`compliances`].
+/// # Errors As [`compliances`].
 pub fn tangential_compliances(scene: &Scene, cells: &Cells) -> Result<[TangentialCompliance; 2], BodyError> {
     let coupled = Scene { shear_coupling: true, ..scene.clone() };
     let [punch, strip] = compliances(&coupled, cells)?;

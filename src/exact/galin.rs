@@ -1,11 +1,11 @@
-//! Relaxation of a wearing flat punch on the half-plane.
+//! Relaxation of the pressure under a wearing flat punch on the half-plane.
 
 use crate::numerics::factorization;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Pressure under a flat rigid punch whose contact wears in proportion to pressure and sliding distance, from the
-/// unworn punch `p = 2 pm/(pi sqrt(1 - x^2))` on:
+/// Pressure under a flat rigid punch whose contact wears in proportion to pressure and sliding distance, starting from the
+/// unworn punch `p = 2 pm/(pi sqrt(1 - x^2))`:
 ///
 /// ```text
 /// p(x, tau)/pm = 1 + sum_n c_n phi_n(x) exp(-tau/lambda_n),   tau = k s E*/a,

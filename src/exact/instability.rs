@@ -1,21 +1,20 @@
-//! Growth of pressure waves by frictional heat, distortion and wear (thermoelastic instability) in full periodic contact.
+//! Thermoelastic instability in full periodic contact: growth of pressure waves by frictional heat, distortion and wear.
 //!
-//! A conducting half-plane that wears slides on a rigid insulator. In a wave `exp(i m x + b t)` the elastic
-//! displacement, the distortion by the heat `mu V p` and the wear add up to nothing (Dow and Burton, Wear 19, 1972, without
-//! wear):
+//! A conducting half-plane that wears slides on a rigid insulator. In a wave `exp(i m x + b t)` the elastic displacement,
+//! the distortion by the heat `mu V p` and the wear sum to zero (Dow and Burton, Wear 19, 1972, without wear):
 //!
 //! ```text
 //! 2 (1-nu^2)/(E m) (1 + i eps) - 2 alpha (1+nu) mu V/(K lambda (lambda + m)) + k V/b = 0,   lambda^2 = m^2 + b/kd
 //! ```
 //!
-//! With `z = lambda/m`, the critical speed `2 K m (1-nu)/(mu E alpha)`, R = V over it, and
-//! `w = k K/(mu alpha (1+nu) kd)` that is
+//! With `z = lambda/m`, the critical speed `2 K m (1-nu)/(mu E alpha)`, R = V over it, and `w = k K/(mu alpha (1+nu) kd)`
+//! that is
 //!
 //! ```text
 //! (1 + i eps) z^3 - (1 + i eps + (2 - w) R) z + 2 R = 0,   Re z > 0,   b = kd m^2 (z^2 - 1),
 //! ```
 //!
-//! without wear `z (1 + z) (1 + i eps) = 2 R`, because z = 1 then is no wave. `eps = mu (1-2nu)/(2(1-nu))` is the shear
+//! without wear `z (1 + z) (1 + i eps) = 2 R`, because z = 1 is then not a wave. `eps = mu (1-2nu)/(2(1-nu))` is the shear
 //! coupling; its sign is the direction in which the wave travels.
 
 use nalgebra::Complex;
@@ -37,8 +36,8 @@ pub fn growth_rate(ratio: f64, wear: f64, coupling: f64) -> Complex<f64> {
     standing.fold(-one, |best, b| if b.re > best.re { b } else { best })
 }
 
-/// Speed over the critical one from which on waves grow: `[q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w; 1 without
-/// wear, infinite from w = 2 on.
+/// Critical ratio: speed over the critical speed at the onset of growth, `[q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w; 1
+/// without wear, infinite from w = 2 on.
 pub fn critical_ratio(wear: f64) -> f64 {
     let q = 2.0 - wear;
     if wear == 0.0 {
@@ -50,7 +49,7 @@ pub fn critical_ratio(wear: f64) -> f64 {
     }
 }
 
-/// Angular frequency over `kd m^2` at which waves oscillate there: `sqrt(c^2 - 2 c)`, c = q R.
+/// Angular frequency over `kd m^2` of waves at the critical ratio: `sqrt(c^2 - 2 c)`, c = q R.
 pub fn critical_frequency(wear: f64) -> f64 {
     let c = (2.0 - wear) * critical_ratio(wear);
     (c * c - 2.0 * c).max(0.0).sqrt()

@@ -16,7 +16,7 @@ pub const REFERENCE_PRESSURE: f64 = 1e6;
 /// v0, m/s.
 pub const REFERENCE_VELOCITY: f64 = 1.0;
 
-/// See the module.
+/// Wear law of one body; equation in the module documentation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WearLaw {
     /// k, m2/N.
@@ -33,12 +33,12 @@ pub struct WearLaw {
     plain: bool,
     /// k times the fade factor where that is constant: the rate is this times p v for a = b = 1.
     archard: f64,
-    /// k at the hottest: with the largest factors of both tables.
+    /// k times the largest factors of both tables over temperature.
     highest_coefficient: f64,
 }
 
 impl WearLaw {
-    /// The law of `body`, with the friction coefficient its k was given at.
+    /// Wear law of `body`, with the friction coefficient at which its k was given.
     pub fn new(body: &Body, reference_friction: f64, friction_fade: &FadeTable) -> WearLaw {
         let largest = |table: &FadeTable| table.factor.iter().copied().fold(0.0, f64::max);
         WearLaw {
@@ -71,7 +71,7 @@ impl WearLaw {
         !self.fade.flat || friction_fades
     }
 
-    /// Depth rate (m/s) that no temperature exceeds, at pressure `p` (Pa) and speed `v` (m/s).
+    /// Upper bound of the depth rate (m/s) over all temperatures, at pressure `p` (Pa) and speed `v` (m/s).
     pub fn highest_rate(&self, p: f64, v: f64) -> f64 {
         if self.pressure_exponent == 1.0 && self.velocity_exponent == 1.0 {
             return self.highest_coefficient * p * v;
