@@ -69,8 +69,6 @@ pub struct ContactProblem<'a> {
 /// A solution depends on the problem, the matrices and the first active set alone, to the last bit. Factors of the last few
 /// compliances and contact sets are cached, so that an unchanged contact set costs one substitution, `2 N^2` operations,
 /// also when strokes alternate. No allocation after construction, except in the convenience method [`Self::solve`].
-/// few compliances and contacts are kept, so that an unchanged status costs one substitution, `2 N^2` operations, also
-/// when strokes alternate. After construction nothing is allocated, except by the convenience of [`Self::solve`].
 #[derive(Clone, Debug)]
 pub struct ContactSolver {
     positions: Vec<f64>,

@@ -1,8 +1,9 @@
 //! Dense kernels of the contact line: LU factors, substitution, matrix-vector products, all in caller-owned memory.
 //!
 //! Matrices are stored by columns without gaps, entry (i, j) of n rows at `i + j n`. The sizes are those of a contact line,
-//! tens to hundreds, for which the call overhead of a general library is comparable to the arithmetic: `cargo fmu bench
-//! --line` shows both. The widest vector unit of the machine that the build of `pulp` supports is selected at run time.
+//! tens to hundreds, for which the call overhead of a general library is comparable to the arithmetic:
+//! `cargo fmu bench --line` shows both. The widest vector unit of the machine that the build of `pulp` supports is selected
+//! at run time.
 
 mod elimination;
 mod products;

@@ -138,7 +138,8 @@ pub(super) struct Key<'a> {
 
 /// Checks that normal compliance and shear coupling (N x N, m/Pa) can be those of a contact.
 ///
-/// # Errors A number that is not finite, or a body without compliance.
+/// # Errors
+/// A number that is not finite, or a body without compliance.
 pub fn check_operators(count: usize, normal: &DMatrix<f64>, shear: &DMatrix<f64>) -> Result<(), ContactError> {
     assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
     assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");

@@ -1,8 +1,8 @@
 //! Half of an elastic layer in bending: the pressure on one of its faces is the suction on the other.
 //!
 //! Disc between two pads, seen from its mid plane at the depth h, half of the thickness. Normal displacements of both faces
-//! are equal; on the mid plane the normal stress and the in-plane displacement vanish. With u = q h, under the pressure `cos
-//! q x` on the face
+//! are equal; on the mid plane the normal stress and the in-plane displacement vanish. With u = q h, under the pressure
+//! `cos q x` on the face
 //!
 //! ```text
 //! displacement  (1-nu)/(G q) Phi(u) cos q x,              Phi = (cosh 2u + 1)/(sinh 2u - 2u)

@@ -1,9 +1,9 @@
 //! Mean of the logarithmic kernel over pairs of cells.
 //!
-//! The kernel `-ln |x - s|` is the short-distance limit of every elastic plane body. Its mean over two cells, `1/(c_i c_j)
-//! integral_i integral_j -ln |x - s| ds dx`, has a closed form as a second difference of `-r^2 ln|r|/2 + 3 r^2/4`. That
-//! difference cancels for small cells far apart (cells graded to the edges are 1e-4 of the contact width wide), so for
-//! distant pairs the series in the moments of the distance is used instead.
+//! The kernel `-ln |x - s|` is the short-distance limit of every elastic plane body. Its mean over two cells,
+//! `1/(c_i c_j) integral_i integral_j -ln |x - s| ds dx`, has a closed form as a second difference of
+//! `-r^2 ln|r|/2 + 3 r^2/4`. That difference cancels for small cells far apart (cells graded to the edges are 1e-4 of the
+//! contact width wide), so for distant pairs the series in the moments of the distance is used instead.
 
 /// Below this ratio of summed half-widths to distance the moment series is used; it then needs at most 36 terms.
 const SERIES_RATIO: f64 = 0.6;

@@ -30,9 +30,9 @@ use nalgebra::DMatrix;
 /// Compliance of one body's surface under tractions on the N cells of the contact line.
 ///
 /// Both matrices are N x N, row: cell whose mean displacement is given, column: loaded cell, cells from the -x to the +x
-/// edge, m/Pa. Displacements are means over a cell under tractions constant on a cell (Galerkin), so that `c_i normal[(i,
-/// j)]`, `c_i` the cell widths, is symmetric by the reciprocal theorem, and positive definite on pressures of zero
-/// resultant.
+/// edge, m/Pa. Displacements are means over a cell under tractions constant on a cell (Galerkin), so that
+/// `c_i normal[(i, j)]`, `c_i` the cell widths, is symmetric by the reciprocal theorem, and positive definite on pressures
+/// of zero resultant.
 #[derive(Clone, Debug)]
 pub struct Compliance {
     /// `C`: mean normal displacement into the body per pressure.

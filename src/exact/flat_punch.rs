@@ -8,8 +8,8 @@ pub fn friction_exponent(friction: f64, poissons_ratio: f64) -> f64 {
     (friction * (1.0 - 2.0 * poissons_ratio) / (2.0 * (1.0 - poissons_ratio))).atan() / PI
 }
 
-/// Flat rigid punch without tilt, with the load P per depth: `p = P cos(pi eta)/(pi sqrt(a^2 - x^2)) ((a + x)/(a - x))^(-s
-/// eta)`.
+/// Flat rigid punch without tilt, with the load P per depth:
+/// `p = P cos(pi eta)/(pi sqrt(a^2 - x^2)) ((a + x)/(a - x))^(-s eta)`.
 ///
 /// Friction loads the trailing edge; the resultant acts at `x = -2 s eta a`. Source: K. L. Johnson, Contact Mechanics,
 /// section 2.8.

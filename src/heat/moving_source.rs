@@ -1,8 +1,8 @@
 //! Local heating of the strip under the contact relative to its mean temperature: exact moving-source kernels.
 //!
 //! A uniform flux over |x| < a that moves at velocity v over a layer heats it in Fourier modes along the path. In the
-//! punch's frame the response of a mode of wave number q at the complex frequency `s` is the layer's impedance `Z(q, s + i q
-//! v)` (see [`Slab::impedance`]); projected on the mean over the contact,
+//! punch's frame the response of a mode of wave number q at the complex frequency `s` is the layer's impedance
+//! `Z(q, s + i q v)` (see [`Slab::impedance`]); projected on the mean over the contact,
 //!
 //! ```text
 //! R(s; v) = sum over q != 0 of  w_q Re Z(q, s + i q v),     w_q = (2a/L) sinc^2(q a)

@@ -66,7 +66,8 @@ fn checked(matrix: DMatrix<f64>) -> Result<DMatrix<f64>, Unfactorable> {
 
 /// LU factors with partial pivoting.
 ///
-/// # Errors [`Unfactorable::NotFinite`]; singularity is detected by `solve`.
+/// # Errors
+/// [`Unfactorable::NotFinite`]; singularity is detected by `solve`.
 pub fn lu(matrix: DMatrix<f64>) -> Result<LU<f64, Dyn, Dyn>, Unfactorable> {
     checked(matrix).map(LU::new)
 }
@@ -82,7 +83,8 @@ pub fn solve_mut(matrix: DMatrix<f64>, right: &mut DVector<f64>) -> Result<(), U
 
 /// Solution of a small system whose size is a constant.
 ///
-/// # Errors As [`solve_mut`].
+/// # Errors
+/// As [`solve_mut`].
 pub fn solve<const N: usize>(
     matrix: &SMatrix<f64, N, N>,
     right: &SVector<f64, N>,

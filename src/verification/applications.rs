@@ -78,7 +78,8 @@ impl Family {
 
 /// All applications, in a fixed order.
 ///
-/// # Errors An invalid scene file.
+/// # Errors
+/// An invalid scene file.
 pub fn all() -> Result<Vec<Application>, String> {
     let families = [brakes::FAMILIES, blocks::FAMILIES, rotating::FAMILIES].into_iter().flatten();
     families.flat_map(|family| (0..family.rows.len()).map(|row| family.application(row))).collect()

@@ -4,7 +4,6 @@
 //! A [`DriveProblem`] is a scene with its inputs over time, its sample times, and its truth: a closed form, an integral
 //! equation, or a run far finer than all judged ones. A [`Setting`] is one way to solve it; the result is a [`Record`],
 //! whose [`Errors`] are those of the main output quantities. Time is measured with the caller's clock.
-//! clock that the caller brings.
 
 mod brake;
 mod clutch;
@@ -172,7 +171,8 @@ pub struct DriveProblem {
 
 /// All problems, in the order of the charts.
 ///
-/// # Errors A missing scene file.
+/// # Errors
+/// A missing scene file.
 pub fn problems() -> Result<Vec<DriveProblem>, String> {
     Ok(vec![pin::problem()?, punch::cold()?, punch::hot()?, brake::stop()?, brake::cycle()?, clutch::problem()?])
 }

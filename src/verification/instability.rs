@@ -119,9 +119,10 @@ fn threshold(all: &mut Vec<Problem>) {
     }
 }
 
-/// An insulated slab of the thickness L that wears between rigid plates at fixed approach: `p = p0 exp{(M V/L) [alpha'
-/// mu/(rho c) - k] t}`, M = E (1-nu)/((1+nu)(1-2nu)), alpha' = alpha (1+nu)/(1-nu), whatever its conductivity, because only
-/// its mean temperature matters. The plates are the rigid strip and a caliper 10^7 times as stiff as the slab.
+/// An insulated slab of the thickness L that wears between rigid plates at fixed approach:
+/// `p = p0 exp{(M V/L) [alpha' mu/(rho c) - k] t}`, M = E (1-nu)/((1+nu)(1-2nu)), alpha' = alpha (1+nu)/(1-nu), whatever its
+/// conductivity, because only its mean temperature matters. The plates are the rigid strip and a caliper 10^7 times as stiff
+/// as the slab.
 fn slab(all: &mut Vec<Problem>) {
     let (friction, expansion, nu, e) = (0.4, 12e-6, 0.25, 125e9);
     let (thickness, wear, capacity) = (0.01, 1e-13, 7200.0 * 460.0);

@@ -30,7 +30,8 @@ pub struct Unreduced {
 impl Unreduced {
     /// The punch at the reference temperature.
     ///
-    /// # Errors The mesh is refused.
+    /// # Errors
+    /// The mesh is refused.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Unreduced, String> {
         let (body, width) = (&scene.punch, 2.0 * cells.half_width());
         let boundaries = cells.edges().to_vec();
@@ -68,7 +69,8 @@ impl Unreduced {
 
     /// `count` steps of the two-stage method with the line's abscissae, with the flux as a function of time.
     ///
-    /// # Errors The factorisation fails.
+    /// # Errors
+    /// The factorisation fails.
     pub fn run(&mut self, start: f64, step: f64, count: usize, flux: &dyn Fn(f64) -> Vec<f64>) -> Result<(), String> {
         let shift = 1.0 / (GAMMA * step);
         let factor = self.block.factorize(shift).map_err(text)?;
@@ -89,7 +91,8 @@ impl Unreduced {
 
     /// Sets the field to the steady state under a flux.
     ///
-    /// # Errors The factorisation fails.
+    /// # Errors
+    /// The factorisation fails.
     pub fn rest(&mut self, flux: &[f64]) -> Result<(), String> {
         self.field = self.load(flux);
         let factor = self.block.factorize(0.0).map_err(text)?;
@@ -98,7 +101,8 @@ impl Unreduced {
 
     /// Mean temperatures of the cells under the present flux.
     ///
-    /// # Errors The boundaries are refused by the mesh.
+    /// # Errors
+    /// The boundaries are refused by the mesh.
     pub fn temperature(&self, flux: &[f64]) -> Result<Vec<f64>, String> {
         let means = self.block.contact_temperatures(&self.boundaries, &self.field).map_err(text)?;
         let local = |i: usize| (0..flux.len()).map(|j| self.unresolved[(i, j)] * flux[j]).sum::<f64>();
@@ -107,7 +111,8 @@ impl Unreduced {
 
     /// Mean displacements of the cells, m into the body.
     ///
-    /// # Errors The boundaries are refused by the mesh.
+    /// # Errors
+    /// The boundaries are refused by the mesh.
     pub fn distortion(&self) -> Result<Vec<f64>, String> {
         let means = self.elastic.thermal_distortion(&self.block, &self.field, &self.boundaries).map_err(text)?;
         Ok(means.iter().map(|mean| self.expansion * mean).collect())

@@ -131,7 +131,8 @@ impl WaveScene {
 
     /// Operators of the contact, from which waves start.
     ///
-    /// # Errors The scene or the line level is refused.
+    /// # Errors
+    /// The scene or the line level is refused.
     pub fn build(&self) -> Result<WaveContact, String> {
         let scene = Scene::new(&self.starts()?, None).map_err(|broken| broken.to_string())?;
         let operators = Arc::new(LineOperators::new(&scene)?);
@@ -178,7 +179,8 @@ impl WaveContact {
 
     /// The same wave as a linear problem, without opening of the contact and without step control.
     ///
-    /// # Errors Invalid bodies.
+    /// # Errors
+    /// Invalid bodies.
     pub fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
         let operators = &self.operators;
         let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
@@ -199,7 +201,8 @@ impl WaveContact {
     /// Communication steps of `step` (over `1/(kd m^2)`), at most `count`, at `ratio` times the critical speed: amplitudes
     /// after each, as long as every cell is in contact.
     ///
-    /// # Errors A failing step, or a contact that opens within a few steps.
+    /// # Errors
+    /// A failing step, or a contact that opens within a few steps.
     pub fn follow(&self, ratio: f64, step: f64, count: usize) -> Result<Vec<Complex<f64>>, String> {
         let mut wave = self.wave(ratio);
         let mut amplitudes = Vec::with_capacity(count);
@@ -223,7 +226,8 @@ impl WaveContact {
     /// Growth rate over `kd m^2` measured over the last `counted` of at most `count` steps of `step` (over `1/(kd m^2)`) at
     /// `ratio` times the critical speed. The step control may subdivide the steps.
     ///
-    /// # Errors A failing step, or a contact that opens within a few steps.
+    /// # Errors
+    /// A failing step, or a contact that opens within a few steps.
     pub fn growth(&self, ratio: f64, step: f64, count: usize, counted: usize) -> Result<Complex<f64>, String> {
         let amplitudes = self.follow(ratio, step, count)?;
         let oscillates = self.scene.exact(ratio).im != 0.0 && !self.scene.coupled;
@@ -242,7 +246,8 @@ pub struct Wave<'a> {
 impl Wave<'_> {
     /// A communication step of `step`, over `1/(kd m^2)`, with the full step control.
     ///
-    /// # Errors A failing step.
+    /// # Errors
+    /// A failing step.
     pub fn step(&mut self, step: f64) -> Result<(), String> {
         self.line.step(&self.inputs, None, step / unit()).map_err(|failure| failure.to_string())
     }

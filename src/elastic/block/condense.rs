@@ -106,7 +106,8 @@ impl Pattern {
 
     /// Workspace for factorising, and for solving with up to `columns` loads together.
     ///
-    /// # Errors [`FactorizationError::OutOfMemory`]
+    /// # Errors
+    /// [`FactorizationError::OutOfMemory`]
     pub fn workspace(&self, columns: usize) -> Result<Workspace, FactorizationError> {
         let factorizing = self.symbolic_factor.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let solving = self.symbolic_factor.solve_in_place_scratch::<f64>(columns, Par::Seq);
@@ -117,7 +118,8 @@ impl Pattern {
     /// Sums the element matrices and factorises. `kind[element]` is the index of its matrix in `elements`; `boundary` holds
     /// further (element, skeleton matrix) contributions.
     ///
-    /// # Errors The sum is not positive definite, or there is no memory for it.
+    /// # Errors
+    /// The sum is not positive definite, or there is no memory for it.
     pub fn factorize(
         &self,
         mesh: &Mesh,
@@ -133,7 +135,8 @@ impl Pattern {
     /// [`Self::factorize`] into a factor of this pattern; no allocation (except buffers of the matrix product per thread
     /// when it first runs there).
     ///
-    /// # Errors The sum is not positive definite; then the content of the factor is undefined.
+    /// # Errors
+    /// The sum is not positive definite; then the content of the factor is undefined.
     pub fn factorize_into(
         &self,
         factor: &mut Factor,

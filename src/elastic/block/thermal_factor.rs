@@ -67,7 +67,8 @@ impl ThermalBlock {
 
     /// Workspace for factorising, and for solving with up to `columns` loads together.
     ///
-    /// # Errors Out of memory.
+    /// # Errors
+    /// Out of memory.
     pub fn workspace(&self, columns: usize) -> Result<ThermalWorkspace, BlockError> {
         let functions = self.capacity.first().map_or(0, DMatrix::nrows);
         let values = || DVector::zeros(functions);
@@ -82,7 +83,8 @@ impl ThermalBlock {
 
     /// Factorises K + `shift` M, `shift` [1/s] >= 0.
     ///
-    /// # Errors The matrix is singular: `shift` is 0 and no heat can leave, or it is below rounding.
+    /// # Errors
+    /// The matrix is singular: `shift` is 0 and no heat can leave, or it is below rounding.
     pub fn factorize(&self, shift: f64) -> Result<ThermalFactor, BlockError> {
         let mut factor = self.empty_factor();
         self.factorize_into(&mut factor, shift, &mut self.workspace(0)?)?;
@@ -92,7 +94,8 @@ impl ThermalBlock {
     /// [`Self::factorize`] into a factor of this block. No allocation, except buffers of the matrix product per thread when
     /// it first runs there.
     ///
-    /// # Errors As [`Self::factorize`]; then the content of the factor is undefined.
+    /// # Errors
+    /// As [`Self::factorize`]; then the content of the factor is undefined.
     pub fn factorize_into(
         &self,
         factor: &mut ThermalFactor,
@@ -129,7 +132,8 @@ impl ThermalBlock {
 
     /// Overwrites the columns of `loads` with the solutions of (K + shift M) T = load.
     ///
-    /// # Errors Out of memory.
+    /// # Errors
+    /// Out of memory.
     pub fn solve_in_place(&self, factor: &ThermalFactor, loads: &mut Mat<f64>) -> Result<(), BlockError> {
         let mut workspace = self.workspace(loads.ncols())?;
         self.solve_in_workspace(factor, loads.as_mut(), &mut workspace);

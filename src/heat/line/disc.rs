@@ -12,8 +12,8 @@
 //! the contact does not reach the base during the transit of the contact.
 //!
 //! Over a stage of the length L in which the speed changes, the initial state decays by the mean of its rate, and the flux
-//! is weighted as at the constant rate `rate(end) - 1/2 (change of the rate) m_2/m_1` with the moments `m_n` of `y^n
-//! exp(-rate L y)` from 0 to 1: second order in steps that are short against the decay time as well as in long ones.
+//! is weighted as at the constant rate `rate(end) - 1/2 (change of the rate) m_2/m_1` with the moments `m_n` of
+//! `y^n exp(-rate L y)` from 0 to 1: second order in steps that are short against the decay time as well as in long ones.
 //!
 //! The excess temperature does not distort the surface: along the circumference the material expands where it is heated and
 //! contracts where it is not, and the mean of that over the contact is the mean over the circle.

@@ -12,10 +12,10 @@
 //! (K + M/(gamma h)) T_2 = M [T_0 + (1 - gamma)/gamma (T_1 - T_0)]/(gamma h) + F q_2 + ports
 //! ```
 //!
-//! second order and L-stable (the deviation of the first stage's flux at its start is not used), with the heat input `h [(1
-//! - gamma) q_1 + gamma q_2]`. The sparse factor of a step size, and the surface influence matrices from N responses to unit
-//! fluxes, are cached for the last few step sizes. The part of the response to fluxes discontinuous between cells that the
-//! elements do not resolve is a direct feedthrough ([`ThermalBlock::unresolved_response`]).
+//! second order and L-stable (the deviation of the first stage's flux at its start is not used), with the heat input
+//! `h [(1 - gamma) q_1 + gamma q_2]`. The sparse factor of a step size, and the surface influence matrices from N responses
+//! to unit fluxes, are cached for the last few step sizes. The part of the response to fluxes discontinuous between cells
+//! that the elements do not resolve is a direct feedthrough ([`ThermalBlock::unresolved_response`]).
 //!
 //! Cost: sparse solutions with thousands of unknowns per step, a factorisation and N more solutions per new step size. This
 //! is a reference, not a level for long runs. All memory is allocated when the body is made (the matrix product has buffers

@@ -71,7 +71,8 @@ const FAR: usize = 2;
 ///
 /// None for an insulator.
 ///
-/// # Errors A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
+/// # Errors
+/// A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
 pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Result<Option<ReducedHeat>, BlockError> {
     reduce_with_mean(scene, cells, [tolerance; 2], duration)
 }
@@ -79,7 +80,8 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
 /// [`reduce`] with a separate tolerance, the second, for the uniform mode, which alone carries the mean temperature of the
 /// contact.
 ///
-/// # Errors As [`reduce`].
+/// # Errors
+/// As [`reduce`].
 pub fn reduce_with_mean(
     scene: &Scene,
     cells: &Cells,

@@ -77,7 +77,8 @@ pub struct Run {
 
 /// Runs an application at a setting through the component, as an importer drives the FMU with linear inputs.
 ///
-/// # Errors A refused initialisation or step.
+/// # Errors
+/// A refused initialisation or step.
 pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Result<Run, String> {
     let begin = processor_seconds();
     let starts = setting.apply(&application.starts, tolerance);
@@ -140,7 +141,8 @@ fn level(operators: &ModelOperators) -> String {
 
 /// A far finer run of the contact line, as a user can select it: with resolved heat where it feeds back.
 ///
-/// # Errors A refused set-up or step.
+/// # Errors
+/// A refused set-up or step.
 pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Result<Run, String> {
     let scene =
         Scene::new(&Setting::Line(cells).apply(&application.starts, tolerance), None).map_err(|broken| broken.0)?;
@@ -187,7 +189,8 @@ pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Resu
 /// Ratio of the largest speed of an input trajectory to the critical speed of thermoelastic instability; 0 where there is
 /// none.
 ///
-/// # Errors A refused initialisation.
+/// # Errors
+/// A refused initialisation.
 pub fn speed_ratio(application: &Application) -> Result<f64, String> {
     let mut component = Component::new(Arc::new(Setting::Lumped.apply(&application.starts, 1e-2)));
     let [fastest, most] = [1, 2].map(|input| largest(application.course.iter().map(|point| point[input])));

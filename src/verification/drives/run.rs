@@ -131,7 +131,8 @@ impl DriveProblem {
     /// The truth at the samples and its derivation; `solve` does one of the finest runs. Where none of them finishes, the
     /// longest one gives the samples that it reached; the others are unknown.
     ///
-    /// # Errors None of the runs reaches a quarter of the samples: the reason for each.
+    /// # Errors
+    /// None of the runs reaches a quarter of the samples: the reason for each.
     pub fn truth(&self, solve: &mut dyn FnMut(&Setting) -> Record) -> Result<(String, Vec<Sample>), String> {
         let candidates = match &self.truth {
             Truth::Exact { how, course } => return Ok(((*how).to_owned(), course(&self.samples)?)),

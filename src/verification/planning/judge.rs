@@ -26,7 +26,8 @@ pub struct Truth {
 
 /// Far finer run of a scene, on `cells` cells, or on half as many where that many have no solution.
 ///
-/// # Errors A refused set-up or step.
+/// # Errors
+/// A refused set-up or step.
 pub fn truth(generated: &Generated, cells: usize) -> Result<Truth, String> {
     let of = |cells: usize, tolerance: f64| {
         let scene = generated.scene(tolerance)?;
@@ -107,8 +108,8 @@ const REPETITIONS: usize = 3;
 /// least over repetitions of the same work. Load by other threads on the same core or cache is included, so the machine
 /// should be idle.
 ///
-/// # Errors The scene or the plan is refused.
-/// What the scene or the plan refuses.
+/// # Errors
+/// The scene or the plan is refused.
 pub fn timed_plan(generated: &Generated, tolerance: f64) -> Result<(Planned, [f64; 2]), String> {
     let scene = generated.scene(tolerance)?;
     let once = || -> Result<(Planned, [f64; 2]), String> {
@@ -126,7 +127,8 @@ pub fn timed_plan(generated: &Generated, tolerance: f64) -> Result<(Planned, [f6
 
 /// Runs a plan and all fixed settings of a scene at a tolerance.
 ///
-/// # Errors The scene, the plan or its run is refused.
+/// # Errors
+/// The scene, the plan or its run is refused.
 pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Judged, String> {
     let scene = generated.scene(tolerance)?;
     let (planned, planning_seconds) = timed_plan(generated, tolerance)?;

@@ -25,7 +25,8 @@ pub struct Record {
 
 /// Runs `scene` with the input trajectory of `generated`.
 ///
-/// # Errors A refused set-up or step.
+/// # Errors
+/// A refused set-up or step.
 pub fn run(generated: &Generated, scene: &Scene) -> Result<Record, String> {
     let begin = processor_seconds();
     let operators = ModelOperators::new(scene)?;
@@ -37,7 +38,8 @@ pub fn run(generated: &Generated, scene: &Scene) -> Result<Record, String> {
 
 /// Runs the model of `operators` with the input trajectory of `generated`.
 ///
-/// # Errors A refused step.
+/// # Errors
+/// A refused step.
 pub fn run_with(generated: &Generated, operators: &ModelOperators) -> Result<Record, String> {
     let begin = processor_seconds();
     let scene = operators.scene();

@@ -98,7 +98,8 @@ pub struct Generated {
 impl Generated {
     /// The scene at a tolerance.
     ///
-    /// # Errors The violated rule.
+    /// # Errors
+    /// The violated rule.
     pub fn scene(&self, tolerance: f64) -> Result<Scene, String> {
         let mut values = self.starts.clone();
         value!(values, "solver.tolerance") = tolerance;

@@ -15,10 +15,10 @@
 //! ```
 //!
 //! Each decay is propagated exactly for fluxes that are constant in the first stage and linear through both in the second,
-//! so for pressures that vary as `G^n` the two stages are two linear equations in p_1 and p_2, and their determinant is `1 +
-//! b_1 R + b_2 R^2`. At G = 1 one root is R = 1, the exact stability bound, for every step. The other is the ratio at which
-//! the amplification of a too long step falls through 1 again: beyond it growing waves are damped, as SDIRK2 by itself damps
-//! them beyond `b h = 1/gamma^2 = 11.66`, the limit for short steps.
+//! so for pressures that vary as `G^n` the two stages are two linear equations in p_1 and p_2, and their determinant is
+//! `1 + b_1 R + b_2 R^2`. At G = 1 one root is R = 1, the exact stability bound, for every step. The other is the ratio at
+//! which the amplification of a too long step falls through 1 again: beyond it growing waves are damped, as SDIRK2 by itself
+//! damps them beyond `b h = 1/gamma^2 = 11.66`, the limit for short steps.
 //!
 //! # Which wave opens the contact
 //!
@@ -66,7 +66,8 @@ pub enum Method {
 
 /// A contact on `cells` cells to judge a method in.
 ///
-/// # Errors The line level is refused.
+/// # Errors
+/// The line level is refused.
 pub fn contact(cells: usize, method: Method) -> Result<WaveContact, String> {
     let scheme = if method == Method::Staggered { 2.0 } else { 1.0 };
     let gap = if method == Method::Unguarded { LINEAR_GAP } else { GAP };
@@ -97,7 +98,8 @@ fn split_off_from(ratio: f64) -> f64 {
 /// Steps a wave at `ratio` times the critical speed with `step` (over `1/(kd m^2)`). Returns the verdict, and the error of
 /// its growth rate over `kd m^2 + |b|`; NaN where it opened the contact too early for a measurement.
 ///
-/// # Errors None: a failing step is a verdict.
+/// # Errors
+/// None: a failing step is a verdict.
 pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Verdict, f64) {
     let exact = WaveScene::new(CELLS).exact(ratio).re;
     let duration = f64::max(3.0, 6.0 / (1.0 + exact.abs()));
@@ -214,7 +216,8 @@ pub fn hidden_from(step: f64) -> f64 {
 /// [`hidden_from`] measured by stepping, with bisection to one part in a hundred between the first run that hides growth and
 /// the one before.
 ///
-/// # Errors The runs around the theoretical value do not differ.
+/// # Errors
+/// The runs around the theoretical value do not differ.
 pub fn measured_hidden_from(contact: &WaveContact, step: f64) -> Result<f64, String> {
     let hides = |ratio: f64| run(contact, Method::Unguarded, ratio, step).0 == Verdict::Hides;
     // From a third of the way from the critical speed to the theoretical value.
@@ -239,7 +242,8 @@ fn ratios(grid: Grid) -> Vec<f64> {
 
 /// Computes the map.
 ///
-/// # Errors The line level is refused.
+/// # Errors
+/// The line level is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let methods = [Method::Staggered, Method::Unguarded, Method::Default];
     let mut contacts = Vec::new();

@@ -27,9 +27,9 @@ fn scaled_complementary_error(x: f64) -> f64 {
 impl HalfSpaces {
     /// Fraction of the friction heat that is in the punch after `time` (s).
     ///
-    /// With the effusivities e, `E = e1 e2/(e1 + e2)` and `k = h_c/E` the flux into the punch is `Q [e1/(e1+e2) + (e2-e1)/(2
-    /// (e1+e2)) exp(k^2 t) erfc(k sqrt t)]`: half of the heat initially, the fraction of the effusivities finally.
-    /// effusivities in the end.
+    /// With the effusivities e, `E = e1 e2/(e1 + e2)` and `k = h_c/E` the flux into the punch is
+    /// `Q [e1/(e1+e2) + (e2-e1)/(2 (e1+e2)) exp(k^2 t) erfc(k sqrt t)]`: half of the heat initially, the fraction of the
+    /// effusivities finally.
     pub fn share(&self, time: f64) -> f64 {
         if self.conductance == 0.0 {
             return 0.5;
@@ -54,7 +54,8 @@ impl HalfSpaces {
     /// The same fraction by the component at its line level, after `count` communication steps of `step` (s), and the
     /// imbalance of the heat. The thermal expansion, which selects resolved heat, is too small to affect the contact.
     ///
-    /// # Errors The component refuses or fails.
+    /// # Errors
+    /// The component refuses or fails.
     pub fn stepped(&self, step: f64, count: u32) -> Result<(f64, f64), String> {
         let duration = step * f64::from(count);
         // Deep enough that no heat returns, and no deeper, so that both bodies are resolved near the contact.

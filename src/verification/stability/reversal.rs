@@ -4,8 +4,9 @@
 //! the flux falls to a half, as pressures on a worn contact do. The mean temperature of the contact ten steps later is
 //! compared with the exact one, a plain sum over the modes ([`crate::verification::path_modes`]).
 //!
-//! The trapezoidal rule (Crank and Nicolson) multiplies a mode of the decay rate lambda by `(1 - lambda h/2)/(1 + lambda
-//! h/2)`: modes with `lambda h` far above the number of steps still alternate. The default propagates every mode exactly.
+//! The trapezoidal rule (Crank and Nicolson) multiplies a mode of the decay rate lambda by
+//! `(1 - lambda h/2)/(1 + lambda h/2)`: modes with `lambda h` far above the number of steps still alternate. The default
+//! propagates every mode exactly.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::elastic::Cells;
@@ -39,7 +40,8 @@ pub const AGREEMENT: f64 = 1e-3;
 
 /// Heat of the strip for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
 ///
-/// # Errors The strip is refused.
+/// # Errors
+/// The strip is refused.
 pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
     let properties = StripProperties {
@@ -115,7 +117,8 @@ fn verdict([before, last]: [f64; 2]) -> Verdict {
 
 /// Computes the map.
 ///
-/// # Errors The strip is refused.
+/// # Errors
+/// The strip is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let (peclets, step_sizes) = (grid.spread(0.01, 1e3, 11), grid.spread(1e-3, 1e4, 15));
     let modes: Vec<PathModes> = (peclets.iter()).map(|pe| PathModes::new(&PATH, -2.0 * pe, MODES.0, MODES.1)).collect();

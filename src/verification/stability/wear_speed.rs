@@ -1,8 +1,8 @@
 //! Wear against speed: critical speed of pressure waves whose crests wear.
 //!
-//! In full periodic contact of a conducting half-plane that wears on a rigid insulator, waves grow beyond `R_cr = [q^2 + 1 +
-//! sqrt(1 + 2 q^2)]/q^3`, q = 2 - w, `w = k K/(mu alpha (1+nu) kd)`, and oscillate there with `Omega = kd m^2 sqrt(c^2 -
-//! 2c)`, c = q R_cr ([`crate::exact::instability`]). From w = 2 on no wave grows at any speed.
+//! In full periodic contact of a conducting half-plane that wears on a rigid insulator, waves grow beyond
+//! `R_cr = [q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w, `w = k K/(mu alpha (1+nu) kd)`, and oscillate there with
+//! `Omega = kd m^2 sqrt(c^2 - 2c)`, c = q R_cr ([`crate::exact::instability`]). From w = 2 on no wave grows at any speed.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::exact::instability::{critical_frequency, critical_ratio};
@@ -20,7 +20,8 @@ const MARGIN: f64 = 0.02;
 
 /// A contact of the wear number `wear`.
 ///
-/// # Errors The line level is refused.
+/// # Errors
+/// The line level is refused.
 pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
     WaveScene { wear, tolerance: 1e-4, ..WaveScene::new(cells) }.build()
 }
@@ -28,8 +29,8 @@ pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
 /// Growth rate (complex, over `kd m^2`) of the default scheme at `ratio` times the critical speed without wear, at the end
 /// of `duration` (over `1/(kd m^2)`), after which other parts of the wave have decayed.
 ///
-/// # Errors A failing step.
-/// What a step fails with.
+/// # Errors
+/// A failing step.
 pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Complex<f64>, String> {
     let exact = contact.scene().exact(ratio);
     let step = 0.1 / (1.0 + exact.norm());
@@ -39,7 +40,8 @@ pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Comple
 
 /// Verdict on a run, and the error of its growth rate over `kd m^2 + |b|`.
 ///
-/// # Errors A failing step.
+/// # Errors
+/// A failing step.
 pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> {
     let exact = contact.scene().exact(ratio);
     let step = 0.2 / (1.0 + exact.norm());
@@ -69,7 +71,8 @@ pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> 
 /// there over `kd m^2`; by the secant through growth rates a twentieth below and above the theoretical one, each after
 /// `duration`.
 ///
-/// # Errors A failing step.
+/// # Errors
+/// A failing step.
 pub fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), String> {
     let guess = critical_ratio(contact.scene().wear);
     let (mut low, mut high) = (0.95 * guess, 1.05 * guess);
@@ -90,7 +93,8 @@ pub fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), Str
 
 /// Computes the map.
 ///
-/// # Errors The line level is refused.
+/// # Errors
+/// The line level is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let count = grid.count(12);
     let wears: Vec<f64> = (0..count).map(|k| 2.2 * k as f64 / (count - 1) as f64).collect();

@@ -55,8 +55,9 @@ pub enum Method {
 
 impl Method {
     /// Error bound from the tenth step on of a method of this order, relative to the deviation at the start: the largest
-    /// value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10. First order: `n z^2/2 exp(-n
-    /// z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`, `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 - 1/sqrt 2.
+    /// value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10. First order:
+    /// `n z^2/2 exp(-n z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`, `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 -
+    /// 1/sqrt 2.
     pub fn owed(self) -> f64 {
         let n = f64::from(JUDGED);
         match self {
@@ -87,7 +88,8 @@ pub struct Relaxation {
 impl Relaxation {
     /// The problem on `count` cells graded to the edges.
     ///
-    /// # Errors Invalid numbers of cells.
+    /// # Errors
+    /// Invalid numbers of cells.
     pub fn new(count: usize) -> Result<Self, String> {
         let cells = Cells::graded(1.0, count).map_err(|error| error.to_string())?;
         let material = Material::new(0.91, 0.3).map_err(|error| error.to_string())?;
@@ -151,7 +153,8 @@ impl Relaxation {
 
     /// Bound reported by the explicit scheme.
     ///
-    /// # Errors The contact has no solution.
+    /// # Errors
+    /// The contact has no solution.
     pub fn reported_bound(&self) -> Result<f64, String> {
         let mut stepper = self.stepper()?;
         let pressure = stepper.pressure()?;
@@ -161,7 +164,8 @@ impl Relaxation {
     /// Runs 100 steps of `ratio` times the theoretical bound. Returns the verdict and the largest error from the tenth step
     /// on, as the root mean square over the contact relative to that of the deviation at the start.
     ///
-    /// # Errors A step fails for another reason than its size.
+    /// # Errors
+    /// A step fails for another reason than its size.
     pub fn run(&self, method: Method, ratio: f64) -> Result<(Verdict, f64), String> {
         let step = ratio * self.bound();
         let mut stepper = self.stepper()?;
@@ -208,7 +212,8 @@ impl Relaxation {
     /// thousand over 500 steps: by stepping alone, without the eigenvalue. The initial pressure is run in except for a
     /// sawtooth of a thousandth of the mean pressure, so that every cell stays in contact during the test.
     ///
-    /// # Errors The contact has no solution.
+    /// # Errors
+    /// The contact has no solution.
     pub fn measured_bound(&self) -> Result<f64, String> {
         let count = self.cells.count();
         let sawtooth = |i: usize| if i.is_multiple_of(2) { 1e-3 } else { -1e-3 };
@@ -290,7 +295,8 @@ fn ratios(grid: Grid) -> impl Iterator<Item = f64> {
 
 /// Computes the map.
 ///
-/// # Errors A contact has no solution.
+/// # Errors
+/// A contact has no solution.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let counts = if grid == Grid::Coarse { &[9, 33, 65][..] } else { &COUNTS[..] };
     let methods = [Method::Unguarded, Method::Explicit, Method::Default];

@@ -199,12 +199,11 @@ impl Integrator {
     /// Advances by `duration` with steps chosen by the embedded error estimate (the second-order scheme only; the others
     /// take one step).
     ///
-    /// The estimate is first order, so its root mean square over the zone is of the size of the step's curvature `h^2
-    /// w''/5`. It is held below `tolerance` times the elastic scale of the shape, the displacement of the cells under a
+    /// The estimate is first order, so its root mean square over the zone is of the size of the step's curvature
+    /// `h^2 w''/5`. It is held below `tolerance` times the elastic scale of the shape, the displacement of the cells under a
     /// pressure that varies linearly across the zone by the mean pressure. The solution itself is second order: its error is
     /// proportional to the tolerance. Step sizes are the duration divided by powers of two, so that a factorisation serves
     /// many steps.
-    /// factorisation serves many steps.
     pub fn advance(
         &mut self,
         contact: &mut WearingContact,

@@ -177,7 +177,6 @@ impl CellRate {
     /// A term with an exponent below 1 has an infinite slope at p = 0, but not in the local displacement t: p(t) and
     /// f<(p(t)) are Lipschitz continuous with the constants 1/alpha and 1/tau, as Newton's method needs. The other terms are
     /// convex in p, and Newton's method in p, that is in t without the first terms, is suitable for them.
-    /// other terms are convex in p, and Newton's method in p, that is in t without the first terms, suits them.
     pub(super) fn local(&self, cell: usize, alpha: f64, tau: f64, pressure: f64) -> LocalState {
         let relative = pressure / self.reference_pressure;
         let (mut displacement, mut concave, mut convex, mut wear) = (alpha * pressure, 0.0, 0.0, 0.0);

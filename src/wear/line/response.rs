@@ -52,8 +52,8 @@ impl WearingContact {
         self.stage_response_into(0.0, conditions, state, disturbance, rate)
     }
 
-    /// [`Self::response_into`] for a stage of `tau` s, in which a change of the pressure causes wear: `C + s mu S + E + tau
-    /// f'`. The wear operator of a moving strip is taken as the identity.
+    /// [`Self::response_into`] for a stage of `tau` s, in which a change of the pressure causes wear:
+    /// `C + s mu S + E + tau f'`. The wear operator of a moving strip is taken as the identity.
     pub fn stage_response_into(
         &mut self,
         tau: f64,

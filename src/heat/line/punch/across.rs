@@ -5,10 +5,10 @@
 //! X'' + xi^2 X = 0 on |x| < a,   -k X' n = h X on the sides (block),   or X periodic with 2 a (ring)
 //! ```
 //!
-//! Even and odd modes alternate: `X = cos xi x` with `xi a tan xi a = Bi`, `X = sin xi x` with `-xi a cot xi a = Bi`, `Bi =
-//! h a/k`. Both are `xi a = m pi/2 + delta`, `xi a tan delta = Bi`, `0 <= delta < pi/2`. On the ring `xi a = pi, pi, 2 pi, 2
-//! pi ...`. All modes have `integral X^2 dx = 1`, so that they are orthonormal over the contact. Across the width of an
-//! annulus, its radius, they are Bessel functions ([`super::radial`]).
+//! Even and odd modes alternate: `X = cos xi x` with `xi a tan xi a = Bi`, `X = sin xi x` with `-xi a cot xi a = Bi`,
+//! `Bi = h a/k`. Both are `xi a = m pi/2 + delta`, `xi a tan delta = Bi`, `0 <= delta < pi/2`. On the ring
+//! `xi a = pi, pi, 2 pi, 2 pi ...`. All modes have `integral X^2 dx = 1`, so that they are orthonormal over the contact.
+//! Across the width of an annulus, its radius, they are Bessel functions ([`super::radial`]).
 
 use super::radial::{RadialMode, Radii};
 use crate::elastic::Cells;

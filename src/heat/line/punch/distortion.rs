@@ -45,7 +45,6 @@ pub(super) struct Distortion {
 /// Order and corner layers of the elements: temperature fields are smooth, so only the corners need layers. One order and
 /// one layer more change the distortion by less than 1e-6 of its largest value; for tolerances from [`COARSE`] on, one layer
 /// fewer changes it by up to 2e-5.
-/// layer less changes it by up to 2e-5.
 fn discretization(tolerance: f64) -> Discretization {
     let (contact_layers, top_layers) = if tolerance >= COARSE { (3, 2) } else { (4, 3) };
     Discretization { order: 6, contact_layers, top_layers, grading: Discretization::CORNER_GRADING }

@@ -31,7 +31,8 @@ pub fn cooled_length(scene: &Scene) -> f64 {
 ///
 /// None for an insulator.
 ///
-/// # Errors None: the distortion of a layer exists at any height.
+/// # Errors
+/// None: the distortion of a layer exists at any height.
 pub fn reduce_mate(
     scene: &Scene,
     cells: &Cells,

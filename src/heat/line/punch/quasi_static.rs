@@ -34,8 +34,8 @@ const SMALLEST: f64 = 1e-10;
 /// Relative difference of mirrored entries up to which cells are symmetric about the middle.
 const SYMMETRIC: f64 = 1e-9;
 
-/// Ratio of the time constants of distortion and temperature: with `lambda^2 = m^2 + s/kd` the derivatives of `1/(lambda
-/// (lambda + m))` and `1/lambda` at s = 0.
+/// Ratio of the time constants of distortion and temperature: with `lambda^2 = m^2 + s/kd` the derivatives of
+/// `1/(lambda (lambda + m))` and `1/lambda` at s = 0.
 const DISTORTION_OVER_TEMPERATURE: f64 = 1.5;
 
 /// Bases of the vectors on the cells by parity (1 even, -1 odd) where the cells are symmetric about the middle; else one of

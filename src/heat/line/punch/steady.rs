@@ -9,9 +9,9 @@ use std::f64::consts::PI;
 
 /// Mean temperatures over the cells by steady unit fluxes in all transverse modes but the first `skipped`, N x N [K m2/W].
 ///
-/// In the limit of a deep body with insulated sides the sum over all modes has a closed form, because `integral integral
-/// cos(m s) cos(m t)/m ds dt` sums to differences of `C3(t) = sum cos(m t)/m^3`. Only the differences from that limit are
-/// summed mode by mode, and converge fast.
+/// In the limit of a deep body with insulated sides the sum over all modes has a closed form, because
+/// `integral integral cos(m s) cos(m t)/m ds dt` sums to differences of `C3(t) = sum cos(m t)/m^3`. Only the differences
+/// from that limit are summed mode by mode, and converge fast.
 pub(super) fn steady_beyond(
     across: &Across,
     depth: &Depth,
