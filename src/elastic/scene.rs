@@ -87,7 +87,8 @@ pub fn load_weights(scene: &Scene, cells: &Cells) -> Vec<f64> {
 /// On an annulus the contact line is a radius, along which the strip is straight. The shear compliance is zero on an
 /// annulus, where friction acts across the line, and where the scene switches the shear coupling off.
 ///
-/// # Errors Elastic constants or a height outside their range, a block too slender or too flat.
+/// # Errors
+/// Elastic constants or a height outside their range, a block too slender or too flat.
 pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], BodyError> {
     let punch = body(scene, cells, &scene.punch, true).map_err(|reason| BodyError { body: "punch", reason })?;
     let strip = body(scene, cells, &scene.strip, false).map_err(|reason| BodyError { body: "strip", reason })?;

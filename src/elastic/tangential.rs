@@ -24,7 +24,8 @@ pub struct TangentialCompliance {
 /// [`StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where nothing holds it; a block
 /// by finite elements; none for rigid bodies and Winkler foundations. `contact.shear_coupling` does not count.
 ///
-/// # Errors As [`compliances`].
+/// # Errors
+/// As [`compliances`].
 pub fn tangential_compliances(scene: &Scene, cells: &Cells) -> Result<[TangentialCompliance; 2], BodyError> {
     let coupled = Scene { shear_coupling: true, ..scene.clone() };
     let [punch, strip] = compliances(&coupled, cells)?;

@@ -1,6 +1,6 @@
 //! Worn track of a straight strip under the cells of the contact line, stored in the strip's own coordinate.
 //!
-//! # Why it is not a depth per contact cell
+//! # Transport of the worn shape
 //!
 //! A straight strip slides through the contact: material worn under one cell is under other cells a moment later. With the
 //! middle of the contact at `x(t)` and the depth rate `f(xi, t)` at `xi` in the frame of the punch, the depth `W` at the
