@@ -127,11 +127,11 @@ pub(super) struct Entry {
 /// Cache key of the factors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Key<'a> {
-    /// s mu.
+    /// Signed friction s mu.
     pub signed_friction: f64,
     /// Whether the approach is free.
     pub shifted: bool,
-    /// d, N values, m/Pa.
+    /// Wear diagonal d, N values, m/Pa.
     pub diagonal: &'a [f64],
     pub active: &'a [bool],
 }
@@ -293,12 +293,12 @@ impl Factors {
         self.entries.iter_mut().for_each(|e| e.used = 0);
     }
 
-    /// `S`, by columns.
+    /// Shear compliance S, by columns.
     pub fn shear(&self) -> &[f64] {
         &self.shear
     }
 
-    /// T, by columns.
+    /// Wear operator T, by columns.
     pub fn operator(&self) -> Option<&[f64]> {
         self.operator.as_deref()
     }
@@ -308,7 +308,7 @@ impl Factors {
         self.normal[cell * (self.count + 1)]
     }
 
-    /// `C + s mu S + E`, by columns.
+    /// Compliance `C + s mu S + E` less the low-rank update, by columns.
     pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
         let position = self.compose(signed_friction);
         &self.compositions[position].matrix

@@ -10,16 +10,16 @@ pub struct FrictionLaw {
     pub coefficient: f64,
     /// Fade table over the contact temperature.
     pub fade: FadeTable,
-    /// r.
+    /// Ratio r of static to kinetic friction.
     pub static_ratio: f64,
-    /// v_s, m/s.
+    /// Stribeck velocity v_s, m/s.
     pub stribeck_velocity: f64,
-    /// v_reg, m/s; 0: exact sign.
+    /// Regularisation velocity v_reg, m/s; 0: exact sign.
     pub regularization_velocity: f64,
 }
 
 impl FrictionLaw {
-    /// The law of a scene.
+    /// Friction law of a scene.
     pub fn new(scene: &Scene) -> FrictionLaw {
         FrictionLaw {
             coefficient: scene.friction_coefficient,
@@ -49,7 +49,7 @@ impl FrictionLaw {
         v / (v * v + S::from(regularization * regularization)).sqrt()
     }
 
-    /// Derivative of [`Self::kinetic_coefficient`] at the temperature `t` (K), 1/K.
+    /// Derivative of [`Self::kinetic_coefficient`] with respect to the temperature at `t` (K), 1/K.
     pub fn fall(&self, t: f64) -> f64 {
         self.coefficient * self.fade.at(t).1
     }

@@ -19,7 +19,7 @@ const SERIES_LIMIT: f64 = 0.5;
 /// Beyond this `u` the other face has no effect to rounding.
 const DEEP: f64 = 20.0;
 
-/// Phi(u), u > 0.
+/// Normal compliance kernel Phi(u), u > 0.
 pub fn compliance(u: f64) -> f64 {
     if u > DEEP {
         return 1.0;

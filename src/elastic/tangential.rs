@@ -19,10 +19,11 @@ pub struct TangentialCompliance {
 
 /// Tangential compliance of punch and strip on the given cells of a line or periodic contact.
 ///
-/// Per shear: the half-plane's and the periodic half-plane's equals its normal compliance per pressure (so its constant
-/// is that of the approach); a Fourier layer's differs from its own normal compliance by the smooth sum over
-/// [`StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where nothing holds it; a block
-/// by finite elements; none for rigid bodies and Winkler foundations. `contact.shear_coupling` does not count.
+/// Per shear: the half-plane's and the periodic half-plane's equals its normal compliance per pressure (so its constant is
+/// that of the approach); a Fourier layer's differs from its own normal compliance by the smooth sum over
+/// [`StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where it is unconstrained; a
+/// block's is computed by finite elements; zero for rigid bodies and Winkler foundations. `contact.shear_coupling` is
+/// ignored.
 ///
 /// # Errors
 /// As [`compliances`].

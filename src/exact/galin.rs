@@ -107,7 +107,7 @@ fn eigen(polynomials: usize, first: usize) -> (Vec<f64>, DMatrix<f64>) {
     (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))
 }
 
-/// P_0 ... P_n at x.
+/// Legendre polynomials P_0 ... P_n at x.
 fn legendre(x: f64, n: usize) -> Vec<f64> {
     let mut values = vec![1.0, x];
     for k in 1..n {

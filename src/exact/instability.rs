@@ -20,8 +20,8 @@
 use nalgebra::Complex;
 
 /// Growth rate over `kd m^2` of the wave that grows fastest (or decays slowest) at `ratio` times the critical speed, with
-/// the wear number `wear` (w above, >= 0) and the shear coupling `coupling` (eps above). The imaginary part, in either
-/// sign, is the angular frequency. -1, the end of the continuous spectrum, where no wave stands out of it.
+/// the wear number `wear` (w above, >= 0) and the shear coupling `coupling` (eps above). The imaginary part, in either sign,
+/// is the angular frequency. -1, the upper end of the continuous spectrum, where no discrete eigenvalue exists.
 pub fn growth_rate(ratio: f64, wear: f64, coupling: f64) -> Complex<f64> {
     let one = Complex::new(1.0, 0.0);
     let unit = Complex::new(1.0, coupling);
@@ -99,7 +99,7 @@ mod tests {
         for ratio in [0.5_f64, 1.0, 2.0, 5.0] {
             let z = 0.5 * ((1.0 + 8.0 * ratio).sqrt() - 1.0);
             assert!((growth_rate(ratio, 0.0, 0.0) - (z * z - 1.0)).norm() < 1e-13);
-            // A little wear changes little, but where two roots meet.
+            // A little wear has a small effect, except where two roots meet.
             let worn = growth_rate(2.0 * ratio, 1e-9, 0.0).re;
             assert!((worn - growth_rate(2.0 * ratio, 0.0, 0.0).re).abs() < 1e-4);
             let coupled = growth_rate(ratio, 0.0, 0.1);

@@ -20,19 +20,19 @@ use std::f64::consts::PI;
 /// constant speed. Product integration with linear flux: second order in the step, and exact in the kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct PressureWave {
-    /// m, 1/m.
+    /// Wave number m, 1/m.
     pub wave_number: f64,
-    /// C, m/Pa.
+    /// Compliance C, m/Pa.
     pub compliance: f64,
-    /// D of the conductor, 1/K.
+    /// Distortion factor D of the conductor, 1/K.
     pub distortion: f64,
-    /// K of the conductor, W/(m K).
+    /// Conductivity K of the conductor, W/(m K).
     pub conductivity: f64,
-    /// kd of the conductor, m2/s.
+    /// Diffusivity kd of the conductor, m2/s.
     pub diffusivity: f64,
-    /// mu.
+    /// Friction coefficient mu.
     pub friction: f64,
-    /// k of the bodies whose wear follows the wave, m2/N.
+    /// Wear coefficient k of the bodies whose wear follows the wave, m2/N.
     pub wear: f64,
 }
 

@@ -12,7 +12,7 @@
 pub struct PartedRing {
     /// Inner, parting and outer radius, m.
     pub radii: [f64; 3],
-    /// K h, W/K.
+    /// Conductance K h, W/K.
     pub conductance: f64,
     /// Flux into the inner part, W/m2.
     pub flux: f64,
@@ -52,9 +52,9 @@ impl PartedRing {
 pub struct RadialBands {
     /// Inner and outer radius, m; r_m is their mean.
     pub radii: [f64; 2],
-    /// kd, m2/s.
+    /// Diffusivity kd, m2/s.
     pub diffusivity: f64,
-    /// G, 1/s.
+    /// Growth rate G of a uniform temperature, 1/s.
     pub drive: f64,
 }
 

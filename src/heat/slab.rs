@@ -51,17 +51,17 @@ pub enum CoolingPort {
 /// Slab model of a body; symbols in the module documentation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Slab {
-    /// h, m.
+    /// Height h, m.
     pub height: f64,
-    /// K, W/(m K), > 0.
+    /// Conductivity K, W/(m K), > 0.
     pub conductivity: f64,
-    /// C, J/(m3 K).
+    /// Heat capacity C by volume, J/(m3 K).
     pub capacity: f64,
-    /// H0, W/(m2 K).
+    /// Heat transfer coefficient H0 of the contact face, W/(m2 K).
     pub surface_transfer: f64,
-    /// B, W/(m3 K).
+    /// Heat loss B by volume, W/(m3 K).
     pub volume_transfer: f64,
-    /// Condition at z = h.
+    /// Boundary condition at z = h.
     pub base: Base,
     /// Location of the variable cooling.
     pub cooling: CoolingPort,
@@ -98,7 +98,8 @@ impl Slab {
         let kappa = principal_root(kappa_squared);
         let u = kappa * self.height;
         // Admittance q/T(0) = K kappa (sinh u + beta cosh u)/(cosh u + beta sinh u), with beta = Hb/(K kappa).
-        // Squared: this runs for every mode at every speed of a table, and a modulus safe from overflow costs as much as the rest.
+        // Squared modulus: evaluated for every mode at every speed of a table, where an overflow-safe modulus would double
+        // the cost.
         let admittance = if u.norm_sqr() < 1e-8 {
             // Small argument: the slab is a heat capacity in series with (or parallel to) its base.
             let own = k * kappa_squared * self.height;

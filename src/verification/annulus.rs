@@ -185,8 +185,8 @@ fn band_growth(mean_radius: f64, drive: f64, cells: usize) -> Result<f64, String
     Ok(((third - second) / (second - first)).ln() / 8.5)
 }
 
-/// A ring so slender that nothing depends on the radius, braked by pads that cover three tenths of it: line level against
-/// lumped level.
+/// A ring so slender that all quantities are independent of the radius, braked by pads that cover three tenths of it: line
+/// level against lumped level.
 fn uniform(all: &mut Vec<Problem>) {
     let quantities: [(&'static str, &'static str); 4] = [
         ("contact_temperature", "rise of the contact temperature, K"),

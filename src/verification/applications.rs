@@ -29,7 +29,7 @@ struct Family {
     course: Course,
 }
 
-/// A scene with its inputs.
+/// A scene with its input trajectory.
 #[derive(Clone, Debug)]
 pub struct Application {
     /// Family and number in it.

@@ -6,7 +6,7 @@ use crate::heat::reduced::{Port, ReducedBody};
 use crate::heat::slab::{Base, CoolingPort, Slab};
 use std::f64::consts::PI;
 
-/// Grey cast iron.
+/// Slab of grey cast iron.
 fn iron(height: f64, base: Base) -> Slab {
     Slab {
         height,

@@ -77,12 +77,12 @@ impl Errors {
     }
 }
 
-/// One way to solve a problem.
+/// Solver settings of a run.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Setting {
     /// Model level.
     pub fidelity: Fidelity,
-    /// Time stepping.
+    /// Time stepping scheme.
     pub scheme: Scheme,
     /// `solver.tolerance`.
     pub tolerance: f64,

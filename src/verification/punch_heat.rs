@@ -23,9 +23,9 @@ const TOLERANCE: f64 = 1e-4;
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Course {
     Step,
-    /// From 0, by 1 per second.
+    /// Ramp from 0 by 1 per second.
     Ramp,
-    /// sin(omega t).
+    /// Sine sin(omega t).
     Sine(f64),
 }
 

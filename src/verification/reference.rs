@@ -129,11 +129,11 @@ pub struct ClosedPath {
     pub half_length: f64,
     /// Height of the layer, m.
     pub height: f64,
-    /// W/(m K).
+    /// Conductivity, W/(m K).
     pub conductivity: f64,
-    /// m2/s.
+    /// Diffusivity, m2/s.
     pub diffusivity: f64,
-    /// Condition under the layer.
+    /// Boundary condition under the layer.
     pub base: LayerBase,
 }
 

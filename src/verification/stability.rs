@@ -95,7 +95,7 @@ pub struct Point {
 pub struct Curve {
     /// Label.
     pub name: String,
-    /// (x, y).
+    /// Points (x, y).
     pub points: Vec<(f64, f64)>,
     /// Theoretical: drawn dashed. Otherwise computed: drawn as points.
     pub theory: bool,

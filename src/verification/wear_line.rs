@@ -23,7 +23,7 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// E* = 1.
+/// Half-plane with E* = 1.
 pub(super) fn half_plane() -> Result<HalfPlane, String> {
     Ok(HalfPlane { material: Material::new(0.91, 0.3).map_err(text)? })
 }

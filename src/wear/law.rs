@@ -1,5 +1,4 @@
-//! The wear law of one body, eq. (1) of Paczelt and Mroz (2015), normalised so that units do not
-//! depend on the exponents:
+//! Wear law of one body, eq. (1) of Paczelt and Mroz (2015), normalised so that units do not depend on the exponents:
 //!
 //! ```text
 //! dw/dt = k p0 v0 (p/p0)^b (|v|/v0)^a (mu/mu_ref)^b fade(T),      p0 = 1 MPa, v0 = 1 m/s; 0 where v = 0
@@ -11,23 +10,23 @@
 use crate::coupled::scalar::Scalar;
 use crate::scene::{Body, FadeTable};
 
-/// p0, Pa.
+/// Reference pressure p0, Pa.
 pub const REFERENCE_PRESSURE: f64 = 1e6;
-/// v0, m/s.
+/// Reference velocity v0, m/s.
 pub const REFERENCE_VELOCITY: f64 = 1.0;
 
 /// Wear law of one body; equation in the module documentation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WearLaw {
-    /// k, m2/N.
+    /// Wear coefficient k, m2/N.
     pub coefficient: f64,
-    /// b.
+    /// Pressure exponent b.
     pub pressure_exponent: f64,
-    /// a.
+    /// Velocity exponent a.
     pub velocity_exponent: f64,
     /// Factor over the contact temperature.
     pub fade: FadeTable,
-    /// mu_ref.
+    /// Friction coefficient mu_ref at which k is given.
     pub reference_friction: f64,
     /// a = b = 1 and a constant fade factor.
     plain: bool,

@@ -334,7 +334,7 @@ pub fn combine<const K: usize>(target: &mut [f64], sources: [&[f64]; K], factors
     Arch::new().dispatch(Combine(target, sources, factors));
 }
 
-/// `sum_i a_i b_i`.
+/// Dot product `sum_i a_i b_i`.
 #[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four independent sums, so that additions do not wait for each other.

@@ -33,11 +33,11 @@ pub struct DepthPoint {
 
 /// Functions across the width, factors of the product temperature fields.
 pub struct FunctionsAcross<'a> {
-    /// Their number.
+    /// Number of functions.
     pub count: usize,
     /// Bound of their variation: that of cos(`steepest` x).
     pub steepest: f64,
-    /// Value by number and x.
+    /// Value of a function by its number and x.
     pub value: &'a dyn Fn(usize, f64) -> f64,
     /// Parity of a function by its number, even (1) or odd (-1); None: neither.
     pub parity: &'a dyn Fn(usize) -> Option<f64>,

@@ -182,7 +182,7 @@ impl CondensedElement {
         skeleton
     }
 
-    /// [`Self::recover_in_place`].
+    /// [`Self::recover_in_place`] for dense matrices.
     pub fn recover(&self, skeleton: &DMatrix<f64>, interior: &mut DMatrix<f64>) {
         self.recover_in_place(view(skeleton), view_mut(interior));
     }

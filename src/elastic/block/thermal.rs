@@ -27,7 +27,7 @@ use nalgebra::DMatrix;
 /// Boundary condition at the block's top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TopCondition {
-    /// T = 0 there.
+    /// Prescribed temperature, T = 0.
     Held,
     /// Convection with this coefficient [W/(m2 K)], >= 0; 0 is an insulated top.
     Convecting(f64),

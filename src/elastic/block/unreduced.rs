@@ -13,9 +13,9 @@ use nalgebra::DMatrix;
 /// temperature of the surroundings, both relative to the top's.
 #[derive(Clone, Debug)]
 pub struct TopOutflow {
-    /// n x 1 [W/(m K)].
+    /// Weights of the temperatures, n x 1 [W/(m K)].
     pub by_field: Mat<f64>,
-    /// [W/(m K)].
+    /// Weight of the temperature of the surroundings [W/(m K)].
     pub by_outside: f64,
 }
 

@@ -48,9 +48,9 @@ pub fn cache_capacity(cells: usize) -> usize {
 /// The two stages of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// At `gamma h`.
+    /// First stage, at `gamma h`.
     First,
-    /// At `h`.
+    /// Second stage, at the end of the step, `h`.
     End,
 }
 
@@ -138,13 +138,13 @@ pub struct SurfaceInfluence {
 /// Heat account since the states were 0, J per m of depth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
-    /// Entered through the contact.
+    /// Heat that entered through the contact.
     pub received: f64,
-    /// In the body now.
+    /// Heat in the body at present.
     pub stored: f64,
-    /// Left to the air, through the cooled surface.
+    /// Heat that left to the air, through the cooled surface.
     pub ambient: f64,
-    /// Left through the far face.
+    /// Heat that left through the far face.
     pub far: f64,
 }
 

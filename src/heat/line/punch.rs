@@ -77,8 +77,8 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
     reduce_with_mean(scene, cells, [tolerance; 2], duration)
 }
 
-/// [`reduce`] with a separate tolerance, the second, for the uniform mode, which alone carries the mean temperature of the
-/// contact.
+/// [`reduce`] with a separate tolerance, the second, for the longest modes, of which the uniform one alone carries the mean
+/// temperature of the contact.
 ///
 /// # Errors
 /// As [`reduce`].
@@ -126,7 +126,7 @@ pub fn reduce_with_mean(
 /// Accuracy of a reduction.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
-    /// Tolerances of every transverse mode and of the uniform one.
+    /// Tolerances of every transverse mode and of the longest ones.
     tolerances: [f64; 2],
     /// Duration of interest, s.
     duration: f64,

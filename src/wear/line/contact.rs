@@ -14,12 +14,12 @@ use std::fmt;
 pub enum Direction {
     /// v > 0: the punch moves in +x over the strip.
     Forward,
-    /// v < 0.
+    /// v < 0: the punch moves in -x over the strip.
     Backward,
 }
 
 impl Direction {
-    /// s mu for a friction coefficient mu without regularisation.
+    /// Signed friction s mu for a friction coefficient mu without regularisation.
     pub fn signed_friction(self, friction: f64) -> f64 {
         match self {
             Self::Forward => friction,

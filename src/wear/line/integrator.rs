@@ -26,7 +26,7 @@ pub enum StepError {
     Unstable {
         /// The requested step.
         step: f64,
-        /// The longest stable one.
+        /// The longest stable step.
         limit: f64,
     },
     /// The error control needs steps below rounding of the time.

@@ -72,13 +72,13 @@ pub struct CellRate {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LocalState {
     pub pressure: f64,
-    /// t, in m.
+    /// Local displacement t, in m.
     pub displacement: f64,
-    /// dp/dt, from 0 to 1/alpha.
+    /// Slope dp/dt, from 0 to 1/alpha.
     pub pressure_slope: f64,
-    /// `tau f(p)` of all terms, in m.
+    /// Depth worn in the stage, `tau f(p)` of all terms, in m.
     pub wear: f64,
-    /// d(tau f)/dt.
+    /// Slope d(tau f)/dt of the wear.
     pub wear_slope: f64,
 }
 

@@ -57,7 +57,7 @@ impl Status {
         }
     }
 
-    /// Reads what [`Self::save`] wrote; `None` where the numbers cannot be a status of this many cells.
+    /// Reads the numbers of [`Self::save`]; `None` where they are not a valid status of this many cells.
     pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
         for stroke in &mut self.strokes {
             for active in &mut stroke.active {

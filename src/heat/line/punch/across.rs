@@ -28,7 +28,7 @@ pub(super) enum Sides {
 /// Width, cooling and conductivity, which determine the transverse modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Across {
-    /// a, m.
+    /// Half-width a, m.
     pub half_width: f64,
     pub sides: Sides,
     /// Cooled surface per depth and per height: 2 where only the sides of the block are cooled. On the ring it is
@@ -36,7 +36,7 @@ pub(super) struct Across {
     pub cooled: f64,
     /// Constant heat transfer coefficient of the cooled surface, W/(m2 K).
     pub transfer: f64,
-    /// k, W/(m K).
+    /// Conductivity k, W/(m K).
     pub conductivity: f64,
 }
 
@@ -141,7 +141,7 @@ impl Across {
 }
 
 impl Wave {
-    /// X at `x`.
+    /// Eigenfunction X at `x`.
     pub fn value(&self, x: f64) -> f64 {
         match &self.form {
             Form::Cosine(amplitude) => amplitude * (self.wave_number * x).cos(),

@@ -33,9 +33,9 @@ const FACTORS: [(f64, f64); TERMS] = {
 /// Values at one argument.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cylinder {
-    /// J0 and Y0.
+    /// J0 and Y0 at the argument.
     pub zero: (f64, f64),
-    /// J1 and Y1.
+    /// J1 and Y1 at the argument.
     pub one: (f64, f64),
 }
 

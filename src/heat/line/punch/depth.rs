@@ -25,11 +25,11 @@ pub(super) enum Top {
 /// Height and material of the body, with its conditions at both faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Depth {
-    /// h, m.
+    /// Height h, m.
     pub height: f64,
-    /// k, W/(m K).
+    /// Conductivity k, W/(m K).
     pub conductivity: f64,
-    /// C, J/(m3 K).
+    /// Heat capacity C by volume, J/(m3 K).
     pub capacity: f64,
     pub top: Top,
     /// Heat transfer coefficient H beside the contact as a mean over the contact's face, W/(m2 K).

@@ -19,16 +19,16 @@ use super::cylinder::Cylinder;
 pub(super) struct Radii {
     pub inner: f64,
     pub outer: f64,
-    /// r_m, m.
+    /// Mean radius r_m, m.
     pub mean: f64,
-    /// eta, 1/m.
+    /// Ratio eta of heat transfer coefficient and conductivity, 1/m.
     pub loss: f64,
 }
 
 /// One transverse mode of a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RadialMode {
-    /// xi, 1/m.
+    /// Wave number xi, 1/m.
     pub wave_number: f64,
     /// A and B, m^(-1/2); at zero wave number A is the constant value.
     first: f64,
@@ -117,7 +117,7 @@ impl Radii {
 }
 
 impl RadialMode {
-    /// X at x = r - r_m.
+    /// Eigenfunction X at x = r - r_m.
     pub fn value(&self, x: f64) -> f64 {
         self.at_radius(self.mean + x).0
     }

@@ -41,7 +41,7 @@ pub(super) struct Mode {
     tolerance: f64,
     /// Heat can leave, so a steady response exists; it is the last of the frequencies, 0.
     steady: bool,
-    /// 1 over scale and weight.
+    /// Reciprocal of scale and weight.
     share: f64,
     frequency: Vec<f64>,
     /// Exact impedance over scale and weight.
@@ -58,15 +58,16 @@ pub(super) struct Scale {
     /// Time over which temperatures are of interest, s.
     pub duration: f64,
     pub tolerance: f64,
-    /// Tolerance ratio of the uniform mode.
+    /// Tolerance ratio of the longest modes.
     mean: f64,
 }
 
-/// Tolerance ratio of the uniform mode of a ring: as accurate as at the lumped level, which has no other mode.
+/// Tolerance ratio of the longest modes of a ring: as accurate as the uniform one, which is the only one there, at the
+/// lumped level.
 const MEAN_OF_RING: f64 = 0.1;
 
 impl Scale {
-    /// Scale for a tolerance of every mode and one of the uniform mode.
+    /// Scale for a tolerance of every mode and one of the longest modes.
     pub fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
         let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
         let mean = match across.sides {
