@@ -54,7 +54,7 @@ pub struct RadialBands {
     pub radii: [f64; 2],
     /// Diffusivity kd, m2/s.
     pub diffusivity: f64,
-    /// Growth rate G of a uniform temperature, 1/s.
+    /// Drive G, the growth rate by friction heat without conduction, 1/s.
     pub drive: f64,
 }
 

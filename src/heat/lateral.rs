@@ -7,7 +7,8 @@
 //! uniform source over its own width,
 //!
 //! ```text
-//! Y(tau) = erf(b/sqrt(tau)) - sqrt(tau/pi)/b [1 - exp(-b^2/tau)] = integral_0^inf (2/pi) sinc^2(x) exp(-x^2 tau/b^2) dx,   tau = kd t
+//! Y(tau) = erf(b/sqrt(tau)) - sqrt(tau/pi)/b [1 - exp(-b^2/tau)]
+//!        = integral_0^inf (2/pi) sinc^2(x) exp(-x^2 tau/b^2) dx,   tau = kd t
 //! ```
 //!
 //! exact for a layer of any height and boundary conditions, for every Fourier mode along the path and at every velocity.
@@ -27,7 +28,6 @@
 //! Quadrature: two Gauss nodes in x on each of the intervals between 0, .1, .4, 1.5, 5 and 20, and the rest at 20 sqrt 3.
 //! Error of the mean temperature of a square, and of rectangles half and four times as deep as wide, against the integral:
 //! 2.4e-3 for Peclet numbers from .1 (V a/(2 kd)), 6e-3 from .01.
-//! from .1 (V a/(2 kd)), 6e-3 from .01.
 
 use crate::scene::{Geometry, Scene};
 use nalgebra::Complex;
