@@ -96,7 +96,7 @@ pub(super) struct ReducedOperators {
     pub ambient_flow: Observation,
     /// Total heat flow out of the far face, W/m.
     pub far_flow: Observation,
-    /// Time integrals of ambient and far flow, see `ReducedOperators::passed`.
+    /// Linear forms of the time integrals of ambient and far flow, see `ReducedOperators::passed`.
     pub passed: [Observation; 2],
     /// Heat flow that enters through the cooled surface per unit of `cooling`, m.
     pub cooled_length: f64,
@@ -135,7 +135,7 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
-        // One more for the doubled step of the growth guard.
+        // One more for the longer step of the growth guard.
         let most = cache_capacity(operators.widths.len()) + 1;
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
         Self { operators, modes, scratch, kept: Vec::new(), most, current: 0, clock: 0 }
@@ -233,8 +233,8 @@ impl ReducedOperators {
         [&self.cooled, &self.far_face]
     }
 
-    /// Time integral of a flow: its direct feedthrough from the inputs, and the weights of the states; the integral of a
-    /// state is (its input less its gain) over its decay rate.
+    /// Time integral of a flow as a linear form: weights of the integrated inputs (steady gain), and of the states, whose
+    /// integral is (their input less their gain) over their decay rate.
     fn passed(&self, flow: &Observation) -> Observation {
         let over_rate = |(flow, &rate): (&f64, &f64)| if rate > 0.0 { flow / rate } else { 0.0 };
         let states: Vec<f64> = flow.states.iter().zip(&self.rate).map(over_rate).collect();
