@@ -1,31 +1,30 @@
-//! The moving source reduced to a few states whose rates follow the velocity.
+//! Moving source reduced to a few states whose decay rates depend on the velocity (reduced flash-temperature model).
 //!
-//! At rest the contact's local heating is a sum of decays: `H(s) = sum r_k/(s + lambda_k)`. Sliding
-//! carries heat away from under the contact as if every decay were faster by one rate `sigma(v)`:
+//! At rest the thermal impedance of local heating under the contact is a sum of decays, `H(s) = sum r_k/(s + lambda_k)`.
+//! Sliding convects heat away from under the contact, which is modelled as one rate `sigma(v)` added to every decay rate:
 //!
 //! ```text
 //! dx_k/dt = -(lambda_k + sigma(v)) x_k + r_k q,     T = sum x_k
 //! ```
 //!
-//! with sigma(v) from the exact kernel, `H(sigma(v)) = R(v)`. That is exact at rest for every history and
-//! at every steady velocity; in between it has the right short-time limit (the effusivity of a
-//! half-space) and forgets over the time that the contact takes to slide over its own length. Above
-//! that rate the states are quasi-steady by themselves and T = R(v) q.
+//! with sigma(v) from the exact kernel, `H(sigma(v)) = R(v)`. Exact at rest for every history and at every steady velocity.
+//! In between, the short-time limit (the effusivity of a half-space) is exact, and the memory is the time in which the
+//! contact slides over its own length. For inputs slow against that rate the states are quasi-steady and T = R(v) q.
 //!
-//! The states come from H at a few real frequencies by the symmetric Loewner pencil (a rational
-//! Krylov reduction that needs only values of H), so their rates and residues are positive.
+//! The poles and residues follow from H at a few real frequencies by the symmetric Loewner pencil (a rational Krylov
+//! reduction that needs values of H only), so both are positive.
 
 use super::moving_source::{MovingSource, Part};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
 
-/// Most states of the flash part, and of the track part.
+/// Largest number of states of the flash part, and of the track part.
 pub const MAX_FLASH_STATES: usize = 8;
 
-/// Sum of decays `r/(s + lambda)` in ascending order of rate, with positive residues.
+/// Sum of decays `r/(s + lambda)` in ascending order of decay rate, with positive residues.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Decays {
-    /// Rates lambda, 1/s.
+    /// Decay rates lambda, 1/s.
     pub rate: Vec<f64>,
     /// Residues r, K m2/J.
     pub residue: Vec<f64>,
@@ -37,13 +36,13 @@ impl Decays {
         self.rate.iter().zip(&self.residue).map(|(rate, residue)| residue / (rate + s)).sum()
     }
 
-    /// Interpolates `response` and its derivative at the frequencies `shifts` (ascending, > 0); fewer
-    /// where the pencil runs out of digits. `response` must be a Stieltjes function of `s`.
+    /// Interpolant of `response` and its derivative at the frequencies `shifts` (ascending, > 0); at fewer of them where the
+    /// pencil is numerically rank-deficient. `response` must be a Stieltjes function of `s`.
     pub fn interpolate(shifts: &[f64], response: impl Fn(Complex<f64>) -> Complex<f64>) -> Decays {
         let values: Vec<(f64, f64)> = shifts
             .iter()
             .map(|&s| {
-                // A complex step gives the derivative without cancellation.
+                // Complex-step derivative: free of cancellation.
                 let step = 1e-20 * s;
                 let value = response(Complex::new(s, step));
                 (value.re, value.im / step)
@@ -54,7 +53,7 @@ impl Decays {
             if let Some(decays) = Decays::from_pencil(shifts, &values, &used) {
                 return decays;
             }
-            // Every second frequency is better conditioned, down to one, which works wherever the values are numbers.
+            // Every second frequency is better conditioned; a single one always works where the values are finite.
             used = if used.len() > 1 { used.iter().copied().step_by(2).collect() } else { Vec::new() };
         }
         Decays { rate: vec![f64::NAN], residue: vec![f64::NAN] }
@@ -67,7 +66,7 @@ impl Decays {
                 ((shifts[used[i]], values[used[i]]), (shifts[used[j]], values[used[j]]));
             if i == j { (-di, hi + si * di) } else { ((hi - hj) / (sj - si), (si * hi - sj * hj) / (si - sj)) }
         };
-        // Scaled to a unit diagonal of the mass.
+        // Scaled to a unit diagonal of the mass matrix.
         let scale: Vec<f64> = (0..count).map(|i| entry(i, i).0.sqrt().recip()).collect();
         let mass = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).0);
         let stiffness = DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * entry(i, j).1);
@@ -98,26 +97,27 @@ impl Decays {
     }
 }
 
-/// The reduced moving source of a strip.
+/// Reduced moving source of a strip.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Flash {
     /// Decays of the part that moves with the contact, at rest.
     pub decays: Decays,
-    /// The same in rows of fixed length for the time step: rate 1 and residue 0 beyond the last.
+    /// Decay rates of `decays`, 1/s, padded to a fixed length for the time step: rate 1 and residue 0 beyond the last.
     pub rates: [f64; MAX_FLASH_STATES],
-    /// See `rates`.
+    /// Residues of `decays`, K m2/J, padded like `rates`.
     pub residues: [f64; MAX_FLASH_STATES],
-    /// Decays of the part that stays in a stroke's track.
+    /// Decays of the part that stays in the track of a stroke.
     pub track: Decays,
     speed: SpeedTable,
 }
 
 impl Flash {
-    /// Reduces `source` for histories between `duration` and its `tolerance`-th part squared.
+    /// Reduces `source` on decay rates from .3/`duration` to 10 kd/(a^2 `tolerance`), 1/s, in at most [`MAX_FLASH_STATES`]
+    /// states.
     pub fn new(source: &MovingSource, duration: f64, tolerance: f64) -> Flash {
         let diffusivity = source.slab().diffusivity();
         let own = diffusivity / source.half_length().powi(2);
-        // Slower than the whole duration, and than the contact's own diffusion time over the path, nothing changes.
+        // Slower decays than these (over the duration, or over the contact's own diffusion time along the path) have no effect.
         let slowest = (0.3 / duration).max(1e-6 * own);
         let fastest = (10.0 * own / tolerance).max(10.0 * slowest);
         let count = (2.0 + (fastest / slowest).log10() * (0.25 - 0.25 * tolerance.log10())).round();
@@ -135,7 +135,7 @@ impl Flash {
         Flash { rates: row(&decays.rate, 1.0), residues: row(&decays.residue, 0.0), decays, track, speed }
     }
 
-    /// Rate sigma(v), 1/s, by which sliding at `speed` = |v| (m/s) adds to every decay.
+    /// Rate sigma(v), 1/s, that sliding at `speed` = |v| (m/s) adds to every decay rate.
     #[inline(always)]
     pub fn sliding_rate(&self, speed: f64) -> f64 {
         self.speed.rate(speed)
@@ -147,26 +147,26 @@ impl Flash {
     }
 }
 
-/// ln sigma over ln v as a cubic spline on equidistant knots, continued straight.
+/// Cubic spline of ln sigma over ln v on equidistant nodes, extrapolated linearly.
 #[derive(Clone, PartialEq, Debug)]
 struct SpeedTable {
-    /// ln of the lowest speed.
+    /// ln v at the first node.
     low: f64,
-    /// Value and slope per knot spacing at every knot.
+    /// Value, and slope times node spacing, at every node.
     nodes: Vec<(f64, f64)>,
     /// Leading bits of the lowest speed of `cubics`.
     first: u64,
-    /// The same curve without logarithm and exponential: coefficients of a cubic of the part of the piece passed, on
-    /// every piece between speeds that agree in their leading bits, that is between (16 + i)/16 2^e and (17 + i)/16 2^e.
-    /// Differs from the spline by less than 1e-6 of sigma where sliding is felt within the duration, elsewhere by less than
-    /// 1e-3 of sigma and the slowest decay together.
+    /// The same curve without logarithm and exponential: coefficients of one cubic per interval between speeds that agree in
+    /// their leading bits, that is between (16 + i)/16 2^e and (17 + i)/16 2^e, in the fraction of the interval. Differs
+    /// from the spline by less than 1e-6 of sigma where sliding matters within the duration, elsewhere by less than 1e-3 of
+    /// the sum of sigma and the slowest decay rate.
     cubics: Vec<[f64; 4]>,
 }
 
-/// Bits of a number's fraction that a piece of [`SpeedTable::cubics`] leaves free: four of 52 are fixed.
+/// Number of fraction bits that are free within an interval of [`SpeedTable::cubics`]: all but four of 52.
 const FREE_BITS: u32 = 48;
 
-/// Knots of the speed table per unit of ln v.
+/// Nodes of the speed table per unit of ln v.
 const KNOTS_PER_UNIT: f64 = 3.0;
 
 impl SpeedTable {
@@ -179,7 +179,7 @@ impl SpeedTable {
         let resistances = resistances(source, low, count);
         for resistance in resistances {
             guess = solve_rate(decays, resistance, guess);
-            // Slower than a ten-thousandth of the slowest state nothing is told from rest.
+            // A rate below a ten-thousandth of the slowest decay rate is indistinguishable from rest.
             values.push(guess.max(1e-4 * decays.rate[0]).max(1e-30).ln());
         }
         let slopes = spline_slopes(&values);
@@ -207,7 +207,7 @@ impl SpeedTable {
         let bits = speed.to_bits();
         match self.cubics.get((bits >> FREE_BITS).wrapping_sub(self.first) as usize) {
             Some([c0, c1, c2, c3]) => {
-                // The part of the piece passed is what the free bits say.
+                // Fraction of the interval: the free bits.
                 let x = (bits & ((1 << FREE_BITS) - 1)) as f64 * (1.0 / (1_u64 << FREE_BITS) as f64);
                 c0 + x * (c1 + x * (c2 + x * c3))
             }
@@ -215,7 +215,7 @@ impl SpeedTable {
         }
     }
 
-    /// sigma and its derivative by the speed (> 0) from the spline.
+    /// sigma and its derivative with respect to the speed (> 0), from the spline.
     #[inline(never)]
     fn by_spline(&self, speed: f64) -> (f64, f64) {
         let position = (speed.ln() - self.low) * KNOTS_PER_UNIT;
@@ -237,13 +237,14 @@ impl SpeedTable {
     }
 }
 
-/// Resistances at `count` knots from the speed exp(`low`) on.
+/// Resistances at `count` nodes from the speed exp(`low`) on.
 fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
     let at = |node: usize| source.resistance((low + node as f64 / KNOTS_PER_UNIT).exp());
     if !source.spreads() {
         return (0..count).map(at).collect();
     }
-    // Ten times the work for each: those between by a spline through the logarithms. They differ by less than 1e-3.
+    // Out-of-plane spreading costs ten times as much per value: the nodes between follow from a spline through the
+    // logarithms, to 1e-3.
     let values: Vec<f64> = (0..=count.div_ceil(APART)).map(|node| at(node * APART).ln()).collect();
     let slopes = spline_slopes(&values);
     let between = |node: usize| {
@@ -256,11 +257,11 @@ fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
     (0..count).map(between).collect()
 }
 
-/// Knots from one exact resistance of a source that spreads out of the plane to the next.
+/// Spacing, in nodes, of exactly computed resistances of a source that spreads out of the plane.
 const APART: usize = 3;
 
-/// sigma >= 0 with `decays(sigma) = resistance`, by Newton on 1/decays (nearly linear in sigma);
-/// 0 where the resistance is not below that at rest.
+/// Root sigma >= 0 of `decays(sigma) = resistance`, by Newton's method on 1/decays (nearly linear in sigma); 0 where the
+/// resistance is not below that at rest.
 fn solve_rate(decays: &Decays, resistance: f64, guess: f64) -> f64 {
     if resistance >= decays.at(0.0) {
         return 0.0;
@@ -269,7 +270,7 @@ fn solve_rate(decays: &Decays, resistance: f64, guess: f64) -> f64 {
     for _ in 0..60 {
         let value = decays.at(rate);
         let slope: f64 = -decays.rate.iter().zip(&decays.residue).map(|(l, r)| r / (l + rate).powi(2)).sum::<f64>();
-        // Solve 1/value = 1/resistance linearised: the step keeps rate >= 0.
+        // Newton step of 1/value = 1/resistance; it keeps the rate >= 0.
         let step = (1.0 / resistance - 1.0 / value) * value * value / -slope;
         let next = (rate + step).max(0.1 * rate);
         if (next - rate).abs() <= 1e-14 * next {
@@ -280,7 +281,7 @@ fn solve_rate(decays: &Decays, resistance: f64, guess: f64) -> f64 {
     rate
 }
 
-/// Slopes of the natural cubic spline through equidistant values, per spacing.
+/// Slopes times spacing of the natural cubic spline through equidistant values.
 fn spline_slopes(values: &[f64]) -> Vec<f64> {
     let count = values.len();
     let mut diagonal = vec![4.0; count];
@@ -328,7 +329,7 @@ mod tests {
                     let speed = 10f64.powf(f64::from(exponent) / 10.0) * 1e-2;
                     let exact = source.resistance(speed);
                     if flash.sliding_rate(speed) < 1e-3 {
-                        // So slow that the whole duration, 1000 s, is too short to tell it from rest.
+                        // Too slow to differ from rest within the whole duration of 1000 s.
                         continue;
                     }
                     let error = flash.resistance(speed) / exact - 1.0;
@@ -345,7 +346,7 @@ mod tests {
             let flash = Flash::new(&source, 1000.0, 1e-3);
             let (table, slowest) = (&flash.speed, flash.decays.rate[0]);
             let (mut felt, mut worst): (f64, f64) = (0.0, 0.0);
-            // From below the table to above it, in steps that meet its pieces everywhere.
+            // From below the table to above it, with steps that sample every part of its intervals.
             for step in 0..40_000 {
                 let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
                 let (by_spline, by_cubic) = (table.by_spline(speed).0, table.rate(speed));

@@ -1,34 +1,39 @@
-//! Lateral conduction out of the plane: how much of a contact's heat is still under it, across the sliding direction.
+//! Lateral conduction out of the plane: the fraction of a contact's heat that remains under it, in the direction normal to
+//! sliding.
 //!
-//! A plane source is as deep as the body under it. A contact of the depth 2b on a body that goes on beside its track loses heat to both
-//! sides. Conduction across separates from that along and through the body, so that what an impulse of heat has left under the
-//! contact after the time t is the plane answer times the mean of a uniform source over itself,
+//! A plane source is as deep as the body under it. A contact of the depth 2b on a body that extends beyond its track loses
+//! heat to both sides. Conduction in the lateral direction separates from that along and through the body. The temperature
+//! under the contact at the time t after an impulse of heat is therefore the plane response times the mean of a diffused
+//! uniform source over its own width,
 //!
 //! ```text
-//! Y(tau) = erf(b/sqrt(tau)) - sqrt(tau/pi)/b [1 - exp(-b^2/tau)] = integral_0^inf (2/pi) sinc^2(x) exp(-x^2 tau/b^2) dx,   tau = kd t
+//! Y(tau) = erf(b/sqrt(tau)) - sqrt(tau/pi)/b [1 - exp(-b^2/tau)]
+//!        = integral_0^inf (2/pi) sinc^2(x) exp(-x^2 tau/b^2) dx,   tau = kd t
 //! ```
 //!
-//! exact for a layer of any height and conditions, for every wave along the path and at every velocity. A sum of decays for the
-//! integral turns any answer R(s) of the plane into
+//! exact for a layer of any height and boundary conditions, for every Fourier mode along the path and at every velocity.
+//! With a sum of decays for the integral, any plane response R(s) becomes
 //!
 //! ```text
 //! R_3(s) = sum_j c_j R(s + kd x_j^2/b^2),      sum_j c_j = 1,
 //! ```
 //!
-//! which keeps it a sum of decays. Both limits follow: for b much larger than what heat spreads while the contact passes, the
-//! plane's answer, for small b and slow sliding that of a rectangle on a half-space, .9464 q a/K in the mean of a square at rest.
+//! again a sum of decays. Both limits follow: the plane response where b is large against the diffusion length of the
+//! contact's transit time, and that of a rectangle on a half-space for small b and slow sliding, .9464 q a/K in the mean of
+//! a square at rest.
 //!
-//! Only local heating, what differs from the mean along the path, spreads; the mean is that of a track as deep as the contact.
+//! Only local heating, the deviation from the mean along the path, spreads; the mean is that of a track as deep as the
+//! contact.
 //!
-//! The sum: two nodes of Gauss in x on each of the pieces of 0, .1, .4, 1.5, 5, 20, and the rest at 20 sqrt 3. Error of the mean
-//! temperature of a square or a rectangle half or four times as deep as wide, against the integral: 2.4e-3 for Peclet numbers
-//! from .1 (V a/(2 kd)), 6e-3 from .01.
+//! Quadrature: two Gauss nodes in x on each of the intervals between 0, .1, .4, 1.5, 5 and 20, and the rest at 20 sqrt 3.
+//! Error of the mean temperature of a square, and of rectangles half and four times as deep as wide, against the integral:
+//! 2.4e-3 for Peclet numbers from .1 (V a/(2 kd)), 6e-3 from .01.
 
 use nalgebra::Complex;
 use scene::{Geometry, Scene};
 use std::ops::{Add, Mul};
 
-/// c_j and x_j^2.
+/// Quadrature weights c_j and squared nodes x_j^2.
 const DECAYS: [[f64; 2]; 11] = [
     [3.181400519655e-02, 4.462481913670e-04],
     [3.177729307392e-02, 6.217824333646e-03],
@@ -43,31 +48,31 @@ const DECAYS: [[f64; 2]; 11] = [
     [1.622413223510e-02, 1200.0],
 ];
 
-/// Wave number times b beyond which a wave along the path decays before it spreads.
+/// Wave number times b beyond which a Fourier mode along the path decays before it spreads laterally.
 const SHORT_WAVE: f64 = 12.0;
 
-/// Least depth of a contact over its width: a more slender one is the slice of a plane problem.
+/// Least ratio of depth to width of a contact; a more slender one is the slice of a plane problem.
 const SLENDER: f64 = 0.5;
 
-/// Spreading to both sides of a contact.
+/// Lateral conduction to both sides of a contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Lateral {
-    /// b, m.
+    /// b, half of the contact's depth, m.
     half_depth: f64,
-    /// kd/b^2, 1/s.
+    /// kd/b^2, rate of lateral diffusion, 1/s.
     rate: f64,
 }
 
 impl Lateral {
-    /// Of a contact of the depth `depth`, m, on a body of the diffusivity `diffusivity`, m2/s.
+    /// Lateral conduction of a contact of the depth `depth`, m, on a body of the diffusivity `diffusivity`, m2/s.
     pub fn new(depth: f64, diffusivity: f64) -> Lateral {
         let half_depth = 0.5 * depth;
         Lateral { half_depth, rate: diffusivity / (half_depth * half_depth) }
     }
 
-    /// The spreading in the strip of a scene: on a line contact at least half as deep as it is wide, on a strip at least as high as
-    /// the contact is deep. A flatter strip is taken for a ring as wide as the contact, a more slender contact for one
-    /// as deep as the strip: there nothing spreads.
+    /// Lateral conduction in the strip of a scene: on a line contact at least half as deep as it is wide, on a strip at
+    /// least as high as the contact is deep. A flatter strip is taken for a ring as wide as the contact, a more slender
+    /// contact for one as deep as the strip; neither spreads (`None`).
     pub fn of(scene: &Scene) -> Option<Lateral> {
         let strip = &scene.strip;
         let spreads = scene.geometry == Geometry::Line
@@ -77,12 +82,12 @@ impl Lateral {
         spreads.then(|| Lateral::new(scene.depth, strip.conductivity / strip.capacity()))
     }
 
-    /// Wave number along the path beyond which spreading is not felt, 1/m.
+    /// Wave number along the path beyond which lateral spreading has no effect, 1/m.
     pub fn shortest_wave(&self) -> f64 {
         SHORT_WAVE / self.half_depth
     }
 
-    /// Mean of `answer` at frequencies that spreading adds to `s`, 1/s.
+    /// Weighted mean of `answer` over the frequencies into which spreading turns `s`, 1/s.
     pub fn spread<T>(&self, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
     where
         T: Add<Output = T> + Mul<f64, Output = T>,
@@ -92,13 +97,13 @@ impl Lateral {
         rest.into_iter().fold(at(first), |sum, frequency| sum + at(frequency))
     }
 
-    /// The shares c_j, and the frequencies that spreading makes of `s`, 1/s.
+    /// Weights c_j, and the frequencies s + kd x_j^2/b^2, 1/s.
     pub fn frequencies(&self, s: Complex<f64>) -> [(f64, Complex<f64>); 11] {
         DECAYS.map(|[share, square]| (share, s + square * self.rate))
     }
 }
 
-/// `spread`, or the answer itself where nothing spreads.
+/// [`Lateral::spread`], or the plane response itself without lateral conduction.
 pub fn spread<T>(lateral: Option<&Lateral>, s: Complex<f64>, answer: impl Fn(Complex<f64>) -> T) -> T
 where
     T: Add<Output = T> + Mul<f64, Output = T>,
@@ -121,8 +126,8 @@ mod tests {
         (1.0 - complementary_error(x.abs())).copysign(x)
     }
 
-    /// Rise on a half-space, in q a/K, at the place (`x`, `y`) of a uniform source 2 x 2b that slides in +x at the Peclet number
-    /// `peclet`: the integral over the history of what every instant has left.
+    /// Temperature rise on a half-space, in q a/K, at the point (`x`, `y`) of a uniform source 2 x 2b that slides in +x at
+    /// the Peclet number `peclet`: the integral over the history of the remaining temperature of every instantaneous source.
     fn local(peclet: f64, b: f64, x: f64, y: f64) -> f64 {
         over_history(|t| {
             let root = 2.0 * t.sqrt();
@@ -168,15 +173,16 @@ mod tests {
         MovingSource::new(slab, 1.0, path).spreading(Some(Lateral::new(2.0 * b, 1.0)))
     }
 
-    /// The mean along a closed path, which is no part of the local heating, spread as far as that.
+    /// Mean temperature along a closed path, which is not part of the local heating, with the same lateral spreading.
     fn mean_along(source: &MovingSource, path: Path) -> f64 {
         let Path::Closed(length) = path else { return 0.0 };
         let spread = Lateral::new(2.0, 1.0).spread(Complex::from(0.0), |s| source.slab().impedance(s, 0.0));
         2.0 / length * spread.re
     }
 
-    /// The reference has the published maximum of a square, 2 q a/(K sqrt(pi (1.011 + Pe))) (X. Tian, F. E. Kennedy, Maximum and
-    /// average flash temperatures in sliding contacts, J. Tribology 116 (1994) 167-174), and the reduction has its mean.
+    /// The reference has the published maximum of a square, 2 q a/(K sqrt(pi (1.011 + Pe))) (X. Tian, F. E. Kennedy, Maximum
+    /// and average flash temperatures in sliding contacts, J. Tribology 116 (1994) 167-174), and the reduction has the mean
+    /// of the reference.
     #[test]
     fn a_square_has_the_published_flash_temperature_at_every_peclet_number() {
         for (peclet, plane) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132), (100.0, 0.07524)] {
@@ -184,13 +190,13 @@ mod tests {
             let published = 2.0 / (PI * (1.011 + peclet)).sqrt();
             assert!((highest / published - 1.0).abs() < 0.05, "{peclet}: {highest} {published}");
             let exact = mean(peclet, 1.0);
-            // So long a way round that nothing of the last turn is left.
+            // A circumference so long that no heat of the previous revolution is left.
             let round = (peclet <= 10.0).then(|| Path::Closed(2000.0 * f64::max(peclet, 1.0)));
             for path in [Path::Endless].into_iter().chain(round) {
                 let source = spread_source(1e3, path, 1.0);
                 let found = source.resistance(2.0 * peclet) + mean_along(&source, path);
                 assert!((found / exact - 1.0).abs() < 0.01, "{path:?} {peclet}: {found} {exact}");
-                // Plane strips are up to 2.3 times as hot.
+                // The plane strip is up to 2.3 times as hot.
                 assert!(found < 0.985 * plane, "{peclet}: {found} {plane}");
             }
         }
@@ -198,12 +204,12 @@ mod tests {
 
     #[test]
     fn both_limits_are_right() {
-        // A band: what spreads while the contact passes is short against its depth.
+        // A band: the diffusion length of the transit time is short against its depth.
         for (peclet, plane) in [(1.0, 0.79986), (10.0, 0.24132)] {
             let found = spread_source(1e3, Path::Endless, 1e3).resistance(2.0 * peclet);
             assert!((found / plane - 1.0).abs() < 5e-3, "{peclet}: {found} {plane}");
         }
-        // Fast sliding takes the heat along before it spreads.
+        // Fast sliding convects the heat away before it spreads.
         let fast = spread_source(1e3, Path::Endless, 1.0).resistance(2e6);
         assert!((fast * PI.sqrt() * 0.75 * 1e3 - 1.0).abs() < 5e-3, "{fast}");
         // A square at rest on a half-space: .9464 q a/K.

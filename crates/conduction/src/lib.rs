@@ -1,9 +1,9 @@
-//! Conduction in the two bodies, reached only through what happens at the contact.
+//! Heat conduction in the two bodies, each reduced to its response at the contact.
 //!
-//! Each body is a thermal impedance: temperature at the contact per heat flux into it. [`slab`] holds
-//! the exact one-dimensional conduction problem through the height and its reduction to a few states,
-//! [`moving_source`] the exact kernel of the strip's local ("flash") heating under the sliding
-//! contact, [`flash`] its reduction to a few states whose rates follow the velocity.
+//! Each body is a thermal impedance: temperature at the contact per heat flux into it. [`slab`] is the exact one-dimensional
+//! conduction problem through the height and its reduction to a few states, [`moving_source`] the exact kernel of the
+//! strip's local (flash) heating under the sliding contact, [`flash`] its reduction to a few states whose decay rates depend
+//! on the velocity.
 
 pub mod flash;
 pub mod lateral;

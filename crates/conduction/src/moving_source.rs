@@ -1,31 +1,31 @@
-//! The strip's heating under the contact beyond its mean temperature: exact moving-source kernels.
+//! Local heating of the strip under the contact relative to its mean temperature: exact moving-source kernels.
 //!
-//! A uniform flux over |x| < a that moves at velocity v over a layer heats it by Fourier modes along
-//! the path. In the punch's frame a mode of wave number q answers the complex frequency `s` with the
-//! layer's impedance `Z(q, s + i q v)` (see [`Slab::impedance`]); projected on the mean over the contact,
+//! A uniform flux over |x| < a that moves at velocity v over a layer heats it in Fourier modes along the path. In the
+//! punch's frame the response of a mode of wave number q at the complex frequency `s` is the layer's impedance
+//! `Z(q, s + i q v)` (see [`Slab::impedance`]); projected on the mean over the contact,
 //!
 //! ```text
 //! R(s; v) = sum over q != 0 of  w_q Re Z(q, s + i q v),     w_q = (2a/L) sinc^2(q a)
 //! ```
 //!
-//! on a closed path of length L (the mean mode q = 0 is the slab's), and the integral over q on an
-//! endless one. On a to-and-fro stroke the part `|c_q|^2 = sinc^2(q stroke/2)` of every mode is seen
-//! again and again by the same material: it belongs to the track and not to the moving source.
+//! on a closed path of length L (the mean mode q = 0 is the slab's), and the integral over q on an endless one. On a
+//! reciprocating stroke the fraction `|c_q|^2 = sinc^2(q stroke/2)` of every mode acts repeatedly on the same material: it
+//! belongs to the track and not to the moving source.
 //!
-//! Source: J. C. Jaeger, "Moving sources of heat and the temperature at sliding contacts" (1942);
-//! checked against the band on a half-plane. Error of the sums below 1e-6 of the value.
+//! Source: J. C. Jaeger, "Moving sources of heat and the temperature at sliding contacts" (1942); checked against the band
+//! on a half-plane. Error of the sums below 1e-6 of the value.
 
 use super::lateral::{Lateral, spread};
 use super::slab::{Base, Slab};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// Which part of the heating a sum is for.
+/// Part of the heating that a sum represents.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Part {
-    /// What moves with the contact.
+    /// Part that moves with the contact.
     Flash,
-    /// What stays in the track of a stroke.
+    /// Part that stays in the track of a stroke.
     Track,
 }
 
@@ -34,18 +34,18 @@ pub enum Part {
 pub enum Path {
     /// A closed path, or the cell of an open one, of this length, m.
     Closed(f64),
-    /// To and fro with this stroke, m, in a cell of this length, m.
+    /// Reciprocating with this stroke, m, in a cell of this length, m.
     Stroke {
         /// Length of one stroke.
         stroke: f64,
-        /// Length of the cell, large enough that its copies do not matter.
+        /// Length of the cell, large enough that its periodic images do not matter.
         cell: f64,
     },
-    /// One way over material never visited before.
+    /// Unidirectional over material never visited before.
     Endless,
 }
 
-/// The modes of a uniform source of half-length a on a layer.
+/// Fourier modes of a uniform source of half-length a on a layer.
 #[derive(Clone, PartialEq, Debug)]
 pub struct MovingSource {
     slab: Slab,
@@ -71,12 +71,12 @@ const GAUSS: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_08),
 ];
 
-/// The sum is carried to this many zeros of sinc(q a); beyond, its mean square is integrated.
+/// Number of zeros of sinc(q a) over which the sum extends; beyond, its mean square is integrated.
 const ZEROS: f64 = 20.0;
 
 impl MovingSource {
-    /// A source of half-length `half_length` (m) on `slab` along `path`. The slab's heat transfer on
-    /// the contact face is left out: under the contact there is none.
+    /// Source of half-length `half_length` (m) on `slab` along `path`. The slab's heat transfer on the contact face is
+    /// omitted: under the contact there is none.
     pub fn new(slab: Slab, half_length: f64, path: Path) -> MovingSource {
         let slab = Slab { surface_transfer: 0.0, volume_transfer: 0.0, ..slab };
         let mut source = MovingSource { slab, half_length, path, lateral: None, modes: Vec::new() };
@@ -93,7 +93,7 @@ impl MovingSource {
         self.modes.push((q, weight * (1.0 - stays), weight * stays));
     }
 
-    /// Both signs of every harmonic; the high ones, where the sum is as good as an integral, by quadrature.
+    /// Both signs of every harmonic; the high ones, where the sum is close to an integral, by quadrature.
     fn periodic(&mut self, length: f64, stroke: f64) {
         let a = self.half_length;
         let spacing = 2.0 * PI / length;
@@ -115,10 +115,10 @@ impl MovingSource {
     fn endless(&mut self) {
         let a = self.half_length;
         let density = 2.0 * a / PI;
-        // Slow modes in geometric panels: fast sliding concentrates what they carry at small q.
+        // Slow modes in geometric panels: fast sliding concentrates their contribution at small q.
         let (mut from, first) = (1e-8 / a, 0.5 * PI / a);
-        // Below: Z grows like q^(-1/2) until the layer's height is felt, so the slowest part of the integral is
-        // worth the square root of its length. q = from y^2 makes it smooth.
+        // Below: Z grows like q^(-1/2) down to the wave number at which the layer's height matters, so the contribution of
+        // the lowest part of the integral is proportional to the square root of its length. q = from y^2 makes it smooth.
         for (node, weight) in GAUSS {
             let y = 0.5 * (1.0 + node);
             self.push(from * y * y, density * from * y * weight, 0.0);
@@ -155,7 +155,7 @@ impl MovingSource {
         }
     }
 
-    /// From `from` to infinity with sinc^2 replaced by its mean 1/(2 q^2 a^2): q = from/y^2.
+    /// Integral from `from` to infinity with sinc^2 replaced by its mean 1/(2 q^2 a^2): q = from/y^2.
     fn tail(&mut self, from: f64, density: f64, stroke: f64) {
         for half in [0.0, 0.5] {
             for (node, weight) in GAUSS {
@@ -167,7 +167,7 @@ impl MovingSource {
         }
     }
 
-    /// The source on a layer that goes on beside it.
+    /// The source on a layer that extends laterally beyond it.
     pub fn spreading(self, lateral: Option<Lateral>) -> MovingSource {
         MovingSource { lateral, ..self }
     }
@@ -194,8 +194,8 @@ impl MovingSource {
         }
         let steady = self.lateral.is_none() && velocity > 0.0;
         if part == Part::Flash && self.path == Path::Endless && self.slab.base == Base::Insulated && steady {
-            // The mean heating left behind: half of it is reached under the contact. It is the
-            // residue at q = 0 that the integral's principal value leaves out.
+            // Mean heating left behind: half of it acts under the contact. It is the residue at q = 0 that the principal
+            // value of the integral omits.
             sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
         }
         sum
@@ -204,7 +204,7 @@ impl MovingSource {
     /// Quasi-steady R(0; v) for v > 0, real by symmetry.
     pub fn resistance(&self, velocity: f64) -> f64 {
         if let Some(lateral) = &self.lateral {
-            // With a frequency the integral of the endless path has no pole at q = 0.
+            // At a non-zero frequency the integral of the endless path has no pole at q = 0.
             return lateral.spread(Complex::from(0.0), |s| {
                 let part = |&(q, weight, _): &(f64, f64, f64)| {
                     weight * self.slab.impedance(s + Complex::new(0.0, q * velocity), q).re
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn closed_path_steady_mean_is_the_plain_fourier_sum() {
-        // Mean mode excluded; held base, moderate and high velocity, a short and a long path.
+        // Mean mode excluded; prescribed base temperature, moderate and high velocity, a short and a long path.
         for (length, base) in [(4.0, Base::Held), (30.0, Base::Insulated), (700.0, Base::Insulated)] {
             let slab = layer(0.5, base);
             let source = MovingSource::new(slab, 1.0, Path::Closed(length));

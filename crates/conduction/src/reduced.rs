@@ -1,4 +1,4 @@
-//! A body's conduction reduced to a few decaying states (modal form), as the time step uses it.
+//! Modal reduction of a body's conduction to a few decaying states, as used by the time step.
 //!
 //! States `a` (K sqrt(J/(m2 K))), inputs `u` in the order of [`Port`]:
 //!
@@ -7,13 +7,13 @@
 //! y       =  sum_k output_k a_k + sum_i direct_i u_i          for every observed quantity y
 //! ```
 //!
-//! All fluxes are per reference area of the body, temperatures relative to a common reference.
-//! Modes faster than the model resolves are closed by the static remainders `direct`.
+//! All fluxes are per reference area of the body, temperatures relative to a common reference. The static correction of
+//! modes faster than the resolved ones is the direct feedthrough `direct`.
 
-/// Most states a slab is reduced to.
+/// Largest number of states of a reduced slab.
 pub const MAX_SLAB_STATES: usize = 24;
 
-/// Most states a reduced body may have: the slab's and those of a stroke's track.
+/// Largest number of states of a reduced body: the slab's and those of a stroke's track.
 pub const MAX_STATES: usize = 32;
 
 /// Inputs of a body.
@@ -25,31 +25,31 @@ pub enum Port {
     Cooling = 1,
     /// Ambient temperature, K relative to the reference.
     Ambient = 2,
-    /// What is prescribed at the face opposite to the contact: its temperature where that is held, K relative to the reference;
-    /// elsewhere the heat flux into it beyond its constant heat transfer, W/m2 of reference area.
+    /// Boundary value of the face opposite to the contact: its temperature where that is prescribed, K relative to the
+    /// reference; elsewhere the heat flux into it beyond its constant heat transfer, W/m2 of reference area.
     Base = 3,
 }
 
 /// Number of inputs.
 pub const PORTS: usize = 4;
 
-/// A linear observation of states and inputs.
+/// Linear observation of states and inputs.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Observation {
     /// Weight of every state.
     pub states: [f64; MAX_STATES],
-    /// Static remainder of every input.
+    /// Direct feedthrough (static correction) of every input.
     pub direct: [f64; PORTS],
 }
 
 impl Observation {
-    /// No dependence on anything.
+    /// Zero observation.
     pub const NONE: Observation = Observation { states: [0.0; MAX_STATES], direct: [0.0; PORTS] };
 
-    /// Part of the observation that the states alone give.
+    /// Contribution of the states to the observation.
     #[inline]
     pub fn of_states(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
-        // Four running sums, for vector instructions in an order that is the same everywhere.
+        // Four running sums for vector instructions, with a summation order that is the same on every machine.
         let groups = count.div_ceil(4);
         let mut sum = [0.0; 4];
         for (left, right) in self.states.as_chunks::<4>().0.iter().zip(states.as_chunks::<4>().0).take(groups) {
@@ -61,7 +61,7 @@ impl Observation {
     }
 }
 
-/// A reduced body: see the module.
+/// Reduced body; equations in the module documentation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ReducedBody {
     /// Number of states.
@@ -82,7 +82,7 @@ pub struct ReducedBody {
     pub stored: Observation,
     /// Heat flow to ambient by the constant heat transfer, W/m2 of reference area.
     pub ambient_flow: Observation,
-    /// Heat flow out of the face opposite to the contact, all that passes it, W/m2 of reference area.
+    /// Total heat flow out of the face opposite to the contact, W/m2 of reference area.
     pub base_flow: Observation,
     /// Largest relative error of the contact impedance on the resolved frequencies.
     pub error: f64,

@@ -11,11 +11,11 @@
 //! with capacity C (J/(m3 K)), conductivity K (W/(m K)), loss to air by volume B (W/(m3 K), the fin
 //! equation of a block cooled on its sides) and heat transfer coefficients H0, Hb (W/(m2 K)).
 //!
-//! Reduction: Galerkin on exact solutions at real frequencies spread geometrically from the slab's own
-//! `kd/h^2` to the highest frequency that matters (a rational Krylov space), the stationary solutions
-//! and the uniform temperature. The projected problem is symmetric, so its states are real and decay;
-//! it reproduces the exact impedance and its derivative at those frequencies, and because the uniform
-//! temperature is in the space, heat is conserved exactly. The fastest state becomes the static remainder.
+//! Reduction: Galerkin projection on exact solutions at real frequencies spaced geometrically from the slab's own `kd/h^2`
+//! to the highest frequency of interest (a rational Krylov space), the stationary solutions and the uniform temperature. The
+//! projected problem is symmetric, so its states are real and decay; it interpolates the exact impedance and its derivative
+//! at those frequencies, and because the uniform temperature is in the space, heat is conserved exactly. The fastest state
+//! becomes a static correction.
 //!
 //! Validity: uniform temperature over the cross-section (small transverse Biot number) for the
 //! loss by volume; any slab otherwise.
@@ -28,18 +28,18 @@ use numerics::grading::LEAST;
 use numerics::maximum::maximum;
 use projection::{Basis, Eigen, Grid};
 
-/// Condition at the face opposite to the contact.
+/// Boundary condition at the face opposite to the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Base {
     /// Temperature prescribed.
     Held,
-    /// No heat passes.
+    /// Zero heat flux.
     Insulated,
     /// Heat transfer coefficient to ambient, W/(m2 K).
     Convecting(f64),
 }
 
-/// Where the body is cooled beyond the constant heat transfer.
+/// Location of the cooling beyond the constant heat transfer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum CoolingPort {
     /// On the contact face (a strip's free surface).
@@ -48,27 +48,27 @@ pub enum CoolingPort {
     Sides,
 }
 
-/// A body seen as a slab: see the module for the symbols.
+/// Slab model of a body; symbols in the module documentation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Slab {
-    /// h, m.
+    /// Height h, m.
     pub height: f64,
-    /// K, W/(m K), > 0.
+    /// Conductivity K, W/(m K), > 0.
     pub conductivity: f64,
-    /// C, J/(m3 K).
+    /// Heat capacity C by volume, J/(m3 K).
     pub capacity: f64,
-    /// H0, W/(m2 K).
+    /// Heat transfer coefficient H0 of the contact face, W/(m2 K).
     pub surface_transfer: f64,
-    /// B, W/(m3 K).
+    /// Heat loss B by volume, W/(m3 K).
     pub volume_transfer: f64,
-    /// Condition at z = h.
+    /// Boundary condition at z = h.
     pub base: Base,
-    /// Where variable cooling acts.
+    /// Location of the variable cooling.
     pub cooling: CoolingPort,
 }
 
-/// Square root with positive real part. Without angles, so a few times faster than by polar form; exact
-/// enough because the argument never lies near the negative axis in these problems.
+/// Square root with positive real part. Algebraic, so a few times faster than by polar form; sufficiently accurate because
+/// the argument is never close to the negative axis in these problems.
 pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
     let modulus = (z.re * z.re + z.im * z.im).sqrt();
     if z.re >= 0.0 {
@@ -80,7 +80,7 @@ pub(crate) fn principal_root(z: Complex<f64>) -> Complex<f64> {
     Complex::new(0.5 * z.im / im, im)
 }
 
-/// Ratios of neighbouring shifts that are tried, and the largest factor by which the error falls from one to the next.
+/// Ratios of neighbouring shifts to be tried, and the largest factor by which the error falls from one to the next.
 const RATIOS: [f64; 7] = [20.0, 8.0, 5.0, 3.6, 2.8, 2.3, 1.9];
 const LARGEST_FALL: f64 = 4.0;
 
@@ -98,9 +98,10 @@ impl Slab {
         let kappa = principal_root(kappa_squared);
         let u = kappa * self.height;
         // Admittance q/T(0) = K kappa (sinh u + beta cosh u)/(cosh u + beta sinh u), with beta = Hb/(K kappa).
-        // Squared: this runs for every mode at every speed of a table, and a modulus safe from overflow costs as much as the rest.
+        // Squared modulus: evaluated for every mode at every speed of a table, where an overflow-safe modulus would double
+        // the cost.
         let admittance = if u.norm_sqr() < 1e-8 {
-            // Small argument: the slab is a capacity behind (or beside) its base.
+            // Small argument: the slab is a heat capacity in series with (or parallel to) its base.
             let own = k * kappa_squared * self.height;
             match self.base {
                 Base::Held => (k / self.height).into(),
@@ -108,7 +109,7 @@ impl Slab {
                 Base::Convecting(transfer) => (own + transfer) / (1.0 + transfer * self.height / k),
             }
         } else {
-            // Beyond 20 decay lengths the base is not felt to rounding.
+            // Beyond 20 decay lengths the base has no effect to rounding.
             if u.re > 20.0 {
                 return (kappa * k + self.surface_transfer).inv();
             }
@@ -126,24 +127,24 @@ impl Slab {
         (admittance + self.surface_transfer).inv()
     }
 
-    /// Heat a mean temperature of 1 K is worth, J/(m2 K).
+    /// Heat capacity per area, J/(m2 K).
     fn areal_capacity(&self) -> f64 {
         self.capacity * self.height
     }
 
-    /// Reduces the slab to a few states that follow the exact impedance on the frequencies from
-    /// `1/duration` (1/s) up, to `tolerance` relative to the temperature rise of the whole duration.
+    /// Reduces the slab to a few states that follow the exact impedance on the frequencies from `1/duration` (1/s) up, to
+    /// `tolerance` relative to the temperature rise of the whole duration.
     pub fn reduce(&self, duration: f64, tolerance: f64) -> ReducedBody {
-        // Above this frequency the impedance has fallen to the tolerance.
+        // Above this frequency the impedance is below the tolerance.
         let rise = self.impedance(Complex::from(1.0 / duration), 0.0).re;
         let effusivity = (self.conductivity * self.capacity).sqrt();
         let own = self.diffusivity() / self.height.powi(2);
-        // Beyond the last of these a heated layer is thinner than the grid resolves.
+        // Above the last of these a heated layer is thinner than the grid resolves.
         let fastest = (1.0 / (tolerance * rise * effusivity)).powi(2).max(3.0 / duration).min(own / LEAST.powi(2));
         let scan = ErrorSweep::new(self, 1.0 / duration, fastest);
         let grid = Grid::new(self, fastest.max(own));
         let mut best: Option<(f64, Basis<'_>, Eigen)> = None;
-        // Numbers of the next ratio, of the first one that was not reached yet, and of the first that has too many functions.
+        // Indices of the next ratio, of the first one not yet reached, and of the first one with too many functions.
         let (mut next, mut open, mut end) = (0, 0, RATIOS.len());
         while next < end {
             let Some(basis) = self.space(&grid, 0.05 / duration, fastest, RATIOS[next]) else {
@@ -159,18 +160,18 @@ impl Slab {
             if error <= 0.1 * tolerance {
                 break;
             }
-            // Spaces that cannot be good enough are left out; the last is always tried.
+            // Spaces that cannot meet the tolerance are skipped; the last is always tried.
             let falls = (error / (0.1 * tolerance)).log(LARGEST_FALL) as usize;
             next = (next + falls.max(1)).min(end - 1).max(open);
         }
         let (_, basis, eigen) = best.expect("the coarsest space has few functions, so it always fits");
-        // Only the space that is taken gets its modes.
+        // Modes are computed for the accepted space only.
         let body = basis.modes(&eigen);
         ReducedBody { error: scan.largest_error(|s| body.impedance(s)), ..body }
     }
 
-    /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` in steps that begin with `ratio`; `None` if
-    /// too many.
+    /// Trial functions with shifts from `slowest` (or the slab's own rate) to `fastest` with an initial ratio of `ratio`;
+    /// `None` if there are too many.
     fn space<'a>(&'a self, grid: &'a Grid, slowest: f64, fastest: f64, ratio: f64) -> Option<Basis<'a>> {
         let own = self.diffusivity() / self.height.powi(2);
         let mut shifts = Vec::new();
@@ -178,7 +179,7 @@ impl Slab {
         while shift < fastest {
             shifts.push(shift);
             shift *= step;
-            // The impedance falls with frequency, and with it what an error there costs.
+            // The impedance falls with frequency, and with it the weight of its errors.
             step *= 1.08;
         }
         shifts.push(fastest);
@@ -196,12 +197,12 @@ impl Slab {
     }
 }
 
-/// The frequencies at which a reduced response is held against the exact one: on the imaginary axis, where the largest error bounds
-/// that of the response to any bounded flux.
+/// Reduction error sweep: frequencies at which a reduced response is compared with the exact one, on the imaginary axis,
+/// where the largest error bounds that of the response to any bounded flux.
 struct ErrorSweep {
     /// Frequencies and the exact response.
     exact: Vec<(Complex<f64>, Complex<f64>)>,
-    /// That at the slowest frequency, which errors are relative to.
+    /// Exact response at the slowest frequency, the scale of the errors.
     scale: f64,
 }
 
@@ -209,7 +210,7 @@ impl ErrorSweep {
     fn new(slab: &Slab, slowest: f64, fastest: f64) -> ErrorSweep {
         let points = 40;
         let exact = (0..=points)
-            // A constant flux has content below its own frequency, so the scan begins there.
+            // The spectrum of a constant flux lies below its own frequency, so the sweep begins there.
             .map(|i| 0.03 * slowest * (fastest / slowest / 0.03).powf(f64::from(i) / f64::from(points)))
             .map(|frequency| Complex::new(0.0, frequency))
             .map(|s| (s, slab.impedance(s, 0.0)));
@@ -278,12 +279,12 @@ mod tests {
         for slab in cases() {
             let body = slab.reduce(1000.0, 1e-3);
             if body.rate[0] == 0.0 {
-                // Nothing leaves: the balance must say so for every state and for the flux.
+                // No heat leaves: the flow is zero for every state and for the flux.
                 assert!(body.base_flow.states[..body.count].iter().all(|flow| flow.abs() < 1e-9 * 7200.0 * 460.0));
                 assert!(body.base_flow.direct[0].abs() < 1e-10, "{:?}", body.base_flow.direct);
                 continue;
             }
-            // Unit contact flux for ever: all of it leaves, in the exact proportion.
+            // Constant unit contact flux: all of it leaves, in the exact proportion.
             let steady = |observation: &Observation, port: usize| -> f64 {
                 (0..body.count).map(|k| observation.states[k] * body.input[port][k] / body.rate[k]).sum::<f64>()
                     + observation.direct[port]
@@ -299,7 +300,7 @@ mod tests {
             if slab.surface_transfer > 0.0 {
                 assert!((ambient - slab.surface_transfer * surface).abs() < 1e-8, "{slab:?}: {ambient}");
             }
-            // Everything at the same temperature: no flow at all.
+            // Uniform temperature everywhere: zero flow.
             let both = |observation: &Observation| {
                 steady(observation, Port::Ambient as usize)
                     + if slab.base == Base::Held { steady(observation, Port::Base as usize) } else { 0.0 }

@@ -1,4 +1,4 @@
-//! Unilateral contact on the cells: pressure, gap, approach and tilt together.
+//! Unilateral contact on the cells: complementarity problem in pressure and gap, with approach and tilt.
 
 mod active_set;
 mod balance;
@@ -28,19 +28,19 @@ pub fn pair_operators(punch: &Compliance, strip: &Compliance) -> (DMatrix<f64>, 
     (&punch.normal + &strip.normal, &strip.shear - &punch.shear)
 }
 
-/// Active sets tried before complementary pivoting takes over. Contacts met so far need at most 12.
+/// Number of active sets tried before complementary pivoting. Contacts met so far need at most 12.
 const ITERATION_LIMIT: usize = 40;
 /// Pressure and gap of the wrong sign that count as zero, relative to the largest of the solution.
 const SIGN_TOLERANCE: f64 = 1e-12;
 
-/// One contact problem; see [`ContactSolver`].
+/// One contact problem for the [`ContactSolver`].
 #[derive(Clone, Copy, Debug)]
 pub struct ContactProblem<'a> {
-    /// Gap that the undeformed bodies have at zero approach and tilt, N cell means, in m.
+    /// Gap of the undeformed bodies at zero approach and tilt, N cell means, in m.
     pub gap: &'a [f64],
-    /// s mu: which compliance `C + s mu S` holds.
+    /// s mu, which selects the compliance `C + s mu S`.
     pub signed_friction: f64,
-    /// Local compliance that comes on top, wear depth per pressure, N values, m/Pa, >= 0.
+    /// Diagonal wear compliance, wear depth per pressure, N values, m/Pa, >= 0.
     pub diagonal: &'a [f64],
     /// Load, approach or spring.
     pub normal: Normal,
@@ -54,21 +54,21 @@ pub struct ContactProblem<'a> {
 /// gap = g + A p - delta - theta x >= 0,   p >= 0,   p gap = 0,   sum w p = P,   sum w (x - e) p = 0
 /// ```
 ///
-/// on N cells, `A = C + s mu S + E + T diag(d)` the compliance (N x N, not symmetric with friction; E an extra matrix, d
-/// wear, T its operator, the identity unless set), `w` the cell widths (times `r/r_m` on an annulus), P the load per
-/// depth, e the lever; or approach and tilt given.
+/// on N cells, `A = C + s mu S + E + T diag(d)` the compliance (N x N, not symmetric with friction; E an added compliance, d
+/// wear, T its operator, the identity unless set), `w` the cell widths (times `r/r_m` on an annulus), P the load per depth,
+/// e the lever; or with prescribed approach and tilt.
 ///
-/// Primal-dual active set (a semismooth Newton method): the equations of the cells assumed in contact are solved
-/// exactly, then cells in tension leave and cells that penetrate enter, until nothing changes. Newton steps between
-/// finitely many sets may run in a circle, so after a set returns (or 40 sets) Lemke's algorithm with the lexicographic
-/// rule takes over; see [`lemke`](super::lemke) for why that ends. `w_i A_ij` is positive definite for elastic bodies
-/// whose shear coupling is antisymmetric (half-plane, strip), so there it also ends in the solution, which is unique.
-/// That does not cover a spring or a given approach together with a lever other than 0: there friction can make the
-/// equilibrium unstable, and the answer may be [`ContactError::NoEquilibrium`].
+/// Primal-dual active set method (a semismooth Newton method): the equations of the cells assumed in contact are solved
+/// exactly, then cells in tension leave the set and cells that penetrate enter it, until the set is unchanged. Newton steps
+/// between finitely many sets may cycle, so when a set recurs (or after 40 sets) the problem is passed to Lemke's algorithm
+/// with the lexicographic rule, which terminates, see [`lemke`](super::lemke). `w_i A_ij` is positive definite for elastic
+/// bodies whose shear coupling is antisymmetric (half-plane, strip), so there it terminates in the solution, which is
+/// unique. That does not cover a spring or a prescribed approach together with a lever other than 0: there friction can make
+/// the equilibrium unstable, and the result may be [`ContactError::NoEquilibrium`].
 ///
-/// A solution depends on the problem, the matrices and the first active set alone, to the last bit. Factors of the last
-/// few compliances and contacts are kept, so that an unchanged status costs one substitution, `2 N^2` operations, also
-/// when strokes alternate. After construction nothing is allocated, except by the convenience of [`Self::solve`].
+/// A solution depends on the problem, the matrices and the first active set alone, to the last bit. Factors of the last few
+/// compliances and contact sets are cached, so that an unchanged contact set costs one substitution, `2 N^2` operations,
+/// also when strokes alternate. No allocation after construction, except in the convenience method [`Self::solve`].
 #[derive(Clone, Debug)]
 pub struct ContactSolver {
     positions: Vec<f64>,
@@ -82,12 +82,12 @@ pub struct ContactSolver {
     counter: WorkCounter,
 }
 
-/// Unknowns of an active set, and room for the sets tried and for pivoting.
+/// Workspace: unknowns of an active set, and memory for the sets tried and for pivoting.
 #[derive(Clone, Debug, Default)]
 struct Memory {
-    /// Given approach and tilt taken out.
+    /// Gap less the prescribed approach and tilt.
     gap: Vec<f64>,
-    /// Pressures of the cells in contact, in their order.
+    /// Pressures of the cells in contact, in the order of the cells.
     compact: Vec<f64>,
     pressure: Vec<f64>,
     open_gap: Vec<f64>,
@@ -118,14 +118,14 @@ impl ContactSolver {
         Self::with_weights(cells, cells.widths(), compliance)
     }
 
-    /// The same with weights of the load integral other than the cell widths, in m (annular contact).
+    /// [`Self::new`] with weights of the load integral other than the cell widths, in m (annular contact).
     pub fn with_weights(cells: &Cells, weights: &[f64], compliance: DMatrix<f64>) -> Result<Self, ContactError> {
         let shear = DMatrix::zeros(cells.count(), cells.count());
         Self::with_operators(cells, weights, compliance, shear)
     }
 
-    /// The same with the normal compliance C and the shear coupling S of the pair, N x N, m/Pa, for any friction; see
-    /// [`pair_operators`].
+    /// [`Self::with_weights`] with the normal compliance C and the shear coupling S of the pair, N x N, m/Pa, for any
+    /// friction; see [`pair_operators`].
     pub fn with_operators(
         cells: &Cells,
         weights: &[f64],
@@ -161,35 +161,34 @@ impl ContactSolver {
         })
     }
 
-    /// Puts an extra compliance E (N x N, m/Pa) on top of that of the bodies, or takes it away. Factors are kept
-    /// for the last ones; nothing is allocated.
+    /// Sets or removes the added compliance E (N x N, m/Pa). Factors are cached for the last ones; no allocation.
     pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         self.factors.set_added_compliance(added_compliance)
     }
 
-    /// Takes a product off the extra compliance, or nothing; [`Self::set_added_compliance`] takes nothing off. Factors are kept for every
-    /// set of acting cells; nothing is allocated.
+    /// Sets or removes a low-rank update that is subtracted from the added compliance; [`Self::set_added_compliance`]
+    /// removes it. Factors are cached for every set of acting cells; no allocation.
     pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
         self.factors.set_low_rank_update(low_rank_update);
     }
 
-    /// Sets the operator T (N x N) of the wear `T diag(d) p`, or makes it the identity. Kept factors go; only the first
-    /// operator allocates.
+    /// Sets the operator T (N x N) of the wear `T diag(d) p`, or the identity. Invalidates the cached factors; only the
+    /// first operator allocates.
     pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
         self.factors.set_operator(operator);
     }
 
-    /// Work done so far.
+    /// Work counters.
     pub fn counter(&self) -> WorkCounter {
         WorkCounter { factorisations: self.factors.factorisations, ..self.counter }
     }
 
-    /// Which cells the next [`Self::solve`] assumes in contact at first.
+    /// Cells that the next [`Self::solve`] initially assumes in contact.
     pub fn active(&self) -> &[bool] {
         &self.active
     }
 
-    /// Sets the cells that the next [`Self::solve`] assumes in contact at first.
+    /// Sets the cells that the next [`Self::solve`] initially assumes in contact.
     pub fn set_active(&mut self, active: &[bool]) {
         assert_eq!(active.len(), self.active.len(), "one status per cell");
         self.active.copy_from_slice(active);
@@ -205,7 +204,7 @@ impl ContactSolver {
         dense::multiply_add(self.factors.compliance(signed_friction), pressure, target);
     }
 
-    /// `target += S traction`, N values each: what a friction traction does without its pressure.
+    /// `target += S traction`, N values each: displacement by a friction traction without its pressure.
     pub fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
         dense::multiply_add(self.factors.shear(), traction, target);
     }
@@ -218,10 +217,10 @@ impl ContactSolver {
         }
     }
 
-    /// Finds the pressure for the gap that the undeformed bodies have at zero approach and tilt (N cell means, in m),
-    /// without friction or wear, from the last active set.
+    /// Solves for the pressure given the gap of the undeformed bodies at zero approach and tilt (N cell means, in m),
+    /// without friction or wear, starting from the last active set.
     ///
-    /// A load of 0 gives no pressure, and the approach at which the bodies touch.
+    /// A load of 0 gives zero pressure, and the approach of first contact.
     pub fn solve(&mut self, initial_gap: &[f64], normal: Normal, tilt: Tilt) -> Result<ContactState, ContactError> {
         let diagonal = vec![0.0; self.active.len()];
         let mut state = ContactState::new(self.active.len());
@@ -232,7 +231,7 @@ impl ContactSolver {
         outcome.map(|()| state)
     }
 
-    /// Finds the pressure of a problem, from the cells assumed in contact at first; leaves there those that are.
+    /// Solves a problem from the initial active set in `active`, and stores the final set there.
     ///
     /// On an error the active set is unchanged and the state unspecified.
     pub fn solve_into(
@@ -262,8 +261,7 @@ impl ContactSolver {
         outcome
     }
 
-    /// Solves the equations of the cells in `active`, whatever the signs of their pressures, N values; returns approach
-    /// and tilt.
+    /// Solves the equations of the cells in `active` whatever the signs of their pressures, N values; returns approach and tilt.
     pub fn solve_for_set(
         &mut self,
         problem: &ContactProblem<'_>,
@@ -312,8 +310,8 @@ impl ContactSolver {
         self.solve_on(problem, balance, memory).map(|_| ()).ok_or(ContactError::NoEquilibrium)
     }
 
-    /// Cells in tension leave, cells that penetrate enter; whether any does. Compared as displacements, `A_ii p_i` with
-    /// the gap.
+    /// Updates the active set: cells in tension leave, cells that penetrate enter; returns whether it changed. Pressure is
+    /// compared with the gap as the displacement `A_ii p_i`.
     fn next_active(&mut self, position: usize, memory: &mut Memory) -> bool {
         let count = self.positions.len();
         let own = &self.factors.entry(position).own;

@@ -1,30 +1,30 @@
-//! Compliance of the pair with wear on its diagonal, and a memo of its factors.
+//! Compliance of the pair with wear on its diagonal, and a cache of its factors.
 
 use super::problem::ContactError;
 use elasticity::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 use numerics::dense;
 
-/// Memory for factors, in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
-/// two lengths, with room for contacts that come and go.
+/// Size of the factor cache in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
+/// two step sizes, and some alternating contact sets.
 const MEMO_NUMBERS: usize = 600_000;
 const LEAST_ENTRIES: usize = 4;
 const MOST_ENTRIES: usize = 12;
-/// Values of the signed friction whose compliance is kept.
+/// Number of signed friction values whose compliance is cached.
 const COMPOSITIONS: usize = 2;
-/// Extra matrices whose factors are kept: those of the steps that a step control goes back and forth between.
+/// Largest number of cached added compliances: those of the step sizes between which a step control alternates.
 const MOST_EXTRAS: usize = 6;
 const LEAST_EXTRAS: usize = 2;
 
-/// Most rows of a [`LowRankUpdate`] on `count` cells.
+/// Largest rank of a [`LowRankUpdate`] on `count` cells.
 pub fn largest_reduction(count: usize) -> usize {
     count.div_ceil(4)
 }
 
-/// What is taken off the extra matrix while some cells do not act on the others: the product `left right`.
+/// Low-rank update `left right` that is subtracted from the added compliance while some cells have no influence on the others.
 #[derive(Clone, Copy, Debug)]
 pub struct LowRankUpdate<'a> {
-    /// Cells that act. The product is a function of them and of the extra matrix alone.
+    /// Cells with influence. The product is a function of them and of the added compliance alone.
     pub acting: &'a [bool],
     /// N x m by columns, m at most [`largest_reduction`].
     pub left: &'a [f64],
@@ -32,22 +32,22 @@ pub struct LowRankUpdate<'a> {
     pub right: &'a [f64],
 }
 
-/// A [`LowRankUpdate`] and memory for the largest.
+/// A [`LowRankUpdate`] in memory for the largest rank.
 #[derive(Clone, Debug)]
 struct CachedUpdate {
     acting: Vec<bool>,
-    /// It is that of the extra matrix at hand.
+    /// Whether it belongs to the current added compliance.
     current: bool,
     rank: usize,
     left: Vec<f64>,
     right: Vec<f64>,
 }
 
-/// What the pressures of the cells in contact stand in: `C + s mu S + E + T diag(d) + beta 1 w'/W`, N x N, m/Pa.
+/// System matrix for the pressures of the cells in contact: `C + s mu S + E + T diag(d) + beta 1 w'/W`, N x N, m/Pa.
 ///
-/// C and S are the normal and the shear compliance of the pair (strip less punch for S), E an extra matrix that changes
-/// from step to step, less its reduction, d wear per pressure, T the wear operator (none: the identity), w the weights of the load integral
-/// and W their sum. The last term shifts the approach by `beta P/W` and nothing else where the approach is free; it
+/// C and S are the normal and the shear compliance of the pair (strip less punch for S), E an added compliance that changes
+/// from step to step, less its low-rank update, d wear per pressure, T the wear operator (none: the identity), w the weights
+/// of the load integral and W their sum. The last term only shifts the approach by `beta P/W` where the approach is free; it
 /// keeps the matrix regular for bodies whose uniform displacement is not defined.
 #[derive(Clone, Debug)]
 pub(super) struct Factors {
@@ -55,7 +55,7 @@ pub(super) struct Factors {
     normal: Vec<f64>,
     shear: Vec<f64>,
     extras: Vec<Extra>,
-    /// Place of the extra matrix at hand among them.
+    /// Index of the current added compliance in `extras`.
     added_compliance: Option<usize>,
     low_rank_update: CachedUpdate,
     operator: Option<Vec<f64>>,
@@ -73,7 +73,7 @@ pub(super) struct Factors {
 #[derive(Clone, Debug)]
 struct Extra {
     used: u64,
-    /// What tells it from all others; 0 is none.
+    /// Unique key; 0 is none.
     name: u64,
     matrix: Vec<f64>,
 }
@@ -87,7 +87,7 @@ struct Composition {
     matrix: Vec<f64>,
 }
 
-/// Factors for one contact, and the pressures under a uniform and under a linear displacement.
+/// Factors for one contact set, and the pressures by a uniform and by a linear displacement.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     used: u64,
@@ -97,21 +97,21 @@ pub(super) struct Entry {
     shifted: bool,
     diagonal: Vec<f64>,
     active: Vec<bool>,
-    /// Cells in contact, and the others.
+    /// Cells in contact, and open cells.
     pub index: Vec<usize>,
     pub open: Vec<usize>,
-    /// Gap of each open cell by the pressures of those in contact, wear included, without the shift: an open cell's row after
-    /// the other, m/Pa. Asked for, it is made once.
+    /// Gap of each open cell per pressure of the cells in contact, wear included, without the shift: row by row, m/Pa.
+    /// Computed once, on first use.
     open_rows: Vec<f64>,
     has_open_rows: bool,
-    /// Elastic compliance of every cell by itself with its wear, m/Pa: positive whatever heat does.
+    /// Elastic self-compliance of every cell with its wear, m/Pa: positive whatever the thermal distortion.
     pub own: Vec<f64>,
     matrix: Vec<f64>,
     exchanged: Vec<usize>,
     regular: bool,
     /// Pressure per approach, for the cells in contact.
     pub uniform: Vec<f64>,
-    /// Pressure per displacement `(x - centre)/length`; asked for, it is made once.
+    /// Pressure per displacement `(x - centre)/length`; computed once, on first use.
     pub linear: Vec<f64>,
     has_uniform: bool,
     has_linear: bool,
@@ -124,22 +124,22 @@ pub(super) struct Entry {
     pub centre: f64,
 }
 
-/// What factors depend on.
+/// Cache key of the factors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Key<'a> {
-    /// s mu.
+    /// Signed friction s mu.
     pub signed_friction: f64,
     /// Whether the approach is free.
     pub shifted: bool,
-    /// d, N values, m/Pa.
+    /// Wear diagonal d, N values, m/Pa.
     pub diagonal: &'a [f64],
     pub active: &'a [bool],
 }
 
-/// Whether normal compliance and shear coupling (N x N, m/Pa) can be those of a contact.
+/// Checks that normal compliance and shear coupling (N x N, m/Pa) can be those of a contact.
 ///
 /// # Errors
-/// A number that is not finite, or a body that does not yield.
+/// A number that is not finite, or a body without compliance.
 pub fn check_operators(count: usize, normal: &DMatrix<f64>, shear: &DMatrix<f64>) -> Result<(), ContactError> {
     assert_eq!(normal.shape(), (count, count), "normal compliance is N x N");
     assert_eq!(shear.shape(), (count, count), "shear compliance is N x N");
@@ -163,7 +163,7 @@ impl Factors {
         check_operators(count, &normal, &shear)?;
         let acting = vec![true; count];
         let room = || vec![0.0; count * largest_reduction(count)];
-        // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
+        // Allocated separately rather than cloned: untouched zeros cost no physical memory.
         let composition = |_| Composition {
             used: 0,
             added_compliance: 0,
@@ -181,7 +181,7 @@ impl Factors {
             active: vec![false; count],
             index: Vec::with_capacity(count),
             open: Vec::with_capacity(count),
-            // The most that cells in contact times open ones can be.
+            // Upper bound of the number of cells in contact times that of open ones.
             open_rows: vec![0.0; count * count / 4],
             has_open_rows: false,
             own: vec![0.0; count],
@@ -225,12 +225,12 @@ impl Factors {
         })
     }
 
-    /// beta/W, m/Pa per m: what a shifted matrix adds to the approach per load.
+    /// beta/W, m/Pa per m: approach per load that the shift of the matrix adds.
     pub fn shift(&self) -> f64 {
         self.shift / self.total_weight
     }
 
-    /// Puts an extra matrix on top, or takes it away. Factors are kept for each of the last ones.
+    /// Sets or removes the added compliance. Factors are cached for each of the last ones.
     pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if let Some(matrix) = added_compliance {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
@@ -257,7 +257,7 @@ impl Factors {
         Ok(())
     }
 
-    /// Takes a product off the extra matrix, or nothing. Compliances and factors are kept for every set of acting cells.
+    /// Sets or removes the low-rank update. Compliances and factors are cached for every set of acting cells.
     pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
         let kept = &mut self.low_rank_update;
         let Some(LowRankUpdate { acting, left, right }) = low_rank_update else {
@@ -293,12 +293,12 @@ impl Factors {
         self.entries.iter_mut().for_each(|e| e.used = 0);
     }
 
-    /// `S`, by columns.
+    /// Shear compliance S, by columns.
     pub fn shear(&self) -> &[f64] {
         &self.shear
     }
 
-    /// T, by columns.
+    /// Wear operator T, by columns.
     pub fn operator(&self) -> Option<&[f64]> {
         self.operator.as_deref()
     }
@@ -308,7 +308,7 @@ impl Factors {
         self.normal[cell * (self.count + 1)]
     }
 
-    /// `C + s mu S + E`, by columns.
+    /// Compliance `C + s mu S + E` less the low-rank update, by columns.
     pub fn compliance(&mut self, signed_friction: f64) -> &[f64] {
         let position = self.compose(signed_friction);
         &self.compositions[position].matrix
@@ -352,7 +352,7 @@ impl Factors {
         position
     }
 
-    /// Position of the entry for `key`, factorised unless it is there; `None` where the matrix is singular.
+    /// Cache position of the entry for `key`, factorised on a miss; `None` where the matrix is singular.
     pub fn find(&mut self, key: Key<'_>) -> Option<usize> {
         self.clock += 1;
         let bits = key.signed_friction.to_bits();
@@ -425,7 +425,7 @@ impl Factors {
         entry.regular.then_some(position)
     }
 
-    /// The entry with what the open cells feel of the others.
+    /// The entry with the rows of its open cells.
     pub fn with_open_rows(&mut self, position: usize) -> &Entry {
         if self.entries[position].has_open_rows {
             return &self.entries[position];
@@ -449,7 +449,7 @@ impl Factors {
         &self.entries[position]
     }
 
-    /// The entry with its pressures per approach and per linear displacement, as far as they are asked for.
+    /// The entry with its pressures per approach and per linear displacement, as requested.
     pub fn with_columns(&mut self, position: usize, uniform: bool, linear: bool) -> &Entry {
         let entry = &mut self.entries[position];
         let m = entry.index.len();
@@ -482,7 +482,7 @@ impl Entry {
         dense::substitute(&self.matrix[..m * m], m, &self.exchanged[..m], right);
     }
 
-    /// Adds to the gaps of the open cells what the pressures of the cells in contact make of them.
+    /// Adds the displacements by the pressures of the cells in contact to the gaps of the open cells.
     pub fn add_to_open(&self, pressure: &[f64], gaps: &mut [f64]) {
         let rows = &self.open_rows[..pressure.len() * gaps.len()];
         dense::multiply_transposed_add(rows, pressure, gaps);
@@ -495,7 +495,7 @@ impl Entry {
     }
 }
 
-/// Whether two matrices are the same to the last bit.
+/// Whether two matrices are bitwise equal.
 fn same_bits(one: &[f64], other: &[f64]) -> bool {
     one.iter().zip(other).all(|(one, other)| one.to_bits() == other.to_bits())
 }

@@ -1,4 +1,4 @@
-//! The friction law: coefficient over temperature and velocity, and the sign of the velocity.
+//! Friction law: coefficient as a function of temperature and velocity, and the sign of the velocity.
 
 use numerics::scalar::Scalar;
 use scene::{FadeTable, Scene};
@@ -10,16 +10,16 @@ pub struct FrictionLaw {
     pub coefficient: f64,
     /// Fade table over the contact temperature.
     pub fade: FadeTable,
-    /// r.
+    /// Ratio r of static to kinetic friction.
     pub static_ratio: f64,
-    /// v_s, m/s.
+    /// Stribeck velocity v_s, m/s.
     pub stribeck_velocity: f64,
-    /// v_reg, m/s; 0: exact sign.
+    /// Regularisation velocity v_reg, m/s; 0: exact sign.
     pub regularization_velocity: f64,
 }
 
 impl FrictionLaw {
-    /// The law of a scene.
+    /// Friction law of a scene.
     pub fn new(scene: &Scene) -> FrictionLaw {
         FrictionLaw {
             coefficient: scene.friction_coefficient,
@@ -39,7 +39,7 @@ impl FrictionLaw {
         S::from(1.0) + (v.abs() * (-1.0 / self.stribeck_velocity)).exp() * (self.static_ratio - 1.0)
     }
 
-    /// s: sign of the velocity, regularised where the law says so; 0 at v = 0.
+    /// s: sign of the velocity, regularised if the law has a regularisation velocity; 0 at v = 0.
     #[inline]
     pub fn sign<S: Scalar>(&self, v: S) -> S {
         let regularization = self.regularization_velocity;
@@ -49,12 +49,12 @@ impl FrictionLaw {
         v / (v * v + S::from(regularization * regularization)).sqrt()
     }
 
-    /// Derivative of [`Self::kinetic_coefficient`] at the temperature `t` (K), 1/K.
+    /// Derivative of [`Self::kinetic_coefficient`] with respect to the temperature at `t` (K), 1/K.
     pub fn fall(&self, t: f64) -> f64 {
         self.coefficient * self.fade.at(t).1
     }
 
-    /// mu_0 fade(T) at the temperature `t` (K): without the Stribeck factor, as wear feels it.
+    /// Kinetic friction coefficient at temperature, mu_0 fade(T), at `t` (K): without the Stribeck factor, as in the wear law.
     #[inline]
     pub fn kinetic_coefficient<S: Scalar>(&self, t: S) -> S {
         if self.fade.flat {

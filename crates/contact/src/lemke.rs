@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use numerics::dense;
 
-/// Why Lemke's algorithm found no solution.
+/// Reason why Lemke's algorithm found no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LemkeError {
-    /// It ended on a ray. For a positive semidefinite matrix this proves that no feasible point exists.
+    /// Termination on a ray. For a positive semidefinite matrix this proves that no feasible point exists.
     Ray,
     /// The pivot limit was reached, which rounding alone can cause.
     PivotLimit,
@@ -21,12 +21,12 @@ pub struct LemkeSolution {
     pub pivots: usize,
 }
 
-/// Finds `z >= 0` with `w = M z + q >= 0` and `z_i w_i = 0`, n x n matrix `M`; see [`Pivoting::solve`].
+/// Solves for `z >= 0` with `w = M z + q >= 0` and `z_i w_i = 0`, n x n matrix `M`; see [`Pivoting::solve`].
 pub fn solve(matrix: &DMatrix<f64>, q: &DVector<f64>) -> Result<LemkeSolution, LemkeError> {
     solve_mixed(matrix, q, &[])
 }
 
-/// The same with free unknowns; see [`Pivoting::solve`].
+/// [`solve`] with free unknowns; see [`Pivoting::solve`].
 pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> Result<LemkeSolution, LemkeError> {
     let order = q.len() - first.len();
     let mut basic = vec![false; order];
@@ -34,11 +34,11 @@ pub fn solve_mixed(matrix: &DMatrix<f64>, q: &DVector<f64>, first: &[usize]) -> 
     Ok(LemkeSolution { basic, pivots })
 }
 
-/// Most free unknowns beside the complementary ones.
+/// Largest number of free unknowns beside the complementary ones.
 pub const FREE_UNKNOWNS: usize = 2;
 const BLOCK: usize = 2 * FREE_UNKNOWNS;
 
-/// Memory of Lemke's algorithm for problems with n complementary unknowns: n (2 n + 2) numbers.
+/// Workspace of Lemke's algorithm for problems with n complementary unknowns: n (2 n + 2) numbers.
 ///
 /// The tableau holds `w - M z - z0 = q` in the current basis. Columns: w (n), z (n), z0, right-hand side.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ pub struct Pivoting {
     columns: DMatrix<f64>,
     basis: Vec<usize>,
     factors: Vec<f64>,
-    /// Rows that a ratio test still has to choose from.
+    /// Candidate rows of a ratio test.
     rows: Vec<usize>,
     /// Indices of the cells in the order of the rows.
     order: Vec<usize>,
@@ -56,7 +56,7 @@ impl Pivoting {
     /// Memory for `order` complementary unknowns.
     pub fn new(order: usize) -> Self {
         Self {
-            // Zeros that cost nothing while no contact needs pivoting.
+            // Untouched zeros cost no physical memory while no contact needs pivoting.
             columns: DMatrix::from_vec(order, 2 * order + 2, vec![0.0; order * (2 * order + 2)]),
             basis: vec![0; order],
             factors: vec![0.0; order],
@@ -65,18 +65,18 @@ impl Pivoting {
         }
     }
 
-    /// Finds `z >= 0` with complementary `w >= 0` and free unknowns `y` in `(w, 0) = M (z, y) + q`.
+    /// Solves for `z >= 0` with complementary `w >= 0` and free unknowns `y` in `(w, 0) = M (z, y) + q`.
     ///
-    /// `M` (by columns) is of order n + f, the free unknowns last, positive semidefinite, f at most
-    /// [`FREE_UNKNOWNS`]. One block pivot on the cells `first` (as many as there are free unknowns, and such that the
-    /// pivot block is regular) and the free unknowns brings these into the basis, where the free ones stay; what is left
-    /// is a linear complementarity problem of order n, whose matrix is positive semidefinite as principal pivots keep
-    /// it. Tells for every index whether `z` is `basic`, and returns the number of pivots.
+    /// `M` (by columns) is of order n + f, the free unknowns last, positive semidefinite, f at most [`FREE_UNKNOWNS`]. One
+    /// block pivot on the cells `first` (as many as there are free unknowns, and such that the pivot block is regular) and
+    /// the free unknowns brings these into the basis, where the free ones stay. The rest is a linear complementarity problem
+    /// of order n, whose matrix is positive semidefinite because principal pivots preserve that. Sets for every index
+    /// whether `z` is `basic`, and returns the number of pivots.
     ///
-    /// With the lexicographic ratio test no basis returns, so the algorithm ends after finitely many pivots, whatever
-    /// the degeneracy. For a positive semidefinite `M`, symmetric or not, it ends in a solution if the inequalities have
-    /// a feasible point at all. One pivot costs `2 n (2n + 2)` operations, a solution typically n to 3 n pivots.
-    /// Nothing is allocated.
+    /// With the lexicographic ratio test no basis recurs, so the algorithm terminates after finitely many pivots, whatever
+    /// the degeneracy. For a positive semidefinite `M`, symmetric or not, it terminates in a solution if the inequalities
+    /// have a feasible point. One pivot costs `2 n (2n + 2)` operations, a solution typically n to 3 n pivots. No
+    /// allocation.
     ///
     /// Source: R. W. Cottle, J.-S. Pang, R. E. Stone, The Linear Complementarity Problem, algorithm 4.4.5 and theorem
     /// 4.4.13.
@@ -98,14 +98,14 @@ impl Pivoting {
                 basic[self.order[variable - n]] = true;
             }
         }
-        // For the first cells the roles are exchanged: there z is the basic variable at the start.
+        // The roles of the first cells are exchanged: their z is basic at the start.
         for &cell in first {
             basic[cell] = !basic[cell];
         }
         Ok(pivots)
     }
 
-    /// Fills the tableau with the problem that the block pivot on `first` and the free unknowns leaves.
+    /// Fills the tableau with the problem that remains after the block pivot on `first` and the free unknowns.
     fn reduce(&mut self, matrix: &[f64], q: &[f64], first: &[usize]) -> Result<(), LemkeError> {
         let (n, free) = (self.basis.len(), first.len());
         let size = 2 * free;
@@ -135,7 +135,7 @@ impl Pivoting {
             self.columns[(i, 2 * n)] = -1.0;
         }
         for c in 0..n {
-            // What the pivoted unknowns take for one unit of this column's.
+            // Values of the pivoted unknowns for a unit of this column's unknown.
             let mut unit = [0.0; BLOCK];
             if c < free {
                 unit[c] = 1.0;
@@ -188,7 +188,7 @@ impl Pivoting {
         Err(LemkeError::PivotLimit)
     }
 
-    /// Among `rows` the one with the lexicographically smallest `(right-hand side, inverse basis)/factor`.
+    /// Row among `rows` with the lexicographically smallest `(right-hand side, inverse basis)/factor`.
     fn lexicographic_first(&mut self) -> usize {
         let n = self.basis.len();
         let (columns, factors, rows) = (&self.columns, &self.factors, &mut self.rows);
@@ -201,7 +201,7 @@ impl Pivoting {
                 break;
             }
         }
-        // The artificial variable leaves wherever it ties: that is the solution.
+        // The artificial variable leaves wherever it ties, which gives the solution.
         rows.iter().copied().find(|&i| self.basis[i] == 2 * n).unwrap_or(rows[0])
     }
 
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn cycling_example_of_a_p_matrix_ends() {
-        // Murty's matrix, on which principal pivoting of the most negative index runs in a circle.
+        // Murty's matrix, on which principal pivoting of the most negative index cycles.
         let matrix = DMatrix::from_row_slice(3, 3, &[1.0, 2.0, 0.0, 0.0, 1.0, 2.0, 2.0, 0.0, 1.0]);
         let solution = check(&matrix, &DVector::from_vec(vec![-1.0, -1.0, -1.0]));
         assert_eq!(solution.basic, [true, true, true]);
@@ -261,7 +261,7 @@ mod tests {
 
     #[test]
     fn degenerate_problem_ends() {
-        // Every ratio ties: equal rows, zero right-hand sides among them.
+        // All ratios tie: equal rows, zero right-hand sides among them.
         let n = 12;
         let matrix = DMatrix::from_fn(n, n, |i, j| if i == j { 2.0 } else { 1.0 });
         let q = DVector::from_fn(n, |i, _| if i % 3 == 0 { 0.0 } else { -1.0 });

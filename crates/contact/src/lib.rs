@@ -1,4 +1,4 @@
-//! The contact: friction law, and at the line pressure, gap, approach and tilt.
+//! Contact: friction law, and the unilateral contact problem of the contact line in pressure, gap, approach and tilt.
 
 pub mod complementarity;
 mod factors;

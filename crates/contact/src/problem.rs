@@ -1,8 +1,8 @@
-//! Statement of a contact problem: what is given, what comes out, what can be wrong.
+//! Statement of a contact problem: prescribed quantities, solution, errors.
 
 use std::fmt;
 
-/// What is known about the approach of the bodies. Loads are per depth.
+/// Prescribed normal quantity. Loads are per depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Normal {
     /// Resultant of the pressure, in N/m.
@@ -13,28 +13,28 @@ pub enum Normal {
     Spring {
         /// Resultant at zero approach, in N/m.
         load: f64,
-        /// Loss of resultant per approach, in N/m2.
+        /// Decrease of the resultant per approach, in N/m2.
         stiffness: f64,
     },
 }
 
-/// What is known about the tilt. Positive tilt lowers the +x edge.
+/// Prescribed tilt quantity. Positive tilt lowers the +x edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tilt {
     /// Tilt, in rad: 0 for a punch that can only translate.
     Fixed(f64),
     /// Free to rotate: the resultant acts at this `x`, in m. A pivot at height H: `s mu H`.
     ResultantAt(f64),
-    /// Free to rotate, with a moment besides: `integral (x - lever) p dx = moment` per depth, m and N.
+    /// Free to rotate under a moment: `integral (x - lever) p dx = moment` per depth, m and N.
     Moment {
-        /// Where the resultant acts without the moment, in m.
+        /// Point of action of the resultant without the moment, in m.
         lever: f64,
         /// Moment per depth, in N; positive presses the +x edge.
         moment: f64,
     },
 }
 
-/// Pressure and gap of every cell, and where the punch stands.
+/// Pressure and gap of every cell, approach and tilt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactState {
     /// N cell means of the pressure, in Pa; exactly 0 out of contact.
@@ -48,13 +48,13 @@ pub struct ContactState {
 }
 
 impl ContactState {
-    /// Room for the state of `count` cells, open and without a gap.
+    /// State of `count` open cells with zero gap.
     pub fn new(count: usize) -> Self {
         Self { pressure: vec![0.0; count], gap: vec![0.0; count], approach: 0.0, tilt: 0.0 }
     }
 }
 
-/// Work done by the solver since it was made.
+/// Work done by the solver since its construction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounter {
     /// Calls of [`ContactSolver::solve`](super::ContactSolver::solve).
@@ -63,7 +63,7 @@ pub struct WorkCounter {
     pub iterations: u64,
     /// Matrix factorisations.
     pub factorisations: u64,
-    /// Solves that the active-set iteration left to complementary pivoting.
+    /// Solves passed from the active-set iteration to complementary pivoting.
     pub fallbacks: u64,
     /// Pivots of the fallback.
     pub pivots: u64,
@@ -83,26 +83,26 @@ impl std::ops::Add for WorkCounter {
     }
 }
 
-/// Why there is no contact pressure.
+/// Reason why a contact problem has no solution.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ContactError {
     /// A number is not finite, or a load negative.
     Invalid {
-        /// What the value stands for.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// The value found.
+        /// Value found.
         value: f64,
     },
     /// The resultant would have to act outside the contact zone: the punch tips over.
     Tipping {
-        /// Where the resultant acts, in m.
+        /// Point of action of the resultant, in m.
         lever: f64,
-        /// Centre of the outermost cell, in m, the furthest that the resultant can act.
+        /// Centre of the outermost cell, in m, the limit of the lever.
         limit: f64,
     },
-    /// Both bodies are rigid and nothing else yields.
+    /// Both bodies are rigid and there is no other compliance.
     Rigid,
-    /// No equilibrium exists with this friction: the pivoting ended on a ray.
+    /// No equilibrium exists with this friction: the pivoting terminated on a ray.
     NoEquilibrium,
 }
 

@@ -1,7 +1,7 @@
-//! Half of an elastic layer that is bent: the pressure on one of its faces is the suction on the other.
+//! Half of an elastic layer in bending: the pressure on one of its faces is the suction on the other.
 //!
-//! Disc between two pads, seen from its mid plane at the depth h, half of the thickness. Normal displacements of both faces are
-//! alike; on the mid plane neither a normal stress nor a displacement along it is left. With u = q h, under the pressure
+//! Disc between two pads, seen from its mid plane at the depth h, half of the thickness. Normal displacements of both faces
+//! are equal; on the mid plane the normal stress and the in-plane displacement vanish. With u = q h, under the pressure
 //! `cos q x` on the face
 //!
 //! ```text
@@ -9,17 +9,17 @@
 //! dilatation   -(1-2nu)/G 2 cosh u sinh(q(h-z))/(sinh 2u - 2u) cos q x
 //! ```
 //!
-//! The half-plane's for u -> infinity; a plate in bending, Phi = 3/(2 u^3), for u -> 0. Relative error about 1e-15.
+//! Limits: the half-plane for u -> infinity; a plate in bending, Phi = 3/(2 u^3), for u -> 0. Relative error about 1e-15.
 
 use super::strip_kernel::sinh_less_argument;
 
 /// Below this `u` the difference `sinh 2u - 2u` is summed as a series.
 const SERIES_LIMIT: f64 = 0.5;
 
-/// Beyond this `u` the other face is not felt to rounding.
+/// Beyond this `u` the other face has no effect to rounding.
 const DEEP: f64 = 20.0;
 
-/// Phi(u), u > 0.
+/// Normal compliance kernel Phi(u), u > 0.
 pub fn compliance(u: f64) -> f64 {
     if u > DEEP {
         return 1.0;
@@ -59,8 +59,8 @@ mod tests {
         assert!((compliance(0.5 - 1e-12) / compliance(0.5 + 1e-12) - 1.0).abs() < 1e-10);
     }
 
-    /// A stress function F cos qx, F = P sinh + Q (q(h-z)) cosh of q(h-z), carries the pressure without shear; its normal displacement
-    /// by the plane-strain law is what the kernel says.
+    /// Stress function F cos qx, F = P sinh + Q (q(h-z)) cosh of q(h-z), for the pressure without shear; its normal
+    /// displacement by the plane-strain law equals the kernel.
     #[test]
     fn the_stress_function_gives_both() {
         for u in [0.1_f64, 0.7, 2.0, 6.0] {

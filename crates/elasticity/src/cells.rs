@@ -1,4 +1,4 @@
-//! Cells of the contact line, on which pressure lives as one mean value per cell.
+//! Cells of the contact line; pressure is one mean value per cell.
 
 use super::OutOfRange;
 use std::f64::consts::PI;
@@ -19,10 +19,9 @@ pub struct Cells {
 impl Cells {
     /// Cells graded to both edges, `x_i = -a cos(pi i/N)`: the edge cells have the width `a pi^2/(2 N^2)`.
     ///
-    /// This quadratic grading is what a pressure with the edge singularity `1/sqrt(a^2 - x^2)` needs: the cell
-    /// means of piecewise constant pressure then converge at second order away from the edges (uniform cells: at
-    /// first order). Stronger grading makes the interior coarser and the edge cells, which bound explicit
-    /// time steps, needlessly small.
+    /// This quadratic grading suits a pressure with the edge singularity `1/sqrt(a^2 - x^2)`: the cell means of piecewise
+    /// constant pressure then converge at second order away from the edges (uniform cells: at first order). Stronger grading
+    /// makes the interior coarser and the edge cells, which bound explicit time steps, needlessly small.
     pub fn graded(half_width: f64, count: usize) -> Result<Self, OutOfRange> {
         check(half_width, count)?;
         let edge = |i: usize| {

@@ -1,4 +1,4 @@
-//! The bodies of a scene on the cells of its contact line.
+//! Elastic bodies of a scene on the cells of its contact line.
 
 use super::block::{Block, BlockError, BlockProperties, Discretization};
 use super::half_plane::scale_columns;
@@ -8,21 +8,21 @@ use scene::{Body, Geometry, MechanicalBody, Path, Scene};
 use std::f64::consts::PI;
 use std::fmt;
 
-/// A body of the scene that the model does not hold for.
+/// A body of the scene outside the validity of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyError {
     /// `punch` or `strip`.
     pub body: &'static str,
-    /// What is wrong with it.
+    /// Reason for the refusal.
     pub reason: BodyReason,
 }
 
-/// What is wrong with a body.
+/// Reason why a body is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyReason {
     /// A value outside its range.
     OutOfRange(OutOfRange),
-    /// The finite elements of the block refuse it.
+    /// Refused by the finite elements of the block.
     Block(BlockError),
 }
 
@@ -88,7 +88,7 @@ pub fn load_weights(scene: &Scene, cells: &Cells) -> Vec<f64> {
 /// annulus, where friction acts across the line, and where the scene switches the shear coupling off.
 ///
 /// # Errors
-/// What a body refuses: elastic constants or a height outside their range, a block too slender or too flat.
+/// Elastic constants or a height outside their range, a block too slender or too flat.
 pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], BodyError> {
     let punch = body(scene, cells, &scene.punch, true).map_err(|reason| BodyError { body: "punch", reason })?;
     let strip = body(scene, cells, &scene.strip, false).map_err(|reason| BodyError { body: "strip", reason })?;
@@ -99,7 +99,8 @@ pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], Body
     Ok(both)
 }
 
-/// Tolerance of the pressure by a block at loose tolerances, which are about wear, temperature and friction force.
+/// Tolerance of a block's pressure where the tolerance of the scene, which concerns wear, temperature and friction force, is
+/// loose.
 const PRESSURE_TOLERANCE: f64 = 1e-3;
 
 fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
@@ -140,8 +141,8 @@ fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compli
     Ok(compliance)
 }
 
-/// Half-plane under tractions of the given period: a layer so high that its base is not felt, less the layer's own
-/// uniform compression.
+/// Half-plane under tractions of the given period: a layer so high that its base has no effect, less the layer's own uniform
+/// compression.
 fn periodic_half_plane(material: Material, period: f64, cells: &Cells) -> Result<Compliance, OutOfRange> {
     // exp(-2 q h) of the longest wave is below 1e-16 from q h = 19.
     let height = 4.0 * period;
@@ -201,7 +202,7 @@ mod tests {
             assert_eq!((&strip.normal, &strip.shear), (&expected.normal, &expected.shear), "{kind}");
             let uniform = &punch.normal * DVector::repeat(9, 1.0);
             let mean = cells.integral(uniform.as_slice()) / 0.06;
-            // A block free at its sides gives the mean of uniaxial stress, but for what its held top withholds.
+            // A block with free sides has the mean of uniaxial stress, apart from the constraint of its held top.
             let (exact, tolerance) = match scene.punch.mechanical {
                 MechanicalBody::Rigid => (0.0, 0.0),
                 MechanicalBody::Winkler => (0.1 / m1.uniaxial_modulus(), 1e-15),
@@ -253,7 +254,7 @@ mod tests {
         let sine = DVector::from_vec(cells.means_from_primitive(|x| -(q * x).cos() / q));
         let e = scene.strip.youngs_modulus / (1.0 - scene.strip.poissons_ratio.powi(2));
         let [punch, strip] = compliances(&scene, &cells).unwrap();
-        // The cells hold a wave as means: a factor sinc^2 of half a cell.
+        // Cell means reduce a wave by a factor of sinc^2 of half a cell.
         let sinc = (PI / 64.0).sin() / (PI / 64.0);
         let answer = &strip.normal * &wave;
         assert!((&answer - &wave * (2.0 / (e * q))).amax() < (1.0 - sinc.powi(2)) * 2.1 / (e * q), "{answer}");

@@ -1,4 +1,4 @@
-//! The elastic half-plane.
+//! Elastic half-plane.
 
 use super::{Cells, Compliance, ElasticBody, Material, fill, mean_logarithm};
 use std::f64::consts::PI;
@@ -35,7 +35,7 @@ impl ElasticBody for HalfPlane {
     }
 }
 
-/// From the mean of the kernel over two cells to the displacement under unit traction on the second.
+/// Converts the mean of the kernel over two cells to the displacement under unit traction on the second.
 pub(super) fn scale_columns(mut kernel: nalgebra::DMatrix<f64>, scale: f64, widths: &[f64]) -> nalgebra::DMatrix<f64> {
     for (mut column, width) in kernel.column_iter_mut().zip(widths) {
         column *= scale * width;

@@ -1,8 +1,8 @@
-//! Elastic bodies, as the contact line sees them.
+//! Elastic bodies as compliances of the contact line.
 //!
-//! A body is reached only through how its surface moves under tractions on the contact line: its [`Compliance`],
-//! the displacement of every cell under a unit traction on every cell. Plane strain; displacement *into* the body
-//! counts positive; tractions are forces per area, `x` runs along the sliding direction from the -x to the +x edge.
+//! A body is represented by its [`Compliance`], the displacement of every cell of its surface under a unit traction on every
+//! cell. Plane strain; displacement *into* the body counts positive; tractions are forces per area, `x` runs along the
+//! sliding direction from the -x to the +x edge.
 
 pub mod antisymmetric;
 pub mod block;
@@ -27,12 +27,12 @@ pub use winkler::{Rigid, Winkler};
 
 use nalgebra::DMatrix;
 
-/// How the surface of one body moves under tractions on the N cells of the contact line.
+/// Compliance of one body's surface under tractions on the N cells of the contact line.
 ///
-/// Both matrices are N x N, row: cell whose mean displacement is meant, column: loaded cell, cells from the -x to the
-/// +x edge, m/Pa. Displacements are means over a cell under tractions constant on a cell (Galerkin), so that
-/// `c_i normal[(i, j)]`, `c_i` the cell widths, is symmetric as the work theorem demands, and positive definite on
-/// pressures of zero resultant.
+/// Both matrices are N x N, row: cell whose mean displacement is given, column: loaded cell, cells from the -x to the +x
+/// edge, m/Pa. Displacements are means over a cell under tractions constant on a cell (Galerkin), so that
+/// `c_i normal[(i, j)]`, `c_i` the cell widths, is symmetric by the reciprocal theorem, and positive definite on pressures
+/// of zero resultant.
 #[derive(Clone, Debug)]
 pub struct Compliance {
     /// `C`: mean normal displacement into the body per pressure.

@@ -1,9 +1,9 @@
 //! Mean of the logarithmic kernel over pairs of cells.
 //!
-//! The kernel `-ln |x - s|` is what every elastic plane body has at short distance. Its mean over two cells,
-//! `1/(c_i c_j) integral_i integral_j -ln |x - s| ds dx`, is known in closed form as a second difference of
-//! `-r^2 ln|r|/2 + 3 r^2/4`. That difference cancels for small cells far apart (cells graded to the edges are 1e-4
-//! of the contact width wide), so distant pairs take the series in the moments of the distance instead.
+//! The kernel `-ln |x - s|` is the short-distance limit of every elastic plane body. Its mean over two cells,
+//! `1/(c_i c_j) integral_i integral_j -ln |x - s| ds dx`, has a closed form as a second difference of
+//! `-r^2 ln|r|/2 + 3 r^2/4`. That difference cancels for small cells far apart (cells graded to the edges are 1e-4 of the
+//! contact width wide), so for distant pairs the series in the moments of the distance is used instead.
 
 /// Below this ratio of summed half-widths to distance the moment series is used; it then needs at most 36 terms.
 const SERIES_RATIO: f64 = 0.6;
@@ -19,7 +19,7 @@ pub fn mean_logarithm(distance: f64, alpha: f64, beta: f64) -> f64 {
     if reach < SERIES_RATIO * distance {
         return series(distance, alpha, beta);
     }
-    // Scaled with the reach, so that the logarithms are of order one and cancel least.
+    // Scaled with the reach, so that the logarithms are of order one and cancellation is least.
     let (d, a, b) = (distance / reach, alpha / reach, beta / reach);
     let difference = second_primitive(d + a + b) - second_primitive(d + a - b) - second_primitive(d - a + b)
         + second_primitive(d - a - b);

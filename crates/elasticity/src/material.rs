@@ -5,11 +5,11 @@ use std::fmt;
 /// A value outside the range in which the model holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutOfRange {
-    /// What the value stands for.
+    /// Name of the quantity.
     pub quantity: &'static str,
     /// The value found.
     pub value: f64,
-    /// What it has to be.
+    /// Admissible range.
     pub requirement: &'static str,
 }
 

@@ -1,17 +1,16 @@
-//! Mean compliance of a body under uniform pressure: what the lumped level knows of elasticity.
+//! Mean compliance of a body under uniform pressure, for the lumped level.
 
 use scene::{Body, MechanicalBody};
 use std::f64::consts::PI;
 
-/// Mean normal displacement per uniform pressure over the contact width, m/Pa, and the same for the
-/// uniform thermal expansion: mean displacement out of the body per kelvin of mean temperature, m/K.
+/// Mean normal displacement per uniform pressure over the contact width, m/Pa, and mean displacement out of the body per
+/// kelvin of uniform temperature, m/K.
 ///
-/// Winkler: 1/k_w, by default h/(lambda + 2G). Elastic block (sides free): h (1 - nu^2)/E. Elastic layer
-/// (`wide`: much longer than the contact): between h/(lambda + 2G) for thin layers and the half-plane for
-/// thick ones: the smaller compliance of both limits. Half-plane: the approach is
-/// defined up to a constant; with the logarithm scaled with the contact width the mean over a uniform
-/// pressure p on the width W is 3 p W/(pi E*).
-/// Expansion: alpha (1 + nu) h for a block free at its sides, alpha (1 + nu)/(1 - nu) h for a layer.
+/// Winkler: 1/k_w, by default h/(lambda + 2G). Elastic block (sides free): h (1 - nu^2)/E. Elastic layer (`wide`: much
+/// longer than the contact): between h/(lambda + 2G) for thin layers and the half-plane for thick ones: the smaller
+/// compliance of both limits. Half-plane: the approach is defined up to a constant; with the logarithm scaled with the
+/// contact width the mean over a uniform pressure p on the width W is 3 p W/(pi E*). Expansion: alpha (1 + nu) h for a block
+/// free at its sides, alpha (1 + nu)/(1 - nu) h for a layer.
 pub fn mean_compliance(body: &Body, width: f64, wide: bool) -> (f64, f64) {
     let (e, nu, h) = (body.youngs_modulus, body.poissons_ratio, body.height);
     let plane = e / (1.0 - nu * nu);

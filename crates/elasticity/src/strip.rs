@@ -11,9 +11,8 @@ use std::f64::consts::PI;
 pub enum Extent {
     /// Straight and long: tractions act on the contact zone alone.
     Straight,
-    /// Closed on itself after this length, in m: at least the width of the contact zone, which it may equal (full
-    /// periodic contact). A net shear on a smooth base is carried by a traction spread uniformly along the strip,
-    /// since nothing else could hold it.
+    /// Closed on itself after this length, in m: at least the width of the contact zone, which it may equal (full periodic
+    /// contact). A net shear on a smooth base is balanced by a traction distributed uniformly along the strip.
     Closed(f64),
 }
 
@@ -28,12 +27,12 @@ pub enum Extent {
 /// ```
 ///
 /// The half-plane's part of both sums is taken in closed form, `-ln(2 sin(pi |r|/P))` and `(pi - 2 pi r/P)/2`, and
-/// integrated over pairs of cells exactly; what is left decays like `exp(-2 q h)`. The straight strip is the limit
-/// P -> infinity: N - and T less its constant far field `-nu sign(r)/(4 G)` on a smooth base - decay at least like
-/// `exp(-0.739 |r|/h)` (the root of cos y = y, bonded and incompressible; faster otherwise), so that a period of the
-/// contact width plus 40 h gives it to 1e-12 of the half-plane's compliance.
+/// integrated over pairs of cells exactly; the remainder decays like `exp(-2 q h)`. The straight strip is the limit P ->
+/// infinity: N, and T less its constant far field `-nu sign(r)/(4 G)` on a smooth base, decay at least like
+/// `exp(-0.739 |r|/h)` (the root of cos y = y, bonded and incompressible; faster otherwise), so that a period of the contact
+/// width plus 40 h approximates it to 1e-12 of the half-plane's compliance.
 ///
-/// Unlike the half-plane's, the displacement is absolute: measured from the held base.
+/// Unlike that of the half-plane, the displacement is absolute: relative to the held base.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strip {
     material: Material,
@@ -42,7 +41,7 @@ pub struct Strip {
     extent: Extent,
 }
 
-/// Length of unloaded strip, in heights, after which its surface no longer feels the load.
+/// Length of unloaded strip, in heights, after which its surface no longer responds to the load.
 const DECAY_LENGTH: f64 = 40.0;
 /// Value of `q h` beyond which `Phi - 1` is below 1e-16.
 const SHORTEST_WAVE: f64 = 23.0;
@@ -98,8 +97,8 @@ impl Strip {
         }
     }
 
-    /// Adds the sums over `(Phi - 1) cos(q_k r)/k` and `(1-2nu) (Psi - 1) sin(q_k r)/k`, cell means, in blocks of modes:
-    /// a product of two N x (2 modes) matrices each.
+    /// Adds the sums over `(Phi - 1) cos(q_k r)/k` and `(1-2nu) (Psi - 1) sin(q_k r)/k`, cell means, in blocks of modes: a
+    /// product of two N x (2 modes) matrices each.
     fn add_remainder(
         &self,
         cells: &Cells,

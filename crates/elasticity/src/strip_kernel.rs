@@ -1,6 +1,6 @@
 //! Surface displacement of an elastic layer under sinusoidal tractions.
 
-/// What holds the strip at its base.
+/// Boundary condition at the base of the strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
     /// Bonded to a rigid base: no displacement.
@@ -24,9 +24,9 @@ const SERIES_LIMIT: f64 = 0.5;
 ///         (1-2nu) Psi = [(1-2nu) sinh 2u - 2u]/(sinh 2u + 2u)
 /// ```
 ///
-/// Both tend to the half-plane's, Phi = Psi = 1, like `u^2 exp(-2u)`. The factor `1 - 2nu` of the shear kernel is
-/// kept inside, so that nothing is divided by it near nu = 0.5. All are scaled by `exp(-2u)`: no overflow. Relative
-/// error of Phi about 1e-15 for every u; absolute error of (1-2nu) Psi the same (it changes sign).
+/// Both tend to the half-plane's, Phi = Psi = 1, like `u^2 exp(-2u)`. The factor `1 - 2nu` of the shear kernel is part of
+/// it, which avoids a division by a small number near nu = 0.5. All are scaled by `exp(-2u)`: no overflow. Relative error of
+/// Phi about 1e-15 for every u; absolute error of (1-2nu) Psi the same (it changes sign).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StripKernel {
     base: Base,
@@ -40,7 +40,7 @@ impl StripKernel {
         Self { base, nu: poissons_ratio, kappa: 3.0 - 4.0 * poissons_ratio }
     }
 
-    /// Phi(u), u > 0.
+    /// Normal kernel Phi(u), u > 0.
     pub fn normal(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
         match self.base {
@@ -85,8 +85,8 @@ impl StripKernel {
     /// smooth: Theta = (cosh 2u + 1)/(sinh 2u + 2u)
     /// ```
     ///
-    /// The half-plane has the same kernel for both, so the difference decays like `u exp(-2u)`. On a smooth base it
-    /// grows like `1/(2u)` for u -> 0: nothing holds the layer against a net shear.
+    /// The half-plane has the same kernel for both, so the difference decays like `u exp(-2u)`. On a smooth base it grows
+    /// like `1/(2u)` for u -> 0: the layer is unconstrained against a net shear.
     pub fn tangential_less_normal(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
         match self.base {
@@ -95,7 +95,7 @@ impl StripKernel {
         }
     }
 
-    /// (1-2nu) Psi(u), u > 0.
+    /// Shear kernel (1-2nu) Psi(u), u > 0.
     pub fn shear(&self, u: f64) -> f64 {
         let e = (-2.0 * u).exp();
         let squeezed = 1.0 - 2.0 * self.nu;

@@ -1,4 +1,4 @@
-//! How the surfaces of a scene's bodies move along the contact.
+//! Tangential compliance: displacement of the surfaces of a scene's bodies along the contact.
 
 use super::block::{Block, BlockProperties, Discretization};
 use super::discretization::{BodyError, BodyReason, compliances};
@@ -19,13 +19,14 @@ pub struct TangentialCompliance {
 
 /// Tangential compliance of punch and strip on the given cells of a line or periodic contact.
 ///
-/// Per shear: the half-plane's and the periodic half-plane's equals its normal compliance per pressure (so its constant
-/// is that of the approach); a Fourier layer's differs from its own normal compliance by the smooth sum over
-/// [`StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where nothing holds it; a block
-/// by finite elements; none for rigid bodies and Winkler foundations. `contact.shear_coupling` does not count.
+/// Per shear: the half-plane's and the periodic half-plane's equals its normal compliance per pressure (so its constant is
+/// that of the approach); a Fourier layer's differs from its own normal compliance by the smooth sum over
+/// [`StripKernel::tangential_less_normal`], without a mean displacement on a smooth base, where it is unconstrained; a
+/// block's is computed by finite elements; zero for rigid bodies and Winkler foundations. `contact.shear_coupling` is
+/// ignored.
 ///
 /// # Errors
-/// What a body refuses, as [`compliances`].
+/// As [`compliances`].
 pub fn tangential_compliances(scene: &Scene, cells: &Cells) -> Result<[TangentialCompliance; 2], BodyError> {
     let coupled = Scene { shear_coupling: true, ..scene.clone() };
     let [punch, strip] = compliances(&coupled, cells)?;

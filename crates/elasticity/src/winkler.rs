@@ -1,4 +1,4 @@
-//! Bodies whose cells do not influence each other: the Winkler foundation and the rigid body.
+//! Bodies without interaction between cells: the Winkler foundation and the rigid body.
 
 use super::{Cells, Compliance, ElasticBody, OutOfRange};
 use nalgebra::DMatrix;

@@ -1,8 +1,8 @@
-//! Steady to-and-fro sliding on the half-plane.
+//! Steady reciprocating sliding on the half-plane.
 
 use std::f64::consts::PI;
 
-/// How the punch is held.
+/// Kinematics of the punch holder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HolderKind {
     /// Translation only: the pressures differ by the half-plane's own shear coupling.
@@ -10,15 +10,15 @@ pub enum HolderKind {
         /// Poisson's ratio of the half-plane.
         poissons_ratio: f64,
     },
-    /// Free to rotate about a pivot at height H. The half-plane's shear coupling has no effect then: what the uniform
-    /// mean pressure does through it is a tilt.
+    /// Free to rotate about a pivot at height H. The half-plane's shear coupling then has no effect: its displacement under
+    /// the uniform mean pressure is a tilt.
     Rotate {
         /// H/a, pivot height over half-width.
         relative_height: f64,
     },
 }
 
-/// Steady pressures of a flat punch that wears (b = 1) while it slides to and fro on a half-plane:
+/// Steady pressures of a flat punch that wears (b = 1) in reciprocating sliding on a half-plane:
 ///
 /// ```text
 /// p+-/pm = 1 +- sgn (2/pi) arctan[ m x/sqrt(a^2 (1 - m^2) - x^2) ],   0 or 2 beyond a sqrt(1 - m^2)
@@ -35,7 +35,8 @@ pub struct CyclicHalfPlane {
 }
 
 impl CyclicHalfPlane {
-    /// Solution for a friction coefficient and a holder; `None` where the punch rocks itself round (m >= 1).
+    /// Solution for a friction coefficient and a holder; `None` where no steady cycle exists because the punch rocks itself
+    /// round (m >= 1).
     pub fn new(friction: f64, holder: HolderKind) -> Option<Self> {
         let (m, sign) = match holder {
             HolderKind::Translate { poissons_ratio } => {

@@ -8,11 +8,11 @@ pub fn friction_exponent(friction: f64, poissons_ratio: f64) -> f64 {
     (friction * (1.0 - 2.0 * poissons_ratio) / (2.0 * (1.0 - poissons_ratio))).atan() / PI
 }
 
-/// Flat rigid punch, held from tilting, with the load P per depth:
+/// Flat rigid punch without tilt, with the load P per depth:
 /// `p = P cos(pi eta)/(pi sqrt(a^2 - x^2)) ((a + x)/(a - x))^(-s eta)`.
 ///
-/// Friction loads the trailing edge; the resultant acts at `x = -2 s eta a`.
-/// Source: K. L. Johnson, Contact Mechanics, section 2.8.
+/// Friction loads the trailing edge; the resultant acts at `x = -2 s eta a`. Source: K. L. Johnson, Contact Mechanics,
+/// section 2.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatPunch {
     /// Load per depth P, in N/m.
@@ -35,7 +35,7 @@ impl FlatPunch {
         self.load * incomplete_beta_half(self.signed_exponent, 0.5 * (1.0 + x / self.half_width))
     }
 
-    /// Where the resultant acts, in m.
+    /// Point of action of the resultant, in m.
     pub fn eccentricity(&self) -> f64 {
         -2.0 * self.signed_exponent * self.half_width
     }

@@ -1,11 +1,11 @@
-//! Relaxation of a wearing flat punch on the half-plane.
+//! Relaxation of the pressure under a wearing flat punch on the half-plane.
 
 use nalgebra::{DMatrix, DVector};
 use numerics::factorization;
 use std::f64::consts::PI;
 
-/// Pressure under a flat rigid punch whose contact wears in proportion to pressure and sliding distance, from the
-/// unworn punch `p = 2 pm/(pi sqrt(1 - x^2))` on:
+/// Pressure under a flat rigid punch whose contact wears in proportion to pressure and sliding distance, starting from the
+/// unworn punch `p = 2 pm/(pi sqrt(1 - x^2))`:
 ///
 /// ```text
 /// p(x, tau)/pm = 1 + sum_n c_n phi_n(x) exp(-tau/lambda_n),   tau = k s E*/a,
@@ -107,7 +107,7 @@ fn eigen(polynomials: usize, first: usize) -> (Vec<f64>, DMatrix<f64>) {
     (order.iter().map(|&i| eigen.eigenvalues[i]).collect(), eigen.eigenvectors.select_columns(&order))
 }
 
-/// P_0 ... P_n at x.
+/// Legendre polynomials P_0 ... P_n at x.
 fn legendre(x: f64, n: usize) -> Vec<f64> {
     let mut values = vec![1.0, x];
     for k in 1..n {

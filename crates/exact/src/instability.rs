@@ -1,28 +1,27 @@
-//! Growth of pressure waves by frictional heat, distortion and wear (thermoelastic instability) in full periodic contact.
+//! Thermoelastic instability in full periodic contact: growth of pressure waves by frictional heat, distortion and wear.
 //!
-//! A conducting half-plane that wears slides on a rigid insulator. In a wave `exp(i m x + b t)` the elastic
-//! displacement, the distortion by the heat `mu V p` and the wear add up to nothing (Dow and Burton, Wear 19, 1972, without
-//! wear):
+//! A conducting half-plane that wears slides on a rigid insulator. In a wave `exp(i m x + b t)` the elastic displacement,
+//! the distortion by the heat `mu V p` and the wear sum to zero (Dow and Burton, Wear 19, 1972, without wear):
 //!
 //! ```text
 //! 2 (1-nu^2)/(E m) (1 + i eps) - 2 alpha (1+nu) mu V/(K lambda (lambda + m)) + k V/b = 0,   lambda^2 = m^2 + b/kd
 //! ```
 //!
-//! With `z = lambda/m`, the critical speed `2 K m (1-nu)/(mu E alpha)`, R = V over it, and
-//! `w = k K/(mu alpha (1+nu) kd)` that is
+//! With `z = lambda/m`, the critical speed `2 K m (1-nu)/(mu E alpha)`, R = V over it, and `w = k K/(mu alpha (1+nu) kd)`
+//! that is
 //!
 //! ```text
 //! (1 + i eps) z^3 - (1 + i eps + (2 - w) R) z + 2 R = 0,   Re z > 0,   b = kd m^2 (z^2 - 1),
 //! ```
 //!
-//! without wear `z (1 + z) (1 + i eps) = 2 R`, because z = 1 then is no wave. `eps = mu (1-2nu)/(2(1-nu))` is the shear
+//! without wear `z (1 + z) (1 + i eps) = 2 R`, because z = 1 is then not a wave. `eps = mu (1-2nu)/(2(1-nu))` is the shear
 //! coupling; its sign is the direction in which the wave travels.
 
 use nalgebra::Complex;
 
 /// Growth rate over `kd m^2` of the wave that grows fastest (or decays slowest) at `ratio` times the critical speed, with
-/// the wear number `wear` (w above, >= 0) and the shear coupling `coupling` (eps above). The imaginary part, in either
-/// sign, is the angular frequency. -1, the end of the continuous spectrum, where no wave stands out of it.
+/// the wear number `wear` (w above, >= 0) and the shear coupling `coupling` (eps above). The imaginary part, in either sign,
+/// is the angular frequency. -1, the upper end of the continuous spectrum, where no discrete eigenvalue exists.
 pub fn growth_rate(ratio: f64, wear: f64, coupling: f64) -> Complex<f64> {
     let one = Complex::new(1.0, 0.0);
     let unit = Complex::new(1.0, coupling);
@@ -37,8 +36,8 @@ pub fn growth_rate(ratio: f64, wear: f64, coupling: f64) -> Complex<f64> {
     standing.fold(-one, |best, b| if b.re > best.re { b } else { best })
 }
 
-/// Speed over the critical one from which on waves grow: `[q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w; 1 without
-/// wear, infinite from w = 2 on.
+/// Critical ratio: speed over the critical speed at the onset of growth, `[q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w; 1
+/// without wear, infinite from w = 2 on.
 pub fn critical_ratio(wear: f64) -> f64 {
     let q = 2.0 - wear;
     if wear == 0.0 {
@@ -50,7 +49,7 @@ pub fn critical_ratio(wear: f64) -> f64 {
     }
 }
 
-/// Angular frequency over `kd m^2` at which waves oscillate there: `sqrt(c^2 - 2 c)`, c = q R.
+/// Angular frequency over `kd m^2` of waves at the critical ratio: `sqrt(c^2 - 2 c)`, c = q R.
 pub fn critical_frequency(wear: f64) -> f64 {
     let c = (2.0 - wear) * critical_ratio(wear);
     (c * c - 2.0 * c).max(0.0).sqrt()
@@ -100,7 +99,7 @@ mod tests {
         for ratio in [0.5_f64, 1.0, 2.0, 5.0] {
             let z = 0.5 * ((1.0 + 8.0 * ratio).sqrt() - 1.0);
             assert!((growth_rate(ratio, 0.0, 0.0) - (z * z - 1.0)).norm() < 1e-13);
-            // A little wear changes little, but where two roots meet.
+            // A little wear has a small effect, except where two roots meet.
             let worn = growth_rate(2.0 * ratio, 1e-9, 0.0).re;
             assert!((worn - growth_rate(2.0 * ratio, 0.0, 0.0).re).abs() < 1e-4);
             let coupled = growth_rate(ratio, 0.0, 0.1);

@@ -1,7 +1,7 @@
-//! Exact and independently converged solutions that the numerics are judged by.
+//! Exact and independently converged reference solutions of the numerics.
 //!
-//! Each stands for itself - none uses the cells, compliances or solvers it is compared with - and has tests of its
-//! own. Plane strain, `E* = E/(1 - nu^2)`, loads per depth, contact zone `-a <= x <= a`, `s = sign(v)`.
+//! Each is independent - none uses the cells, compliances or solvers it is compared with - and has tests of its own. Plane
+//! strain, `E* = E/(1 - nu^2)`, loads per depth, contact zone `-a <= x <= a`, `s = sign(v)`.
 
 mod cyclic;
 mod flat_punch;

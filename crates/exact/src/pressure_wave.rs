@@ -1,4 +1,4 @@
-//! A wave of pressure in full contact, under heat, distortion and wear.
+//! Wave of pressure in full contact with heat, distortion and wear.
 
 use super::special::complementary_error;
 use std::f64::consts::PI;
@@ -20,19 +20,19 @@ use std::f64::consts::PI;
 /// constant speed. Product integration with linear flux: second order in the step, and exact in the kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct PressureWave {
-    /// m, 1/m.
+    /// Wave number m, 1/m.
     pub wave_number: f64,
-    /// C, m/Pa.
+    /// Compliance C, m/Pa.
     pub compliance: f64,
-    /// D of the conductor, 1/K.
+    /// Distortion factor D of the conductor, 1/K.
     pub distortion: f64,
-    /// K of the conductor, W/(m K).
+    /// Conductivity K of the conductor, W/(m K).
     pub conductivity: f64,
-    /// kd of the conductor, m2/s.
+    /// Diffusivity kd of the conductor, m2/s.
     pub diffusivity: f64,
-    /// mu.
+    /// Friction coefficient mu.
     pub friction: f64,
-    /// k of the bodies whose wear follows the wave, m2/N.
+    /// Wear coefficient k of the bodies whose wear follows the wave, m2/N.
     pub wear: f64,
 }
 
@@ -49,7 +49,7 @@ impl PressureWave {
             let speed = velocity(n as f64 * step).abs();
             let half = if n == 0 { 0.0 } else { 0.5 * step };
             worn += half * wearing;
-            // What the past has left of M, and what the present flux adds to it.
+            // M by the past fluxes, and the contribution of the present flux.
             let past: f64 = (1..n).map(|k| flux[k] * (weights[n - k][0] + weights[n - k - 1][1])).sum();
             let first = if n > 0 { flux[0] * weights[n - 1][1] } else { 0.0 };
             let present = if n > 0 { weights[0][0] } else { 0.0 };
@@ -113,7 +113,7 @@ mod tests {
         for ratio in [0.5_f64, 2.0, 5.0] {
             let z = 0.5 * ((1.0 + 8.0 * ratio).sqrt() - 1.0);
             let rate = unit * (z * z - 1.0);
-            // Below the critical speed what grows to its end is the answer to the gap, so the rate is that of the change.
+            // Below the critical speed the growing part is the response to the gap, so the rate is that of the change.
             let (duration, steps) = (6.0 / unit, 3000);
             let course = wave.course(-1e-9, duration, steps, |_| ratio * critical);
             let change = |n: usize| course[n] - course[n - 100];

@@ -20,8 +20,8 @@ pub fn scaled_bessel_k0(x: f64) -> f64 {
     }
 }
 
-/// Integral of `f` over (0, length) by the double-exponential rule, which takes singularities at 0 and
-/// structure near it on any scale. `f` receives the distance from 0 without cancellation.
+/// Integral of `f` over (0, length) by the double-exponential rule, which resolves singularities at 0 and structure near it
+/// on any scale. `f` receives the distance from 0 without cancellation.
 pub fn integral_from_singularity(length: f64, f: impl Fn(f64) -> f64) -> f64 {
     let step = 1.0 / 48.0;
     let sum: f64 = (-200..=200)
@@ -36,12 +36,12 @@ pub fn integral_from_singularity(length: f64, f: impl Fn(f64) -> f64) -> f64 {
     length * step * sum
 }
 
-/// Thermal condition under a layer.
+/// Thermal boundary condition under a layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum LayerBase {
     /// Temperature held: images of alternating sign.
     Held,
-    /// No heat passes: images of equal sign.
+    /// Zero heat flux: images of equal sign.
     Insulated,
 }
 
@@ -90,7 +90,7 @@ fn with_images(layer: Option<(f64, LayerBase)>, d: f64, kernel: impl Fn(f64) -> 
 /// Quasi-steady temperature T k/(q l) at `x` (over l, inside the band) under a uniform band source that moves at `peclet`
 /// towards +x on a half-plane or a layer: the kernel of [`band_mean`] on both sides of x.
 pub fn band_temperature(peclet: f64, x: f64, layer: Option<(f64, LayerBase)>) -> f64 {
-    // exp(-+ Pe d) K0(Pe r): the same decay over the distance r >= d on both sides, but for a factor behind the source.
+    // exp(-+ Pe d) K0(Pe r): the same decay over the distance r >= d on both sides, except for a factor behind the source.
     let ahead = |d: f64| {
         with_images(layer, d, |distance| (peclet * (d - distance)).exp() * scaled_bessel_k0(peclet * distance))
     };
@@ -98,7 +98,7 @@ pub fn band_temperature(peclet: f64, x: f64, layer: Option<(f64, LayerBase)>) ->
     (integral_from_singularity(1.0 + x, behind) + integral_from_singularity(1.0 - x, ahead)) / PI
 }
 
-/// Largest temperature under that source, T k/(q l), and where it is (over l).
+/// Largest temperature under that source, T k/(q l), and its position (over l).
 pub fn band_maximum(peclet: f64, layer: Option<(f64, LayerBase)>) -> (f64, f64) {
     // Golden section: the temperature has one maximum.
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
@@ -120,7 +120,7 @@ pub fn band_maximum(peclet: f64, layer: Option<(f64, LayerBase)>) -> (f64, f64) 
     (band_temperature(peclet, x, layer), x)
 }
 
-/// A closed path round a layer.
+/// A closed path along a layer.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ClosedPath {
     /// Length of the path, m.
@@ -129,19 +129,18 @@ pub struct ClosedPath {
     pub half_length: f64,
     /// Height of the layer, m.
     pub height: f64,
-    /// W/(m K).
+    /// Conductivity, W/(m K).
     pub conductivity: f64,
-    /// m2/s.
+    /// Diffusivity, m2/s.
     pub diffusivity: f64,
-    /// Condition under the layer.
+    /// Boundary condition under the layer.
     pub base: LayerBase,
 }
 
 impl ClosedPath {
-    /// Quasi-steady mean temperature over the source per flux without the mean mode, K m2/W, at
-    /// `velocity` (m/s): the plain sum over `harmonics` wave numbers q = 2 pi n/L of
-    /// (4 a/L) (sin(q a)/(q a))^2 Re [tanh or coth(kappa h)/(K kappa)], kappa^2 = q^2 + i q v/kd. What is
-    /// left off falls with the square of the number of harmonics.
+    /// Quasi-steady mean temperature over the source per flux without the mean mode, K m2/W, at `velocity` (m/s): the plain
+    /// sum over `harmonics` wave numbers q = 2 pi n/L of (4 a/L) (sin(q a)/(q a))^2 Re [tanh or coth(kappa h)/(K kappa)],
+    /// kappa^2 = q^2 + i q v/kd. The truncation error falls with the square of the number of harmonics.
     pub fn steady_mean(&self, velocity: f64, harmonics: u32) -> f64 {
         let a = self.half_length;
         (1..=harmonics)
@@ -160,14 +159,14 @@ impl ClosedPath {
     }
 }
 
-/// Mean of T K/(q a) over a square 2a x 2a that slides along a side on a half-space at the Peclet number V a/(2 kd): the integral over
-/// the history of the parts of every instant's heat that are still under the square, along and across.
+/// Mean of T K/(q a) over a square 2a x 2a that slides along a side on a half-space at the Peclet number V a/(2 kd): the
+/// integral over the history of the fractions of the instantaneous heat that remain under the square, along and across.
 pub fn square_mean(peclet: f64) -> f64 {
     let (steps, low, high) = (4000, 1e-8_f64.ln(), 1e8_f64.ln());
     let step = (high - low) / f64::from(steps);
     let part = |time: f64| {
         let root = 2.0 * time.sqrt();
-        // Second antiderivative of the spread of a point.
+        // Second antiderivative of a diffused point source.
         let primitive = |u: f64| {
             let z = u / root;
             let tail = 0.5 * complementary_error(z.abs());
@@ -236,7 +235,7 @@ mod tests {
         for (peclet, value, place) in [(0.1, 2.20033, -0.2435), (1.0, 0.99185, -0.6664), (10.0, 0.34850, -0.9244)] {
             let (found, at) = band_maximum(peclet, None);
             assert!((found - value).abs() < 5e-6 && (at - place).abs() < 5e-5, "{peclet}: {found} at {at}");
-            // The mean of the temperature is the mean by its own formula.
+            // The mean of the temperature agrees with the formula for the mean.
             let mean =
                 (0..200).map(|k| band_temperature(peclet, -0.995 + 0.01 * f64::from(k), None)).sum::<f64>() / 200.0;
             assert!((mean / band_mean(peclet, None) - 1.0).abs() < 1e-3, "{peclet}: {mean}");
@@ -245,7 +244,7 @@ mod tests {
 
     #[test]
     fn a_thin_held_layer_conducts_straight_down() {
-        // T = q h/k on slow bands over thin layers, up to the ends, which lose O(h/l).
+        // T = q h/k on slow bands over thin layers, except at the ends, whose effect is O(h/l).
         let mean = band_mean(1e-1, Some((1e-1, LayerBase::Held)));
         assert!((mean / 1e-1 - 1.0).abs() < 5e-2, "{mean}");
     }

@@ -1,7 +1,7 @@
-//! Rings: steady conduction along the radius, and bands of pressure that friction heat makes grow.
+//! Rings: steady conduction along the radius, and thermoelastic instability of radial pressure bands.
 
-/// Steady rise of the mean temperature through the height between two radii, in K, of a ring that is closed but for a flux
-/// `flux` (W/m2) into its face inside of the radius `parting` and what balances it outside.
+/// Steady rise of the mean temperature through the height between two radii, in K, of a ring insulated except for a flux
+/// `flux` (W/m2) into its face inside of the radius `parting` and the balancing flux outside.
 ///
 /// `(r T')' = -r q/(K h)` without slope at both sides,
 ///
@@ -12,7 +12,7 @@
 pub struct PartedRing {
     /// Inner, parting and outer radius, m.
     pub radii: [f64; 3],
-    /// K h, W/K.
+    /// Conductance K h, W/K.
     pub conductance: f64,
     /// Flux into the inner part, W/m2.
     pub flux: f64,
@@ -38,10 +38,10 @@ impl PartedRing {
     }
 }
 
-/// Bands of pressure across a ring of independent elastic columns that slides on a rigid insulator.
+/// Growing pressure bands across a ring of independent elastic columns that slides on a rigid insulator.
 ///
-/// The columns, insulated but for the contact, take all friction heat and lengthen by alpha (1 + nu) times the integral of the
-/// temperature over their height, theta, whatever its profile. Pressure deviates from the mean by
+/// The columns, insulated except at the contact, receive all friction heat and lengthen by alpha (1 + nu) times the integral
+/// of the temperature over their height, theta, whatever its profile. Pressure deviates from the mean by
 ///
 /// ```text
 /// p' = k alpha (1 + nu) (theta' - c),   integral p' r dr = 0,   d theta'/dt = kd (r theta'_r)_r/r + G r/r_m (theta' - c)
@@ -52,9 +52,9 @@ impl PartedRing {
 pub struct RadialBands {
     /// Inner and outer radius, m; r_m is their mean.
     pub radii: [f64; 2],
-    /// kd, m2/s.
+    /// Diffusivity kd, m2/s.
     pub diffusivity: f64,
-    /// G, 1/s.
+    /// Drive G, the growth rate by friction heat without conduction, 1/s.
     pub drive: f64,
 }
 
@@ -67,7 +67,7 @@ impl RadialBands {
         let width = self.radii[1] - self.radii[0];
         let decay = self.diffusivity * (std::f64::consts::PI / width).powi(2);
         let fastest = self.drive * 2.0 * self.radii[1] / (self.radii[0] + self.radii[1]);
-        // Downwards from a rate that nothing reaches; the uniform temperature, which presses nothing, has the rate 0.
+        // Search downwards from an upper bound; the uniform temperature, which causes no pressure, has the rate 0.
         let step = 0.05 * decay;
         let (mut high, mut at_high) = (fastest, self.determinant(fastest));
         loop {
@@ -90,7 +90,7 @@ impl RadialBands {
         0.5 * (low + high)
     }
 
-    /// Of the slope at the outer side and the load, by the value at the inner side and c.
+    /// Determinant of the slope at the outer side and the load, by the value at the inner side and c.
     fn determinant(&self, rate: f64) -> f64 {
         let [inner, outer] = self.radii;
         let mean = 0.5 * (inner + outer);

@@ -1,4 +1,4 @@
-//! Heat in the punch by finite elements, unreduced: what its reduction is held against.
+//! Heat in the punch by unreduced finite elements: the reference of its reduction.
 
 use elasticity::Cells;
 use elasticity::block::{Block, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition};
@@ -15,7 +15,7 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// The punch of a scene on a mesh, and its temperatures.
+/// The punch of a scene on a mesh, and its temperature field.
 pub struct Unreduced {
     block: ThermalBlock,
     /// The same mesh for elasticity.
@@ -28,10 +28,10 @@ pub struct Unreduced {
 }
 
 impl Unreduced {
-    /// At the reference temperature.
+    /// The punch at the reference temperature.
     ///
     /// # Errors
-    /// What the mesh refuses.
+    /// The mesh is refused.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Unreduced, String> {
         let (body, width) = (&scene.punch, 2.0 * cells.half_width());
         let boundaries = cells.edges().to_vec();
@@ -67,10 +67,10 @@ impl Unreduced {
         Mat::from_fn(self.block.degrees(), 1, |i, _| (0..flux.len()).map(|j| self.loads[(i, j)] * flux[j]).sum())
     }
 
-    /// `count` steps of the two-stage method of the line's abscissae, with the flux at any time.
+    /// `count` steps of the two-stage method with the line's abscissae, with the flux as a function of time.
     ///
     /// # Errors
-    /// What the factorisation says.
+    /// The factorisation fails.
     pub fn run(&mut self, start: f64, step: f64, count: usize, flux: &dyn Fn(f64) -> Vec<f64>) -> Result<(), String> {
         let shift = 1.0 / (GAMMA * step);
         let factor = self.block.factorize(shift).map_err(text)?;
@@ -89,20 +89,20 @@ impl Unreduced {
         Ok(())
     }
 
-    /// Becomes steady under a flux.
+    /// Sets the field to the steady state under a flux.
     ///
     /// # Errors
-    /// What the factorisation says.
+    /// The factorisation fails.
     pub fn rest(&mut self, flux: &[f64]) -> Result<(), String> {
         self.field = self.load(flux);
         let factor = self.block.factorize(0.0).map_err(text)?;
         self.block.solve_in_place(&factor, &mut self.field).map_err(text)
     }
 
-    /// Mean temperatures of the cells under the flux of the moment.
+    /// Mean temperatures of the cells under the present flux.
     ///
     /// # Errors
-    /// What the mesh refuses.
+    /// The boundaries are refused by the mesh.
     pub fn temperature(&self, flux: &[f64]) -> Result<Vec<f64>, String> {
         let means = self.block.contact_temperatures(&self.boundaries, &self.field).map_err(text)?;
         let local = |i: usize| (0..flux.len()).map(|j| self.unresolved[(i, j)] * flux[j]).sum::<f64>();
@@ -112,7 +112,7 @@ impl Unreduced {
     /// Mean displacements of the cells, m into the body.
     ///
     /// # Errors
-    /// What the mesh refuses.
+    /// The boundaries are refused by the mesh.
     pub fn distortion(&self) -> Result<Vec<f64>, String> {
         let means = self.elastic.thermal_distortion(&self.block, &self.field, &self.boundaries).map_err(text)?;
         Ok(means.iter().map(|mean| self.expansion * mean).collect())

@@ -28,8 +28,8 @@ pub fn annular_pressure(radius: f64, load: f64, radii: (f64, f64), exponents: (f
     load * mean / integral * radius.powf(-power)
 }
 
-/// Steady `p/pm` of a punch that slides one way, wears with b = 1 and can rotate: `1 + 12 e x/L^2`, `e = mu H` the
-/// lever of the resultant, L the width; valid for |e| <= L/6.
+/// Steady `p/pm` of a rotating punch in unidirectional sliding that wears with b = 1: `1 + 12 e x/L^2`, `e = mu H` the lever
+/// of the resultant, L the width; valid for |e| <= L/6.
 pub fn unidirectional_rotating_pressure(x: f64, lever: f64, width: f64) -> f64 {
     1.0 + 12.0 * lever * x / (width * width)
 }

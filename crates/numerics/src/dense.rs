@@ -1,9 +1,9 @@
-//! Dense kernels of the contact line: LU factors, substitution, matrix times vector, all in caller-owned memory.
+//! Dense kernels of the contact line: LU factors, substitution, matrix-vector products, all in caller-owned memory.
 //!
-//! Matrices are stored by columns without gaps, entry (i, j) of n rows at `i + j n`. The sizes are those of a contact
-//! line, some tens to hundreds, where what a general library spends on a call is as long as the arithmetic itself:
-//! `cargo fmu bench --line` shows both. The widest vector unit that the machine has and the build of `pulp` knows is
-//! chosen at run time.
+//! Matrices are stored by columns without gaps, entry (i, j) of n rows at `i + j n`. The sizes are those of a contact line,
+//! tens to hundreds, for which the call overhead of a general library is comparable to the arithmetic:
+//! `cargo fmu bench --line` shows both. The widest vector unit of the machine that the build of `pulp` supports is selected
+//! at run time.
 
 mod elimination;
 mod products;
@@ -15,12 +15,12 @@ pub use single::SingleMatrix;
 
 use nalgebra::DMatrix;
 
-/// A square matrix of zeros, as the system hands them out: memory that nobody has touched yet costs nothing.
+/// Square matrix of zeros in untouched pages, which cost no physical memory until written.
 pub fn untouched(count: usize) -> DMatrix<f64> {
     DMatrix::from_vec(count, count, vec![0.0; count * count])
 }
 
-/// Columns that pass together in a substitution and in a product.
+/// Number of columns processed together in a substitution and in a product.
 const GROUP: usize = 4;
 
 #[cfg(test)]
@@ -66,7 +66,7 @@ mod tests {
             let size = right.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             assert!(residual.iter().all(|r| r.abs() < 1e-12 * (1.0 + size) * n as f64), "n {n}: {residual:?}");
         }
-        // Random matrices need exchanges of rows.
+        // Random matrices need row exchanges.
         assert!(exchanges > 100, "{exchanges}");
     }
 

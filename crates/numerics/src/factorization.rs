@@ -1,8 +1,8 @@
-//! Factorisations of nalgebra, made safe for any entries.
+//! Factorisations of nalgebra with checked entries and bounded iterations.
 //!
-//! The iterations behind singular values, eigenvalues and Schur forms need not end on a matrix that has an entry which is no
-//! finite number. Every factorisation of the library is therefore taken here (or, where it is one of faer in place, after
-//! [`check`]): the entries are tested first, and the iterations are bounded.
+//! The iterations behind singular values, eigenvalues and Schur forms may not terminate on a matrix with an entry that is
+//! not finite. Every factorisation of the library is therefore called through this module (or, where it is one of faer in
+//! place, after [`check`]): the entries are tested first, and the iterations are bounded.
 
 use super::maximum::all_finite;
 use nalgebra::linalg::{LU, SVD, Schur, SymmetricEigen};
@@ -10,13 +10,13 @@ use nalgebra::{Cholesky, Complex, Const, DMatrix, DVector, Dyn, OMatrix, SMatrix
 use nalgebra::{DefaultAllocator, Dim, DimMin, allocator::Allocator};
 use std::fmt;
 
-/// Iterations of an eigenvalue or singular value problem per row; two or three are usual.
+/// Limit of iterations of an eigenvalue or singular value problem per row; two or three are usual.
 const ITERATIONS_PER_ROW: usize = 100;
 
-/// Why a matrix has no factorisation.
+/// Reason why a matrix has no factorisation.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Unfactorable {
-    /// An entry is no finite number.
+    /// An entry is not finite.
     NotFinite {
         /// Its row.
         row: usize,
@@ -27,7 +27,7 @@ pub enum Unfactorable {
     },
     /// The matrix is singular, or not positive definite.
     Singular,
-    /// The eigenvalue iteration did not end.
+    /// The eigenvalue iteration did not converge.
     NotConverged,
 }
 
@@ -50,7 +50,7 @@ impl std::error::Error for Unfactorable {}
 /// Tests the entries of a matrix of `rows` rows, stored by columns.
 ///
 /// # Errors
-/// [`Unfactorable::NotFinite`] with the first entry that is no finite number.
+/// [`Unfactorable::NotFinite`] with the first entry that is not finite.
 pub fn check(entries: &[f64], rows: usize) -> Result<(), Unfactorable> {
     if all_finite(entries) {
         return Ok(());
@@ -67,7 +67,7 @@ fn checked(matrix: DMatrix<f64>) -> Result<DMatrix<f64>, Unfactorable> {
 /// LU factors with partial pivoting.
 ///
 /// # Errors
-/// [`Unfactorable::NotFinite`]; whether the matrix is singular, `solve` tells.
+/// [`Unfactorable::NotFinite`]; singularity is detected by `solve`.
 pub fn lu(matrix: DMatrix<f64>) -> Result<LU<f64, Dyn, Dyn>, Unfactorable> {
     checked(matrix).map(LU::new)
 }
@@ -81,7 +81,7 @@ pub fn solve_mut(matrix: DMatrix<f64>, right: &mut DVector<f64>) -> Result<(), U
     if solved && all_finite(right.as_slice()) { Ok(()) } else { Err(Unfactorable::Singular) }
 }
 
-/// Solution of a small system of a size known when compiling.
+/// Solution of a small system whose size is a constant.
 ///
 /// # Errors
 /// As [`solve_mut`].
@@ -137,8 +137,8 @@ pub fn symmetric_eigen(matrix: DMatrix<f64>) -> Result<SymmetricEigen<f64, Dyn>,
     SymmetricEigen::try_new(checked(matrix)?, f64::EPSILON, limit).ok_or(Unfactorable::NotConverged)
 }
 
-/// [`symmetric_eigen`]; of a matrix that has none, NaN throughout. For operators of a body that are built by many such
-/// problems: that a scene's outputs are finite is tested when initialisation ends.
+/// [`symmetric_eigen`], with NaN throughout on failure. For operators of a body that are built from many such problems: the
+/// end of initialisation tests that a scene's outputs are finite.
 pub fn symmetric_eigen_or_nan(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> {
     let size = matrix.nrows();
     symmetric_eigen(matrix).unwrap_or_else(|_| SymmetricEigen {

@@ -1,10 +1,11 @@
-//! Panels through a layer that are graded geometrically towards one face.
+//! Panels through a layer, graded geometrically towards one face.
 
-/// Least panel at the face over the height of the layer: a field that decays faster holds less than 1e-8 of the layer.
+/// Least first panel over the height of the layer: a field that decays faster affects less than 1e-8 of the layer.
 pub const LEAST: f64 = 1e-8;
 
-/// Edges from the face (0) to less than half of `height`, the first panel of length `shortest`, or [`LEAST`] of the height where that is
-/// less or no number, and each as far from the face as `ratio` (> 1) times the one before: at most 1 + ln(1/(2 LEAST))/ln(ratio).
+/// Edges from the face (0) to less than half of `height`: the first panel has the length `shortest`, or [`LEAST`] of the
+/// height where that is larger or `shortest` is NaN, and each edge is `ratio` (> 1) times as far from the face as the one
+/// before. At most 1 + ln(1/(2 LEAST))/ln(ratio) edges.
 pub fn towards_face(shortest: f64, height: f64, ratio: f64) -> Vec<f64> {
     let first = if shortest > LEAST * height { shortest } else { LEAST * height };
     let most = (0.5 / LEAST).ln() / ratio.ln();

@@ -1,4 +1,4 @@
-//! Numerical tools that every part of the physics shares.
+//! Numerical tools shared by all parts of the physics.
 
 pub mod acceleration;
 pub mod dense;

@@ -1,7 +1,7 @@
-//! Maxima that keep a NaN.
+//! Maxima that propagate NaN.
 //!
-//! `f64::max` returns its other argument where one is no number, so a norm built with it takes an iteration that has
-//! produced a NaN for converged. Every residual, error and convergence norm is built with these instead.
+//! `f64::max` ignores a NaN argument, so a norm built with it takes an iteration that has produced a NaN for converged.
+//! Every residual, error and convergence norm is built with these functions instead.
 
 /// The larger of two numbers; NaN if either is.
 #[inline(always)]
@@ -11,15 +11,14 @@ pub fn maximum(left: f64, right: f64) -> f64 {
     if left > right || left.is_nan() { left } else { right }
 }
 
-/// The maximum norm of `values`, which are not below 0; 0 of none, NaN if one of them is.
+/// Maximum norm of the non-negative `values`; 0 if empty, NaN if one of them is.
 #[inline]
 #[must_use]
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, maximum)
 }
 
-/// Whether all numbers are finite. One sum of products with 0, which are NaN where a number is not finite: no branch for
-/// every number.
+/// Whether all numbers are finite, by one sum of products with 0, which are NaN for infinite or NaN numbers: branch-free.
 #[inline(always)]
 #[must_use]
 pub fn all_finite(values: &[f64]) -> bool {

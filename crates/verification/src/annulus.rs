@@ -1,5 +1,5 @@
-//! Heat on the cells of an annular contact: conduction along the radius, growth of bands, and agreement with the lumped level
-//! where nothing depends on the radius.
+//! Heat on the cells of an annular contact: conduction along the radius, growth of pressure bands, and agreement with the
+//! lumped level in cases that are independent of the radius.
 
 use super::driver::Driven;
 use super::{Problem, known};
@@ -23,7 +23,7 @@ pub(super) fn problems() -> Vec<Problem> {
 const WIDTH: f64 = 0.04;
 const IRON: (f64, f64) = (54.0, 7200.0 * 460.0);
 
-/// A thin ring of iron of 60 to 100 mm, closed but for the contact.
+/// A thin ring of iron of 60 to 100 mm, insulated except for the contact.
 fn conduction(all: &mut Vec<Problem>) {
     for (name, mate) in [("ring", false), ("mate of an annulus", true)] {
         let exact = parted_ring();
@@ -55,7 +55,7 @@ fn parted_ring() -> (f64, f64) {
     let radius = |edge: usize| MEAN_RADIUS + cells.edges()[edge];
     let ring =
         PartedRing { radii: [radius(0), radius(PARTING), radius(CELLS)], conductance: IRON.0 * HEIGHT, flux: 1e4 };
-    // Above the mean through an insulated height the face is hotter by q h/(3 K).
+    // Through an insulated height the temperature of the face exceeds the mean by q h/(3 K).
     let through = (ring.outer_flux() - ring.flux) * HEIGHT / (3.0 * IRON.0);
     (ring.rise(radius(CELLS - 1), radius(CELLS)) - ring.rise(radius(0), radius(1)) + through, ring.outer_flux())
 }
@@ -79,7 +79,7 @@ fn parted(mate: bool) -> Result<f64, String> {
     let around = Surroundings::default();
     let mut state = vec![0.0; heat.states()];
     let (mut temperature, mut distortion) = (vec![0.0; CELLS], vec![0.0; CELLS]);
-    // Long against the conduction along the ring.
+    // Long against the time of conduction along the ring.
     heat.prepare(1e6, [0.0; 2]);
     heat.advance(&mut state, &around, &flux, &flux);
     heat.free_response(&state, &around, Stage::End, &flux, &mut temperature, &mut distortion);
@@ -111,8 +111,8 @@ fn iron() -> [(&'static str, f64); 7] {
     ]
 }
 
-/// Columns of iron that slide on a rigid insulator, at 1.5 times the speed at which bands begin to grow on a straight
-/// contact of the same width.
+/// Columns of iron that slide on a rigid insulator, at 1.5 times the critical speed of pressure bands on a straight contact
+/// of the same width.
 fn bands(all: &mut Vec<Problem>) {
     let mean_radius = 0.16;
     let diffusivity = IRON.0 / IRON.1;
@@ -179,14 +179,14 @@ fn band_growth(mean_radius: f64, drive: f64, cells: usize) -> Result<f64, String
         }
         Ok(pressures)
     };
-    // Whatever the load does by itself is the same in both; what the gap itself presses stays.
+    // The effect of the load is the same in both runs; the difference is that of the gap.
     let (plain, shaped) = (run(0.0)?, run(1e-8)?);
     let [first, second, third] = std::array::from_fn(|k| shaped[k] - plain[k]);
     Ok(((third - second) / (second - first)).ln() / 8.5)
 }
 
-/// A ring so slender that nothing depends on the radius, braked by pads that cover three tenths of it: the line level
-/// against the lumped one.
+/// A ring so slender that all quantities are independent of the radius, braked by pads that cover three tenths of it: line
+/// level against lumped level.
 fn uniform(all: &mut Vec<Problem>) {
     let quantities: [(&'static str, &'static str); 4] = [
         ("contact_temperature", "rise of the contact temperature, K"),
@@ -218,7 +218,7 @@ fn slender(level: f64, variable: &str) -> Result<f64, String> {
         ("contact.faces", 2.0),
         ("contact.conductance", 2e4),
         ("contact.friction_coefficient", 0.4),
-        // Friction that would fade where it never gets: a reason to carry the heat on the cells.
+        // A friction fade far above all temperatures reached, which selects resolved heat.
         ("contact.friction_fade.factor[8]", 0.999),
         ("contact.friction_fade.temperature[8]", 4000.0),
         ("contact.friction_fade.temperature[7]", 3900.0),

@@ -1,8 +1,8 @@
-//! Scenes as users build them, with the inputs that they are driven with: what `solver.fidelity = auto` is judged by.
+//! Scenes as users build them, with their input trajectories: the test set of `solver.fidelity = auto`.
 //!
-//! Each family is a scene file, a table with a row of numbers for every scene, and a course of the inputs. The numbers are written
-//! out: rank-1 lattices over what data sheets and test benches have, rounded, so that no two rows are neighbours. `nominal.*` are
-//! what somebody would take from a data sheet: some courses stay below, some go beyond.
+//! Each family is a scene file, a table with a row of numbers for every scene, and an input trajectory. The numbers are
+//! written out: rank-1 lattices over the ranges of data sheets and test benches, rounded, so that no two rows are
+//! neighbours. `nominal.*` are typical data-sheet values: some trajectories stay below, some exceed them.
 
 mod blocks;
 mod brakes;
@@ -15,21 +15,21 @@ use sliding_contact::component::Values;
 use courses::Point;
 use scene::variables::{ValueReference, find, reference};
 
-/// Makes a course of the numbers of a scene, asked for by name.
+/// Builds an input trajectory from the numbers of a scene, by name.
 type Course = fn(&dyn Fn(&str) -> f64) -> Vec<Point>;
 
 /// Scenes of one kind.
 struct Family {
     name: &'static str,
-    /// Scene file with what all of them share.
+    /// Scene file common to all of them.
     file: &'static str,
-    /// Names of the columns: variables in their SI units, and what the course is made of.
+    /// Names of the columns: variables in their SI units, and parameters of the input trajectory.
     columns: &'static [&'static str],
     rows: &'static [&'static [f64]],
     course: Course,
 }
 
-/// A scene with its inputs.
+/// A scene with its input trajectory.
 #[derive(Clone, Debug)]
 pub struct Application {
     /// Family and number in it.
@@ -38,12 +38,12 @@ pub struct Application {
     pub starts: Box<Values>,
     /// Inputs at the communication points.
     pub course: Vec<Point>,
-    /// Other inputs there.
+    /// Other inputs at the communication points.
     pub others: Vec<(ValueReference, Vec<f64>)>,
 }
 
 impl Application {
-    /// Every input that changes, at the communication points.
+    /// All time-varying inputs at the communication points.
     pub fn inputs(&self) -> Vec<(ValueReference, Vec<f64>)> {
         let column = |at: usize| self.course.iter().map(|point| point[at]).collect();
         let own = [(reference("sliding_velocity"), column(1)), (reference("normal_load"), column(2))];
@@ -76,10 +76,10 @@ impl Family {
     }
 }
 
-/// All of them, in a fixed order.
+/// All applications, in a fixed order.
 ///
 /// # Errors
-/// What is wrong with a scene file.
+/// An invalid scene file.
 pub fn all() -> Result<Vec<Application>, String> {
     let families = [brakes::FAMILIES, blocks::FAMILIES, rotating::FAMILIES].into_iter().flatten();
     families.flat_map(|family| (0..family.rows.len()).map(|row| family.application(row))).collect()
@@ -119,7 +119,7 @@ mod tests {
                             check_parameter(reference, row[index]).unwrap();
                         }
                     }
-                    // What no course reads would be a slip of the pen.
+                    // A column that no trajectory uses is a mistake in the table.
                     None => {
                         let read = std::cell::Cell::new(false);
                         let (name, numbers) = (family.name, family.rows[0]);

@@ -6,7 +6,7 @@ use conduction::slab::{Base, CoolingPort, Slab};
 use exact::reference::root;
 use std::f64::consts::PI;
 
-/// Grey cast iron.
+/// Slab of grey cast iron.
 fn iron(height: f64, base: Base) -> Slab {
     Slab {
         height,
@@ -40,7 +40,7 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// A slab heated for so short a time that its base does not feel it: T = 2 q sqrt(t/(pi k rho c)), 84.375 K.
+/// A slab heated for so short a time that its base has no effect: T = 2 q sqrt(t/(pi k rho c)), 84.375 K.
 fn half_space(all: &mut Vec<Problem>) {
     for (time, bound, reason) in [
         (1.0, 1e-4, "reduced with a tolerance of 1e-4 of the rise over its duration of 1 s"),
@@ -58,7 +58,7 @@ fn half_space(all: &mut Vec<Problem>) {
     }
 }
 
-/// Stationary temperature under a flux for ever: the resistances h/k and 1/H in series.
+/// Stationary temperature under a constant flux: the resistances h/k and 1/H in series.
 fn steady(all: &mut Vec<Problem>) {
     for (name, base, transfer) in
         [("held base", Base::Held, f64::INFINITY), ("base convecting 200 W/(m2.K)", Base::Convecting(200.0), 200.0)]

@@ -1,4 +1,4 @@
-//! The whole component against closed forms, driven by names like the FMU.
+//! The whole component against closed forms, with variables set by name as in the FMU.
 
 use super::driver::Driven;
 use super::{Problem, known};
@@ -12,8 +12,8 @@ const HELD: f64 = 1.0;
 const CONVECTING: f64 = 2.0;
 const INSULATED: f64 = 3.0;
 
-/// Iron strip of 0.1 m2 that the punch covers all along: one-dimensional. No cooling, no wear, no fade, perfect
-/// conductance, one face; mu F v = 10 N m/s per N and m/s of mu = 1.
+/// Iron strip of 0.1 m2 that the punch covers entirely: one-dimensional. No cooling, no wear, no fade, perfect conductance,
+/// one face; mu F v = 10 N m/s per N and m/s of mu = 1.
 const COVERED: &[(&str, f64)] = &[
     ("contact.geometry", PERIODIC),
     ("punch.width", 1.0),
@@ -106,7 +106,7 @@ fn short_heating(all: &mut Vec<Problem>) {
 }
 
 fn interface(all: &mut Vec<Problem>) {
-    // Two half-spaces in contact share the heat as their effusivities.
+    // Heat partition of two half-spaces in contact: in proportion to their effusivities.
     let (punch, strip) = ((1.2_f64 * 2600.0 * 1000.0).sqrt(), (54.0_f64 * 7200.0 * 460.0).sqrt());
     let thick = [("punch.height", 0.1), ("strip.height", 0.1), ("nominal.duration", 1.0)];
     all.push(Problem {
@@ -209,7 +209,7 @@ fn balances(all: &mut Vec<Problem>) {
         bound: 1e-7,
         reason: "stationary solutions are in the reduced space; rounding where it holds many functions that look alike",
     });
-    // The strip's mean mode carries the covered part, the moving source the rest.
+    // The covered fraction is in the strip's mean mode, the rest in the moving source.
     let path = ClosedPath {
         length: 1.0,
         half_length: 0.05,
@@ -267,7 +267,7 @@ fn cooling(all: &mut Vec<Problem>) {
         bound: 1e-5,
         reason: "the body's own Biot number, 1e-6, and the rounding of the eigenvalues",
     });
-    // The same by its sides in moving air: H = H1 (v_c/v0)^0.8, v_c = 3 m/s, v0 = 1 m/s.
+    // Cooled on its sides by moving air: H = H1 (v_c/v0)^0.8, v_c = 3 m/s, v0 = 1 m/s.
     let forced = transfer * 3.0_f64.powf(0.8);
     all.push(Problem {
         name: "component: body of uniform temperature in moving air".into(),
@@ -293,7 +293,7 @@ fn cooling(all: &mut Vec<Problem>) {
         bound: 1e-4,
         reason: OWN_TOLERANCE,
     });
-    // epsilon sigma (T^4 - Ta^4) = q at the surface that takes the heat; its base passes none.
+    // epsilon sigma (T^4 - Ta^4) = q at the heated surface; the base is insulated.
     let flux = 2e4;
     let equilibrium = (flux / (0.8 * STEFAN_BOLTZMANN) + 300.0_f64.powi(4)).powf(0.25);
     all.push(Problem {

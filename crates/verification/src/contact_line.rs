@@ -19,7 +19,7 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// A deviation that ought to be none.
+/// A deviation whose exact value is zero.
 pub(super) fn deviation(
     name: String,
     quantity: &'static str,
@@ -30,7 +30,7 @@ pub(super) fn deviation(
     Problem { name, quantity, exact: known(0.0), scale: Some(1.0), compute: Box::new(compute), bound, reason }
 }
 
-/// The formulas of the layer as they are written in the literature, with hyperbolic functions.
+/// Kernels of the layer as published, with hyperbolic functions.
 fn written_kernels(base: Base, u: f64) -> (f64, f64) {
     let kappa: f64 = 3.0 - 4.0 * NU;
     let squeezed: f64 = 1.0 - 2.0 * NU;
@@ -123,7 +123,7 @@ fn flat_error(count: usize, friction: f64) -> Result<f64, String> {
     Ok(largest_error(&cells, &computed, |x| exact.carried(x), HALF_WIDTH, LOAD / (2.0 * HALF_WIDTH)))
 }
 
-/// Hertz contact over `share` of the zone.
+/// Hertz contact over the fraction `share` of the zone.
 fn hertz_error(count: usize, share: f64) -> Result<f64, String> {
     let cells = Cells::graded(HALF_WIDTH, count).map_err(|error| error.to_string())?;
     let modulus = 200e9 / (1.0 - NU * NU);

@@ -1,10 +1,10 @@
-//! The component as the problems drive it: by names.
+//! Component driver of the verification problems, with variables by name.
 
 use scene::variables::{STARTS, ValueReference, find};
 use sliding_contact::component::{Component, Values};
 use std::sync::Arc;
 
-/// An initialised component, addressed by names.
+/// An initialised component with variables by name.
 pub struct Driven(Component);
 
 fn reference(name: &str) -> Result<ValueReference, String> {
@@ -12,10 +12,10 @@ fn reference(name: &str) -> Result<ValueReference, String> {
 }
 
 impl Driven {
-    /// The stock scene with these start values instead of its own, initialised.
+    /// The stock scene with changed start values, initialised.
     pub fn new(changes: &[(&str, f64)]) -> Result<Driven, String> {
         let mut starts: Values = STARTS;
-        // Problems say what level they are about; what does not is about the lumped one.
+        // Problems at another level select it; the default is the lumped one.
         starts[reference("solver.fidelity")? as usize] = 2.0;
         for (name, value) in changes {
             starts[reference(name)? as usize] = *value;

@@ -1,10 +1,9 @@
-//! Scenes driven over time whose course is known: what the charts of accuracy against cost, their tests and the examples
-//! share.
+//! Scenes with input trajectories and known solutions, shared by the charts of accuracy against cost, their tests and the
+//! examples.
 //!
-//! A [`DriveProblem`] is a scene with its inputs over time, the times at which it is judged, and its truth: a closed form
-//! or an integral equation, or a run that is far finer than all that are judged. A [`Setting`] is one way to solve it; what
-//! comes out is a [`Record`], whose [`Errors`] are those of the quantities that users ask for. Time is taken with the
-//! clock that the caller brings.
+//! A [`DriveProblem`] is a scene with its inputs over time, its sample times, and its truth: a closed form, an integral
+//! equation, or a run far finer than all judged ones. A [`Setting`] is one way to solve it; the result is a [`Record`],
+//! whose [`Errors`] are those of the main output quantities. Time is measured with the caller's clock.
 
 mod brake;
 mod clutch;
@@ -21,7 +20,7 @@ use scene::{Fidelity, Scheme};
 use sliding_contact::component::Values;
 use std::fmt;
 
-/// What a run is judged by.
+/// Judged quantity of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Quantity {
     /// Wear depth, m.
@@ -35,10 +34,10 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// All of them, in the order of a [`Sample`].
+    /// All quantities, in the order of a [`Sample`].
     pub const ALL: [Self; 4] = [Self::WearDepth, Self::ContactTemperature, Self::FrictionForce, Self::PeakPressure];
 
-    /// What its error is relative to.
+    /// Reference quantity of its error.
     pub fn relative_to(self) -> &'static str {
         match self {
             Self::ContactTemperature => "peak rise",
@@ -72,29 +71,29 @@ impl Errors {
         self.0[quantity as usize]
     }
 
-    /// The largest error of wear depth, contact temperature and friction force: what `solver.tolerance` is about.
+    /// Largest error of wear depth, contact temperature and friction force, to which `solver.tolerance` refers.
     pub fn of_main_outputs(&self) -> f64 {
         self.0[..3].iter().copied().fold(0.0, f64::max)
     }
 }
 
-/// One way to solve a problem.
+/// Solver settings of a run.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Setting {
-    /// Level of the model.
+    /// Model level.
     pub fidelity: Fidelity,
-    /// Time stepping.
+    /// Time stepping scheme.
     pub scheme: Scheme,
     /// `solver.tolerance`.
     pub tolerance: f64,
-    /// Cells of the contact line; 0: chosen.
+    /// Number of cells of the contact line; 0: chosen automatically.
     pub cells: usize,
     /// Communication step, s; infinite: from sample to sample.
     pub step: f64,
     /// Order of the inputs within a step: held (0) or with their derivatives (1).
     pub order: u8,
-    /// Heat. Without it both bodies are insulators that slide without friction: temperature and friction force are not
-    /// judged. Only for a [`DriveProblem::isothermal`].
+    /// Whether heat is modelled. Without it both bodies are insulators that slide without friction: temperature and friction
+    /// force are not judged. Only for a [`DriveProblem::isothermal`].
     pub heat: bool,
 }
 
@@ -130,25 +129,25 @@ impl fmt::Display for Setting {
 
 type Course = Box<dyn Fn(&[f64]) -> Result<Vec<Sample>, String>>;
 
-/// What the runs are judged against.
+/// Reference solution of the runs.
 pub enum Truth {
-    /// Known without the model under test.
+    /// Solution independent of the model under test.
     Exact {
-        /// How, with the source.
+        /// Derivation, with the source.
         how: &'static str,
         /// Samples at the given times.
         course: Course,
     },
-    /// The first of these runs that the component accepts and that ends within the caller's budget: finer in every
-    /// respect than all that are judged.
+    /// The first of these runs that the component accepts and that ends within the caller's budget: finer in every respect
+    /// than all judged runs.
     Finest(Vec<Setting>),
 }
 
-/// A scene with its inputs, its judgement and its truth.
+/// A scene with its input trajectory, sample times and truth.
 pub struct DriveProblem {
     /// Name on the command line and of the files.
     pub name: &'static str,
-    /// What it is, in one line.
+    /// Description in one line.
     pub title: &'static str,
     /// Its data, in one or two lines.
     pub data: &'static str,
@@ -156,29 +155,29 @@ pub struct DriveProblem {
     pub starts: Values,
     /// Sliding velocity (m/s) and normal load (N) at a time (s).
     pub inputs: Schedule,
-    /// The communication step that an importer would take, s.
+    /// Typical communication step of an importer, s.
     pub step: f64,
-    /// Communication steps that are compared, s, from coarse to fine.
+    /// Compared communication steps, s, from coarse to fine.
     pub steps: Vec<f64>,
-    /// Times at which runs are judged, s, ascending; the last ends the run.
+    /// Sample times, s, ascending; the last ends the run.
     pub samples: Vec<f64>,
-    /// What they are judged against.
+    /// Reference solution.
     pub truth: Truth,
-    /// Why the truth is known no better.
+    /// Reason for the accuracy of the truth.
     pub reason: &'static str,
-    /// Wear and pressure know nothing of heat and friction force, so that heat may be switched off.
+    /// Wear and pressure are independent of heat and friction force, so that heat may be switched off.
     pub isothermal: bool,
 }
 
-/// Every problem, in the order in which charts show them.
+/// All problems, in the order of the charts.
 ///
 /// # Errors
-/// Where a scene that the problems are made from does not exist.
+/// A missing scene file.
 pub fn problems() -> Result<Vec<DriveProblem>, String> {
     Ok(vec![pin::problem()?, punch::cold()?, punch::hot()?, brake::stop()?, brake::cycle()?, clutch::problem()?])
 }
 
-/// The table's start values with these changes.
+/// Start values of the variable table with these changes.
 fn starts(scene: Option<&Values>, changes: &[(&str, f64)]) -> Result<Values, String> {
     let mut starts = *scene.unwrap_or(&STARTS);
     for (name, value) in changes {

@@ -1,4 +1,4 @@
-//! The strip along the contact line: moving bands cell by cell against Jaeger, image sums and plain Fourier sums.
+//! The strip along the contact line: moving bands resolved on the cells against Jaeger, image sums and plain Fourier sums.
 
 use super::{Problem, known};
 use conduction::lateral::Lateral;
@@ -10,7 +10,7 @@ use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_me
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
-/// Steps longer than any memory: the response is the steady one.
+/// Step longer than all transients: the response is the steady one.
 const FOR_EVER: f64 = 1e12;
 
 fn refused(error: impl std::fmt::Display) -> String {
@@ -58,7 +58,7 @@ fn mean(cells: &Cells, values: &[f64]) -> f64 {
     cells.integral(values) / (2.0 * cells.half_width())
 }
 
-/// Largest value over the contact and where it is.
+/// Largest value over the contact and its position.
 fn maximum(cells: &Cells, values: &[f64]) -> (f64, f64) {
     let points = (0..=20_000).map(|k| -1.0 + 1e-4 * f64::from(k));
     points
@@ -78,9 +78,9 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over his images.
+/// Jaeger (1942) on a layer so high that it is a half-plane, and on low layers against the sum over images.
 fn jaeger(all: &mut Vec<Problem>) {
-    // A slow band heats so deep and far that steps of a tenth of its thermal time would need too many waves.
+    // Heat of a slow band spreads so far that steps of a tenth of its thermal time would need too many Fourier modes.
     let slow = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4, way: f64::INFINITY };
     let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
     for (peclet, height, cells, path, resolution) in [
@@ -103,7 +103,7 @@ fn jaeger(all: &mut Vec<Problem>) {
     }
 }
 
-/// A square on a half-space, whose heat spreads to both sides, against the history integral of what every instant has left under it.
+/// A square on a half-space with lateral conduction to both sides, against the history integral of the instantaneous sources.
 fn squares(all: &mut Vec<Problem>) {
     let fast = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
     for (peclet, height, cells, path, resolution) in
@@ -126,7 +126,7 @@ fn squares(all: &mut Vec<Problem>) {
     }
 }
 
-/// Maximum, its place and mean of a moving band from one steady answer on the cells.
+/// Maximum, its position and mean of a moving band from one steady response on the cells.
 fn moving_band(
     all: &mut Vec<Problem>,
     peclet: f64,
@@ -138,7 +138,7 @@ fn moving_band(
         Some((height, LayerBase::Held)) => format!("layer of {height} l, held base"),
         Some((height, LayerBase::Insulated)) => format!("layer of {height} l, insulated base"),
     };
-    // One body answers all three.
+    // One solution serves all three.
     let solved: Arc<OnceLock<Result<[f64; 3], String>>> = Arc::default();
     let solve = move || {
         let (cells, values) = steady()?;
@@ -183,7 +183,7 @@ fn moving_band(
     });
 }
 
-/// Fresh material: the image sum, at every speed.
+/// Unidirectional on fresh material: the image sum, at every speed.
 fn unidirectional(all: &mut Vec<Problem>) {
     for (base, label, height) in
         [(LayerBase::Held, "held", 0.4), (LayerBase::Held, "held", 40.0), (LayerBase::Insulated, "insulated", 2.0)]
@@ -207,7 +207,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
     }
 }
 
-/// Fresh material at velocities wherever they lie among the table's knots.
+/// Unidirectional on fresh material at velocities between the nodes of the velocity table.
 fn between_knots(all: &mut Vec<Problem>) {
     const HEIGHT: f64 = 2.0;
     const COUNT: usize = 24;
@@ -238,7 +238,7 @@ fn between_knots(all: &mut Vec<Problem>) {
     }
 }
 
-/// Brake disc: what the contact is hotter than the disc's mean, against the plain Fourier sum.
+/// Brake disc: excess temperature of the contact over the disc's mean, against the plain Fourier sum.
 fn closed_paths(all: &mut Vec<Problem>) {
     let (conductivity, capacity) = (54.0, 7200.0 * 460.0);
     for velocity in [0.01, 1.0, -1.0, 30.0] {
@@ -250,7 +250,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
             diffusivity: conductivity / capacity,
             base: LayerBase::Held,
         };
-        // The mean wave's own part is the flux over the period through the layer.
+        // Contribution of the mean mode: the flux over the period through the layer.
         let uniform = 2.0 * path.half_length / path.length * path.height / conductivity;
         all.push(Problem {
             name: format!("brake disc by cells, held base, plain Fourier sum, {velocity} m/s"),
@@ -310,7 +310,7 @@ fn oscillating(all: &mut Vec<Problem>) {
     }
 }
 
-/// A steadily heated half-plane curves by alpha (1+nu) q/K.
+/// A steadily heated half-plane has the curvature alpha (1+nu) q/K.
 fn distortion(all: &mut Vec<Problem>) {
     all.push(Problem {
         name: "thermal distortion of a half-plane under a uniform flux at rest".into(),

@@ -70,11 +70,11 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// How the flux goes in time.
+/// Flux as a function of time.
 type Course = fn(f64) -> f64;
 
-/// Largest differences of temperature and distortion, relative to those by a uniform flux of 1 over the duration, at the ends
-/// of runs of 40 steps each.
+/// Largest differences of temperature and distortion, relative to those by a uniform flux of 1 over the duration, at the
+/// ends of runs of 40 steps each.
 fn differences(course: Course, steps: &[f64]) -> Result<[f64; 2], String> {
     let cells = Cells::graded(HALF_WIDTH, CELLS).map_err(|error| error.to_string())?;
     let scene = scene()?;

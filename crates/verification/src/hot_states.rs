@@ -1,4 +1,4 @@
-//! Steady states with heat found directly, and jumps over cycles, against Fourier sums, time stepping and Galin's relaxation.
+//! Direct solutions for steady states with heat, and cycle jumps, against Fourier sums, time stepping and Galin's relaxation.
 
 use super::driver::Driven;
 use super::{Problem, known};
@@ -18,7 +18,7 @@ const CLOSED: f64 = 2.0;
 const INSULATED: f64 = 3.0;
 const AMBIENT: f64 = 293.15;
 
-/// Steel on steel, 6 mm wide and high: heat settles within seconds.
+/// Steel on steel, 6 mm wide and high: thermal transients end within seconds.
 const SMALL: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
     ("solver.cells", 17.0),
@@ -102,7 +102,7 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// A run-in punch that takes no heat on a ring: uniform pressure and flux.
+/// A run-in insulating punch on a ring: uniform pressure and flux.
 fn closed_paths(all: &mut Vec<Problem>) {
     for velocity in [0.01, 1.0, 30.0] {
         let path = ClosedPath {
@@ -138,7 +138,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
     }
 }
 
-/// The line level stepped one way for as long as it takes.
+/// The line level in unidirectional sliding, stepped to the steady state.
 fn unidirectional(all: &mut Vec<Problem>) {
     let way: &[(&str, f64)] = &[("nominal.stroke", 0.0), ("nominal.velocity", 0.05), ("nominal.duration", 400.0)];
     for (name, changes) in [
@@ -170,7 +170,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
     }
 }
 
-/// The line level stepped to and fro until its cycle is steady.
+/// The line level in reciprocating sliding, stepped to the steady cycle.
 fn reciprocating(all: &mut Vec<Problem>) {
     for (quantity, scale, bound) in [
         ("peak pressure at the end of a half-stroke, Pa", None, 1e-3),

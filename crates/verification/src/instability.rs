@@ -16,9 +16,9 @@ pub(super) fn problems() -> Vec<Problem> {
     all
 }
 
-/// A disc of 11 mm between two thick pads (K. Lee, J. R. Barber, J. Tribology 115 (1993) 607-614), one wave of 80 1/m round it: the speed
-/// from which it grows bent, and that of two thick bodies. Known values by Simpson's rule through the depth on the stress
-/// function of the bent layer, and bisection.
+/// A disc of 11 mm between two thick pads (K. Lee, J. R. Barber, J. Tribology 115 (1993) 607-614), one wave of 80 1/m along
+/// its circumference: its critical speed in the antisymmetric (bending) mode, and that of two thick bodies. Exact values by
+/// Simpson's rule through the depth on the stress function of the layer in bending, and bisection.
 fn disc(all: &mut Vec<Problem>) {
     for (name, half_thickness, exact) in [("11 mm", 5.5e-3, 8.9107), ("1 m", 0.5, 178.53)] {
         all.push(Problem {
@@ -66,7 +66,7 @@ fn disc(all: &mut Vec<Problem>) {
 fn growth(all: &mut Vec<Problem>) {
     for coupled in [false, true] {
         for (ratio, step, count) in [(0.5, 0.1, 120), (1.0, 0.05, 160), (2.0, 0.02, 160), (5.0, 0.005, 260)] {
-            // A wave that decays needs an amplitude to decay from.
+            // A decaying wave needs a larger initial amplitude.
             let gap = if ratio < 1.0 { 1e-12 } else { 1e-14 };
             let scene = WaveScene { coupled, gap, ..WaveScene::new(32) };
             let exact = scene.exact(ratio).re;
@@ -86,12 +86,12 @@ fn growth(all: &mut Vec<Problem>) {
     }
 }
 
-/// The speed at which a wearing half-plane begins to grow waves, and how fast they oscillate there.
+/// The speed at the onset of growing waves on a wearing half-plane, and their frequency there.
 fn threshold(all: &mut Vec<Problem>) {
     const REASON: &str =
         "cells that make wear (pi/N)^2/3 too strong, 8e-4 for 64 and 2e-4 for 128; steps of second order";
     for (wear, cells, duration) in [(0.1, 64, 9.0), (1.0, 128, 6.0)] {
-        // One run answers both.
+        // One run gives both.
         let solved: Arc<OnceLock<Result<(f64, f64), String>>> = Arc::default();
         let found = move || {
             let solve = || wear_speed::threshold(&WaveScene { wear, ..WaveScene::new(cells) }.build()?, duration);
@@ -120,8 +120,8 @@ fn threshold(all: &mut Vec<Problem>) {
 }
 
 /// An insulated slab of the thickness L that wears between rigid plates at fixed approach:
-/// `p = p0 exp{(M V/L) [alpha' mu/(rho c) - k] t}`, M = E (1-nu)/((1+nu)(1-2nu)), alpha' = alpha (1+nu)/(1-nu), whatever
-/// its conductivity, for only its mean temperature counts. The plates are the rigid strip and a caliper 10^7 times as stiff
+/// `p = p0 exp{(M V/L) [alpha' mu/(rho c) - k] t}`, M = E (1-nu)/((1+nu)(1-2nu)), alpha' = alpha (1+nu)/(1-nu), whatever its
+/// conductivity, because only its mean temperature matters. The plates are the rigid strip and a caliper 10^7 times as stiff
 /// as the slab.
 fn slab(all: &mut Vec<Problem>) {
     let (friction, expansion, nu, e) = (0.4, 12e-6, 0.25, 125e9);

@@ -1,4 +1,4 @@
-//! Time stepping of the worn shape.
+//! Time integration of the worn shape.
 
 use contact::wear::line::{CellRate, Conditions, StageError, WearingContact, explicit_limit};
 use contact::{ContactState, Normal, Tilt};
@@ -13,27 +13,27 @@ pub enum Scheme {
     Sdirk2,
     /// Implicit Euler: first order, L-stable.
     ImplicitEuler,
-    /// Explicit Euler, for comparison: refused beyond its stability bound.
+    /// Explicit Euler, for comparison: an error beyond its stability bound.
     ExplicitEuler,
 }
 
-/// Why a step was not done.
+/// Reason why a step failed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StepError {
     /// A stage has no solution.
     Stage(StageError),
     /// An explicit step beyond the stability bound.
     Unstable {
-        /// The step asked for.
+        /// The requested step.
         step: f64,
-        /// The longest stable one.
+        /// The longest stable step.
         limit: f64,
     },
-    /// The error control needs steps shorter than rounding allows.
+    /// The error control needs steps below rounding of the time.
     StepTooShort {
         /// Time reached.
         time: f64,
-        /// Step refused.
+        /// Rejected step.
         step: f64,
     },
 }
@@ -58,7 +58,7 @@ impl fmt::Display for StepError {
 
 impl std::error::Error for StepError {}
 
-/// What an integration took.
+/// Work of an integration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report {
     /// Steps accepted.
@@ -67,22 +67,23 @@ pub struct Report {
     pub rejected: usize,
 }
 
-/// Conditions at a time, written over those of another time.
+
+/// Callback that overwrites the conditions with those of a time.
 pub type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);
 
 /// Integrator of the worn depths `dw/dt = f(p(w, t))`, N cells.
 ///
-/// Conditions are asked for at the times of the stages, so load and speed may vary within a step; the direction must
-/// not change within one: end a step at every reversal. They are written into memory of the integrator, which is the
-/// same at every call, so that what does not change need not be written again. Nothing is allocated after construction,
-/// except for the bound of explicit steps.
+/// Conditions are evaluated at the stage times, so load and speed may vary within a step; the direction must not change
+/// within one: a step ends at every reversal. They are written into the integrator's memory, which is the same at every
+/// call, so that unchanged entries need not be written again. No allocation after construction, except for the stability
+/// bound of explicit steps.
 #[derive(Clone, Debug)]
 pub struct Integrator {
     /// The scheme.
     pub scheme: Scheme,
-    /// Bound of the error of one step, relative to the elastic displacement scale; see [`Integrator::advance`].
+    /// Tolerance of the error of one step, relative to the elastic displacement scale; see [`Integrator::advance`].
     pub tolerance: f64,
-    /// Step proposed for the next call of [`Integrator::advance`], in s; 0: none yet.
+    /// Step size proposed for the next call of [`Integrator::advance`], in s; 0: none yet.
     pub next_step: f64,
     conditions: Conditions,
     error: Vec<f64>,
@@ -194,14 +195,14 @@ impl Integrator {
         contact.stage_into(&self.gap, tau, &self.conditions, state)
     }
 
-    /// Advances by `duration` with steps chosen by the embedded error estimate (the second-order scheme only; the
-    /// others take one step).
+    /// Advances by `duration` with steps chosen by the embedded error estimate (the second-order scheme only; the others
+    /// take one step).
     ///
     /// The estimate is first order, so its root mean square over the zone is of the size of the step's curvature
-    /// `h^2 w''/5`; it is held below `tolerance` times the displacement of the cells under a pressure that varies linearly
-    /// across the zone by the mean pressure, the elastic scale of the shape. The solution itself is second order: its
-    /// error falls in proportion to the tolerance. Step lengths are the duration divided by powers of two, so that a
-    /// factorisation serves many steps.
+    /// `h^2 w''/5`. It is held below `tolerance` times the elastic scale of the shape, the displacement of the cells under a
+    /// pressure that varies linearly across the zone by the mean pressure. The solution itself is second order: its error is
+    /// proportional to the tolerance. Step sizes are the duration divided by powers of two, so that a factorisation serves
+    /// many steps.
     pub fn advance(
         &mut self,
         contact: &mut WearingContact,
@@ -250,7 +251,7 @@ impl Integrator {
                 self.next_step = step;
                 return Ok(Report { steps, rejected });
             }
-            // Twice the step where it fits the binary grid and the estimate, four times this one, leaves a margin.
+            // The step is doubled where it fits the binary grid and the estimate, which quadruples, leaves a margin.
             while level > 0 && error * 4.0 < 0.7 * bound && done.is_multiple_of(1 << (DEEPEST - level + 1)) {
                 level -= 1;
                 if error * 16.0 > 0.7 * bound {
@@ -278,7 +279,7 @@ impl Integrator {
         contact.add_displacement(self.conditions.signed_friction, &self.base, &mut self.error);
         let square: f64 = self.error.iter().zip(contact.cells().widths()).map(|(u, c)| u * u * c).sum();
         let scale = (square / (2.0 * half_width)).sqrt();
-        // Out of contact nothing wears, and any positive scale will do.
+        // Nothing wears out of contact, so any positive scale is valid.
         Ok(if scale > 0.0 { scale } else { f64::INFINITY })
     }
 
@@ -290,5 +291,5 @@ impl Integrator {
     }
 }
 
-/// Finest step: the duration over two to this power.
+/// Exponent of the finest step: the duration over two to this power.
 const DEEPEST: u32 = 40;

@@ -1,8 +1,8 @@
-//! Problems with a known answer: what `cargo fmu verify` prints, and what the tests assert.
+//! Verification problems with exact solutions, printed by `cargo fmu verify` and asserted by the tests.
 //!
-//! Each [`Problem`] carries its exact value with the derivation or the source, the computation, a bound
-//! on the error and the reason why the bound is what it is. Exact values never come from the code that
-//! they judge: closed forms stand here, and the rest is computed in [`reference`] by another method.
+//! Each [`Problem`] has its exact value with the derivation or the source, the computation, a bound of the error and the
+//! reason for that bound. Exact values are independent of the code under test: closed forms are here, the others are
+//! computed in [`reference`] by another method.
 
 mod annulus;
 pub mod applications;
@@ -30,21 +30,21 @@ use std::time::Instant;
 
 type Value = Box<dyn Fn() -> Result<f64, String>>;
 
-/// A problem with a known answer.
+/// A problem with an exact solution.
 pub struct Problem {
-    /// What is solved, with its parameters.
+    /// Description, with the parameters.
     pub name: String,
-    /// What is compared, with its unit.
+    /// Compared quantity, with its unit.
     pub quantity: &'static str,
-    /// The known value, by closed form or by a method of its own.
+    /// Exact value, by closed form or by an independent method.
     pub exact: Value,
-    /// What the error is relative to; `None`: the exact value. Temperatures: the peak rise, K.
+    /// Scale of the error; `None`: the exact value. Temperatures: the peak rise, K.
     pub scale: Option<f64>,
     /// The value under test.
     pub compute: Value,
-    /// Largest relative error.
+    /// Bound of the relative error.
     pub bound: f64,
-    /// Why the bound is not smaller.
+    /// Reason why the bound is not smaller.
     pub reason: &'static str,
 }
 
@@ -55,9 +55,9 @@ pub struct Row {
     pub problem: String,
     /// [`Problem::quantity`].
     pub quantity: &'static str,
-    /// The known value.
+    /// Exact value.
     pub exact: f64,
-    /// The value under test.
+    /// Value under test.
     pub computed: f64,
     /// |computed - exact| relative to [`Problem::scale`]; infinite where a value is not finite.
     pub error: f64,
@@ -78,7 +78,7 @@ impl Problem {
     /// Solves the problem.
     ///
     /// # Errors
-    /// What the model says where it does not accept the problem or fails on the way.
+    /// The model refuses the problem or fails.
     pub fn solve(&self) -> Result<Row, String> {
         let named = |text: String| format!("{}: {text}", self.name);
         let exact = (self.exact)().map_err(named)?;
@@ -98,7 +98,7 @@ impl Problem {
     }
 }
 
-/// Every problem, in the order in which it is printed.
+/// All problems, in printing order.
 pub fn problems() -> Vec<Problem> {
     let mut all = bodies::problems();
     all.extend(moving_source::problems());
@@ -116,7 +116,7 @@ pub fn problems() -> Vec<Problem> {
     all
 }
 
-/// A value known in advance.
+/// A constant value.
 fn known(value: f64) -> Value {
     Box::new(move || Ok(value))
 }

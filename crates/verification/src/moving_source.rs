@@ -1,4 +1,4 @@
-//! The strip's local heating: exact kernels against the quadrature in real space and the plain Fourier sum.
+//! Local heating of the strip: exact kernels against the quadrature in real space and the plain Fourier sum.
 
 use super::{Problem, known};
 use conduction::flash::Flash;
@@ -90,7 +90,7 @@ fn layers(all: &mut Vec<Problem>) {
     }
 }
 
-/// Closed paths: the plain Fourier sum, and the table over the speed that the time step uses.
+/// Closed paths: the plain Fourier sum, and the velocity table of the time step.
 fn closed_paths(all: &mut Vec<Problem>) {
     let diffusivity = 54.0 / (7200.0 * 460.0);
     for (base, label) in [(LayerBase::Held, "held"), (LayerBase::Insulated, "insulated")] {

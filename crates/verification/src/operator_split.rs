@@ -1,6 +1,7 @@
-//! Thermoelastic growth under the operator split, in full periodic contact of one conducting half-plane with a rigid insulator.
+//! Thermoelastic growth under the operator split, in full periodic contact of one conducting half-plane with a rigid
+//! insulator.
 //!
-//! A distortion that comes one step of tau late lets a pressure wave of the number m grow by `g = exp(b tau)` per step with
+//! With the distortion delayed by one step of tau, a pressure wave of wave number m grows by `g = exp(b tau)` per step with
 //! `z (1 + z) = 2 R/g`, `z^2 = 1 + (1 - 1/g)/(tau kd m^2)`, R the speed over `2 K m (1 - nu)/(mu E alpha)`: more slowly than
 //! the exact `z (1 + z) = 2 R`, `z^2 = 1 + b/(kd m^2)`, at first order in tau.
 
@@ -9,7 +10,7 @@ use super::{Problem, known};
 
 const RATIO: f64 = 5.0;
 
-/// Growth rate in 1/s of the longest wave in steps of `step` s: how many, and how many of these are counted.
+/// Growth rate in 1/s of the longest wave in steps of `step` s: number of steps, and number of those that are evaluated.
 fn growth(step: f64, [steps, counted]: [usize; 2]) -> Result<f64, String> {
     let contact = WaveScene { scheme: 2.0, ..WaveScene::new(32) }.build()?;
     Ok(contact.growth(RATIO, step * unit(), steps, counted)?.re * unit())

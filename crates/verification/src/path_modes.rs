@@ -1,7 +1,7 @@
-//! The layer under a closed path in its exact modes: transients by plain sums, and what simple time schemes make of them.
+//! Exact modes of the layer under a closed path: transients by plain sums, and the results of simple time schemes for them.
 //!
-//! In the punch's frame the temperature of a layer with a held base is a sum over waves `q = 2 pi n/L` and depth modes
-//! `beta_k = (k + 1/2) pi/h`, each of which decays and turns by itself,
+//! In the punch's frame the temperature of a layer with a held base is a sum over Fourier modes `q = 2 pi n/L` and depth
+//! modes `beta_k = (k + 1/2) pi/h`, each of which decays and rotates in phase independently,
 //!
 //! ```text
 //! dx/dt = -lambda x + f(t),   lambda = kd (beta^2 + q^2) - i q v,   mean over the contact = sum of weight Re x
@@ -24,8 +24,8 @@ pub struct PathModes {
 }
 
 impl PathModes {
-    /// Of `path`, whose base is held, with `waves` waves and `depths` modes through the depth; what is beyond follows
-    /// without delay.
+    /// Modes of `path`, whose base is held: `waves` Fourier modes and `depths` modes through the depth; those beyond are
+    /// quasi-static.
     pub fn new(path: &ClosedPath, velocity: f64, waves: u32, depths: u32) -> PathModes {
         assert_eq!(path.base, LayerBase::Held, "the modes are those of a held base");
         let capacity = path.conductivity / path.diffusivity;
@@ -55,9 +55,8 @@ impl PathModes {
         self.rate.iter().zip(&self.weight).map(|(&rate, weight)| weight * value(rate).re).sum()
     }
 
-    /// Mean over the contact after `count` steps of `step` (s) from the state that is steady for a flux of 1 at the
-    /// opposite velocity (`reversed`), or from rest, with the flux `flux`. A mode is multiplied by `factor(lambda h)` per
-    /// step.
+    /// Mean over the contact after `count` steps of `step` (s) with the flux `flux`, from rest or (`reversed`) from the
+    /// steady state for a flux of 1 at the opposite velocity. A mode is multiplied by `factor(lambda h)` per step.
     pub fn after(
         &self,
         reversed: bool,
@@ -74,7 +73,7 @@ impl PathModes {
     }
 }
 
-/// exp(-z): no error.
+/// exp(-z): exact propagation.
 pub fn exact(z: Complex<f64>) -> Complex<f64> {
     (-z).exp()
 }
@@ -105,14 +104,14 @@ mod tests {
         };
         for velocity in [0.0, 3.0] {
             let modes = PathModes::new(&path, velocity, 200, 400);
-            // At once: nothing but what is beyond the modes, which falls like the root of their number.
+            // Direct feedthrough: only the modes beyond, whose sum falls like the square root of their number.
             let early = modes.after(false, 1.0, 1e-12, 1, exact);
             assert!(early.abs() < 1e-2 * modes.steady(), "{early} {}", modes.steady());
-            // A half-space at short times: 2 sqrt(t/pi) but at the edges.
+            // A half-space at short times: 2 sqrt(t/pi) except at the edges.
             let short = modes.after(false, 1.0, 1e-3, 1, exact);
             assert!((short / (2.0 * (1e-3 / PI).sqrt()) - 1.0).abs() < 0.05, "{short}");
             assert!((modes.after(false, 1.0, 10.0, 10, exact) / modes.steady() - 1.0).abs() < 1e-12);
-            // Schemes agree on short steps.
+            // The schemes agree for short steps.
             let fine = modes.after(true, 0.5, 0.25, 2, exact);
             for (factor, bound) in [(crank_nicolson as fn(_) -> _, 1e-3), (implicit_euler, 2e-2)] {
                 let stepped = modes.after(true, 0.5, 0.5 / 200.0, 200, factor);

@@ -1,4 +1,4 @@
-//! Generated scenes that plans are tried on, and how good the plans are.
+//! Generated scenes for planning, and the quality of the plans.
 
 pub mod judge;
 pub mod runs;

@@ -14,7 +14,7 @@ const HEIGHT: f64 = 0.1;
 const CONDUCTIVITY: f64 = 55.0;
 const CAPACITY: f64 = 7800.0 * 460.0;
 const CELLS: usize = 32;
-/// Time for which the punch is reduced, s.
+/// Duration of the reduction, s.
 const DURATION: f64 = 10.0;
 /// Tolerance of the reduction, relative to the rise by a uniform flux over the duration.
 const TOLERANCE: f64 = 1e-4;
@@ -23,9 +23,9 @@ const TOLERANCE: f64 = 1e-4;
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Course {
     Step,
-    /// From 0, by 1 per second.
+    /// Ramp from 0 by 1 per second.
     Ramp,
-    /// sin(omega t).
+    /// Sine sin(omega t).
     Sine(f64),
 }
 
@@ -38,7 +38,7 @@ impl Course {
         }
     }
 
-    /// What is left of `integral exp(-rate (t - s)) flux(s) ds - flux(t)/rate` at `time`.
+    /// Transient part `integral exp(-rate (t - s)) flux(s) ds - flux(t)/rate` at `time`.
     fn remainder(self, rate: f64, time: f64) -> f64 {
         let decay = (-rate * time).exp();
         match self {
@@ -73,7 +73,7 @@ impl Course {
         (0..400).filter(|m| *m == 0 || m % 2 == 1).map(mode).sum()
     }
 
-    /// The same by the reduced body with `count` steps up to `time`.
+    /// The same temperature by the reduced body with `count` steps up to `time`.
     fn reduced(self, time: f64, count: u32) -> Result<f64, String> {
         let cells = Cells::graded(0.5 * WIDTH, CELLS).map_err(|error| error.to_string())?;
         let scene = Scene::new(&starts()?, None).map_err(|broken| broken.to_string())?;

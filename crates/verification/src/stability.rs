@@ -1,8 +1,7 @@
-//! Stability maps: where a method is right, where it rings, grows or refuses, over the ranges that decide it, with the
-//! bound of the theory drawn in. `cargo fmu stability` draws them.
+//! Stability maps: ranges in which a method is accurate, oscillates, diverges or is refused, over the governing parameters,
+//! with the theoretical bound. Drawn by `cargo fmu stability`.
 //!
-//! A map is data: panels of judged points and curves. Whoever adds one adds a module beside this file and a line to
-//! [`maps`].
+//! A map is data: panels of judged points and curves. A new map is a module beside this file and a line in [`maps`].
 
 pub mod conductance;
 pub mod conductivity;
@@ -15,19 +14,19 @@ pub mod wear_step;
 
 use std::fmt;
 
-/// How many points a map has.
+/// Resolution of a map.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Grid {
-    /// A third as many on each axis: for tests.
+    /// A third of the points on each axis: for tests.
     Coarse,
     /// As published.
     Normal,
-    /// Twice as many on each axis.
+    /// Twice the points on each axis.
     Fine,
 }
 
 impl Grid {
-    /// `normal` as this grid has it.
+    /// Number of points on this grid for the published number `normal`.
     pub fn count(self, normal: usize) -> usize {
         match self {
             Self::Coarse => normal.div_ceil(3).max(3),
@@ -36,32 +35,32 @@ impl Grid {
         }
     }
 
-    /// As many values as that from `first` to `last`, in equal ratios.
+    /// Geometrically spaced values from `first` to `last`, [`Self::count`] of them.
     pub fn spread(self, first: f64, last: f64, normal: usize) -> Vec<f64> {
         let count = self.count(normal);
         (0..count).map(|k| first * (last / first).powf(k as f64 / (count - 1) as f64)).collect()
     }
 }
 
-/// What became of one run.
+/// Verdict on one run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Verdict {
-    /// Within the largest error of a method of its order.
+    /// Error within the bound for a method of its order.
     Right,
-    /// Of the right kind, growing or decaying, but outside it.
+    /// Qualitatively correct, growing or decaying, but with a larger error.
     Inexact,
-    /// Stable, but outside it: an oscillation that dies out slowly.
+    /// Stable, but with a larger error: a slowly decaying oscillation.
     Rings,
-    /// Dies out where the exact solution grows.
+    /// Decays where the exact solution grows.
     Hides,
-    /// An error that does not die out where the solution comes to rest: unstable.
+    /// Unstable: an error that does not decay where the solution comes to rest.
     Grows,
-    /// The method said that it cannot, and why.
+    /// Refused by the method, with a reason.
     Refused,
 }
 
 impl Verdict {
-    /// All verdicts, in the order in which legends list them.
+    /// All verdicts, in the order of the legends.
     pub const ALL: [Self; 6] = [Self::Right, Self::Inexact, Self::Rings, Self::Hides, Self::Grows, Self::Refused];
 }
 
@@ -78,27 +77,27 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// One run: where it lies in the panel, and what became of it.
+/// One run: its position in the panel and its verdict.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Point {
     /// Value on the horizontal axis.
     pub x: f64,
     /// Value on the vertical axis.
     pub y: f64,
-    /// What became of it.
+    /// Verdict.
     pub verdict: Verdict,
-    /// Its error, in the measure that the map's header gives; NaN where it was refused.
+    /// Its error, in the measure given in the map's header; NaN where it was refused.
     pub error: f64,
 }
 
-/// A curve: the theory, or a value of the runs.
+/// A curve: theoretical, or computed from the runs.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Curve {
-    /// What it shows.
+    /// Label.
     pub name: String,
-    /// (x, y).
+    /// Points (x, y).
     pub points: Vec<(f64, f64)>,
-    /// Theory: drawn dashed. Otherwise computed: drawn as points.
+    /// Theoretical: drawn dashed. Otherwise computed: drawn as points.
     pub theory: bool,
 }
 
@@ -113,10 +112,10 @@ pub struct Axis {
     pub range: Option<(f64, f64)>,
 }
 
-/// One pair of axes.
+/// A panel: one pair of axes.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Panel {
-    /// What it shows.
+    /// Title.
     pub title: String,
     /// Horizontal axis.
     pub x: Axis,
@@ -124,7 +123,7 @@ pub struct Panel {
     pub y: Axis,
     /// Judged runs.
     pub points: Vec<Point>,
-    /// Curves over them.
+    /// Curves.
     pub curves: Vec<Curve>,
 }
 
@@ -133,9 +132,9 @@ pub struct Panel {
 pub struct Map {
     /// Headline.
     pub title: &'static str,
-    /// What is computed, what the verdicts mean, and what the error is relative to.
+    /// Computed quantity, meaning of the verdicts, and scale of the error.
     pub header: Vec<String>,
-    /// What is seen: sentences with the numbers of these runs.
+    /// Findings: sentences with the numbers of these runs.
     pub findings: Vec<String>,
     /// Panels, row by row.
     pub panels: Vec<Panel>,
@@ -149,7 +148,7 @@ impl Panel {
         self.points.iter().filter(|point| point.verdict == verdict).count()
     }
 
-    /// Largest error of the runs that have one.
+    /// Largest error over the runs that have one.
     pub fn largest_error(&self) -> f64 {
         self.points.iter().map(|point| point.error).filter(|error| !error.is_nan()).fold(0.0, f64::max)
     }
@@ -160,7 +159,7 @@ fn axis(label: &'static str, logarithmic: bool, range: (f64, f64)) -> Axis {
     Axis { label, logarithmic, range: Some(range) }
 }
 
-/// A curve of the theory (drawn dashed) or of the runs (drawn as points).
+/// A theoretical curve (drawn dashed) or a computed one (drawn as points).
 fn curve(name: &str, points: Vec<(f64, f64)>, theory: bool) -> Curve {
     Curve { name: name.to_owned(), points, theory }
 }
@@ -170,16 +169,16 @@ fn curve(name: &str, points: Vec<(f64, f64)>, theory: bool) -> Curve {
 pub struct Definition {
     /// Name on the command line, and of its files.
     pub name: &'static str,
-    /// What it is about, in one line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// Computes it on a grid; the function is told the part that is done, from 0 to 1.
+    /// Computes the map on a grid; the callback receives the completed fraction, from 0 to 1.
     pub compute: Compute,
 }
 
-/// What computes a map.
+/// Function that computes a map.
 pub type Compute = fn(Grid, &dyn Fn(f64)) -> Result<Map, String>;
 
-/// Every map.
+/// All maps.
 pub fn maps() -> Vec<Definition> {
     vec![
         Definition { name: "growth-step", summary: growth_step::SUMMARY, compute: growth_step::map },

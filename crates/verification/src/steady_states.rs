@@ -117,7 +117,7 @@ fn half_planes(all: &mut Vec<Problem>) {
                 let cells = Cells::graded(1.0, 65).map_err(text)?;
                 let found = cycle(&cells, 0.25, pivot_height, 0.0)?;
                 let clipped = found.forward.iter().filter(|p| **p == 0.0).count();
-                // As many cells at either edge, by symmetry.
+                // By symmetry the same number of cells at either edge.
                 Ok(cells.edges()[cells.count() - clipped])
             }),
             bound: match pivot_height {
@@ -186,7 +186,7 @@ fn stepping(all: &mut Vec<Problem>) {
     }
 }
 
-/// For every exponent the cycle wears evenly: t+ p+^b + t- p-^b is uniform.
+/// For every exponent the wear of the cycle is uniform: t+ p+^b + t- p-^b is constant.
 fn even_wear(all: &mut Vec<Problem>) {
     for exponent in [0.3, 0.5, 2.0, 3.0] {
         all.push(deviation(
@@ -218,9 +218,9 @@ fn even_wear(all: &mut Vec<Problem>) {
     }
 }
 
-/// p+/pm in tenths of the width from the trailing edge; width 2, height 2, nu = .3, held at the top, translating on a
-/// rigid strip, mu = .25. By biquadratic finite elements for the whole field, 120 x 60 of them graded to the edges, with
-/// one pressure per element: 40 to 120 of them agree to 1e-4 from two tenths on.
+/// p+/pm in tenths of the width from the trailing edge; width 2, height 2, nu = .3, held at the top, translating on a rigid
+/// strip, mu = .25. By biquadratic finite elements for the whole field, 120 x 60 of them graded to the edges, with one
+/// pressure per element: 40 to 120 of them agree to 1e-4 from two tenths on.
 const BLOCK_PRESSURES: [f64; 9] = [0.4340, 0.7023, 0.8403, 0.9299, 1.0, 1.0701, 1.1597, 1.2977, 1.5660];
 /// Clipped width at either edge, over a.
 const BLOCK_CLIPPED: f64 = 0.112;

@@ -1,9 +1,9 @@
-//! One pressure wave in full periodic contact, stepped by the line level: thermoelastic instability in the product's own
-//! equations.
+//! One pressure wave in full periodic contact, stepped by the line level: thermoelastic instability by the equations of the
+//! component.
 //!
 //! The punch is a conducting half-plane, the strip a rigid insulator. The contact is one wavelength long and begins with a
-//! gap of 1e-14 m in a cosine, so that everything is linear until the wave has grown a million
-//! times. Exact rates: [`exact::instability`].
+//! gap of 1e-14 m in a cosine, so that the problem is linear until the wave has grown a million times. Exact rates:
+//! [`exact::instability`].
 
 use conduction::line::{Stage, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;
@@ -29,7 +29,7 @@ const EXPANSION: f64 = 1.1e-5;
 /// Mean pressure, Pa.
 const PRESSURE: f64 = 1e6;
 
-/// What the contact is.
+/// Parameters of the contact.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct WaveScene {
     /// Number of cells, over one wavelength.
@@ -44,7 +44,7 @@ pub struct WaveScene {
     pub scheme: f64,
     /// Amplitude of the gap at the start, m; 1e-14: 7e-7 of the mean pressure.
     pub gap: f64,
-    /// Time over which the heat is followed, over `1/(kd m^2)`.
+    /// Duration for which the heat is resolved, over `1/(kd m^2)`.
     pub duration: f64,
 }
 
@@ -54,7 +54,7 @@ impl WaveScene {
         WaveScene { cells, wear: 0.0, coupled: false, tolerance: 1e-5, scheme: 1.0, gap: 1e-14, duration: 1.0 }
     }
 
-    /// The shear coupling `mu (1-2nu)/(2(1-nu))`, where it acts.
+    /// Shear coupling `mu (1-2nu)/(2(1-nu))` if enabled.
     pub fn coupling(&self) -> f64 {
         if self.coupled { FRICTION * (1.0 - 2.0 * POISSONS_RATIO) / (2.0 * (1.0 - POISSONS_RATIO)) } else { 0.0 }
     }
@@ -64,14 +64,14 @@ impl WaveScene {
         instability::growth_rate(ratio, self.wear, self.coupling())
     }
 
-    /// Amplitude over the mean pressure that the gap leaves before anything is heated, `E m g/(2 (1 - nu^2) p)`.
+    /// Initial amplitude over the mean pressure by the gap, before any heat, `E m g/(2 (1 - nu^2) p)`.
     pub fn beginning(&self) -> f64 {
         let stiffness = YOUNGS_MODULUS / (2.0 * (1.0 - POISSONS_RATIO * POISSONS_RATIO));
         stiffness * (2.0 * PI / WAVELENGTH) * self.gap / PRESSURE
     }
 
-    /// The part of the amplitude that grows, at `time` (over `1/(kd m^2)`) from the start and without wear and shear coupling: the
-    /// residue at b of what answers a gap that is there from the start,
+    /// Growing part of the amplitude, at `time` (over `1/(kd m^2)`) from the start and without wear and shear coupling: the
+    /// residue at b of the response to a gap that exists from the start,
     ///
     /// ```text
     /// p(s) = (g/s)/(1 - 2R/(l (1 + l))),   l^2 = 1 + s   =>   p = g 4 z R/(b (1 + 2 z)) exp(b t)
@@ -129,10 +129,10 @@ impl WaveScene {
         Ok(starts)
     }
 
-    /// The contact's operators, from which waves start.
+    /// Operators of the contact, from which waves start.
     ///
     /// # Errors
-    /// What the scene or the line level refuses.
+    /// The scene or the line level is refused.
     pub fn build(&self) -> Result<WaveContact, String> {
         let scene = Scene::new(&self.starts()?, None).map_err(|broken| broken.to_string())?;
         let operators = Arc::new(LineOperators::new(&scene, steady::run_in)?);
@@ -159,7 +159,7 @@ pub struct WaveContact {
 }
 
 impl WaveContact {
-    /// What it is.
+    /// Its parameters.
     pub fn scene(&self) -> &WaveScene {
         &self.scene
     }
@@ -177,10 +177,10 @@ impl WaveContact {
         Wave { contact: self, line: Line::new(self.operators.clone(), tunables, &inputs), inputs }
     }
 
-    /// The same wave as a linear problem, without a contact that can open and without any control of the step.
+    /// The same wave as a linear problem, without opening of the contact and without step control.
     ///
     /// # Errors
-    /// Bodies that do not exist.
+    /// Invalid bodies.
     pub fn linear_wave(&self, ratio: f64) -> Result<LinearWave, String> {
         let operators = &self.operators;
         let cosine: Vec<f64> = self.angles.iter().map(|angle| angle.cos()).collect();
@@ -199,16 +199,16 @@ impl WaveContact {
     }
 
     /// Communication steps of `step` (over `1/(kd m^2)`), at most `count`, at `ratio` times the critical speed: amplitudes
-    /// after each, as long as every cell touches.
+    /// after each, as long as every cell is in contact.
     ///
     /// # Errors
-    /// What a step fails with, or a contact that opens within a few steps.
+    /// A failing step, or a contact that opens within a few steps.
     pub fn follow(&self, ratio: f64, step: f64, count: usize) -> Result<Vec<Complex<f64>>, String> {
         let mut wave = self.wave(ratio);
         let mut amplitudes = Vec::with_capacity(count);
         for _ in 0..count {
             wave.step(step)?;
-            // Everything is linear as long as every cell touches.
+            // The problem is linear as long as every cell is in contact.
             if !wave.touches() {
                 break;
             }
@@ -223,11 +223,11 @@ impl WaveContact {
         Ok(amplitudes)
     }
 
-    /// Growth rate over `kd m^2` measured over the last `counted` of at most `count` steps of `step` (over `1/(kd m^2)`) at `ratio`
-    /// times the critical speed. The step control may cut the steps.
+    /// Growth rate over `kd m^2` measured over the last `counted` of at most `count` steps of `step` (over `1/(kd m^2)`) at
+    /// `ratio` times the critical speed. The step control may subdivide the steps.
     ///
     /// # Errors
-    /// What a step fails with, or a contact that opens within a few steps.
+    /// A failing step, or a contact that opens within a few steps.
     pub fn growth(&self, ratio: f64, step: f64, count: usize, counted: usize) -> Result<Complex<f64>, String> {
         let amplitudes = self.follow(ratio, step, count)?;
         let oscillates = self.scene.exact(ratio).im != 0.0 && !self.scene.coupled;
@@ -235,7 +235,7 @@ impl WaveContact {
     }
 }
 
-/// A wave under way.
+/// State of a stepped wave.
 #[derive(Debug)]
 pub struct Wave<'a> {
     contact: &'a WaveContact,
@@ -244,10 +244,10 @@ pub struct Wave<'a> {
 }
 
 impl Wave<'_> {
-    /// A communication step of `step`, over `1/(kd m^2)`: with all of the step control.
+    /// A communication step of `step`, over `1/(kd m^2)`, with the full step control.
     ///
     /// # Errors
-    /// What the step fails with.
+    /// A failing step.
     pub fn step(&mut self, step: f64) -> Result<(), String> {
         self.line.step(&self.inputs, None, step / unit()).map_err(|failure| failure.to_string())
     }
@@ -271,7 +271,7 @@ impl Wave<'_> {
 }
 
 /// A wave whose pressure, heat and distortion are all one cosine: the stages of the implicit step as equations for two
-/// numbers, solved whatever their sign.
+/// amplitudes, without the inequality constraints of contact.
 #[derive(Debug)]
 pub struct LinearWave {
     body: Box<dyn ThermalBody>,
@@ -281,9 +281,9 @@ pub struct LinearWave {
     compliance: f64,
     /// Friction heat per pressure, m/s.
     heat: f64,
-    /// m
+    /// Amplitude of the gap, m.
     gap: f64,
-    /// Pa
+    /// Amplitude of the pressure, Pa.
     amplitude: f64,
 }
 
@@ -320,15 +320,15 @@ fn along(shape: &[f64], matrix: &DMatrix<f64>, values: &[f64]) -> f64 {
     2.0 / count as f64 * (0..count).map(|i| shape[i] * row(i)).sum::<f64>()
 }
 
-/// Factor by which the changes of `amplitudes` grow from one to the next, over the last `counted`: of a single part, or of
-/// the pair that oscillates. A part that stays, as the wave of a gap that nothing wears off, is not in the changes.
+/// Factor by which the changes of `amplitudes` grow from one to the next, over the last `counted`: of a single mode, or of
+/// an oscillating pair. A constant part, such as the wave of an unworn gap, does not contribute to the changes.
 pub fn amplification(amplitudes: &[Complex<f64>], counted: usize, oscillates: bool) -> Complex<f64> {
     let changes: Vec<Complex<f64>> = amplitudes.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let last = &changes[changes.len().saturating_sub(counted)..];
     if !oscillates {
         let (mut product, mut square) = (Complex::new(0.0, 0.0), 0.0);
         for pair in last.windows(2) {
-            // Of relative changes, so that the last does not outweigh all others.
+            // Relative changes, so that the last does not outweigh all others.
             product += pair[1] / pair[0];
             square += 1.0;
         }

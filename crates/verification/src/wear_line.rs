@@ -24,12 +24,12 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// E* = 1.
+/// Half-plane with E* = 1.
 pub(super) fn half_plane() -> Result<HalfPlane, String> {
     Ok(HalfPlane { material: Material::new(0.91, 0.3).map_err(text)? })
 }
 
-/// A rigid punch on a body; signed frictions of 1 are this friction.
+/// A rigid punch on a body; a signed friction of 1 stands for this friction coefficient.
 fn contact(cells: &Cells, body: &dyn ElasticBody, friction: f64, gap: Vec<f64>) -> Result<WearingContact, String> {
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), &body.compliance(cells));
     WearingContact::new(cells, cells.widths(), normal, shear * friction, gap).map_err(text)
@@ -40,7 +40,7 @@ fn conditions(load: f64, exponent: f64) -> Conditions {
     Conditions { signed_friction: 1.0, normal: Normal::Load(load), tilt: Tilt::Fixed(0.0), rate }
 }
 
-/// Wears for `duration` with steps chosen to `tolerance`; the state at the end.
+/// Integrates the wear for `duration` with steps chosen to `tolerance`; returns the state at the end.
 fn advance(
     contact: &mut WearingContact,
     worn: &mut [f64],
@@ -54,7 +54,7 @@ fn advance(
     Ok(state)
 }
 
-/// Springs, p - pm decays as exp(-k_w k s): k_w = 2, one time constant.
+/// Winkler foundation, p - pm decays as exp(-k_w k s): k_w = 2, one time constant.
 fn winkler(all: &mut Vec<Problem>) {
     for (exponent, amplitude, bound) in [(0.3, 1e-5, 1e-3), (1.0, 0.2, 1e-4), (3.0, 1e-5, 1e-3)] {
         let mean: f64 = 4.0;
@@ -209,7 +209,7 @@ fn explicit(all: &mut Vec<Problem>) {
                     let pressure = contact.pressure(&worn, &given).map_err(text)?.pressure;
                     worn.iter_mut().zip(&pressure).for_each(|(w, p)| *w += share * limit * p);
                     before = now;
-                    // In the middle, where the sawtooth is the disturbance that is least damped.
+                    // In the middle, where the sawtooth is the least damped disturbance.
                     let alternating = (30..70).map(|i| if i % 2 == 0 { pressure[i] } else { -pressure[i] });
                     now = alternating.sum();
                 }
@@ -221,7 +221,7 @@ fn explicit(all: &mut Vec<Problem>) {
     }
 }
 
-/// Wears for the time 2 in equal steps.
+/// Integrates the wear over the time 2 in equal steps.
 fn stepped(scheme: Scheme, exponent: f64, count: usize, steps: usize, lifting: bool) -> Result<Vec<f64>, String> {
     let cells = Cells::graded(1.0, count).map_err(text)?;
     let (body, friction): (Box<dyn ElasticBody>, f64) = match lifting {

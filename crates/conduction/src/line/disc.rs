@@ -1,22 +1,22 @@
-//! The mate of an annular contact that covers a part of the circle: a ring in the mean round the circle, and what it is hotter
-//! under the contact than in that mean.
+//! Mate of an annular contact that covers a part of the circle: a ring at the circumferential mean temperature, plus the
+//! local excess temperature under the contact.
 //!
 //! ```text
 //! T_i = (ring)_i + sum_k x_ik,    dx_ik/dt = -[lambda_k + sigma(rho_i^2 v)]/rho_i^2 x_ik + r_k/rho_i q_i,   rho_i = r_i/r_m
 //! ```
 //!
-//! The ring ([`super::punch::mate`]) conducts along the radius. The moving source acts at every radius by itself, with the
-//! decays that the lumped level has for it at the mean radius ([`Flash`]): a contact on an arc of rho times the length, at rho
-//! times the speed, heats a half-space like the one at the mean radius at rho^2 times the speed, only rho times as much
-//! and rho^2 times as slowly. Exact at the mean radius; elsewhere where the heat under the contact does not reach the base
-//! while the contact passes.
+//! The ring ([`super::punch::mate`]) conducts along the radius. The moving source acts at each radius independently, with
+//! the decays of the lumped level at the mean radius ([`Flash`]), by similarity: a contact on an arc of rho times the
+//! length, at rho times the speed, heats a half-space like the one at the mean radius at rho^2 times the speed, with rho
+//! times the temperature per flux and rho^2 times the time scale. Exact at the mean radius; elsewhere where the heat under
+//! the contact does not reach the base during the transit of the contact.
 //!
-//! Over a stage of the length L in which the speed changes, what a state has at the start decays by the mean of its rate, and a
-//! flux is kept as long as at the constant rate `rate(end) - 1/2 (change of the rate) m_2/m_1` with the moments `m_n` of
-//! `y^n exp(-rate L y)` from 0 to 1: of second order in steps that are short against the decay as well as in long ones.
+//! Over a stage of the length L in which the speed changes, the initial state decays by the mean of its rate, and the flux
+//! is weighted as at the constant rate `rate(end) - 1/2 (change of the rate) m_2/m_1` with the moments `m_n` of
+//! `y^n exp(-rate L y)` from 0 to 1: second order in steps that are short against the decay time as well as in long ones.
 //!
-//! Heat under the contact does not bend the surface: round the circle the material swells while it is heated and shrinks
-//! while it is not, and the mean of that over the contact is the mean over the circle.
+//! The excess temperature does not distort the surface: along the circumference the material expands where it is heated and
+//! contracts where it is not, and the mean of that over the contact is the mean over the circle.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
@@ -24,11 +24,11 @@ use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
-/// What a scene makes of the moving source, cell by cell.
+/// Moving source of a scene at every cell.
 #[derive(Debug)]
 struct Source {
     flash: Flash,
-    /// rho.
+    /// rho, relative radius of the cells.
     ratio: Vec<f64>,
 }
 
@@ -36,7 +36,7 @@ struct Source {
 #[derive(Clone, Copy, Debug, Default)]
 struct Weights {
     decay: f64,
-    /// Times the residue, K m2/W.
+    /// Weight of the known flux times the residue, K m2/W.
     known: f64,
     own: f64,
 }
@@ -47,18 +47,18 @@ struct DiscStage {
     influence: SurfaceInfluence,
 }
 
-/// The mate with the weights of one step.
+/// Mate of an annular contact, with the weights of the prepared step.
 #[derive(Clone, Debug)]
 pub struct DiscHeat {
     ring: ReducedHeat,
     source: Arc<Source>,
-    /// Step, velocities, whether it is one of implicit Euler.
+    /// Step, velocities, and whether it is an implicit Euler step: the arguments of `stages`.
     key: Option<(f64, [f64; 2], bool)>,
     stages: [DiscStage; 2],
 }
 
 impl DiscHeat {
-    /// The ring, and the source at the cells of the relative radii `ratio`.
+    /// The ring, and the moving source at cells of the relative radii `ratio`.
     pub fn new(ring: ReducedHeat, flash: Flash, ratio: Vec<f64>) -> DiscHeat {
         let count = ratio.len();
         let zeros = || DMatrix::zeros(count, count);
@@ -106,7 +106,7 @@ impl DiscHeat {
         }
     }
 
-    /// State of the ring with its account, and of the source, which comes first.
+    /// State of the ring with its heat account, and state of the source, which is stored first.
     fn split<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         let (source, ring) = state.split_at(self.source_states());
         (ring, source)
@@ -116,7 +116,7 @@ impl DiscHeat {
         self.source.ratio.len() * MAX_FLASH_STATES
     }
 
-    /// Adds what the source heats the cells by.
+    /// Adds the temperatures of the source's states to those of the cells.
     fn add(temperature: &mut [f64], values: impl Iterator<Item = f64>) {
         for (i, value) in values.enumerate() {
             temperature[i / MAX_FLASH_STATES] += value;
@@ -124,7 +124,7 @@ impl DiscHeat {
     }
 }
 
-/// What sliding adds to every decay over a stage, 1/s.
+/// Rates that sliding adds to every decay rate over a stage, 1/s: at its start, mean, at its end.
 struct Sliding {
     start: f64,
     mean: f64,
@@ -141,7 +141,7 @@ impl Sliding {
         Sliding { start, mean: (start + 4.0 * middle + end) / 6.0, end }
     }
 
-    /// Rate times length at which a flux is kept as long as over a stage of `length` s.
+    /// Dimensionless equivalent constant rate (rate times `length`, s) that gives the flux the same weight as the changing rate.
     fn keeping(&self, at_rest: f64, length: f64) -> f64 {
         let last = (at_rest + self.end) * length;
         if self.start == self.end {
@@ -151,7 +151,7 @@ impl Sliding {
     }
 }
 
-/// m_2/m_1 of y^n exp(-x y) from 0 to 1, in [0, 2/3].
+/// Ratio m_2/m_1 of the moments of y^n exp(-x y) from 0 to 1, in [0, 2/3].
 fn moment_ratio(x: f64) -> f64 {
     if x < 0.5 {
         let first = 0.5 - x * (1.0 / 3.0 - x * (1.0 / 8.0 - x / 30.0));
@@ -162,7 +162,7 @@ fn moment_ratio(x: f64) -> f64 {
 }
 
 impl Weights {
-    /// See [`super::reduced`] for the fluxes of both stages.
+    /// Weights at the first stage; the fluxes of both stages are those of [`super::reduced`].
     fn first(at_rest: f64, sliding: &Sliding, residue: f64, step: f64) -> Weights {
         let length = GAMMA * step;
         let kept = sliding.keeping(at_rest, length);
@@ -394,7 +394,7 @@ mod tests {
                 assert!((held[i] - all[i]).abs() < 1e-9 * all[i]);
             }
         }
-        // Similar: half the length at twice the speed, on a half-space.
+        // Similarity: half the length at twice the speed, on a half-space.
         assert!((ratio[2] - 1.0).abs() < 1e-12);
     }
 

@@ -1,24 +1,25 @@
-//! Heat in the punch by its finite elements, unreduced: what the reduced punch is judged against.
+//! Heat conduction in the punch by unreduced finite elements: the reference for the reduced punch.
 //!
 //! ```text
 //! M dT/dt + K T = F q + ports
 //! ```
 //!
-//! on the hp mesh of [`ThermalBlock`], graded to all four corners, with elements that are small against the smallest cell of
-//! the contact. Time is stepped as the contact is, by SDIRK2 with the fluxes of the two stages,
+//! on the hp mesh of [`ThermalBlock`], graded to all four corners, with elements that are small against the smallest contact
+//! cell. The time discretisation is that of the contact, SDIRK2 with the fluxes of the two stages,
 //!
 //! ```text
 //! (K + M/(gamma h)) T_1 = M T_0/(gamma h) + F q_1 + ports
 //! (K + M/(gamma h)) T_2 = M [T_0 + (1 - gamma)/gamma (T_1 - T_0)]/(gamma h) + F q_2 + ports
 //! ```
 //!
-//! second order and L-stable (the deviation of the first stage's flux at its start is of no use to it), with `h [(1 - gamma) q_1 + gamma q_2]` as the heat that enters. The sparse factor of a step
-//! size, and the gains that N responses to unit fluxes give, are kept for the last few sizes. What elements
-//! cannot resolve of fluxes that jump between cells acts without delay ([`ThermalBlock::unresolved_response`]).
+//! second order and L-stable (the deviation of the first stage's flux at its start is not used), with the heat input
+//! `h [(1 - gamma) q_1 + gamma q_2]`. The sparse factor of a step size, and the surface influence matrices from N responses
+//! to unit fluxes, are cached for the last few step sizes. The part of the response to fluxes discontinuous between cells
+//! that the elements do not resolve is a direct feedthrough ([`ThermalBlock::unresolved_response`]).
 //!
-//! Every step costs sparse solutions with thousands of unknowns, a new step size a factorisation and N more: this is a
-//! reference, not a level to run for long. The memory for all of it is taken when the body is made (the matrix product keeps
-//! some of its own for every thread, taken the first time that it runs there).
+//! Cost: sparse solutions with thousands of unknowns per step, a factorisation and N more solutions per new step size. This
+//! is a reference, not a level for long runs. All memory is allocated when the body is made (the matrix product has buffers
+//! of its own per thread, allocated when it first runs there).
 
 mod operators;
 
@@ -33,17 +34,17 @@ use scene::{Scene, ThermalBoundary};
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// Step sizes whose factors are kept.
+/// Number of step sizes whose factors are cached.
 const KEPT: usize = 4;
 
-/// Layers of elements towards the contact's corners beyond those that elasticity asks for: the mean temperature of an edge
-/// cell needs elements that are small against it.
+/// Layers of elements towards the contact's corners beyond those that elasticity needs: the mean temperature of an edge cell
+/// needs elements that are small against it.
 const EXTRA_LAYERS: usize = 3;
 
-/// Accuracy asked of the mesh, see [`Discretization::for_cells`].
+/// Accuracy of the mesh, see [`Discretization::for_cells`].
 const MESH_TOLERANCE: f64 = 1e-4;
 
-/// The unreduced punch.
+/// Punch with unreduced finite elements.
 #[derive(Debug)]
 pub struct FieldHeat {
     operators: Arc<FieldOperators>,
@@ -53,7 +54,7 @@ pub struct FieldHeat {
     room: RefCell<FieldWorkspace>,
 }
 
-/// The punch of `scene`; None where it is an insulator.
+/// Unreduced punch of `scene`; None for an insulator.
 ///
 /// # Errors
 /// A block that is too flat or slender for its mesh, or of a Poisson's ratio out of range.
@@ -82,7 +83,7 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
     };
     let block = ThermalBlock::new(properties, discretization)?;
     let distortion = if body.thermal_expansion > 0.0 {
-        // A surface that is free is distorted by heat whatever the stiffness.
+        // Stiffness does not affect the thermal distortion of a traction-free surface.
         let elastic = BlockProperties { width, height, youngs_modulus: 1.0, poissons_ratio: body.poissons_ratio };
         let elastic = Block::new(elastic, discretization)?;
         let by_field = elastic.distortion_operator(&block, boundaries)? * faer::Scale(body.thermal_expansion);
@@ -124,7 +125,7 @@ impl FieldHeat {
         self.current = known.unwrap_or_else(|| {
             let oldest = (0..KEPT).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
             let (prepared, room) = (&mut self.kept[oldest], self.room.get_mut());
-            // The shift keeps the matrix definite, so there is always a factor.
+            // The shift keeps the matrix definite, so a factor always exists.
             self.operators
                 .prepare(step, euler, prepared, room)
                 .unwrap_or_else(|error| panic!("punch, step of {step} s: {error}"));
@@ -137,7 +138,7 @@ impl FieldHeat {
         &self.kept[self.current]
     }
 
-    /// What `observe` sees of the field of a state, with the temperature that it counts from.
+    /// Result of `observe` for the field of a state, given with the temperature offset of that field.
     fn of_state<T>(
         &self,
         state: &[f64],
@@ -227,7 +228,7 @@ impl ThermalBody for FieldHeat {
         let tallies = &mut state[degrees..];
         tallies[0] += received;
         tallies[1] += lost;
-        // The top takes what the balance leaves; an insulated one nothing, and rounding goes to the sides.
+        // The far-face flow closes the heat balance; at an insulated top, rounding is assigned to the sides.
         let rest = received - gained - lost;
         let through_top = step * operators.top_width() * surroundings.mean_far();
         tallies[2] -= through_top;
@@ -301,13 +302,13 @@ impl ThermalBody for FieldHeat {
     }
 
     fn error(&self) -> f64 {
-        // Nothing is reduced.
+        // Unreduced: no reduction error.
         0.0
     }
 
     fn boxed(&self) -> Box<dyn ThermalBody> {
         let operators = self.operators.clone();
-        // Room that nothing was prepared in costs no memory until something is.
+        // An unused cache slot is copied without touching its memory.
         let copy = |prepared: &Prepared| {
             if prepared.step.is_nan() { Prepared::empty(&operators) } else { prepared.clone() }
         };

@@ -1,4 +1,4 @@
-//! Heat in the punch, from the cells of the contact line to the cells, the cooled surface and the top.
+//! Heat conduction in the punch, reduced from the cells of the contact line to the cells, the cooled surface and the top.
 //!
 //! The punch is a rectangle of one material: width 2a along x, height h, contact at z = 0, cooled on its sides or, as a
 //! closed ring, over its volume. With the heat transfer coefficient H of the cooled surface
@@ -9,17 +9,17 @@
 //! -k T_z = H_top (T - T_ambient) - far, or T = far (top)
 //! ```
 //!
-//! Conduction in a rectangle separates, so no mesh is needed: across the width the modes are exact ([`across`]), and
-//! each of them is a one-dimensional problem through the height whose impedance is known in closed form ([`depth`]). That
-//! is projected (Galerkin) on its responses to real rates, a rational Krylov space; the result is symmetric, its states
-//! are real and decay, and the steady response is exact because it is in the space. [`shift_selection`] spends states where
-//! the error against the exact impedance is largest. What is left of fast modes has its
-//! exact steady effect ([`steady`]), with the delay that it takes on the whole ([`quasi_static`]).
+//! Conduction in a rectangle separates, so no mesh is needed: the transverse modes across the width are exact ([`across`]),
+//! and each is a one-dimensional problem through the height whose impedance has a closed form ([`depth`]). That problem is
+//! projected (Galerkin) on its responses at real rates, a rational Krylov space. The result is symmetric, its states are
+//! real and decay, and the steady response is exact because it lies in the space. [`shift_selection`] adds states where the
+//! error against the exact impedance is largest. Truncated modes have their exact steady effect as a static correction
+//! ([`steady`]) with first-order dynamics ([`quasi_static`]).
 //!
-//! The finite elements of `elasticity::block::ThermalBlock` describe the same body; the tests hold one against the other.
+//! The finite elements of `elasticity::block::ThermalBlock` discretise the same body; the tests compare the two.
 //!
-//! On an annulus x runs along the radius, the body is a ring, and the modes across are those of the radius ([`radial`]). The
-//! mate is then a ring too ([`mate`]), cooled on its face instead of its sides.
+//! On an annulus x runs along the radius, the body is a ring, and the transverse modes are those of the radius ([`radial`]).
+//! The mate is then a ring too ([`mate`]), cooled on its face instead of its sides.
 
 mod across;
 mod assembly;
@@ -46,15 +46,16 @@ use elasticity::block::BlockError;
 use scene::{Body, Geometry, Scene, ThermalBoundary};
 use shift_selection::{Scale, Selection};
 
-/// Most states. A steel punch in minutes needs fewer than 100 for an error of 1e-4; a heated layer that is thin against
-/// the width, as in a brake pad during one stop, needs more, because more modes across have a history of their own.
+/// Largest number of states. A steel punch over minutes needs fewer than 100 for an error of 1e-4; a heated layer that is
+/// thin against the width, as in a brake pad during one stop, needs more, because more transverse modes have dynamics of
+/// their own.
 pub const MAXIMUM_STATES: usize = 256;
 
-/// Modes across whose steady fields distort the contact line as those of the whole body; those of shorter waves do so as
-/// on a half-plane.
+/// Number of transverse modes whose steady fields distort the contact line by the law of the whole body; those of shorter
+/// wavelength do so as on a half-plane.
 const DISTORTING_MODES: usize = 96;
 
-/// Modes across in the steady effects that have no closed sum: what follows falls like 1/m^3.
+/// Number of transverse modes in the steady effects that have no closed sum; the terms beyond fall like 1/m^3.
 const SUMMED_MODES: usize = 1000;
 
 /// Order of the ports.
@@ -62,13 +63,13 @@ const COOLING: usize = 0;
 const AMBIENT: usize = 1;
 const FAR: usize = 2;
 
-/// Reduces the punch of `scene` to states that follow its exact response over `duration` (s) to `tolerance`, relative
-/// to the rise of temperature by a uniform flux over that time: the error is that of the mean square of the
-/// temperature over the contact, by fluxes whose mean square and that of width/pi times their slope sum to 1. Faster
-/// or more jagged fluxes are followed less well in time, never in their steady effect. At most [`MAXIMUM_STATES`]
-/// states; where they do not suffice, the error that is left is larger, and stated.
+/// Reduces the punch of `scene` to states that follow its exact response over `duration` (s) to `tolerance`, relative to the
+/// temperature rise by a uniform flux over that time. The error is that of the root mean square of the temperature over the
+/// contact, for fluxes whose mean square and that of width/pi times their slope sum to 1. Fluxes that vary faster or more
+/// sharply are followed less accurately in time, but exactly in their steady effect. At most [`MAXIMUM_STATES`] states;
+/// where they do not suffice, the remaining error exceeds the tolerance and is reported.
 ///
-/// None where the punch is an insulator.
+/// None for an insulator.
 ///
 /// # Errors
 /// A block that is too flat or slender, or of a Poisson's ratio out of range, for its thermal distortion.
@@ -76,7 +77,8 @@ pub fn reduce(scene: &Scene, cells: &Cells, tolerance: f64, duration: f64) -> Re
     reduce_with_mean(scene, cells, [tolerance; 2], duration)
 }
 
-/// The same with a tolerance of its own, the second, for the uniform mode, which alone carries the mean temperature of the contact.
+/// [`reduce`] with a separate tolerance, the second, for the longest modes, of which the uniform one alone carries the mean
+/// temperature of the contact.
 ///
 /// # Errors
 /// As [`reduce`].
@@ -121,16 +123,16 @@ pub fn reduce_with_mean(
     project(across, depth, cooled, distortion, cells, &Wanted { tolerances, duration }).map(Some)
 }
 
-/// How finely a body is projected.
+/// Accuracy of a reduction.
 #[derive(Clone, Copy, Debug)]
 struct Wanted {
-    /// Tolerances of every mode across and of the uniform one.
+    /// Tolerances of every transverse mode and of the longest ones.
     tolerances: [f64; 2],
-    /// s.
+    /// Duration of interest, s.
     duration: f64,
 }
 
-/// Projects a body.
+/// Reduces a body to its states.
 fn project(
     across: Across,
     depth: Depth,
@@ -157,7 +159,7 @@ fn project(
     Ok(body)
 }
 
-/// The surface beside the contact that the air cools.
+/// Surface beside the contact that is cooled by the air.
 #[derive(Clone, Copy, Debug)]
 struct Cooled {
     by: By,
@@ -169,17 +171,17 @@ struct Cooled {
     top_area: f64,
 }
 
-/// Whether the air takes more at the far face than by its constant heat transfer.
+/// Whether the far face has forced cooling beyond its constant heat transfer.
 fn driven_top(body: &Body) -> bool {
     let varies = body.convection_forced > 0.0 || body.emissivity > 0.0;
     body.far_thermal == ThermalBoundary::Convecting && varies
 }
 
-/// Where it is.
+/// Location of the cooled surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum By {
-    /// The sides of the body, as the modes across have it.
+    /// The sides of the body, as in the transverse modes.
     Sides,
-    /// The face of the contact, as evenly over it as the contact is passing by.
+    /// The face of the contact, uniformly in the mean over the passing contact.
     Face,
 }

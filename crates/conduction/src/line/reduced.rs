@@ -1,4 +1,4 @@
-//! A body at rest under the contact, reduced to states that decay independently.
+//! Modal reduction of a body at rest under the contact: states that decay independently.
 //!
 //! Temperatures are sums of products `X_m(x) Z_k(z)` with one state `a_k` each:
 //!
@@ -7,9 +7,9 @@
 //! T_i = sum_k (F_mi/c_i) Z_k(0) a_k + (D q)_i + (d_p u_p)_i,              c_i: width of cell i
 //! ```
 //!
-//! with the fluxes q, the surroundings u (cooling, ambient, far) and the static remainders D and d. Distortions, flows and
-//! the stored heat are sums over the same states. Each state follows its fluxes without error, at any rate and step, so
-//! the response of a stage is a weight per state: N^2 products per mode across for a new step.
+//! with the fluxes q, the surroundings u (cooling, ambient, far) and the static corrections D and d. Distortions, flows and
+//! the stored heat are sums over the same states. The propagation of each state is exact for its fluxes at any rate and step
+//! size, so the response of a stage is one weight per state: N^2 products per transverse mode for a new step size.
 
 mod modes;
 mod weights;
@@ -28,18 +28,18 @@ use weights::{StageWeights, Weights};
 /// Number of inputs besides the fluxes.
 pub(super) const PORTS: usize = 3;
 
-/// Places of the fluxes by the air among them.
+/// Indices of the fluxes by the air among the ports.
 const COOLING: usize = 0;
 const FAR: usize = 2;
 
 impl Surroundings {
-    /// Cooling (at the end), ambient, far: the order of all ports.
+    /// Values of the ports in their order: cooling (at the end), ambient, far.
     fn ports(&self) -> [f64; PORTS] {
         [self.cooling, self.ambient, self.far]
     }
 }
 
-/// A number observed: weights of the states, of the N fluxes and of the ports.
+/// Linear observation: weights of the states, of the N fluxes and of the ports.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Observation {
     pub states: Vec<f64>,
@@ -48,7 +48,7 @@ pub(super) struct Observation {
 }
 
 impl Observation {
-    /// Nothing of `states` states and `cells` fluxes.
+    /// Zero observation of `states` states and `cells` fluxes.
     pub fn none(states: usize, cells: usize) -> Self {
         Self { states: vec![0.0; states], fluxes: vec![0.0; cells], ports: [0.0; PORTS] }
     }
@@ -58,17 +58,17 @@ impl Observation {
     }
 }
 
-/// A mode across and the states that share it.
+/// A transverse mode and the states that share it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ModeStates {
     pub states: Range<usize>,
     /// F: integrals of the mode over the cells, m^(1/2).
     pub integrals: Vec<f64>,
-    /// F over the widths of the cells, or the part of it that is felt as temperature.
+    /// F over the widths of the cells: the observed cell temperatures, or the observed part of them.
     pub means: Vec<f64>,
 }
 
-/// What a reduced body is made of. Vectors by state unless said.
+/// Operators of a reduced body. Vectors are by state unless stated otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ReducedOperators {
     /// Widths of the N cells, m.
@@ -80,23 +80,23 @@ pub(super) struct ReducedOperators {
     pub contact: Vec<f64>,
     /// Distortion of the N cells by each state, state by state.
     pub distortion: Vec<f64>,
-    /// By port.
+    /// Input weights by port.
     pub input: [Vec<f64>; PORTS],
-    /// D, N x N, K m2/W.
+    /// D, direct feedthrough from the fluxes to the temperatures of the cells, N x N, K m2/W.
     pub temperature_by_flux: DMatrix<f64>,
     /// d: temperatures of the cells by port.
     pub temperature_by_port: [Vec<f64>; PORTS],
-    /// The same for the distortion, m3/W and m per unit of the port.
+    /// Direct feedthrough to the distortion by fluxes and ports, m3/W and m per unit of the port.
     pub distortion_by_flux: DMatrix<f64>,
     pub distortion_by_port: [Vec<f64>; PORTS],
-    /// Mean temperature of the surface beside the contact that is cooled, and of the far face.
+    /// Mean temperature of the cooled surface beside the contact, and of the far face.
     pub cooled: Observation,
     pub far_face: Observation,
     /// Heat flow to the air by the constant convection, W/m.
     pub ambient_flow: Observation,
-    /// Heat flow out of the far face, all that passes it, W/m.
+    /// Total heat flow out of the far face, W/m.
     pub far_flow: Observation,
-    /// Of ambient and far flow, see `ReducedOperators::passed`.
+    /// Linear forms of the time integrals of ambient and far flow, see `ReducedOperators::passed`.
     pub passed: [Observation; 2],
     /// Heat flow that enters through the cooled surface per unit of `cooling`, m.
     pub cooled_length: f64,
@@ -104,11 +104,11 @@ pub(super) struct ReducedOperators {
     pub stored: Vec<f64>,
     /// Heat stored beyond the states per kelvin of the far face, J/(m K).
     pub stored_by_far: f64,
-    /// States of the uniform temperature 1 K.
+    /// States at the uniform temperature 1 K.
     pub uniform: Vec<f64>,
     /// Heat capacity of the whole body, J/(m K).
     pub heat_capacity: f64,
-    /// Number of the first states that stand for modes; the others delay what has no mode of its own.
+    /// Number of leading states that belong to modes; the others give the quasi-static modes first-order dynamics.
     pub own: usize,
     /// See [`ThermalBody::error`].
     pub error: f64,
@@ -116,14 +116,14 @@ pub(super) struct ReducedOperators {
     pub mean_error: f64,
 }
 
-/// A reduced body with the weights of its last steps.
+/// A reduced body with the weights of its last step sizes.
 #[derive(Clone, Debug)]
 pub struct ReducedHeat {
     operators: Arc<ReducedOperators>,
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
     kept: Vec<Weights>,
-    /// Most of them.
+    /// Cache capacity of `kept`.
     most: usize,
     current: usize,
     clock: u64,
@@ -135,25 +135,25 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
-        // The longer step by which growth is looked for is one more.
+        // One more for the longer step of the growth guard.
         let most = cache_capacity(operators.widths.len()) + 1;
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
         Self { operators, modes, scratch, kept: Vec::new(), most, current: 0, clock: 0 }
     }
 
-    /// Number of states that stand for modes. The state vector holds those that delay the rest besides, at most one per cell,
-    /// and four entries for the account.
+    /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
+    /// most one per cell, and four entries for the heat account.
     pub fn own_states(&self) -> usize {
         self.operators.own
     }
 
-    /// Whether modes are even or odd and stand on half of the cells.
+    /// Whether modes are even or odd and stored on half of the cells.
     #[cfg(test)]
     pub fn is_halved(&self) -> bool {
         self.modes.is_halved()
     }
 
-    /// Makes the weights of a step the current ones.
+    /// Selects the weights of a step size, from the cache or computed.
     fn select(&mut self, step: f64, euler: bool) {
         if self.kept.is_empty() {
             self.kept = (0..self.most).map(|_| self.operators.allocate()).collect();
@@ -161,7 +161,7 @@ impl ReducedHeat {
         self.clock += 1;
         let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
         self.current = known.unwrap_or_else(|| {
-            // One that was never used, where there is one.
+            // An unused slot if there is one.
             let oldest = (0..self.kept.len()).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
             self.operators.fill(&self.modes, &mut self.kept[oldest], step, euler, self.scratch.get_mut());
             oldest
@@ -173,7 +173,7 @@ impl ReducedHeat {
         &self.kept.get(self.current).expect("prepare comes before any step").stages[stage as usize]
     }
 
-    /// Puts into the scratch what the states are at a stage without its own flux; `until` are the surroundings until then.
+    /// Propagates the states into the scratch up to a stage without its own flux; `until` are the surroundings until then.
     fn carry(&self, scratch: &mut Scratch, state: &[f64], until: &Surroundings, stage: Stage, known: &[f64]) {
         let (operators, weights) = (&*self.operators, self.stage(stage));
         modes::decay(state, weights, &operators.input, &until.ports(), &mut scratch.values);
@@ -211,8 +211,8 @@ impl ReducedHeat {
     }
 }
 
-/// Entries of the state vector behind the decaying states: what went in and out until now, J/m, and the temperature of
-/// the far face that the stored heat includes.
+/// Entries of the state vector behind the decaying states: heat received and lost so far, J/m, and the temperature of the
+/// far face that the stored heat includes.
 #[derive(Clone, Copy)]
 enum Tally {
     Received,
@@ -228,13 +228,13 @@ impl ReducedOperators {
         self.rate.len()
     }
 
-    /// Mean temperatures of the faces that the air cools.
+    /// Mean temperatures of the faces cooled by the air.
     fn faces(&self) -> [&Observation; FACES] {
         [&self.cooled, &self.far_face]
     }
 
-    /// What a flow passes on of its inputs without ever giving it to the states, and the weights of the states in its
-    /// integral over time: that of a state is (what entered it less what it gained) over its rate.
+    /// Time integral of a flow as a linear form: weights of the integrated inputs (steady gain), and of the states, whose
+    /// integral is (their input less their gain) over their decay rate.
     fn passed(&self, flow: &Observation) -> Observation {
         let over_rate = |(flow, &rate): (&f64, &f64)| if rate > 0.0 { flow / rate } else { 0.0 };
         let states: Vec<f64> = flow.states.iter().zip(&self.rate).map(over_rate).collect();
@@ -307,12 +307,12 @@ impl ThermalBody for ReducedHeat {
         let (operators, step) = (&*self.operators, self.kept[self.current].step);
         let ports = [surroundings.mean_cooling(), surroundings.ambient, surroundings.mean_far()];
         let (states, tallies) = state.split_at_mut(operators.states());
-        // The last base asked for has left what the states are without the last flux.
+        // The scratch holds the states without the last flux, from the preceding free response.
         let scratch = &mut *self.scratch.borrow_mut();
         self.modes.heat(end, scratch);
         states.copy_from_slice(&scratch.values);
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, states);
-        // What enters over the step, with the weights of both stages.
+        // Heat input over the step with the weights of both stages.
         let over_step = |weights: &[f64]| (1.0 - GAMMA) * dot(weights, first) + GAMMA * dot(weights, end);
         tallies[Tally::Received as usize] += step * over_step(&operators.widths);
         for (tally, passed) in [Tally::Ambient, Tally::Far].into_iter().zip(&operators.passed) {
@@ -386,7 +386,7 @@ impl ThermalBody for ReducedHeat {
     fn account(&self, state: &[f64]) -> Account {
         let operators = &*self.operators;
         let (states, tallies) = state.split_at(operators.states());
-        // What the field of the far face holds beyond the states came and went through that face.
+        // Heat of the far face's field beyond the states has passed through that face.
         let beyond = operators.stored_by_far * tallies[Tally::FarTemperature as usize];
         Account {
             received: tallies[Tally::Received as usize],
@@ -409,7 +409,7 @@ impl ThermalBody for ReducedHeat {
     }
 }
 
-/// Sum of products, in an order that is the same everywhere.
+/// Dot product with a summation order that is the same on every machine.
 fn dot(left: &[f64], right: &[f64]) -> f64 {
     let (left_fours, left_rest) = left.as_chunks::<4>();
     let (right_fours, right_rest) = right.as_chunks::<4>();

@@ -1,4 +1,4 @@
-//! Galerkin projection of the slab: trial functions, their products, and the modes they give.
+//! Galerkin projection of the slab: trial functions, their products, and the resulting modes.
 
 use super::{Base, CoolingPort, Slab};
 use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
@@ -24,7 +24,7 @@ const GAUSS: [(f64, f64); 5] = [
 impl Grid {
     pub(super) fn new(slab: &Slab, fastest: f64) -> Grid {
         let mut edges = towards_face((slab.diffusivity() / fastest).sqrt(), slab.height, 3.0);
-        // The base sees only slower shifts: 30 times the slab's own rate at most.
+        // Only slower shifts reach the base: at most 30 times the slab's own rate.
         edges.extend([0.5, 0.7, 0.85, 0.95, 1.0].map(|part| part * slab.height));
         let mut grid = Grid { position: Vec::new(), weight: Vec::new() };
         for pair in edges.windows(2) {
@@ -67,11 +67,11 @@ impl Function {
     }
 }
 
-/// The projected problem, diagonalised.
+/// Eigenvalues and eigenvectors of the projected problem.
 pub(super) struct Eigen {
     rates: DVector<f64>,
     vectors: DMatrix<f64>,
-    /// Of the columns, the slowest first.
+    /// Order of the columns, the slowest first.
     order: Vec<usize>,
 }
 
@@ -113,7 +113,7 @@ impl<'a> Basis<'a> {
         }
     }
 
-    /// Adds a function after orthogonalising it (twice is enough); drops it if the space has it already.
+    /// Adds a function after orthogonalising it (twice is enough); drops it if it is linearly dependent.
     fn add(&mut self, mut function: Function) {
         let capacity = self.slab.capacity;
         let before = (capacity * self.product(&function.value, &function.value)).sqrt();
@@ -130,7 +130,7 @@ impl<'a> Basis<'a> {
         }
     }
 
-    /// Uniform temperature, and the shapes that constant fluxes settle to.
+    /// Adds the uniform temperature and the quasi-steady profiles of constant fluxes.
     pub(super) fn stationary(&mut self) {
         let slab = *self.slab;
         let h = slab.height;
@@ -160,7 +160,7 @@ impl<'a> Basis<'a> {
         let slab = *self.slab;
         let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
         let h = slab.height;
-        // Sum of a wave leaving the contact and its reflection; scaled so that nothing overflows.
+        // Sum of a wave leaving the contact and its reflection; scaled against overflow.
         let reflection = match slab.base {
             Base::Held => -1.0,
             Base::Insulated => 1.0,
@@ -171,13 +171,13 @@ impl<'a> Basis<'a> {
         };
         self.add(self.function(|z| {
             let down = (-kappa * z).exp();
-            // What comes back from so far is nothing to rounding: exp(-40) = 4e-18.
+            // The reflection is below rounding over a longer path: exp(-40) = 4e-18.
             let up = if kappa * (h - z) > 20.0 { 0.0 } else { reflection * (-kappa * (2.0 * h - z)).exp() };
             (down + up, kappa * (up - down))
         }));
     }
 
-    /// Exact response to what happens at the base at the real frequency `shift`.
+    /// Exact response to the boundary value at the base at the real frequency `shift`.
     pub(super) fn add_base_response(&mut self, shift: f64) {
         let slab = *self.slab;
         let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
@@ -197,7 +197,7 @@ impl<'a> Basis<'a> {
         }
     }
 
-    /// Loads of the four ports on a function: contact, cooling, ambient, flux into a base that is not held.
+    /// Load vectors of the four ports on a function: contact, cooling, ambient, flux into a base without prescribed temperature.
     fn loads(&self, function: &Function) -> [f64; PORTS] {
         let slab = self.slab;
         let integral: f64 = self.grid.weight.iter().zip(function.value.iter()).map(|(w, v)| w * v).sum();
@@ -226,7 +226,7 @@ impl<'a> Basis<'a> {
             + through_base
     }
 
-    /// Diagonalises the projected problem.
+    /// Solves the eigenvalue problem of the projection.
     pub(super) fn eigen(&self) -> Eigen {
         let count = self.count();
         let mut stiffness = DMatrix::zeros(count, count);
@@ -242,8 +242,8 @@ impl<'a> Basis<'a> {
         Eigen { rates: eigen.eigenvalues, vectors: eigen.eigenvectors, order }
     }
 
-    /// Contact impedance by complex frequency (1/s), K m2/W, of the body that [`Basis::modes`] makes, to the digits that the eigenvalues
-    /// have.
+    /// Contact impedance by complex frequency (1/s), K m2/W, of the body that [`Basis::modes`] makes, to the accuracy of the
+    /// eigenvalues.
     pub(super) fn impedance(&self, eigen: &Eigen) -> impl Fn(Complex<f64>) -> Complex<f64> {
         let residues = eigen.order.iter().enumerate().map(|(k, &index)| {
             let contact: f64 =
@@ -262,7 +262,7 @@ impl<'a> Basis<'a> {
         slab.base == Base::Insulated && slab.surface_transfer == 0.0 && slab.volume_transfer == 0.0
     }
 
-    /// The body of these modes, the fastest closed statically.
+    /// Body with these modes, the fastest one as a static correction.
     pub(super) fn modes(&self, eigen: &Eigen) -> ReducedBody {
         let modes: Vec<Function> = (eigen.order)
             .iter()
@@ -307,7 +307,7 @@ impl<'a> Basis<'a> {
         };
         let base = Port::Base as usize;
         let ambient = Port::Ambient as usize;
-        // What the stationary base temperature gives directly, before the states take their part.
+        // Direct feedthrough of the stationary base temperature, before the projection on the states is subtracted.
         body.contact_temperature.direct[base] = lift.at(0.0);
         body.base_temperature.direct[base] = lift.at(slab.height);
         body.mean_temperature.direct[base] = lift.mean();
@@ -344,10 +344,10 @@ impl<'a> Basis<'a> {
             for (observation, weight) in observed {
                 if k < kept {
                     observation.states[k] = weight;
-                    // The states carry the base's stationary field from here on.
+                    // The projection of the base's stationary field on the states is subtracted.
                     observation.direct[base] -= weight * projection;
                 } else {
-                    // A held base acts through its stationary field alone.
+                    // A base of prescribed temperature acts through its stationary field only.
                     for (port, load) in loads.iter().enumerate().take(if lift.held { base } else { PORTS }) {
                         observation.direct[port] += weight * load / rate;
                     }
@@ -362,8 +362,8 @@ impl<'a> Basis<'a> {
             }
         }
         body.close_balance();
-        // Heat of the stationary field that the states do not hold: it enters and leaves with the base temperature
-        // itself, through the base, so it is no part of the flow that the balance closes.
+        // Heat of the stationary field that the states do not hold: it enters and leaves with the base temperature itself,
+        // through the base, so it is not part of the flow determined by the balance.
         if lift.held {
             body.stored.direct[base] = areal * body.mean_temperature.direct[base];
         }
@@ -372,8 +372,8 @@ impl<'a> Basis<'a> {
 }
 
 impl ReducedBody {
-    /// The flow out of the base is what the balance leaves: input - stored' - flow to ambient. For a
-    /// convecting base this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there.
+    /// Closes the heat balance: the flow out of the base is input - d(stored)/dt - flow to ambient. For a convecting base
+    /// this equals `Hb (T(h) - T_ambient)` of the reduced field, less the flux that is prescribed there.
     pub fn close_balance(&mut self) {
         for k in 0..self.count {
             self.base_flow.states[k] = self.stored.states[k] * self.rate[k] - self.ambient_flow.states[k];

@@ -1,15 +1,15 @@
-//! The equations of one active set.
+//! Linear equations of one active set.
 
 use super::balance::Balance;
 use super::{ContactProblem, ContactSolver, Memory};
 use crate::factors::Key;
 
 impl ContactSolver {
-    /// Pressure, gap of the open cells, approach and tilt for the active set of the memory, and where its factors are kept;
-    /// `None` where its equations have no solution.
+    /// Pressure, gap of the open cells, approach and tilt for the active set of the workspace, and the cache position of its
+    /// factors; `None` where its equations have no solution.
     ///
-    /// With `xi = (x - x_c)/L`, x_c the mean position of the cells in contact, their pressures are `q + y0 X0 + y1 X1`:
-    /// q under the gap alone, X0 and X1 per approach and per `L theta`. The balances are two equations for y.
+    /// With `xi = (x - x_c)/L`, x_c the mean position of the cells in contact, their pressures are `q + y0 X0 + y1 X1`: q by
+    /// the gap alone, X0 and X1 per approach and per `L theta`. The balances are two equations for y.
     pub(super) fn solve_on(
         &mut self,
         problem: &ContactProblem<'_>,
@@ -45,7 +45,7 @@ impl ContactSolver {
             (false, false) => (0.0, 0.0),
             (true, false) => ((balance.load - c * force) / (c * force0 + k), 0.0),
             (false, true) => {
-                // The punch turns about x = 0, where the approach is given.
+                // The punch rotates about x = 0, where the approach is prescribed.
                 let column = moment1 + arm * force1 + relative * (moment0 + arm * force0);
                 let tilt = (balance.moment / self.length - moment - arm * force) / column;
                 (relative * tilt, tilt)
@@ -56,7 +56,7 @@ impl ContactSolver {
                 let mut second = [moment0, moment1];
                 let mut second_right = balance.moment / self.length - moment;
                 if c > 0.1 {
-                    // The resultant from the first balance: its lever about x_c may be long against the contact.
+                    // Resultant from the first balance: its lever about x_c may be long against the contact.
                     second[0] -= arm * k / c;
                     second[1] += arm * k / c * relative;
                     second_right -= arm * balance.load / c;
@@ -78,11 +78,11 @@ impl ContactSolver {
         if compact.iter().any(|q| !q.is_finite()) || !y0.is_finite() || !y1.is_finite() {
             return None;
         }
-        // The shifted matrix took beta P/W of the approach.
+        // The shift of the matrix contains beta P/W of the approach.
         let at_centre = y0 - shift * entry.resultant(compact)[0];
         memory.tilt = if balance.tilt_free { y1 / self.length } else { balance.tilt };
         memory.approach = if balance.approach_free { at_centre - y1 * relative } else { balance.approach };
-        // In full contact every gap is zero, and the product is half of the work.
+        // In full contact every gap is zero; the product, half of the work, is skipped.
         if m == self.positions.len() {
             memory.pressure.copy_from_slice(compact);
             memory.open_gap.fill(0.0);

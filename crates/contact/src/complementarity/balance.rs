@@ -1,14 +1,14 @@
-//! What is given of a contact problem, checked, and the problems that leave no pressure.
+//! Validated balance equations of a contact problem, and the problems with zero pressure.
 
 use super::{ContactProblem, ContactSolver};
 use crate::problem::{ContactError, ContactState, Normal, Tilt};
 
-/// What is balanced: free unknowns and the right-hand sides of their rows.
+/// Load and moment balance: free unknowns and the right-hand sides of their rows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Balance {
     pub approach_free: bool,
     pub tilt_free: bool,
-    /// Given approach and tilt; 0 where free.
+    /// Prescribed approach and tilt; 0 where free.
     pub approach: f64,
     pub tilt: f64,
     pub load: f64,
@@ -87,8 +87,8 @@ impl ContactSolver {
         Ok(balance)
     }
 
-    /// Whether there is no pressure, as load or spring leave none, and the state of that: no load puts the punch where
-    /// the bodies touch, a spring where it is relaxed. A free tilt is not defined then and taken as 0.
+    /// Whether the load or the spring leaves no pressure, and the state in that case: without load the punch stands at first
+    /// contact, a spring is relaxed. A free tilt is then undefined and taken as 0.
     pub(super) fn apart(&self, problem: &ContactProblem<'_>, state: &mut ContactState) -> bool {
         let tilt = match problem.tilt {
             Tilt::Fixed(value) => value,

@@ -1,13 +1,14 @@
-//! Complementary pivoting where active sets run in a circle: the problem scaled for [`lemke`](crate::lemke).
+//! Complementary pivoting where active sets cycle: the problem scaled for [`lemke`](crate::lemke).
 
 use super::balance::Balance;
 use super::{ContactProblem, ContactSolver, Memory};
 use crate::problem::ContactError;
 
 impl ContactSolver {
-    /// Leaves in the memory the active set by complementary pivoting. Rows are weighted with w, so that the bordered
-    /// matrix is positive semidefinite; the outermost cells take the first pivot, which leaves nothing of a displacement
-    /// of all cells by a load, however heat lifts them. Lengths along x in half-widths, pressure in metres of displacement.
+    /// Determines the active set by complementary pivoting, into the workspace. Rows are weighted with w, so that the
+    /// bordered matrix is positive semidefinite. The first pivot is on the outermost cells; under a load it eliminates a
+    /// uniform displacement of all cells, however large thermal distortion makes it. Lengths along x in half-widths,
+    /// pressure in metres of displacement.
     pub(super) fn pivoted(
         &mut self,
         problem: &ContactProblem<'_>,
@@ -16,7 +17,7 @@ impl ContactSolver {
     ) -> Result<(), ContactError> {
         let (count, free) = (self.positions.len(), balance.count());
         let size = count + free;
-        // The stiffest cell: a few may be softened by orders of magnitude (fast wear).
+        // Scale of the stiffest cell: a few may be softened by orders of magnitude (fast wear).
         let own = |i: usize| self.factors.own(i) + problem.diagonal[i];
         let scale = (0..count).map(own).fold(f64::INFINITY, f64::min);
         let (matrix, right) = (&mut memory.pivoted_matrix[..size * size], &mut memory.pivoted_right[..size]);

@@ -158,7 +158,7 @@ fn approach_load_and_spring_agree() {
         assert!((by_spring.pressure[i] - by_load.pressure[i]).abs() < 1e-3);
     }
     assert!((by_spring.approach / by_load.approach - 1.0).abs() < 1e-9);
-    // A relaxed spring stands where it is, out of contact.
+    // A relaxed spring stays in place, out of contact.
     let apart = solver.solve(&gap, Normal::Spring { load: -6e5, stiffness }, Tilt::ResultantAt(0.004)).unwrap();
     assert_eq!((apart.pressure[12], apart.approach), (0.0, -2e-6));
 }
@@ -236,7 +236,7 @@ fn kept_factors_change_nothing_but_the_time() {
     let (normal, shear) = pair_operators(&Rigid.compliance(&cells), &strip);
     let fresh = || ContactSolver::with_operators(&cells, cells.widths(), normal.clone(), shear.clone()).unwrap();
     let mut solver = fresh();
-    // Frictions and wear that come back after longer and shorter whiles, more of them than are kept.
+    // Friction and wear values that recur after longer and shorter intervals, more of them than are cached.
     for round in 0..200_u32 {
         let friction = 0.2 * f64::from(round % 4) - 0.3;
         let wear = 1e-12 * f64::from(round * round % 5);
@@ -300,7 +300,7 @@ fn extra_compliances_by_turns_are_factorised_once() {
     let mut first = 0;
     for turn in 0..20 {
         let own = added_compliance(f64::from(turn % 4));
-        // None is another of them.
+        // None is one of the cases.
         solver.set_added_compliance((turn % 4 > 0).then_some(&own)).unwrap();
         solver.set_active(&[true; 17]);
         let found = solver.solve(&gap, Normal::Load(1e6), Tilt::Fixed(0.0)).unwrap();
@@ -337,7 +337,7 @@ fn bodies_without_a_uniform_displacement_are_solved_where_the_approach_is_free()
 
 #[test]
 fn a_load_holds_a_contact_that_its_heat_lifts_by_more_than_it_is_pressed() {
-    // What lifts all cells alike moves the approach under a load, and nothing else.
+    // A uniform displacement of all cells changes only the approach under a load.
     let cells = Cells::graded(0.03, 33).unwrap();
     let compliance = half_plane(&cells, 0.3);
     let own = compliance.diagonal().max();

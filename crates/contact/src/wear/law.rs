@@ -1,5 +1,4 @@
-//! The wear law of one body, eq. (1) of Paczelt and Mroz (2015), normalised so that units do not
-//! depend on the exponents:
+//! Wear law of one body, eq. (1) of Paczelt and Mroz (2015), normalised so that units do not depend on the exponents:
 //!
 //! ```text
 //! dw/dt = k p0 v0 (p/p0)^b (|v|/v0)^a (mu/mu_ref)^b fade(T),      p0 = 1 MPa, v0 = 1 m/s; 0 where v = 0
@@ -11,34 +10,34 @@
 use numerics::scalar::Scalar;
 use scene::{Body, FadeTable};
 
-/// p0, Pa.
+/// Reference pressure p0, Pa.
 pub const REFERENCE_PRESSURE: f64 = 1e6;
-/// v0, m/s.
+/// Reference velocity v0, m/s.
 pub const REFERENCE_VELOCITY: f64 = 1.0;
 
-/// See the module.
+/// Wear law of one body; equation in the module documentation.
 #[derive(Clone, PartialEq, Debug)]
 pub struct WearLaw {
-    /// k, m2/N.
+    /// Wear coefficient k, m2/N.
     pub coefficient: f64,
-    /// b.
+    /// Pressure exponent b.
     pub pressure_exponent: f64,
-    /// a.
+    /// Velocity exponent a.
     pub velocity_exponent: f64,
     /// Factor over the contact temperature.
     pub fade: FadeTable,
-    /// mu_ref.
+    /// Friction coefficient mu_ref at which k is given.
     pub reference_friction: f64,
     /// a = b = 1 and a constant fade factor.
     plain: bool,
     /// k times the fade factor where that is constant: the rate is this times p v for a = b = 1.
     archard: f64,
-    /// k at the hottest: with the largest factors of both tables.
+    /// k times the largest factors of both tables over temperature.
     highest_coefficient: f64,
 }
 
 impl WearLaw {
-    /// The law of `body`, with the friction coefficient its k was given at.
+    /// Wear law of `body`, with the friction coefficient at which its k was given.
     pub fn new(body: &Body, reference_friction: f64, friction_fade: &FadeTable) -> WearLaw {
         let largest = |table: &FadeTable| table.factor.iter().copied().fold(0.0, f64::max);
         WearLaw {
@@ -71,7 +70,7 @@ impl WearLaw {
         !self.fade.flat || friction_fades
     }
 
-    /// Depth rate (m/s) that no temperature exceeds, at pressure `p` (Pa) and speed `v` (m/s).
+    /// Upper bound of the depth rate (m/s) over all temperatures, at pressure `p` (Pa) and speed `v` (m/s).
     pub fn highest_rate(&self, p: f64, v: f64) -> f64 {
         if self.pressure_exponent == 1.0 && self.velocity_exponent == 1.0 {
             return self.highest_coefficient * p * v;

@@ -1,4 +1,4 @@
-//! Wear: the law, the track that a straight path keeps, and the shape of the contact line.
+//! Wear: the law, the worn track of a straight path, and the shape of the contact line.
 
 pub mod law;
 pub mod line;

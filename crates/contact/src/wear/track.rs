@@ -1,21 +1,20 @@
-//! The worn track of a straight path, kept in the strip's own coordinate.
+//! Worn track of a straight path, stored in the strip's own coordinate.
 //!
-//! The track is a row of cells of equal length; each holds the mean worn depth over itself. A contact
-//! of half-length a that moves from x0 to x1 while it takes off the depth D from whatever stays under
-//! it all the time adds to the cell [l, r]
+//! The track is a row of cells of equal length with their mean worn depths. A contact of half-length a that moves from x0 to
+//! x1, and would wear a point that stays under it by the depth D, adds to the cell [l, r]
 //!
 //! ```text
 //! D/(r - l) * mean over x in [x0, x1] of |[l, r] cut with [x - a, x + a]|
 //! ```
 //!
-//! in closed form. The sum over the cells telescopes, so the worn volume is the integral of the law to
-//! rounding, whatever the cell length. The window has a fixed number of cells: what falls far behind a
-//! contact that keeps going is forgotten (its volume is not), and going back there is reported.
+//! in closed form. The sum over the cells telescopes, so the worn volume is the integral of the law to rounding, whatever
+//! the cell length. The window has a fixed number of cells: those far behind a contact that slides on are discarded (their
+//! volume remains counted), and a return to them is reported.
 
-/// Cells of the window.
+/// Number of cells of the window.
 pub const CELLS: usize = 64;
 
-/// See the module.
+/// Worn track under a lumped contact.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Track {
     cell: f64,
@@ -25,7 +24,7 @@ pub struct Track {
     /// Number of stored cells.
     count: usize,
     depth: [f64; CELLS],
-    /// Cells below or above these have been forgotten.
+    /// Bounds of the discarded cells: those below the first or above the second.
     forgotten: Option<(i64, i64)>,
     revisited: bool,
 }
@@ -39,7 +38,7 @@ impl Track {
         Track { cell, half_length, first: 0, count: 0, depth: [0.0; CELLS], forgotten: None, revisited: false }
     }
 
-    /// Whether the contact came back to a part of the track that had been forgotten.
+    /// Whether the contact returned to a discarded part of the track.
     pub fn revisited(&self) -> bool {
         self.revisited
     }
@@ -49,7 +48,7 @@ impl Track {
         if (0..self.count as i64).contains(&offset) { self.depth[offset as usize] } else { 0.0 }
     }
 
-    /// Makes the window hold the cells from `low` to `high`.
+    /// Extends the window to the cells from `low` to `high`.
     fn cover(&mut self, low: i64, high: i64) {
         if self.count == 0 {
             self.first = low;
@@ -57,7 +56,7 @@ impl Track {
         let span_low = low.min(self.first);
         let span_high = high.max(self.first + self.count as i64 - 1);
         let room = CELLS as i64;
-        // Forget on the side away from where the contact is.
+        // Cells are discarded on the side away from the contact.
         let (mut from, mut to) = (span_low, span_high);
         if to - from + 1 > room {
             if low < self.first {
@@ -94,12 +93,12 @@ impl Track {
         (self.first..self.first + self.count as i64).map(move |index| ([edge(index), edge(index + 1)], self.at(index)))
     }
 
-    /// Takes off `depth` (m) from under the contact while its middle moves from `x0` to `x1` (m). A move
-    /// longer than the window is made in pieces.
+    /// Adds the wear `depth` (m) under the contact while its middle moves from `x0` to `x1` (m). A motion longer than the
+    /// window is split.
     pub fn wear(&mut self, x0: f64, x1: f64, depth: f64) {
         let longest = (CELLS as f64 - 4.0) * self.cell - 2.0 * self.half_length;
         let pieces = ((x1 - x0).abs() / longest).ceil().max(1.0);
-        // Of a very long move only what is not forgotten.
+        // Of a very long motion only the part that remains in the window.
         for left in [3.0, 2.0, 1.0] {
             let piece = pieces - left;
             if piece >= 0.0 {
@@ -113,7 +112,7 @@ impl Track {
     fn wear_piece(&mut self, x0: f64, x1: f64, depth: f64) {
         let (left, right) = (x0.min(x1) - self.half_length, x0.max(x1) + self.half_length);
         let low = (left / self.cell).floor() as i64;
-        // Far away positions have no digits left for a cell; the window's length bounds what follows.
+        // Rounding of distant positions exceeds a cell; the window's length bounds the rest.
         let high = ((right / self.cell).ceil() as i64).saturating_sub(1).min(low.saturating_add(CELLS as i64 - 1));
         self.cover(low, high);
         let mut before = self.passed(low as f64 * self.cell, x0, x1);
@@ -152,7 +151,7 @@ impl Track {
         self.mean(x - self.half_length, x + self.half_length)
     }
 
-    /// Numbers that a saved state needs, in order; see [`Track::load`].
+    /// Appends the numbers of a saved state, in order; see [`Track::load`].
     pub fn save(&self, out: &mut Vec<f64>) {
         let (below, above) = self.forgotten.unwrap_or((i64::MIN, i64::MAX));
         out.extend([self.cell, self.half_length]);
@@ -161,7 +160,7 @@ impl Track {
         out.extend(&self.depth[..self.count]);
     }
 
-    /// Reads what [`Track::save`] wrote; `None` if the numbers cannot be a track.
+    /// Reads the numbers of [`Track::save`]; `None` if they are not a valid track.
     pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
         let mut next = || numbers.next().copied();
         (self.cell, self.half_length) = (next()?, next()?);
@@ -222,7 +221,7 @@ mod tests {
         let mut long = Track::new(0.5, 0.0);
         long.wear(0.0, 10.0, rate * 10.0);
         assert!((long.under(10.0) / track.under(x) - 1.0).abs() < 1e-9);
-        // A window that has moved on says so when the contact comes back.
+        // A return behind a window that has moved on is reported.
         track.wear(x, x - 9.9, rate * 9.9);
         assert!(track.revisited());
     }

@@ -1,4 +1,4 @@
-//! Loads and known values on the boundary of the block, for fields of C components per scalar degree of freedom.
+//! Loads and prescribed values on the boundary of the block, for fields of C components per scalar degree of freedom.
 
 use super::BlockError;
 use super::lobatto::{gauss_legendre, shape_derivatives, shape_values};
@@ -97,7 +97,7 @@ pub fn side_loads<const C: usize>(
     loads
 }
 
-/// Coefficients of `columns` known fields at the held top, in the order of the held degrees of freedom: exact at the
+/// Coefficients of `columns` prescribed fields at the held top, in the order of the held degrees of freedom: exact at the
 /// vertices, the best approximation of `slope` = d `value` / dx in the mean square between them.
 pub fn top_values<const C: usize>(
     mesh: &Mesh,

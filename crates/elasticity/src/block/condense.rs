@@ -16,7 +16,7 @@ use nalgebra::DMatrix;
 use numerics::factorization;
 use std::fmt;
 
-/// Why a factorisation failed.
+/// Reason why a factorisation failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorizationError {
     /// The matrix is not positive definite.
@@ -99,12 +99,12 @@ impl Pattern {
         self.symbolic_factor.len_val()
     }
 
-    /// Room for a factor.
+    /// Allocates a factor.
     pub fn empty_factor(&self) -> Factor {
         Factor { values: vec![0.0; self.factor_entries()] }
     }
 
-    /// Memory for factorising, and for solving with up to `columns` loads at once.
+    /// Workspace for factorising, and for solving with up to `columns` loads together.
     ///
     /// # Errors
     /// [`FactorizationError::OutOfMemory`]
@@ -115,7 +115,7 @@ impl Pattern {
         Ok(Workspace { values: vec![0.0; self.symbolic_matrix.col_ptr()[self.degrees()]], stack })
     }
 
-    /// Sums the element matrices and factorises. `kind[element]` says which of `elements` it is; `boundary` holds
+    /// Sums the element matrices and factorises. `kind[element]` is the index of its matrix in `elements`; `boundary` holds
     /// further (element, skeleton matrix) contributions.
     ///
     /// # Errors
@@ -132,11 +132,11 @@ impl Pattern {
         Ok(factor)
     }
 
-    /// [`Self::factorize`] into a factor of this pattern; allocates nothing (but for what the matrix product keeps of its own
-    /// for every thread, the first time that it runs there).
+    /// [`Self::factorize`] into a factor of this pattern; no allocation (except buffers of the matrix product per thread
+    /// when it first runs there).
     ///
     /// # Errors
-    /// The sum is not positive definite; then the factor holds nothing of use.
+    /// The sum is not positive definite; then the content of the factor is undefined.
     pub fn factorize_into(
         &self,
         factor: &mut Factor,
@@ -239,7 +239,7 @@ impl Pattern {
         Ok(())
     }
 
-    /// [`Self::solve_in_place`] with no more columns than the workspace is made for; allocates as little as
+    /// [`Self::solve_in_place`] with at most as many columns as the workspace has; allocates as little as
     /// [`Self::factorize_into`].
     pub fn solve_in_workspace(&self, factor: &Factor, loads: MatMut<'_, f64>, workspace: &mut Workspace) {
         LltRef::new(&self.symbolic_factor, &factor.values).solve_in_place_with_conj(
@@ -251,7 +251,7 @@ impl Pattern {
     }
 }
 
-/// What factorising and solving on a [`Pattern`] work in.
+/// Workspace of factorisation and solution on a [`Pattern`].
 pub struct Workspace {
     values: Vec<f64>,
     stack: MemBuffer,

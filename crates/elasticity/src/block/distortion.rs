@@ -1,4 +1,4 @@
-//! Thermal distortion of the contact line: how the heated block deforms where nothing presses on it.
+//! Thermal distortion of the contact line: displacement of the heated block without traction on the contact.
 //!
 //! Plane strain with free thermal strain alpha T, the top held, sides and contact free:
 //!
@@ -27,19 +27,19 @@ pub struct DepthPoint {
     pub weight: f64,
     /// Row of elements.
     row: usize,
-    /// Part of the row's height that lies below.
+    /// Fraction of the row's height that lies below.
     reference: f64,
 }
 
-/// Functions across the width of which temperature fields are products.
+/// Functions across the width, factors of the product temperature fields.
 pub struct FunctionsAcross<'a> {
-    /// Their number.
+    /// Number of functions.
     pub count: usize,
-    /// They vary no faster than cos(`steepest` x).
+    /// Bound of their variation: that of cos(`steepest` x).
     pub steepest: f64,
-    /// Value by number and x.
+    /// Value of a function by its number and x.
     pub value: &'a dyn Fn(usize, f64) -> f64,
-    /// Whether a function is even (1) or odd (-1) by its number; None: neither.
+    /// Parity of a function by its number, even (1) or odd (-1); None: neither.
     pub parity: &'a dyn Fn(usize) -> Option<f64>,
 }
 
@@ -88,13 +88,13 @@ impl Block {
         }))
     }
 
-    /// Points through the height where [`Self::product_distortion`] wants the profiles of its fields.
+    /// Points through the height at which [`Self::product_distortion`] needs the profiles of its fields.
     pub fn depth_points(&self) -> Vec<DepthPoint> {
         let rule = gauss_legendre(self.order + 4);
         let mut points = Vec::new();
         for row in 0..self.mesh.z.intervals() {
             let (start, size) = (self.mesh.z.points[row], self.mesh.z.size(row));
-            // Young temperature fields decay within the first elements.
+            // Temperature fields at short times decay within the first elements.
             let parts: &[f64] = if row == 0 { &[0.0, 0.001, 0.01, 0.1, 1.0] } else { &[0.0, 1.0] };
             for part in parts.windows(2) {
                 let (middle, half) = (0.5 * (part[0] + part[1]), 0.5 * (part[1] - part[0]));
@@ -192,7 +192,7 @@ impl Block {
         moments
     }
 
-    /// The same through the height for every row of elements and every field.
+    /// [`Self::moments_across`] through the height, for every row of elements and every field.
     fn moments_of_profiles(&self, fields: &[(usize, &[f64])]) -> Vec<[DMatrix<f64>; 2]> {
         let functions = |row: usize| self.mesh.z.orders[row] + 1;
         let mut moments: Vec<[DMatrix<f64>; 2]> = (0..self.mesh.z.intervals())

@@ -12,7 +12,7 @@ use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::DMatrix;
 use numerics::factorization;
 
-/// Pairs (a, b) of one-dimensional functions in the local order, and how many of them belong to the skeleton.
+/// Pairs (a, b) of one-dimensional functions in the local order, and the number of those that belong to the skeleton.
 pub fn local_functions(order_x: usize, order_z: usize) -> (Vec<(usize, usize)>, usize) {
     let mut functions = vec![(0, 0), (1, 0), (0, 1), (1, 1)];
     for b in 0..2 {
@@ -40,13 +40,13 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Equal up to a scale and rounding.
+    /// Whether the shapes are equal up to a scale and rounding.
     pub fn similar(&self, other: &Self) -> bool {
         let (ratio, other_ratio) = (self.size_z / self.size_x, other.size_z / other.size_x);
         (self.order_x, self.order_z) == (other.order_x, other.order_z) && (ratio - other_ratio).abs() <= 1e-13 * ratio
     }
 
-    /// Equal up to rounding.
+    /// Whether the shapes are equal up to rounding.
     pub fn congruent(&self, other: &Self) -> bool {
         self.similar(other) && (self.size_x - other.size_x).abs() <= 1e-13 * self.size_x
     }
@@ -112,7 +112,7 @@ pub fn dilatation(reference: &ReferenceMatrices, shape: Shape) -> DMatrix<f64> {
     })
 }
 
-/// An element without its interior modes, and what restores them.
+/// Element with condensed interior modes, and the factors that recover them.
 #[derive(Clone, Debug)]
 pub struct CondensedElement {
     /// Schur complement on the skeleton's degrees of freedom.
@@ -131,7 +131,7 @@ pub fn condense(matrix: &DMatrix<f64>, skeleton: usize) -> Option<CondensedEleme
 }
 
 impl CondensedElement {
-    /// Room for an element of `functions` degrees of freedom, of which `skeleton` are not eliminated.
+    /// Allocates an element of `functions` degrees of freedom, of which `skeleton` are not eliminated.
     pub fn empty(functions: usize, skeleton: usize) -> CondensedElement {
         let interior = functions - skeleton;
         CondensedElement {
@@ -141,14 +141,14 @@ impl CondensedElement {
         }
     }
 
-    /// Condenses another element matrix of the same size, see [`condense`]; allocates nothing. False if its interior block
-    /// is not positive definite: then it has to be filled again before it is used.
+    /// Condenses another element matrix of the same size, see [`condense`]; no allocation. False if its interior block is
+    /// not positive definite: then it must be filled again before use.
     pub fn fill(&mut self, matrix: &DMatrix<f64>) -> bool {
         let (interior, skeleton) = self.coupling.shape();
         self.skeleton.copy_from(&matrix.view((0, 0), (skeleton, skeleton)));
         self.coupling.copy_from(&matrix.view((skeleton, 0), (interior, skeleton)));
         if interior > 0 {
-            // An empty matrix takes no memory; where the factorisation fails, its room is gone with it.
+            // An empty matrix takes no memory; a failed factorisation has consumed the block's memory.
             let mut block = std::mem::replace(&mut self.interior_factor, DMatrix::zeros(0, 0));
             if block.nrows() != interior {
                 block = DMatrix::zeros(interior, interior);
@@ -162,8 +162,8 @@ impl CondensedElement {
         true
     }
 
-    /// Moves interior loads to the skeleton: writes what to add there to `skeleton`, and leaves in `interior` what
-    /// [`Self::recover_in_place`] needs. One column for each load.
+    /// Moves interior loads to the skeleton: writes the contribution to `skeleton`, and leaves in `interior` the data of
+    /// [`Self::recover_in_place`]. One column for each load.
     pub fn reduce_in_place(&self, mut interior: MatMut<'_, f64>, skeleton: MatMut<'_, f64>) {
         solve_lower_triangular_in_place(view(&self.interior_factor), interior.rb_mut(), Par::Seq);
         matmul(skeleton, Accum::Replace, view(&self.coupling).transpose(), interior.rb(), -1.0, Par::Seq);
@@ -175,14 +175,14 @@ impl CondensedElement {
         solve_upper_triangular_in_place(view(&self.interior_factor).transpose(), interior, Par::Seq);
     }
 
-    /// [`Self::reduce_in_place`], with a matrix for the answer.
+    /// [`Self::reduce_in_place`] into a new matrix.
     pub fn reduce(&self, interior: &mut DMatrix<f64>) -> DMatrix<f64> {
         let mut skeleton = DMatrix::zeros(self.skeleton.nrows(), interior.ncols());
         self.reduce_in_place(view_mut(interior), view_mut(&mut skeleton));
         skeleton
     }
 
-    /// [`Self::recover_in_place`].
+    /// [`Self::recover_in_place`] for dense matrices.
     pub fn recover(&self, skeleton: &DMatrix<f64>, interior: &mut DMatrix<f64>) {
         self.recover_in_place(view(skeleton), view_mut(interior));
     }

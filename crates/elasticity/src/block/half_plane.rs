@@ -1,9 +1,9 @@
 //! Elastic half-plane z >= 0 under a uniform pressure on an interval of its surface, in closed form.
 //!
-//! The block's own field differs from it by a part that is smooth away from the corners, so the logarithm of a
-//! jumping pressure never reaches the finite elements. Plane strain, displacements times the shear modulus, unit
-//! pressure pushing into +z, stresses positive in tension. Source: K. L. Johnson, Contact Mechanics, Cambridge 1985,
-//! sections 2.2 and 2.5; the constant of the displacement is fixed by the length scale of the logarithm.
+//! The block's own field differs from it by a part that is smooth away from the corners, so the finite elements need not
+//! represent the logarithm of a discontinuous pressure. Plane strain, displacements times the shear modulus, unit pressure
+//! pushing into +z, stresses positive in tension. Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 2.2 and
+//! 2.5; the constant of the displacement is fixed by the length scale of the logarithm.
 
 use std::f64::consts::PI;
 
@@ -227,7 +227,7 @@ mod tests {
             let slope = (body.temperature(CELL, x, 2e-6) - body.temperature(CELL, x, 1e-6)) / 1e-6;
             assert!((slope + flux).abs() < 1e-4, "{slope}");
         }
-        // Temperature over the half-plane's displacement scaled alike: both are the same logarithm at the surface.
+        // Temperature over the half-plane's displacement with equal scaling: both are the same logarithm at the surface.
         let pressed = BODY.normal_influence((0.5, 0.9), CELL) / (1.0 - BODY.poissons_ratio);
         assert!((body.influence((0.5, 0.9), CELL) - pressed).abs() < 1e-14);
     }

@@ -21,11 +21,11 @@ pub const MAXIMUM_ORDER: usize = 12;
 /// shape functions.
 #[derive(Clone, Debug)]
 pub struct ReferenceMatrices {
-    /// int N_i N_j
+    /// Mass matrix, int N_i N_j.
     pub mass: DMatrix<f64>,
-    /// int N_i' N_j'
+    /// Stiffness matrix, int N_i' N_j'.
     pub stiffness: DMatrix<f64>,
-    /// int N_i' N_j
+    /// Mixed matrix, int N_i' N_j.
     pub mixed: DMatrix<f64>,
 }
 

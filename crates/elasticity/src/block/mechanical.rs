@@ -1,4 +1,4 @@
-//! The block's elasticity: stiffness, compliance of the contact line, strain energy.
+//! Elasticity of the block: stiffness, compliance of the contact line, strain energy.
 
 use super::boundary::{are_symmetric, contact_cells, contact_integrals, side_loads, top_values};
 use super::condense::{Factor, FactorizationError, Pattern};

@@ -21,7 +21,7 @@ pub struct Grid {
     pub orders: Vec<usize>,
 }
 
-/// How one direction is divided.
+/// Subdivision of one direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Division {
     /// Layers of elements that shrink towards the first end.
@@ -105,9 +105,9 @@ pub struct Mesh {
     pub z: Grid,
     /// Skeleton entities in the order of their numbers; those of the top edge come last if the top is held.
     pub entities: Vec<Entity>,
-    /// How many of the entities are free; the rest is held.
+    /// Number of free entities; the rest is held.
     pub free_entities: usize,
-    /// How many scalar degrees of freedom are free.
+    /// Number of free scalar degrees of freedom.
     pub free: usize,
     /// Scalar degrees of freedom of the skeleton.
     pub total: usize,
@@ -176,7 +176,7 @@ impl Mesh {
         }
     }
 
-    /// The distinct shapes of the elements, as `same` sees them, and which of them each element has.
+    /// The distinct shapes of the elements under the relation `same`, and the index of each element's shape.
     pub fn distinct_shapes(&self, same: impl Fn(&Shape, &Shape) -> bool) -> (Vec<Shape>, Vec<usize>) {
         let mut shapes: Vec<Shape> = Vec::new();
         let kind = (0..self.elements())

@@ -1,12 +1,12 @@
-//! The punch as an elastic block, by hp finite elements condensed onto the contact line.
+//! Punch as an elastic block: hp finite elements condensed onto the contact line.
 //!
 //! Plane strain, x in [-a, a] with a = width/2 along the contact, z from the contact (0) up to the top (height). The
 //! sides are free, the top is held (u = 0), the contact carries tractions that are uniform on each of N cells.
 //!
 //! # Method
-//! A pressure that jumps between cells has a logarithmic slope in its displacement at every jump, which polynomials
-//! resolve poorly. The field of each cell's pressure is therefore split into that of a half-plane (closed form, see
-//! [`half_plane`]) and a remainder that only corrects the sides and the top:
+//! A pressure that is discontinuous between cells has a displacement with a logarithmic slope at every jump, which
+//! polynomials resolve poorly. The field of each cell's pressure is therefore decomposed into that of a half-plane (closed
+//! form, see [`half_plane`]) and a remainder that only corrects the sides and the top:
 //!
 //! ```text
 //! u = u_half_plane + v,    div sigma(v) = 0 in the block,
@@ -16,7 +16,7 @@
 //! v is smooth away from the four corners, so the error falls exponentially on a mesh that is graded to them, with few
 //! unknowns whose number does not depend on N, and no cell boundary has to be an element boundary.
 //!
-//! Heat conduction ([`thermal`]) lives on the same kind of mesh, and [`distortion`] couples the two.
+//! Heat conduction ([`thermal`]) uses the same kind of mesh, and [`distortion`] couples the two.
 //!
 //! # Signs
 //! Normal displacement into the body (+z) and pressure (pushing into +z) count positive. A shear traction counts
@@ -53,7 +53,7 @@ pub const LARGEST_SLENDERNESS: f64 = 20.0;
 /// Largest width / height: the mesh grows in proportion to it.
 pub const LARGEST_FLATNESS: f64 = 500.0;
 
-/// What was refused, with its value and its limit.
+/// Refused input, with its value and its limit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BlockError {
     /// A number outside its range.
@@ -94,7 +94,7 @@ impl fmt::Display for BlockError {
 
 impl std::error::Error for BlockError {}
 
-/// The finite-element mesh and order.
+/// Finite-element mesh and order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Discretization {
     /// Polynomial order of the shape functions, 1 to 8 (up to 12 for reference solutions).
@@ -108,12 +108,12 @@ pub struct Discretization {
 }
 
 impl Discretization {
-    /// Grading at which layers and order are used best for the singularities of the corners.
+    /// Optimal grading of layers and order for the singularities of the corners.
     pub const CORNER_GRADING: f64 = 0.15;
-    /// Grading at which they are used best for the remainder fields of the cells next to the corners, which vary over
-    /// the distance between cell and corner: a steeper one takes higher orders, a milder one more layers.
+    /// Optimal grading for the remainder fields of the cells next to the corners, which vary over the distance between cell
+    /// and corner: a steeper one needs higher orders, a milder one more layers.
     pub const CELL_GRADING: f64 = 0.25;
-    /// Order that `for_cells` does not exceed.
+    /// Highest order of `for_cells`.
     pub const HIGHEST_ORDER: usize = 8;
 
     /// The same number of layers at all four corners, for smooth loads.
@@ -165,7 +165,7 @@ impl Discretization {
     }
 }
 
-/// Temperatures of one mesh belong to the block of the same.
+/// Checks that temperatures are given on the mesh of the block.
 fn check_same_mesh(mechanical: &Mesh, thermal: &Mesh) -> Result<(), BlockError> {
     if mechanical.x == thermal.x && mechanical.z == thermal.z {
         return Ok(());
@@ -173,7 +173,7 @@ fn check_same_mesh(mechanical: &Mesh, thermal: &Mesh) -> Result<(), BlockError> 
     Err(BlockError::DifferentMeshes { mechanical: mechanical.elements(), thermal: thermal.elements() })
 }
 
-/// Width and height of a block, within the limits of the mesh.
+/// Checks width and height of a block against the limits of the mesh.
 fn check_dimensions(width: f64, height: f64) -> Result<(), BlockError> {
     check_positive(&[("width", width), ("height", height)])?;
     let value = height / width;

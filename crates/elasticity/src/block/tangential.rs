@@ -1,4 +1,4 @@
-//! The block's displacement along the contact by shear.
+//! Tangential displacement of the block's contact line by shear.
 
 use super::boundary::{contact_cells, contact_integrals};
 use super::{Block, BlockError};

@@ -99,7 +99,7 @@ fn energy_error_falls_exponentially_with_the_order() {
 
 #[test]
 fn split_into_half_plane_and_remainder_is_the_plain_solution() {
-    // A uniform pressure or shear on the whole contact is smooth, so plain finite elements know the answer too.
+    // A uniform pressure or shear on the whole contact is smooth, so plain finite elements are accurate too.
     let block = Block::new(SQUARE, Discretization::uniform(8, 7)).unwrap();
     let boundaries = graded_cells(9, 1.0);
     let compliance = block.compliance(&boundaries).unwrap();

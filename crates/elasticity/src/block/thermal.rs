@@ -9,8 +9,8 @@
 //! f_side: int_sides h v    f_top: int_top h_top v
 //! ```
 //!
-//! A held top is T = 0 there; where it is held at a temperature that varies, T counts from it, f_side takes the ambient
-//! temperature from it as well, and its rate enters as -`uniform_capacity` dT_top/dt.
+//! A held top is T = 0 there; where the prescribed temperature varies, T is relative to it, f_side has the ambient
+//! temperature relative to it as well, and its rate enters as -`uniform_capacity` dT_top/dt.
 //!
 //! Vectors hold the free skeleton's degrees of freedom (vertices and edges), then the interior modes element by element.
 
@@ -24,10 +24,10 @@ use super::{BlockError, Discretization, check_dimensions, check_positive};
 use faer::Mat;
 use nalgebra::DMatrix;
 
-/// What happens at the block's top.
+/// Boundary condition at the block's top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TopCondition {
-    /// T = 0 there.
+    /// Prescribed temperature, T = 0.
     Held,
     /// Convection with this coefficient [W/(m2 K)], >= 0; 0 is an insulated top.
     Convecting(f64),
@@ -79,13 +79,13 @@ pub struct ThermalBlock {
     discretization: Discretization,
     pub(super) mesh: Mesh,
     pub(super) pattern: Pattern,
-    /// Distinct element matrices K (without convection) and M, and which of them each element has.
+    /// Distinct element matrices K (without convection) and M, and the index of each element's.
     pub(super) conduction: Vec<DMatrix<f64>>,
     pub(super) capacity: Vec<DMatrix<f64>>,
     pub(super) kind: Vec<usize>,
     /// Convection per unit temperature: (element, matrix on its skeleton).
     pub(super) convection: Vec<(usize, DMatrix<f64>)>,
-    /// Skeleton's degrees of freedom of every element, one after the other; [`ThermalBlock::skeleton`].
+    /// Skeleton degrees of freedom of all elements, concatenated; [`ThermalBlock::skeleton`].
     pub(super) skeletons: Vec<usize>,
 }
 
@@ -240,13 +240,13 @@ impl ThermalBlock {
         result
     }
 
-    /// What the finite elements miss of the contact's mean temperatures by a flux that jumps between cells, N x N
+    /// Error of the finite elements in the contact's mean temperatures by a flux that is discontinuous between cells, N x N
     /// [m2 K/W]: the exact static response less F'K^-1 F over the cell widths.
     ///
-    /// Polynomials resolve neither the jumps nor cells smaller than the elements. What they miss is local to the contact
-    /// and so fast that it is quasi-steady: add this matrix times the flux to the mean temperatures at any time. It is
-    /// computed, as in the block's elasticity, from the half-plane and a smooth remainder, with the top held and the
-    /// sides insulated, which it does not feel.
+    /// Polynomials resolve neither the jumps nor cells smaller than the elements. The unresolved part is local to the
+    /// contact and so fast that it is quasi-steady: this matrix times the flux is added to the mean temperatures at any
+    /// time. It is computed, as in the block's elasticity, from the half-plane and a smooth remainder, with the top held and
+    /// the sides insulated, which have no effect on it.
     pub fn unresolved_response(&self, boundaries: &[f64]) -> Result<DMatrix<f64>, BlockError> {
         let cells = contact_cells(self.properties.width, boundaries)?;
         let held_top = ThermalProperties {
@@ -356,7 +356,7 @@ mod tests {
         let cooled = by_uniform_flux(ThermalProperties { top: TopCondition::Convecting(200.0), ..PROPERTIES }, 0.0);
         let expected = slab + 1.0 / 200.0;
         assert!(cooled.iter().all(|mean| (mean - expected).abs() < 1e-11 * expected), "{cooled}");
-        // The faster, the thinner the heated layer against the elements.
+        // The faster the field, the thinner the heated layer against the elements.
         for (rate, bound) in [(0.001, 1e-10), (0.1, 1e-7), (2.0, 3e-5)] {
             let wave_number = (rate * volumetric_heat_capacity / conductivity).sqrt();
             let insulated = ThermalProperties { top: TopCondition::Convecting(0.0), ..PROPERTIES };
@@ -384,7 +384,7 @@ mod tests {
             assert!((flow(&side) + flow(&top) - entered).abs() < 1e-11 * entered);
             assert!(flow(&side) > 0.1 * entered && flow(&top) > 0.001 * entered);
         }
-        // A uniform temperature equal to that outside carries no heat.
+        // A uniform temperature equal to that outside causes no heat flow.
         let mut uniform = block.side_load() + block.top_load();
         block.solve_in_place(&block.factorize(0.0).unwrap(), &mut uniform).unwrap();
         let means = block.contact_temperatures(&cells(9), &uniform).unwrap();
@@ -421,7 +421,7 @@ mod tests {
         let scale = reference.amax();
         assert!((&completed - &reference).amax() < 5e-5 * scale, "{}", (&completed - &reference).amax() / scale);
         assert!((&coarse - &reference).amax() > 1e-2 * scale);
-        // Two narrow cells far from the edges, heated against each other, only see the half-plane.
+        // Two narrow cells far from the edges with opposite fluxes respond as on the half-plane.
         let local = |i: usize, j: usize| {
             let cell = |i: usize| (boundaries[i], boundaries[i + 1]);
             ConductingHalfPlane { scale: 0.06 }.influence(cell(i), cell(j)) / (0.001 * 55.0)

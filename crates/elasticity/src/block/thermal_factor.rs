@@ -1,4 +1,4 @@
-//! Factor of K + shift M and solutions with it, also in memory that is kept from one to the next.
+//! Factor of K + shift M and solutions with it, also in reusable memory.
 
 use super::BlockError;
 use super::condense::{Factor, FactorizationError, Workspace};
@@ -16,13 +16,13 @@ pub struct ThermalFactor {
 }
 
 impl ThermalFactor {
-    /// The element matrices without their interiors.
+    /// Element matrices with condensed interiors.
     pub(super) fn elements(&self) -> &[CondensedElement] {
         &self.elements
     }
 }
 
-/// What factorising, solving and multiplying work in.
+/// Workspace of factorisation, solution and products.
 #[derive(Debug)]
 pub struct ThermalWorkspace {
     condensed: Workspace,
@@ -30,15 +30,15 @@ pub struct ThermalWorkspace {
     local: DMatrix<f64>,
     /// Values of all loads on the skeleton of one element.
     skeleton: Vec<f64>,
-    /// Most loads at once.
+    /// Largest number of loads together.
     columns: usize,
     /// Values of the functions of one element, before and after a product.
     values: [DVector<f64>; 2],
 }
 
 impl ThermalBlock {
-    /// The degrees of freedom of an element's skeleton; those that are not below the free ones of the mesh are held. They are
-    /// followed by the interior ones, whose degrees of freedom are consecutive.
+    /// Degrees of freedom of an element's skeleton; those beyond the free ones of the mesh are held. The interior ones
+    /// follow, with consecutive degrees of freedom.
     fn skeleton(&self, element: usize) -> &[usize] {
         let count = self.skeleton_functions();
         &self.skeletons[element * count..(element + 1) * count]
@@ -59,16 +59,16 @@ impl ThermalBlock {
         BlockError::Factorization { quantity: "conduction", degrees: self.mesh.free, reason }
     }
 
-    /// Room for a factor.
+    /// Allocates a factor.
     pub fn empty_factor(&self) -> ThermalFactor {
         let empty = |matrix: &DMatrix<f64>| CondensedElement::empty(matrix.nrows(), self.skeleton_functions());
         ThermalFactor { elements: self.capacity.iter().map(empty).collect(), factor: self.pattern.empty_factor() }
     }
 
-    /// Memory for factorising, and for solving with up to `columns` loads at once.
+    /// Workspace for factorising, and for solving with up to `columns` loads together.
     ///
     /// # Errors
-    /// It cannot be had.
+    /// Out of memory.
     pub fn workspace(&self, columns: usize) -> Result<ThermalWorkspace, BlockError> {
         let functions = self.capacity.first().map_or(0, DMatrix::nrows);
         let values = || DVector::zeros(functions);
@@ -84,18 +84,18 @@ impl ThermalBlock {
     /// Factorises K + `shift` M, `shift` [1/s] >= 0.
     ///
     /// # Errors
-    /// The matrix is singular: `shift` is 0 and no heat can leave, or so small that rounding hides it.
+    /// The matrix is singular: `shift` is 0 and no heat can leave, or it is below rounding.
     pub fn factorize(&self, shift: f64) -> Result<ThermalFactor, BlockError> {
         let mut factor = self.empty_factor();
         self.factorize_into(&mut factor, shift, &mut self.workspace(0)?)?;
         Ok(factor)
     }
 
-    /// [`Self::factorize`] into a factor of this block. Allocates nothing, but for what the matrix product keeps of its own for
-    /// every thread, the first time that it runs there.
+    /// [`Self::factorize`] into a factor of this block. No allocation, except buffers of the matrix product per thread when
+    /// it first runs there.
     ///
     /// # Errors
-    /// As [`Self::factorize`]; then the factor holds nothing of use.
+    /// As [`Self::factorize`]; then the content of the factor is undefined.
     pub fn factorize_into(
         &self,
         factor: &mut ThermalFactor,
@@ -133,14 +133,14 @@ impl ThermalBlock {
     /// Overwrites the columns of `loads` with the solutions of (K + shift M) T = load.
     ///
     /// # Errors
-    /// There is no memory to work in.
+    /// Out of memory.
     pub fn solve_in_place(&self, factor: &ThermalFactor, loads: &mut Mat<f64>) -> Result<(), BlockError> {
         let mut workspace = self.workspace(loads.ncols())?;
         self.solve_in_workspace(factor, loads.as_mut(), &mut workspace);
         Ok(())
     }
 
-    /// [`Self::solve_in_place`] with no more columns than the workspace is made for; allocates as little as
+    /// [`Self::solve_in_place`] with at most as many columns as the workspace has; allocates as little as
     /// [`Self::factorize_into`].
     pub fn solve_in_workspace(
         &self,
@@ -175,7 +175,7 @@ impl ThermalBlock {
         }
     }
 
-    /// Adds `factor` times M times `field` to `target`; allocates nothing.
+    /// Adds `factor` times M times `field` to `target`; no allocation.
     pub fn add_capacity(&self, factor: f64, field: &[f64], target: &mut [f64], workspace: &mut ThermalWorkspace) {
         let free = self.mesh.free;
         let [before, after] = &mut workspace.values;

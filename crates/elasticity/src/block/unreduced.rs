@@ -1,5 +1,4 @@
-//! What a contact line asks of the block where nothing is reduced: distortion by any temperature field, and the heat through its
-//! faces.
+//! Operators of the block for unreduced temperature fields: distortion by any field, and the heat flow through its faces.
 
 use super::boundary::{contact_cells, contact_integrals, side_loads};
 use super::element::{Shape, dilatation};
@@ -11,17 +10,17 @@ use faer::Mat;
 use nalgebra::DMatrix;
 
 /// Heat per unit depth that leaves through a held top [W/m]: `by_field` times the temperatures, less `by_outside` times the
-/// temperature beside the block, both measured from the top's.
+/// temperature of the surroundings, both relative to the top's.
 #[derive(Clone, Debug)]
 pub struct TopOutflow {
-    /// n x 1 [W/(m K)].
+    /// Weights of the temperatures, n x 1 [W/(m K)].
     pub by_field: Mat<f64>,
-    /// [W/(m K)].
+    /// Weight of the temperature of the surroundings [W/(m K)].
     pub by_outside: f64,
 }
 
 impl ThermalBlock {
-    /// The temperature 1 everywhere, but at a held top, n x 1.
+    /// Uniform temperature 1, except at a held top, n x 1.
     pub fn uniform_field(&self) -> Mat<f64> {
         let mut field = Mat::zeros(self.degrees(), 1);
         for element in 0..self.mesh.elements() {

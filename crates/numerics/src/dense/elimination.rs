@@ -1,12 +1,12 @@
-//! Factors of a dense matrix with exchanges of rows, and substitution with them.
+//! LU factorisation of a dense matrix with row exchanges, and substitution.
 
 use super::GROUP;
 use super::products::{accumulate, accumulate_pair};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Columns eliminated together: the rows below them stay in the first-level cache while the rest is updated.
+/// Number of columns eliminated together: the rows below them stay in the first-level cache while the rest is updated.
 const PANEL: usize = 8;
-/// A diagonal entry this small against the largest below it is exchanged for that one.
+/// Threshold of pivoting: a diagonal entry smaller than this times the largest below it is exchanged for that one.
 const PIVOT_THRESHOLD: f64 = 0.1;
 
 /// Solves with an upper triangle that holds the reciprocals of its diagonal, in place.
@@ -50,7 +50,7 @@ fn negated<const K: usize>(values: &[f64]) -> [f64; K] {
     result
 }
 
-/// Takes from a column what the K columns left of it in its panel eliminate.
+/// Eliminates from a column the contributions of the K columns left of it in its panel.
 #[inline(always)]
 fn eliminate<S: Simd, const K: usize>(simd: S, column: &mut [f64], left: &[f64], start: usize) {
     let rows = column.len();
@@ -62,7 +62,7 @@ fn eliminate<S: Simd, const K: usize>(simd: S, column: &mut [f64], left: &[f64],
     accumulate(simd, below, left, rows, start + K, start, negated::<K>(&x));
 }
 
-/// Largest absolute value, and 0 for nothing.
+/// Largest absolute value; 0 for an empty slice.
 #[inline(always)]
 fn largest<S: Simd>(simd: S, values: &[f64]) -> f64 {
     let (head, tail) = S::as_simd_f64s(values);
@@ -76,11 +76,11 @@ fn largest<S: Simd>(simd: S, values: &[f64]) -> f64 {
     simd.reduce_max_f64s(most)
 }
 
-/// Replaces the n x n matrix by its factors `P A = L U`, L with a unit diagonal, U with the reciprocals of its
-/// diagonal in place of that. `exchanged[k]` is the row that row k was exchanged for at step k.
+/// Replaces the n x n matrix by its factors `P A = L U`, L with a unit diagonal, U with the reciprocals of its diagonal in
+/// place of that. `exchanged[k]` is the row that row k was exchanged for at step k.
 ///
-/// Pivots are chosen among the rows with a threshold of .1: growth stays bounded, and the nearly symmetric matrices of
-/// contact are hardly ever rearranged. `false` where a pivot is 0 or infinite; what is not a number shows in the solution.
+/// Threshold pivoting with .1: growth stays bounded, and the nearly symmetric matrices of contact are hardly ever permuted.
+/// `false` where a pivot is 0 or infinite; a NaN propagates to the solution.
 pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool {
     struct Factorise<'a>(&'a mut [f64], usize, &'a mut [usize]);
     impl WithSimd for Factorise<'_> {
@@ -162,7 +162,7 @@ pub fn factorise(matrix: &mut [f64], n: usize, exchanged: &mut [usize]) -> bool 
     Arch::new().dispatch(Factorise(matrix, n, exchanged))
 }
 
-/// Solves `A x = right` in place with the factors that [`factorise`] left.
+/// Solves `A x = right` in place with the factors of [`factorise`].
 pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f64]) {
     struct Substitute<'a>(&'a [f64], usize, &'a mut [f64]);
     impl WithSimd for Substitute<'_> {
@@ -171,7 +171,7 @@ pub fn substitute(factors: &[f64], n: usize, exchanged: &[usize], right: &mut [f
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
             let Self(factors, n, x) = self;
-            // The first few rows by themselves, so that all others come in whole groups.
+            // The first few rows singly, so that all others come in whole groups.
             let odd = n % GROUP;
             for i in 0..odd {
                 let (done, rest) = x.split_at_mut(i + 1);

@@ -1,4 +1,4 @@
-//! Products of a dense matrix with vectors, and sums of vectors.
+//! Matrix-vector products and linear combinations of vectors.
 
 use super::GROUP;
 use pulp::{Arch, Simd, WithSimd};
@@ -42,7 +42,7 @@ pub(super) fn accumulate<S: Simd, const K: usize>(
     }
 }
 
-/// The same for two targets with one reading of the columns.
+/// [`accumulate`] for two targets with one pass over the columns.
 #[inline(always)]
 pub(super) fn accumulate_pair<S: Simd, const K: usize>(
     simd: S,
@@ -87,14 +87,14 @@ pub(super) fn accumulate_pair<S: Simd, const K: usize>(
         simd.partial_store_f64s(other_tail, sums[1]);
     }
 }
-/// Rows up to which a product keeps its sums in registers while the columns pass: then it reads nothing twice. More rows are
-/// read column after column, as they lie.
+/// Number of rows up to which a product keeps its sums in registers over all columns, so that nothing is read twice. Larger
+/// matrices are read column by column.
 const NARROW: usize = 72;
-/// Most numbers in a vector.
+/// Largest number of values in a vector register.
 const MOST_LANES: usize = 8;
 
-/// Adds the products of some rows, V vectors of them from row `row` on, with K columns of factors; with `REST` also the rows
-/// behind these, fewer than a vector, which reaches back over rows that are done.
+/// Adds the products of some rows, V vectors of them from row `row` on, with K columns of factors; with `REST` also the
+/// remaining rows, fewer than a vector, by a vector that overlaps rows already done.
 #[inline(always)]
 fn pass<S: Simd, const K: usize, const V: usize, const REST: bool>(
     simd: S,
@@ -140,7 +140,7 @@ fn pass<S: Simd, const K: usize, const V: usize, const REST: bool>(
     }
 }
 
-/// `target += matrix x` of few rows, at least a vector of them, for K pairs of x and target.
+/// `target += matrix x` for few rows, at least a vector of them, for K pairs of x and target.
 #[inline(always)]
 fn multiply_narrow<S: Simd, const K: usize>(
     simd: S,
@@ -163,17 +163,17 @@ fn multiply_narrow<S: Simd, const K: usize>(
             }
         }};
     }
-    // The sums of all have to fit the registers.
+    // The sums of all pairs have to fit the registers.
     if K == 1 { passes!(8: 1 2 3 4 5 6 7 8) } else { passes!(4: 1 2 3 4) }
 }
 
-/// Whether [`multiply_narrow`] takes a matrix.
+/// Whether [`multiply_narrow`] applies to a matrix.
 #[inline(always)]
 fn is_narrow<S: Simd>(rows: usize, columns: usize) -> bool {
     (2 * S::F64_LANES..=NARROW).contains(&rows) && columns >= GROUP
 }
 
-/// `target += matrix x`, column after column as they lie.
+/// `target += matrix x`, column by column.
 #[inline(always)]
 fn multiply_wide<S: Simd>(simd: S, matrix: &[f64], x: &[f64], target: &mut [f64]) {
     let rows = target.len();
@@ -206,7 +206,7 @@ pub fn multiply_add(matrix: &[f64], x: &[f64], target: &mut [f64]) {
     Arch::new().dispatch(Multiply(matrix, x, target));
 }
 
-/// [`multiply_add`] for some matrices, each with its x and target, of small ones together.
+/// [`multiply_add`] for several matrices, each with its x and target; small ones in one pass.
 pub fn multiply_add_each<const K: usize>(products: [(&[f64], &[f64], &mut [f64]); K]) {
     struct Multiply<'a, const K: usize>([(&'a [f64], &'a [f64], &'a mut [f64]); K]);
     impl<const K: usize> WithSimd for Multiply<'_, K> {
@@ -229,7 +229,7 @@ pub fn multiply_add_each<const K: usize>(products: [(&[f64], &[f64], &mut [f64])
     Arch::new().dispatch(Multiply(products));
 }
 
-/// [`multiply_add`] for two x and targets of the same lengths at once: a matrix of few rows is read once.
+/// [`multiply_add`] for two x and targets of the same lengths: a matrix of few rows is read once.
 pub fn multiply_add_pair(matrix: &[f64], x: [&[f64]; 2], targets: [&mut [f64]; 2]) {
     struct Multiply<'a>(&'a [f64], [&'a [f64]; 2], [&'a mut [f64]; 2]);
     impl WithSimd for Multiply<'_> {
@@ -334,10 +334,10 @@ pub fn combine<const K: usize>(target: &mut [f64], sources: [&[f64]; K], factors
     Arch::new().dispatch(Combine(target, sources, factors));
 }
 
-/// `sum_i a_i b_i`.
+/// Dot product `sum_i a_i b_i`.
 #[inline]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    // Four sums side by side: the additions of one would wait for each other.
+    // Four independent sums, so that additions do not wait for each other.
     let (a_groups, a_rest) = a.as_chunks::<GROUP>();
     let (b_groups, b_rest) = b.as_chunks::<GROUP>();
     let mut sums = [0.0; GROUP];

@@ -1,13 +1,13 @@
-//! A matrix in single precision, laid out in the order in which a product reads it: half of the memory that passes by.
+//! Matrix in single precision, stored in the order in which a product reads it: half of the memory traffic.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Rows whose sums stay in registers while the columns pass.
+/// Number of rows whose sums stay in registers over all columns.
 const PANEL: usize = 32;
-/// Rows of the last panel come in multiples of this.
+/// The last panel has a multiple of this number of rows.
 const PART: usize = 8;
 
-/// See the module. Products are sums in double precision; what is lost is the rounding of the entries, 6e-8 of each.
+/// Matrix of f32 entries. Products are summed in double precision; the error is the rounding of the entries, 6e-8 of each.
 #[derive(Clone, Debug)]
 pub struct SingleMatrix {
     rows: usize,
@@ -16,18 +16,18 @@ pub struct SingleMatrix {
     values: Vec<f32>,
 }
 
-/// Rows with those that fill the last panel.
+/// Number of rows, padded to fill the last panel.
 fn padded(rows: usize) -> usize {
     rows.div_ceil(PART) * PART
 }
 
 impl SingleMatrix {
-    /// Of zeros.
+    /// Matrix of zeros.
     pub fn zeros(rows: usize, columns: usize) -> SingleMatrix {
         SingleMatrix { rows, columns, values: vec![0.0; padded(rows) * columns] }
     }
 
-    /// Takes over a matrix of its size, by columns.
+    /// Converts a matrix of the same size, stored by columns.
     pub fn copy_from(&mut self, matrix: &[f64]) {
         assert_eq!(matrix.len(), self.rows * self.columns, "a matrix of the same size");
         let mut target = self.values.iter_mut();
@@ -68,7 +68,7 @@ impl SingleMatrix {
     }
 }
 
-/// The product of a panel of R rows, of which there are targets for the first.
+/// Product of a panel of R rows; targets exist for the first of them.
 #[inline(always)]
 fn pass<const R: usize>(panel: &[f32], x: &[f64], target: &mut [f64]) {
     let mut sums = [0.0; R];

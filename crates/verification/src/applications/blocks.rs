@@ -1,10 +1,10 @@
-//! Blocks, pins and seals: to and fro, one way, on discs.
+//! Blocks, pins and seals: reciprocating, unidirectional, on discs.
 
 use super::Family;
 use super::courses::{duty_cycle, held, reciprocating, run_up};
 
 pub(super) static FAMILIES: &[Family] = &[
-    // A block to and fro, as in a tribometer or a hinge.
+    // A reciprocating block, as in a tribometer or a hinge.
     Family {
         name: "sinusoid",
         file: SINUSOID,
@@ -38,7 +38,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| reciprocating(v("V"), v("F"), v("period"), v("cycles"), v("pulse")),
     },
-    // One way on fresh track: a planing cut, a rail shoe.
+    // Unidirectional on a fresh track: a planing cut, a rail shoe.
     Family {
         name: "straight",
         file: STRAIGHT,
@@ -96,7 +96,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
-    // Wear that is not linear in pressure and velocity.
+    // Wear laws that are not linear in pressure and velocity.
     Family {
         name: "exponents",
         file: EXPONENTS,
@@ -129,7 +129,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
-    // A block that turns about a pivot.
+    // A block that rotates about a pivot.
     Family {
         name: "tilt",
         file: TILT,
@@ -183,7 +183,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| duty_cycle(v("V"), v("F"), v("on"), v("off"), v("count"), v("idle")),
     },
-    // A ceramic-like block that conducts no heat.
+    // An insulating, ceramic-like block.
     Family {
         name: "insulator",
         file: INSULATOR,
@@ -207,7 +207,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
-    // Contacts in which nothing wears.
+    // Contacts without wear.
     Family {
         name: "no_wear",
         file: NO_WEAR,

@@ -1,4 +1,4 @@
-//! Brakes: pads on discs in long drags, stops, duty cycles and drives, in stiff and soft calipers, cooled and fading.
+//! Brakes: pads on discs in long drags, stops, duty cycles and drives, in stiff and soft calipers, with cooling and fade.
 
 use super::Family;
 use super::courses::{duty_cycle, held, stop_and_go, wandering};
@@ -99,7 +99,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| duty_cycle(v("V"), v("F"), v("on"), v("off"), v("count"), v("idle")),
     },
-    // Residual drag of a pad that should be open.
+    // Residual drag of a released pad.
     Family {
         name: "light",
         file: DISC,
@@ -189,7 +189,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
-    // Hot drags that are cooled by moving air and radiation.
+    // Hot drags with forced convection and radiation.
     Family {
         name: "cooled",
         file: DISC,
@@ -217,7 +217,7 @@ pub(super) static FAMILIES: &[Family] = &[
         ],
         course: |v| held(v("V"), v("F"), v("time"), 60),
     },
-    // Drives without any regularity.
+    // Aperiodic drives.
     Family {
         name: "wander",
         file: DISC,

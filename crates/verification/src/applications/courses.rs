@@ -1,4 +1,4 @@
-//! Inputs over time as test benches, machines and vehicles give them: linear between communication points.
+//! Input trajectories of test benches, machines and vehicles: linear between communication points.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ pub fn held(velocity: f64, load: f64, time: f64, points: usize) -> Vec<Point> {
     (0..=points).map(|point| [time * (point as f64 / points as f64).powf(1.5), velocity, load]).collect()
 }
 
-/// To and fro with V cos wt from the middle of the stroke; the load swings by `pulse` of itself twice in a period.
+/// Reciprocating with V cos wt from the middle of the stroke; the load varies by the fraction `pulse` twice in a period.
 pub fn reciprocating(velocity: f64, load: f64, period: f64, cycles: f64, pulse: f64) -> Vec<Point> {
     const POINTS: usize = 24;
     let count = (cycles * POINTS as f64).round() as usize;
@@ -21,7 +21,7 @@ pub fn reciprocating(velocity: f64, load: f64, period: f64, cycles: f64, pulse: 
     (0..=count).map(at).collect()
 }
 
-/// A course that is put together from ramps.
+/// An input trajectory composed of ramps.
 struct Ramps(Vec<Point>);
 
 impl Ramps {
@@ -29,7 +29,7 @@ impl Ramps {
         Self(vec![[0.0, velocity, load]])
     }
 
-    /// On to `velocity` and `load` within `time`, in `points` communication steps.
+    /// Ramp to `velocity` and `load` within `time`, in `points` communication steps.
     fn to(&mut self, time: f64, velocity: f64, load: f64, points: usize) -> &mut Self {
         let from = *self.0.last().expect("a course has a beginning");
         for point in 1..=points {
@@ -55,7 +55,8 @@ pub fn stop_and_go(velocity: f64, load: f64, stop: f64, rest: f64, count: f64) -
     ramps.0
 }
 
-/// Blocks of `on` (s) under `load` and of `off` under the part `idle` of it, at constant speed; each begins within a hundredth of its time.
+/// Load cycles of `on` (s) under `load` and of `off` under the fraction `idle` of it, at constant speed; each begins with a
+/// ramp of a hundredth of its time.
 pub fn duty_cycle(velocity: f64, load: f64, on: f64, off: f64, count: f64, idle: f64) -> Vec<Point> {
     let mut ramps = Ramps::from(velocity, idle * load);
     for _ in 0..count as usize {
@@ -65,8 +66,8 @@ pub fn duty_cycle(velocity: f64, load: f64, on: f64, off: f64, count: f64, idle:
     ramps.0
 }
 
-/// Engagements: the load rises within a fifth of `slip` (s) and stays, the sliding velocity falls to 0 at the end of it; after four times as
-/// long closed and open the next one begins.
+/// Engagements: the load rises within a fifth of `slip` (s) and stays, the sliding velocity falls to 0 at the end of it;
+/// after four times as long closed and open the next one begins.
 pub fn engagements(velocity: f64, load: f64, slip: f64, count: f64) -> Vec<Point> {
     let mut ramps = Ramps::from(velocity, 0.0);
     for _ in 0..count as usize {
@@ -77,7 +78,7 @@ pub fn engagements(velocity: f64, load: f64, slip: f64, count: f64) -> Vec<Point
     ramps.0
 }
 
-/// Velocity and load that wander, never negative: three sines each without a common period. The largest values are about twice the means.
+/// Aperiodic velocity and load, never negative: three incommensurate sines each. The largest values are about twice the means.
 pub fn wandering(velocity: f64, load: f64, time: f64, points: usize) -> Vec<Point> {
     let at = |point: usize| {
         let part = point as f64 / points as f64;

@@ -1,10 +1,10 @@
-//! Clutches and rings, and speeds on both sides of the critical one.
+//! Clutches and rings, at speeds below and above the critical one.
 
 use super::Family;
 use super::courses::{engagements, held};
 
 pub(super) static FAMILIES: &[Family] = &[
-    // Dry clutches that engage.
+    // Engagements of dry clutches.
     Family {
         name: "clutch",
         file: CLUTCH,

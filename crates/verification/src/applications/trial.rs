@@ -1,7 +1,7 @@
-//! Runs of an [`Application`] as an importer makes them, and how far they are from a far finer one.
+//! Runs of an [`Application`] as by an importer, and their distance from a far finer run.
 //!
-//! Errors of wear depth, contact temperature and friction force are the largest over the communication points, relative to the most
-//! worn, to the peak rise of the temperature and to the peak of the force.
+//! Errors of wear depth, contact temperature and friction force are maxima over the communication points, relative to the
+//! largest wear, the peak temperature rise and the peak force.
 
 use super::Application;
 use model::INPUTS;
@@ -16,17 +16,17 @@ use std::sync::Arc;
 /// Names of the judged outputs.
 pub const OUTPUTS: [&str; 3] = ["wear_depth", "contact_temperature", "friction_force"];
 
-/// Processor time after which a run ends, s.
+/// Limit of the processor time of a run, s.
 const LONGEST: f64 = 20.0;
 
-/// The level that a run is made at.
+/// Model level of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Setting {
     /// `solver.fidelity = auto`.
     Auto,
     /// `solver.fidelity = lumped`.
     Lumped,
-    /// `solver.fidelity = line` with so many `solver.cells`.
+    /// `solver.fidelity = line` with this number of `solver.cells`.
     Line(usize),
 }
 
@@ -56,20 +56,20 @@ impl std::fmt::Display for Setting {
     }
 }
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Run {
     /// Wear depth (m), contact temperature (K) and friction force (N) at the communication points.
     pub main: Vec<[f64; 3]>,
-    /// `estimated_error` there; at the first one 0.
+    /// `estimated_error` at the communication points; 0 at the first one.
     pub estimated: Vec<f64>,
     /// Accepted and rejected internal steps.
     pub steps: u64,
-    /// What they cost by count, microseconds.
+    /// Their expected cost by work counters, microseconds.
     pub work: f64,
     /// Processor time of initialisation and of the communication steps, s.
     pub seconds: [f64; 2],
-    /// Processor time of building the level that the run ended on anew, without choosing it, s.
+    /// Processor time of rebuilding the final level without selecting it, s.
     pub building: f64,
     /// Level at the end, and cells.
     pub level: String,
@@ -78,7 +78,7 @@ pub struct Run {
 /// Runs an application at a setting through the component, as an importer drives the FMU with linear inputs.
 ///
 /// # Errors
-/// What initialisation or a step refuses.
+/// A refused initialisation or step.
 pub fn run(application: &Application, setting: Setting, tolerance: f64) -> Result<Run, String> {
     let begin = processor_seconds();
     let starts = setting.apply(&application.starts, tolerance);
@@ -139,10 +139,10 @@ fn level(operators: &ModelOperators) -> String {
     }
 }
 
-/// A far finer run of the contact line, as a user can fix it: heat on the cells where it feeds back.
+/// A far finer run of the contact line, as a user can select it: with resolved heat where it feeds back.
 ///
 /// # Errors
-/// What the set-up or a step refuses.
+/// A refused set-up or step.
 pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Result<Run, String> {
     let scene =
         Scene::new(&Setting::Line(cells).apply(&application.starts, tolerance), None).map_err(|broken| broken.0)?;
@@ -186,10 +186,11 @@ pub fn fine_run(application: &Application, cells: usize, tolerance: f64) -> Resu
     Ok(run)
 }
 
-/// Largest speed of a course over the critical one of thermoelastic instability; 0 where there is none.
+/// Ratio of the largest speed of an input trajectory to the critical speed of thermoelastic instability; 0 where there is
+/// none.
 ///
 /// # Errors
-/// What initialisation refuses.
+/// A refused initialisation.
 pub fn speed_ratio(application: &Application) -> Result<f64, String> {
     let mut component = Component::new(Arc::new(Setting::Lumped.apply(&application.starts, 1e-2)));
     let [fastest, most] = [1, 2].map(|input| largest(application.course.iter().map(|point| point[input])));
@@ -201,7 +202,7 @@ pub fn speed_ratio(application: &Application) -> Result<f64, String> {
     Ok(if critical > 0.0 { fastest / critical } else { 0.0 })
 }
 
-/// Scales of the errors: the most worn, the peak rise of the temperature and the peak of the force.
+/// Scales of the errors: the largest wear, the peak temperature rise and the peak force.
 pub fn scales(truth: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
         let reference = if output == 1 { truth[0][1] } else { 0.0 };
@@ -209,7 +210,7 @@ pub fn scales(truth: &[[f64; 3]]) -> [f64; 3] {
     })
 }
 
-/// Errors of a run that count from its beginning to every communication point.
+/// Errors of a run up to every communication point.
 pub fn errors_so_far(run: &[[f64; 3]], truth: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let scales = scales(truth);
     let mut most = [0.0_f64; 3];
@@ -228,8 +229,9 @@ pub fn errors(run: &[[f64; 3]], truth: &[[f64; 3]]) -> [f64; 3] {
     errors_so_far(run, truth).last().copied().unwrap_or_default()
 }
 
-/// What is left of the errors of a run whose distance from the next coarser one is `apart`, after a distance of `last` between the two
-/// before: differences go on as a geometric series. Their ratio counts between 1.2, below which nothing converges, and 4, of second order.
+/// Remaining error of a run by Richardson extrapolation: `apart` is its distance from the next coarser run, `last` the
+/// distance of the two before. Differences are taken as a geometric series; their ratio is limited to between 1.2, nearly no
+/// convergence, and 4, second order.
 pub fn remaining(last: Option<[f64; 3]>, apart: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|output| match last {
         Some(last) => apart[output] / (last[output] / apart[output].max(1e-300) - 1.0).clamp(0.2, 3.0),
@@ -237,7 +239,7 @@ pub fn remaining(last: Option<[f64; 3]>, apart: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// Largest magnitude; what is no number counts as infinite.
+/// Largest magnitude; NaN counts as infinite.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most: f64, value| if value.is_nan() { f64::INFINITY } else { most.max(value.abs()) })
 }

@@ -1,11 +1,11 @@
-//! A car's front disc brake: one stop, and the urban drive cycle.
+//! Front disc brake of a car: one stop, and the urban drive cycle.
 
 use super::{DriveProblem, Setting, Truth, every, starts};
 use scene::{Fidelity, Scheme};
 use sliding_contact::component::Values;
 
 const MASS: f64 = 1500.0;
-/// Part of the braking on one front brake.
+/// Fraction of the braking force on one front brake.
 const SHARE: f64 = 0.35;
 const WHEEL_RADIUS: f64 = 0.31;
 const MEAN_RADIUS: f64 = 0.1175;
@@ -26,7 +26,7 @@ fn setting(fidelity: Fidelity, cells: usize, tolerance: f64, step: f64) -> Setti
     Setting { fidelity, scheme: Scheme::Monolithic, tolerance, cells, step, order: 1, heat: true }
 }
 
-/// From 100 km/h to rest: the pedal goes down in `RAMP`, then the deceleration is constant.
+/// From 100 km/h to rest: the pedal is applied within `RAMP`, then the deceleration is constant.
 pub(super) fn stop() -> Result<DriveProblem, String> {
     const RAMP: f64 = 0.2;
     let (speed, duration) = (100.0 / 3.6, 3.5);
@@ -35,7 +35,7 @@ pub(super) fn stop() -> Result<DriveProblem, String> {
     let ratio = MEAN_RADIUS / WHEEL_RADIUS;
     let changes = [("nominal.load", pressed), ("nominal.velocity", speed * ratio), ("nominal.duration", duration)];
     let inputs = move |time: f64| {
-        // At the end the car stands, whatever rounding leaves.
+        // Zero velocity at the end, free of rounding.
         let lost = if time < RAMP { 0.5 * time * time / RAMP } else { time - 0.5 * RAMP };
         let left = if time < duration - 1e-9 { (speed - deceleration * lost).max(0.0) } else { 0.0 };
         [left * ratio, pressed * (time / RAMP).min(1.0)]
@@ -106,7 +106,7 @@ pub(super) fn cycle() -> Result<DriveProblem, String> {
         step: 0.1,
         steps: vec![1.0, 0.5, 0.2, 0.1, 0.05],
         samples: every(37.0, duration),
-        // The unreduced punch would take a quarter of an hour in steps that the brake's transients are short of.
+        // The unreduced punch would take a quarter of an hour in steps that do not resolve the brake's transients.
         truth: Truth::Finest(vec![setting(Fidelity::Line, 65, 1e-4, 0.1), setting(Fidelity::Line, 33, 1e-4, 0.1)]),
         reason: "what remains is the difference to a run of twice its cells",
         isothermal: false,

@@ -1,4 +1,4 @@
-//! A clutch engaged from above its critical speed: hot spots of the pressure plate grow, then fade.
+//! A clutch engaged above its critical speed: hot spots of the pressure plate grow, then decay.
 
 use super::{DriveProblem, Sample, Truth, every, starts};
 use exact::PressureWave;
@@ -33,7 +33,7 @@ fn velocity(time: f64) -> f64 {
     VELOCITY * (1.0 - time / DURATION).max(0.0)
 }
 
-/// One wave of a ring in full contact. The plate, at rest in the frame of its hot spots, conducts; the facing does not.
+/// One wave of a ring in full contact. The plate, at rest in the frame of its hot spots, conducts; the facing is an insulator.
 pub(super) fn problem() -> Result<DriveProblem, String> {
     let names: Vec<String> = (1..=STATIONS).map(|station| format!("contact.initial_gap[{station}]")).collect();
     let mut changes = vec![
@@ -97,8 +97,8 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
     })
 }
 
-/// Amplitude of wave `n` of the waviness, which is linear between the stations: a cosine sampled at 32 points has the
-/// waves 32 k +- 1 with the square of the sinc function.
+/// Amplitude of the Fourier mode `n` of the waviness, which is linear between the stations: a cosine sampled at 32 points
+/// contains the modes 32 k +- 1 with the square of the sinc function.
 fn share(n: u32) -> f64 {
     let angle = PI * f64::from(n) / (STATIONS - 1) as f64;
     (angle.sin() / angle).powi(2)

@@ -1,26 +1,26 @@
-//! The settings that a chart compares: one thing varied at a time.
+//! Settings compared in a chart, one parameter varied at a time.
 
 use super::{DriveProblem, Setting};
 use scene::{Fidelity, Scheme};
 
-/// Settings that differ in one thing.
+/// Settings that differ in one parameter.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Family {
     /// Name in the legend.
     pub name: &'static str,
-    /// What differs, and what the rest is.
+    /// Varied parameter, and the common values of the others.
     pub varied: &'static str,
     /// From coarse to fine.
     pub settings: Vec<Setting>,
 }
 
-/// Tolerance of a family that varies something else.
+/// Tolerance of a family with another varied parameter.
 const TIGHT: f64 = 1e-4;
-/// Cells of a family that varies something else.
+/// Number of cells of a family with another varied parameter.
 const CELLS: usize = 33;
 
 impl DriveProblem {
-    /// What is compared: every level and scheme; tolerances, cells, orders of the inputs and communication steps. `quick`:
+    /// Compared settings: every level and scheme; tolerances, cells, orders of the inputs and communication steps. `quick`:
     /// the coarser half of each.
     pub fn families(&self, quick: bool) -> Vec<Family> {
         let setting = Setting {
@@ -46,7 +46,7 @@ impl DriveProblem {
             cells[..kept(cells.len())].iter().map(with).collect()
         };
         let fine = [17, 25, 33, 49, 65];
-        // Cells and tolerance go together: the error of one is not worth less than that of the other.
+        // Cells and tolerance are varied together, with balanced errors.
         let pairs: [(usize, i32); 9] =
             [(5, -1), (9, -2), (13, -2), (17, -2), (21, -2), (33, -3), (49, -3), (65, -4), (97, -4)];
         let isothermal = pairs[..kept(pairs.len())].iter().map(|&(cells, exponent)| Setting {

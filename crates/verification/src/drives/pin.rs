@@ -1,4 +1,4 @@
-//! A pin that slides one way.
+//! A pin in unidirectional sliding.
 
 use super::{DriveProblem, Sample, Truth, starts};
 use exact::GalinRelaxation;
@@ -15,12 +15,12 @@ const YOUNGS_MODULUS: f64 = 200e9;
 const POISSONS_RATIO: f64 = 0.3;
 const CONDUCTIVITY: f64 = 50.0;
 const CAPACITY: f64 = 7800.0 * 460.0;
-/// Lower than the pin is deep: a track as deep as the pin, out of which no heat spreads.
+/// Lower than the depth of the pin: a track as deep as the pin, without lateral conduction.
 const HEIGHT: f64 = 1.9e-3;
 const CONDUCTANCE: f64 = 1e6;
 const DURATION: f64 = 10.0;
 
-/// The flat pin of a ceramic that neither yields nor conducts on a track of steel: every quantity in closed form.
+/// A flat, rigid, insulating ceramic pin on a track of steel: every quantity in closed form.
 pub(super) fn problem() -> Result<DriveProblem, String> {
     let changes = [
         ("depth", DEPTH),
@@ -83,7 +83,7 @@ fn course(times: &[f64], ambient: f64) -> Vec<Sample> {
     let peclet = VELOCITY * HALF_WIDTH * CAPACITY / (2.0 * CONDUCTIVITY);
     let flux = FRICTION * mean * VELOCITY;
     let band = band_mean(peclet, Some((HEIGHT / HALF_WIDTH, LayerBase::Held)));
-    // The pin's side is hotter by flux/(2 h_c), and half of that counts.
+    // The pin's side is hotter by flux/(2 h_c), half of which enters the contact temperature.
     let rise = flux * (HALF_WIDTH / CONDUCTIVITY * band + 0.25 / CONDUCTANCE);
     let last = times.last().copied().unwrap_or(0.0);
     let at = |&time: &f64| {

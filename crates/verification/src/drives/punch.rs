@@ -1,4 +1,4 @@
-//! The punch that slides to and fro, cold and hot.
+//! Reciprocating punch, cold and hot.
 
 use super::{DriveProblem, Setting, Truth, every, starts};
 use scene::{Fidelity, Scheme};
@@ -10,7 +10,7 @@ const AMPLITUDE: f64 = 1.5e-3;
 /// Angular frequency of the stroke, 1/s.
 const FREQUENCY: f64 = 10.0;
 const LOAD: f64 = 10e3;
-/// Communication steps of a cycle that follow the velocity.
+/// Number of communication steps of a cycle that resolve the velocity.
 const STEPS: f64 = 60.0;
 
 fn cycle() -> f64 {
@@ -26,12 +26,12 @@ fn inputs(time: f64) -> [f64; 2] {
     [AMPLITUDE * FREQUENCY * (FREQUENCY * time).cos(), LOAD]
 }
 
-/// Steps that end at the samples.
+/// Step sizes with communication points at all samples.
 fn steps() -> Vec<f64> {
     [12.0, 24.0, 60.0, 120.0, 240.0].iter().map(|count| cycle() / count).collect()
 }
 
-/// Six samples in a cycle, none of them where the velocity changes sign: the sign of friction there is one of rounding.
+/// Six samples in a cycle, none of them at a reversal, where the sign of friction is determined by rounding.
 fn samples(cycles: f64) -> Vec<f64> {
     every(cycle() / 6.0, cycles * cycle())
 }
@@ -50,7 +50,7 @@ fn finest(tolerance: f64, count: f64) -> Truth {
     Truth::Finest([setting(Fidelity::Field, 0)].into_iter().chain(line).collect())
 }
 
-/// Without heat in the shape, wear accelerated as the paper does with its reduced number of half-periods.
+/// Without thermal distortion, with the wear accelerated as in the paper's reduced number of half-periods.
 pub(super) fn cold() -> Result<DriveProblem, String> {
     let cycles = 12.0;
     let changes = [
@@ -74,7 +74,7 @@ pub(super) fn cold() -> Result<DriveProblem, String> {
     })
 }
 
-/// With the heat of friction in the shape.
+/// With the thermal distortion by friction heat.
 pub(super) fn hot() -> Result<DriveProblem, String> {
     let cycles = 4.0;
     let changes = [("wear_acceleration", 10.0), ("nominal.duration", cycles * cycle())];

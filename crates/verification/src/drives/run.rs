@@ -1,4 +1,4 @@
-//! Solves a problem in one way.
+//! Solution of a problem with one setting.
 
 use super::{DriveProblem, Errors, Quantity, Sample, Setting, Truth};
 use scene::STATIONS;
@@ -13,12 +13,12 @@ const VELOCITY: ValueReference = reference("sliding_velocity");
 const LOAD: ValueReference = reference("normal_load");
 const MAIN: [ValueReference; 3] =
     [reference("wear_depth"), reference("contact_temperature"), reference("friction_force")];
-/// What has to be 0 for no heat to arise and none to be conducted.
+/// Variables set to 0 to switch off heat generation and conduction.
 const HEAT: [ValueReference; 3] =
     [reference("punch.conductivity"), reference("strip.conductivity"), reference("contact.friction_coefficient")];
 const PRESSURE: ValueReference = reference("profile.pressure");
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Ending {
     /// At the last sample.
@@ -31,14 +31,14 @@ pub enum Ending {
     Stopped(f64),
 }
 
-/// A run.
+/// Record of a run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Record {
-    /// How it was done.
+    /// Setting.
     pub setting: Setting,
-    /// What came out, up to where it ended.
+    /// Samples up to the end of the run.
     pub samples: Vec<Sample>,
-    /// How it ended.
+    /// End of the run.
     pub ending: Ending,
     /// Initialisation and stepping, s of the caller's clock.
     pub seconds: [f64; 2],
@@ -61,10 +61,10 @@ impl Record {
 }
 
 impl DriveProblem {
-    /// Solves the problem with `setting`; `clock` gives the time in s, and the run ends where it has taken `budget` s.
+    /// Solves the problem with `setting`; `clock` gives the time in s, and the run ends where it has used `budget` s.
     ///
-    /// As an importer does: at every communication point the inputs of the next step are set, the three outputs of the
-    /// mission read, and the step done; profiles are read at the samples. Outputs at a sample answer its inputs.
+    /// As by an importer: at every communication point the inputs of the next step are set, the three main outputs read, and
+    /// the step done; profiles are read at the samples. Outputs at a sample correspond to its inputs.
     pub fn run(&self, setting: &Setting, clock: &dyn Fn() -> f64, budget: f64) -> Record {
         let mut record = Record {
             setting: *setting,
@@ -128,11 +128,11 @@ impl DriveProblem {
         record
     }
 
-    /// The truth at the samples and how it was found; `solve` does one of the finest runs. Where none of them ends, the
-    /// one that came farthest tells the samples that it reached; the others are not known.
+    /// The truth at the samples and its derivation; `solve` does one of the finest runs. Where none of them finishes, the
+    /// longest one gives the samples that it reached; the others are unknown.
     ///
     /// # Errors
-    /// Where none of the runs reaches a quarter of the samples: why, for each.
+    /// None of the runs reaches a quarter of the samples: the reason for each.
     pub fn truth(&self, solve: &mut dyn FnMut(&Setting) -> Record) -> Result<(String, Vec<Sample>), String> {
         let candidates = match &self.truth {
             Truth::Exact { how, course } => return Ok(((*how).to_owned(), course(&self.samples)?)),
@@ -175,7 +175,7 @@ impl DriveProblem {
                 .filter(|known| known[at].is_finite())
                 .map(|known| (known[at] - zero).abs())
                 .fold(0.0, f64::max);
-            // What a peer does not model is not judged.
+            // Quantities that a peer does not model are not judged.
             let modelled = samples.iter().any(|found| !found[at].is_nan());
             if scale == 0.0 || samples.len() < truth.len() || !modelled {
                 return f64::NAN;

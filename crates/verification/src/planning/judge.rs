@@ -1,4 +1,4 @@
-//! What a plan chose against every fixed setting, with a far finer run as the truth.
+//! Comparison of a plan's choice with every fixed setting, with a far finer run as the truth.
 
 use super::runs::{Record, distance, processor_seconds, run, run_with};
 use super::scenes::Generated;
@@ -6,28 +6,28 @@ use model::line::heat::bodies::possible_on_the_cells;
 use model::plan::{self, Planned, model_level::ModelLevel};
 use scene::{HeatAlongContact, Scene};
 
-/// Cells of the fixed settings that plans compete with.
+/// Numbers of cells of the competing fixed settings.
 const FIXED: [usize; 3] = [9, 17, 33];
 
-/// Tolerance of the truth, and of the coarser run that it is compared with.
+/// Tolerance of the truth, and of the coarser run with which it is compared.
 const TRUTH: [f64; 2] = [1e-4, 2e-4];
 
-/// What plans are judged by.
+/// Reference solution of the plans.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// A run far finer than all that are judged.
+    /// A run far finer than all judged ones.
     pub record: Record,
-    /// Its cells.
+    /// Its number of cells.
     pub cells: usize,
-    /// How far wear depth, contact temperature and friction force of a run of half its cells and twice its tolerance are from it:
-    /// more than its own error.
+    /// Distance of wear depth, contact temperature and friction force from those of a run with half its cells and twice its
+    /// tolerance: an upper estimate of its own error.
     pub errors: [f64; 3],
 }
 
 /// Far finer run of a scene, on `cells` cells, or on half as many where that many have no solution.
 ///
 /// # Errors
-/// What the set-up or a step refuses.
+/// A refused set-up or step.
 pub fn truth(generated: &Generated, cells: usize) -> Result<Truth, String> {
     let of = |cells: usize, tolerance: f64| {
         let scene = generated.scene(tolerance)?;
@@ -45,10 +45,10 @@ fn best(scene: &Scene, cells: usize) -> ModelLevel {
     ModelLevel::Line { cells, heat }
 }
 
-/// A setting that ran.
+/// Result of a setting.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Outcome {
-    /// The rung.
+    /// Model level.
     pub model_level: ModelLevel,
     /// Errors of wear depth, contact temperature and friction force against the truth.
     pub errors: [f64; 3],
@@ -65,18 +65,19 @@ impl Outcome {
     }
 }
 
-/// A plan that was judged.
+/// Judged plan.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Judged {
-    /// What the plan was made for.
+    /// Tolerance of the plan.
     pub tolerance: f64,
     /// The planned run.
     pub chosen: Outcome,
-    /// Error that the plan expected of its rung.
+    /// Error that the plan predicts at its model level.
     pub planned_error: f64,
     /// `estimated_error` at the end of the planned run.
     pub estimated_error: f64,
-    /// Processor time of planning without building the rung that it chose, which costs as much where it is fixed; and of that, s.
+    /// Processor time of planning without building the chosen model level, which costs as much at a fixed level; and of
+    /// building it, s.
     pub planning_seconds: [f64; 2],
     /// Every fixed setting that ran.
     pub fixed: Vec<Outcome>,
@@ -89,7 +90,7 @@ impl Judged {
         good.min_by(|one, other| one.work.total_cmp(&other.work))
     }
 
-    /// Whether planning is cheap: at most 20 ms, or a hundredth of the run that it is made for.
+    /// Whether planning is cheap: at most 20 ms, or a hundredth of the planned run.
     pub fn planning_is_cheap(&self) -> bool {
         self.planning_seconds[0] <= (0.01 * self.chosen.seconds).max(0.02)
     }
@@ -100,14 +101,15 @@ impl Judged {
     }
 }
 
-/// Repetitions of a planning that is timed.
+/// Number of repetitions of a timed planning.
 const REPETITIONS: usize = 3;
 
-/// Plans a scene at a tolerance; processor time of that without building the rung that is chosen, and of building it, s: the least of
-/// some repetitions of the same work. What other threads do on the same core or cache counts with it, so it is for a machine at rest.
+/// Plans a scene at a tolerance; processor time of that without building the chosen model level, and of building it, s: the
+/// least over repetitions of the same work. Load by other threads on the same core or cache is included, so the machine
+/// should be idle.
 ///
 /// # Errors
-/// What the scene or the plan refuses.
+/// The scene or the plan is refused.
 pub fn timed_plan(generated: &Generated, tolerance: f64) -> Result<(Planned, [f64; 2]), String> {
     let scene = generated.scene(tolerance)?;
     let once = || -> Result<(Planned, [f64; 2]), String> {
@@ -126,7 +128,7 @@ pub fn timed_plan(generated: &Generated, tolerance: f64) -> Result<(Planned, [f6
 /// Runs a plan and all fixed settings of a scene at a tolerance.
 ///
 /// # Errors
-/// What the scene, the plan or its run refuses.
+/// The scene, the plan or its run is refused.
 pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Judged, String> {
     let scene = generated.scene(tolerance)?;
     let (planned, planning_seconds) = timed_plan(generated, tolerance)?;

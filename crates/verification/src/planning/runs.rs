@@ -1,4 +1,4 @@
-//! Runs of generated scenes at given settings, and how far two runs are apart.
+//! Runs of generated scenes at given settings, and the distance of two runs.
 
 use super::scenes::Generated;
 use model::INPUTS;
@@ -8,12 +8,12 @@ use model::plan::cost;
 use scene::variables::COUNT;
 use scene::{Scene, value};
 
-/// What a run gave.
+/// Result of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// Wear depth (m), contact temperature (K) and friction force (N) at the communication points.
     pub main: Vec<[f64; 3]>,
-    /// `estimated_step_error` there.
+    /// `estimated_step_error` at the communication points.
     pub estimated: Vec<f64>,
     /// Accepted and rejected internal steps.
     pub steps: (u64, u64),
@@ -23,10 +23,10 @@ pub struct Record {
     pub work: f64,
 }
 
-/// Runs `scene` through the course of `generated`.
+/// Runs `scene` with the input trajectory of `generated`.
 ///
 /// # Errors
-/// What the set-up or a step refuses.
+/// A refused set-up or step.
 pub fn run(generated: &Generated, scene: &Scene) -> Result<Record, String> {
     let begin = processor_seconds();
     let operators = ModelOperators::new(scene, steady::run_in)?;
@@ -36,10 +36,10 @@ pub fn run(generated: &Generated, scene: &Scene) -> Result<Record, String> {
     Ok(record)
 }
 
-/// Runs what `operators` were built for through the course of `generated`.
+/// Runs the model of `operators` with the input trajectory of `generated`.
 ///
 /// # Errors
-/// What a step refuses.
+/// A refused step.
 pub fn run_with(generated: &Generated, operators: &ModelOperators) -> Result<Record, String> {
     let begin = processor_seconds();
     let scene = operators.scene();
@@ -79,8 +79,8 @@ pub fn run_with(generated: &Generated, operators: &ModelOperators) -> Result<Rec
     Ok(record)
 }
 
-/// Largest distance of the main outputs over the run: of wear relative to the most worn, of temperature to the peak rise, of
-/// force to its peak, all of `truth`.
+/// Largest distance of the main outputs over the run: of wear relative to the largest wear, of temperature to the peak rise,
+/// of force to its peak, all of `truth`.
 pub fn distance(run: &Record, truth: &Record) -> [f64; 3] {
     let start = truth.main[0][1];
     std::array::from_fn(|output| {
@@ -91,16 +91,16 @@ pub fn distance(run: &Record, truth: &Record) -> [f64; 3] {
     })
 }
 
-/// Processor time of this thread, s; where the system does not tell it, wall time.
+/// Processor time of this thread, s; wall time where the system does not provide it.
 #[cfg(unix)]
 pub fn processor_seconds() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the clock writes the structure, which lives until it has.
+    // SAFETY: the clock writes the structure, which outlives the call.
     unsafe { libc::clock_gettime(libc::CLOCK_THREAD_CPUTIME_ID, &mut time) };
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
 
-/// Processor time of this thread, s; where the system does not tell it, wall time.
+/// Processor time of this thread, s; wall time where the system does not provide it.
 #[cfg(not(unix))]
 pub fn processor_seconds() -> f64 {
     static BEGIN: std::sync::OnceLock<std::time::Instant> = std::sync::OnceLock::new();

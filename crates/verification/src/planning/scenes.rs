@@ -1,10 +1,10 @@
-//! Generated scenes: reproducible samples of what users build, each with the course that it is made for.
+//! Generated scenes: reproducible samples of users' scenes, each with its input trajectory.
 //!
-//! The groups are pins on discs, blocks sliding to and fro, pads on brake discs, blocks that slide one way over fresh
-//! material, and annular clutches. Within a group everything that a plan looks at is drawn: stiffness of both bodies,
-//! Peclet number, wear over elastic approach, exponents, fade tables, expansion, holder, conductance. Runs stay within
-//! what the scene is made for (load and speed at most nominal, over the nominal duration) and below the critical speed of
-//! thermoelastic instability, above which no discretisation agrees with another.
+//! The groups are pins on discs, reciprocating blocks, pads on brake discs, blocks in unidirectional sliding over fresh
+//! material, and annular clutches. Within a group everything that planning depends on is drawn: stiffness of both bodies,
+//! Peclet number, wear over elastic approach, exponents, fade tables, expansion, holder, conductance. Runs stay within the
+//! nominal range of the scene (load and speed at most nominal, over the nominal duration) and below the critical speed of
+//! thermoelastic instability, above which discretisations do not agree.
 
 use model::INPUTS;
 use model::instability::CriticalSpeed;
@@ -13,15 +13,15 @@ use scene::{Scene, value};
 use sliding_contact::component::Values;
 use std::f64::consts::PI;
 
-/// Reproducible numbers in [0, 1): a linear congruential generator.
+/// Reproducible random numbers in [0, 1): a linear congruential generator.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// Numbers that belong to `seed`.
+    /// Generator with a seed.
     pub fn new(seed: u64) -> Random {
         let mut random = Random(seed ^ 0x9e37_79b9_7f4a_7c15);
-        // Neighbouring seeds must not give neighbouring numbers.
+        // Decorrelates neighbouring seeds.
         (0..8).for_each(|_| {
             random.next();
         });
@@ -37,7 +37,7 @@ impl Random {
         low + (high - low) * self.next()
     }
 
-    /// Evenly on a logarithmic scale.
+    /// Log-uniform number.
     fn scaled(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.next())
     }
@@ -54,13 +54,13 @@ impl Random {
 /// Kinds of scenes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Group {
-    /// Pin on a disc, one way on a closed path.
+    /// Pin on a disc, unidirectional on a closed path.
     Pin,
-    /// Block sliding to and fro on a straight path.
+    /// Reciprocating block on a straight path.
     Reciprocating,
     /// Pad on a brake disc.
     Disc,
-    /// Block sliding one way over fresh material.
+    /// Block in unidirectional sliding over fresh material.
     Unidirectional,
     /// Facing of a clutch.
     Annular,
@@ -70,7 +70,7 @@ impl Group {
     /// All groups.
     pub const ALL: [Group; 5] = [Group::Pin, Group::Reciprocating, Group::Disc, Group::Unidirectional, Group::Annular];
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Group::Pin => "pin",
@@ -82,12 +82,12 @@ impl Group {
     }
 }
 
-/// A scene and the course of its inputs.
+/// A scene and its input trajectory.
 #[derive(Clone, Debug)]
 pub struct Generated {
-    /// What it was drawn from.
+    /// Group of the scene.
     pub group: Group,
-    /// Its seed.
+    /// Seed of the scene.
     pub seed: u64,
     /// Values of the variable table.
     pub starts: Box<Values>,
@@ -99,14 +99,14 @@ impl Generated {
     /// The scene at a tolerance.
     ///
     /// # Errors
-    /// The rule that it breaks.
+    /// The violated rule.
     pub fn scene(&self, tolerance: f64) -> Result<Scene, String> {
         let mut values = self.starts.clone();
         value!(values, "solver.tolerance") = tolerance;
         Scene::new(&values, None).map_err(|broken| broken.to_string())
     }
 
-    /// Inputs at a point of the course.
+    /// Inputs at a point of the trajectory.
     pub fn inputs(&self, point: usize) -> [f64; INPUTS] {
         let mut inputs: [f64; INPUTS] = std::array::from_fn(|index| self.starts[index]);
         let [_, velocity, load] = self.course[point];
@@ -114,7 +114,7 @@ impl Generated {
         inputs
     }
 
-    /// A line for tables: group and seed.
+    /// Label in tables: group and seed.
     pub fn name(&self) -> String {
         format!("{} {}", self.group.name(), self.seed)
     }
@@ -159,7 +159,7 @@ impl Draft {
     }
 }
 
-/// What a group fixes before the common rest is drawn.
+/// Values fixed by a group before the common ones are drawn.
 struct Frame {
     punch: Matter,
     strip: Matter,
@@ -171,7 +171,7 @@ struct Frame {
     stroke: f64,
 }
 
-/// Scene of a seed; the group is the seed's too.
+/// Scene of a seed, which also determines the group.
 pub fn generate(seed: u64) -> Generated {
     let mut random = Random::new(seed);
     let group = Group::ALL[(seed % Group::ALL.len() as u64) as usize];
@@ -203,7 +203,7 @@ fn frame(group: Group, random: &mut Random, draft: &mut Draft) -> Frame {
             let width = random.scaled(4e-3, 6e-2);
             let stroke = width * random.scaled(0.1, 3.0);
             let velocity = random.scaled(5e-3, 0.5);
-            // Some cycles at this mean speed.
+            // Several cycles at this mean speed.
             let duration = random.between(2.0, 4.0).round() * 2.0 * stroke / velocity;
             let pressure = random.scaled(0.5e6, 1.5e7);
             Frame { punch, strip, width, depth: 1e-2, pressure, velocity, duration, stroke }
@@ -219,7 +219,7 @@ fn frame(group: Group, random: &mut Random, draft: &mut Draft) -> Frame {
         Group::Unidirectional => {
             let (punch, strip) = random.one_of(&hard);
             let width = random.scaled(3e-3, 4e-2);
-            // At least some widths, so that the strip's steady heating is met.
+            // At least several widths, so that the strip's steady heating is reached.
             let velocity = random.scaled(1e-3, 0.3);
             let duration = random.scaled(3.0, 30.0) * width / velocity;
             let pressure = random.scaled(0.5e6, 8e6);
@@ -276,14 +276,14 @@ fn bodies(group: Group, frame: &Frame, random: &mut Random, draft: &mut Draft) {
     if group == Group::Pin && random.chance(0.3) {
         draft.set("punch.count", random.between(2.0, 3.4).floor());
     }
-    // Elastic bodies mostly; one of them may be simpler.
+    // Mostly elastic bodies; one of them may be simpler.
     let kinds = [4.0, 4.0, 4.0, 4.0, 3.0, 2.0];
     draft.set("strip.body", random.one_of(&kinds));
     draft.set("punch.body", if random.chance(0.15) { 1.0 } else { 4.0 });
     draft.set("strip.base", if random.chance(0.2) { 2.0 } else { 1.0 });
 }
 
-/// Draws the thermal side; the mean rise to be expected, K.
+/// Draws the thermal parameters; returns the expected mean rise, K.
 fn heat(group: Group, frame: &mut Frame, random: &mut Random, draft: &mut Draft) -> f64 {
     let friction = random.between(0.1, 0.6);
     draft.set("contact.friction_coefficient", friction);
@@ -295,7 +295,7 @@ fn heat(group: Group, frame: &mut Frame, random: &mut Random, draft: &mut Draft)
     draft.set("strip.convection", random.scaled(5.0, 50.0));
     draft.set("strip.convection_forced", if group == Group::Disc { 8.0 } else { 0.0 });
     draft.set("strip.emissivity", if random.chance(0.3) { 0.5 } else { 0.0 });
-    // Rise by effusivity over the duration, of a strip that shares the heat out along its path.
+    // Rise by effusivity over the duration, of a strip whose heat is distributed along its path.
     let effusivity = |matter: &Matter| (matter[2] * matter[3] * matter[4]).sqrt();
     let cover = match group {
         Group::Pin | Group::Disc => {
@@ -306,10 +306,10 @@ fn heat(group: Group, frame: &mut Frame, random: &mut Random, draft: &mut Draft)
     let flux = friction * frame.pressure * frame.velocity;
     let time = if group == Group::Unidirectional { frame.width / frame.velocity } else { frame.duration };
     let diffused = flux * time.sqrt() / (effusivity(&frame.punch) + effusivity(&frame.strip) / cover.min(1.0));
-    // What the height holds bounds what diffuses in.
+    // The heat capacity of the height bounds the heat that diffuses in.
     let stored = frame.strip[2] * frame.strip[3] * draft.get("strip.height") / cover;
     let rise = diffused.max(flux * time / (stored + 1.0)).max(1e-3);
-    // Load first, then speed, until the contact gets warm: nobody asks for the temperature of a cold one.
+    // Load first, then speed, until the contact is warm: the temperature of a cold one is of no interest.
     let wanted = random.scaled(8.0, 250.0);
     let pressure = frame.pressure * (wanted / rise).clamp(0.1, 3.0);
     let missing = (wanted / (rise * pressure / frame.pressure)).max(1.0);
@@ -380,7 +380,7 @@ fn holder(group: Group, frame: &Frame, random: &mut Random, draft: &mut Draft) {
     }
 }
 
-/// Expansion is reduced where the nominal speed would be near the critical one.
+/// Reduces the expansion where the nominal speed is near the critical one.
 fn stay_stable(random: &mut Random, draft: &mut Draft) {
     let Ok(scene) = Scene::new(&draft.values, None) else { return };
     let critical = CriticalSpeed::new(&scene).modelled(scene.friction_coefficient);
@@ -400,7 +400,7 @@ fn course(group: Group, random: &mut Random, draft: &Draft) -> Vec<[f64; 3]> {
     if group == Group::Reciprocating {
         let stroke = draft.get("nominal.stroke");
         let cycles = duration * velocity / (2.0 * stroke);
-        // Sinusoidal: mean speed nominal, so the largest is pi/2 times it.
+        // Sinusoidal: the mean speed is nominal, so the largest is pi/2 times it.
         let count = (20.0 * cycles).round() as usize;
         let at = |n: usize| {
             let phase = 2.0 * PI * n as f64 / 20.0;

@@ -1,25 +1,25 @@
-//! Contact conductance from 0 to 10^12 W/(m2 K) against the step.
+//! Contact conductance from 0 to 10^12 W/(m2 K) against the step size.
 //!
-//! Two half-spaces heated by friction, against the closed form ([`super::half_spaces`]). The interface has a time of its own,
-//! `(E/h_c)^2` with `E = e1 e2/(e1 + e2)`: before it each body takes half of the heat, after it the part of its effusivity. A
-//! step far above that time must not feel how stiff the interface is.
+//! Two half-spaces heated by friction, against the closed form ([`super::half_spaces`]). The interface has the time constant
+//! `(E/h_c)^2` with `E = e1 e2/(e1 + e2)`: before it each body receives half of the heat, after it the heat partition is
+//! that of the effusivities. The result of a step far above that time must not depend on the stiffness of the interface.
 
 use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str = "contact conductance 0 to 10¹² W/(m².K) by step: the heat split against its closed form";
 
 /// Conductivity of the punch over that of the strip.
 const RATIO: f64 = 0.02;
 /// Communication steps of a run.
 const STEPS: u32 = 10;
-/// Largest error of the part of the heat that is right: `solver.tolerance`.
+/// Error bound of the heat partition: `solver.tolerance`.
 pub const AGREEMENT: f64 = 1e-3;
-/// Where the map shows a conductance of 0.
+/// Position of zero conductance in the map.
 const NONE: f64 = 0.1;
 
-/// Verdict and error of the part of the heat in the punch after ten steps of `step` (s).
+/// Verdict, and error of the fraction of the heat in the punch after ten steps of `step` (s).
 pub fn run(ratio: f64, conductance: f64, step: f64) -> (Verdict, f64) {
     let pair = HalfSpaces { ratio, conductance };
     match pair.stepped(step, STEPS) {
@@ -34,7 +34,7 @@ pub fn run(ratio: f64, conductance: f64, step: f64) -> (Verdict, f64) {
 /// Computes the map.
 ///
 /// # Errors
-/// Where the component does not run.
+/// The component fails.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut conductances = grid.spread(1.0, 1e12, 9);
     conductances.insert(0, 0.0);

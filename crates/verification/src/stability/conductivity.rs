@@ -1,27 +1,27 @@
-//! A body that conducts a millionth of the other, and one that does not conduct at all.
+//! A body with a millionth of the other's conductivity, and an insulator.
 //!
-//! Two half-spaces of equal heat capacity in perfect contact take the friction heat as their effusivities: the part
-//! `sqrt r/(1 + sqrt r)` of the heat enters the body of the conductivity ratio r, from the first moment on. Its layer of heat
-//! is `sqrt r` times as deep, so at 10^-6 both bodies have to be resolved on depths a thousand times apart. An insulator
-//! takes nothing.
+//! For two half-spaces of equal heat capacity in perfect contact the heat partition is that of the effusivities: the
+//! fraction `sqrt r/(1 + sqrt r)` of the heat enters the body of the conductivity ratio r, from the first moment on. Its
+//! heated layer is `sqrt r` times as deep, so at 10^-6 both bodies have to be resolved on depths that differ by a factor of
+//! a thousand. An insulator receives no heat.
 
 use super::conductance::{AGREEMENT, run};
 use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str =
     "conductivity of one body 0 to 1 times the other's by step: the heat split against its closed form";
 
-/// Stands for perfect contact.
+/// Conductance that represents perfect contact.
 const CONDUCTANCE: f64 = 1e12;
-/// Where the map shows a ratio of 0.
+/// Position of a zero ratio in the map.
 const NONE: f64 = 1e-9;
 
 /// Computes the map.
 ///
 /// # Errors
-/// Where the component does not run.
+/// The component fails.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut ratios = grid.spread(1e-8, 1.0, 9);
     ratios.insert(0, 0.0);

@@ -1,12 +1,11 @@
-//! Speed over the critical speed against the length of the step: who sees that a pressure wave grows.
+//! Ratio of the speed to the critical speed against the step size: which methods reproduce the growth of a pressure wave.
 //!
 //! # The problem
 //!
-//! A conducting half-plane on a rigid insulator in full periodic contact ([`crate::wave`]), no wear, no
-//! shear coupling. Above the critical speed the longest wave grows at the exact rate `b = kd m^2 (z^2 - 1)`,
-//! `z (1 + z) = 2R`.
+//! A conducting half-plane on a rigid insulator in full periodic contact ([`crate::wave`]), no wear, no shear
+//! coupling. Above the critical speed the longest wave grows at the exact rate `b = kd m^2 (z^2 - 1)`, `z (1 + z) = 2R`.
 //!
-//! # What a long step does to it
+//! # Effect of a long step
 //!
 //! Without wear and shear the pressure of a stage is `p = 2R` times the distortion's integral over the past fluxes, whose
 //! kernel is a spectrum of decays, in the units of `1/(kd m^2)`
@@ -15,18 +14,19 @@
 //! 1/(lambda (lambda + m)) = integral_0^(pi/2) (2/pi) dtheta/(s + r),   r = 1 + tan^2 theta
 //! ```
 //!
-//! Each decay follows fluxes that are constant in the first stage and linear through both in the second exactly, so for
-//! pressures that go on as `G^n` the two stages are two linear equations in p_1 and p_2, and their determinant is
-//! `1 + b_1 R + b_2 R^2`. At G = 1 one root is R = 1, the true bound, for every step. The other is where a step that is too
-//! long lets the amplification fall through 1 again: beyond it what grows is damped, as SDIRK2 by itself damps it beyond
-//! `b h = 1/gamma^2 = 11.66`, which this tends to for short steps.
+//! Each decay is propagated exactly for fluxes that are constant in the first stage and linear through both in the second,
+//! so for pressures that vary as `G^n` the two stages are two linear equations in p_1 and p_2, and their determinant is
+//! `1 + b_1 R + b_2 R^2`. At G = 1 one root is R = 1, the exact stability bound, for every step. The other is the ratio at
+//! which the amplification of a too long step falls through 1 again: beyond it growing waves are damped, as SDIRK2 by itself
+//! damps them beyond `b h = 1/gamma^2 = 11.66`, the limit for short steps.
 //!
 //! # Which wave opens the contact
 //!
-//! The cells carry waves of 1/k of the length too, of which nothing is there at the start but rounding. They grow at `k^2 b(R/k)`,
-//! at 31 times the critical speed up to 5.3 times as fast. A wave that has far to go to [`OPENING`] is overtaken by them: from 7e-7 of
-//! the mean pressure it takes 13 e-foldings, in which they take up to 69, and 35 lead from rounding to an open contact. So the wave
-//! starts at 7e-4, where a contact can open, and every run is about the wave that it judges.
+//! The cells also represent waves of 1/k of the length, which start from rounding. They grow at `k^2 b(R/k)`, at 31 times
+//! the critical speed up to 5.3 times as fast. A wave with a small initial amplitude is overtaken by them before it reaches
+//! [`OPENING`]: from 7e-7 of the mean pressure it takes 13 e-foldings, during which they take up to 69, and 35 lead from
+//! rounding to an open contact. Therefore the wave starts at 7e-4, where a contact can open, and every run is dominated by
+//! the wave that it judges.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::wave::{LinearWave, Wave, WaveContact, WaveScene, amplification};
@@ -35,47 +35,47 @@ use exact::reference::root;
 use nalgebra::Complex;
 use std::f64::consts::FRAC_PI_2;
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str =
     "growth of pressure waves by speed and step: an implicit step without growth limit, the default";
 
-/// Cells over the wavelength.
+/// Number of cells per wavelength.
 const CELLS: usize = 16;
-/// Largest difference of the growth rates, over `kd m^2 + |b|`, that is right.
+/// Largest difference of the growth rates, over `kd m^2 + |b|`, that counts as accurate.
 const AGREEMENT: f64 = 0.1;
-/// Amplitude over the mean pressure from which on the contact is about to open.
+/// Amplitude over the mean pressure at which the contact is about to open.
 const OPENING: f64 = 0.3;
-/// Amplitude of the gap at the start, m, in a contact that can open and in one that cannot.
+/// Initial amplitude of the gap, m, in a contact that can open and in one that cannot.
 const GAP: f64 = 1e-11;
 const LINEAR_GAP: f64 = 1e-14;
-/// Largest growth per step, b h, of the runs of the default: their contact opens on the way and goes on in patches.
+/// Largest growth per step, b h, of the runs of the default: their contact opens during the run and continues in patches.
 const LARGEST_GROWTH: f64 = 40.0;
-/// Most steps of a run.
+/// Largest number of steps of a run.
 const MOST_STEPS: usize = 400;
 
-/// How the steps are done.
+/// Stepping method.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Method {
-    /// `solver.scheme = staggered`: contact and heat one after the other.
+    /// `solver.scheme = staggered`: operator split of contact and heat.
     Staggered,
-    /// The implicit step without growth limit and error control.
+    /// The implicit step without growth guard and error control.
     Unguarded,
-    /// As the component steps.
+    /// The component's own stepping.
     Default,
 }
 
 /// A contact on `cells` cells to judge a method in.
 ///
 /// # Errors
-/// What the line level refuses.
+/// The line level is refused.
 pub fn contact(cells: usize, method: Method) -> Result<WaveContact, String> {
     let scheme = if method == Method::Staggered { 2.0 } else { 1.0 };
     let gap = if method == Method::Unguarded { LINEAR_GAP } else { GAP };
     WaveScene { tolerance: 1e-4, scheme, gap, ..WaveScene::new(cells) }.build()
 }
 
-/// Growth rate over `kd m^2` of the operator split in steps of `step` (over `1/(kd m^2)`): a distortion that comes one step
-/// late and heat by implicit Euler let a wave grow by g per step with
+/// Growth rate over `kd m^2` of the operator split in steps of `step` (over `1/(kd m^2)`): with the distortion delayed by
+/// one step and heat by implicit Euler, a wave grows by g per step with
 ///
 /// ```text
 /// z (1 + z) = 2 R/g,    z^2 = 1 + (1 - 1/g)/(h kd m^2)
@@ -88,18 +88,18 @@ pub fn split_growth(ratio: f64, step: f64) -> f64 {
     root(1.0 / (1.0 + step), 1.0 + 2.0 * ratio, imbalance).ln() / step
 }
 
-/// Step from which on the growth rate of the operator split is further off than [`AGREEMENT`].
+/// Step size from which on the error of the growth rate of the operator split exceeds [`AGREEMENT`].
 fn split_off_from(ratio: f64) -> f64 {
     let exact = WaveScene::new(CELLS).exact(ratio).re;
     let allowed = AGREEMENT * (1.0 + exact.abs());
     root(-12.0, 8.0, |exponent| (split_growth(ratio, exponent.exp()) - exact).abs() - allowed).exp()
 }
 
-/// Steps a wave at `ratio` times the critical speed with `step` (over `1/(kd m^2)`). What became of it, and the error of
-/// its growth rate over `kd m^2 + |b|`; NaN where it opened the contact too soon to be measured.
+/// Steps a wave at `ratio` times the critical speed with `step` (over `1/(kd m^2)`). Returns the verdict, and the error of
+/// its growth rate over `kd m^2 + |b|`; NaN where it opened the contact too early for a measurement.
 ///
 /// # Errors
-/// Never for a step that fails, which is a verdict.
+/// None: a failing step is a verdict.
 pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Verdict, f64) {
     let exact = WaveScene::new(CELLS).exact(ratio).re;
     let duration = f64::max(3.0, 6.0 / (1.0 + exact.abs()));
@@ -113,7 +113,7 @@ pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Ver
         if opened {
             break;
         }
-        // Down to rounding there is nothing left to measure.
+        // A change below rounding is not measurable.
         let faded =
             amplitudes.last().is_some_and(|last: &Complex<f64>| (amplitude - last).norm() < 1e-7 * amplitude.norm());
         if faded {
@@ -122,7 +122,7 @@ pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Ver
         amplitudes.push(amplitude);
     }
     if amplitudes.len() < 3 {
-        // What opens the contact has to have grown enough for it, and not before, at a rate within the agreement.
+        // A wave that opens the contact must have grown to its opening then, and not before, at a rate within the agreement.
         let grown = |steps: usize, sign: f64| {
             let time = step * steps as f64;
             contact.scene().grown(ratio, time) * (sign * AGREEMENT * (1.0 + exact.abs()) * time).exp()
@@ -144,14 +144,14 @@ pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Ver
     let verdict = match (rate > 0.0, exact > 0.0) {
         (false, true) => Verdict::Hides,
         (true, false) => Verdict::Grows,
-        // A factor that alternates is no growth in time, whatever its size.
+        // An alternating factor is not growth in time, whatever its size.
         _ if error <= AGREEMENT && factor.re > 0.0 => Verdict::Right,
         _ => Verdict::Inexact,
     };
     (verdict, error)
 }
 
-/// A wave under way.
+/// State of a stepped wave.
 enum Stepper<'a> {
     Line(Box<Wave<'a>>),
     Linear(LinearWave),
@@ -165,7 +165,7 @@ impl<'a> Stepper<'a> {
         })
     }
 
-    /// Amplitude after a step, and whether every cell touches.
+    /// Amplitude after a step, and whether every cell is in contact.
     fn step(&mut self, step: f64) -> Result<(Complex<f64>, bool), String> {
         match self {
             Self::Line(wave) => {
@@ -180,13 +180,13 @@ impl<'a> Stepper<'a> {
     }
 }
 
-/// What the first step says that fails in a run of the default, if one does.
+/// Message of the first failing step in a run of the default, if any.
 fn failure(contact: &WaveContact, ratio: f64, step: f64) -> Option<String> {
     let mut wave = contact.wave(ratio);
     (0..MOST_STEPS).find_map(|_| wave.step(step).err())
 }
 
-/// R beyond which an implicit step of `step` (over `1/(kd m^2)`) without growth limit damps what grows.
+/// R beyond which an implicit step of `step` (over `1/(kd m^2)`) without growth guard damps growing waves.
 pub fn hidden_from(step: f64) -> f64 {
     // At G = 1 the determinant is (1 - R)(1 - R/R*), so its value at R = -1 is 2 (1 + 1/R*).
     let count = 2000;
@@ -200,7 +200,7 @@ pub fn hidden_from(step: f64) -> f64 {
         let moment = if x < 1e-3 { step * step * (0.5 - x / 6.0) } else { (step - whole) / rate };
         let second = (moment - GAMMA * step * whole) / ((1.0 - GAMMA) * step);
         let first = whole - second;
-        // States of a flux that repeats itself step by step, by p_1 and p_2.
+        // States of a periodically repeated flux, by p_1 and p_2.
         let states = [first, second].map(|weight| weight / -(-x).exp_m1());
         let remaining = (-rate * GAMMA * step).exp();
         for (j, state) in states.into_iter().enumerate() {
@@ -213,13 +213,14 @@ pub fn hidden_from(step: f64) -> f64 {
     1.0 / (0.5 * determinant - 1.0)
 }
 
-/// The same measured by stepping, by bisection to one part in a hundred between the first run that hides growth and the one before.
+/// [`hidden_from`] measured by stepping, with bisection to one part in a hundred between the first run that hides growth and
+/// the one before.
 ///
 /// # Errors
-/// Where the runs around the theory's value do not differ.
+/// The runs around the theoretical value do not differ.
 pub fn measured_hidden_from(contact: &WaveContact, step: f64) -> Result<f64, String> {
     let hides = |ratio: f64| run(contact, Method::Unguarded, ratio, step).0 == Verdict::Hides;
-    // From a third of the way from the critical speed to the theory's value, which is still in sight of it.
+    // From a third of the way from the critical speed to the theoretical value.
     let beyond = hidden_from(step) - 1.0;
     let ratio = |part: f64| 1.0 + part * beyond;
     let parts: Vec<f64> = (0..12).map(|k| 0.4 * 1.15_f64.powi(k)).collect();
@@ -242,7 +243,7 @@ fn ratios(grid: Grid) -> Vec<f64> {
 /// Computes the map.
 ///
 /// # Errors
-/// What the line level refuses.
+/// The line level is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let methods = [Method::Staggered, Method::Unguarded, Method::Default];
     let mut contacts = Vec::new();
@@ -254,7 +255,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     for (index, &ratio) in ratios.iter().enumerate() {
         for ((method, contact), points) in contacts.iter().zip(&mut points) {
             let exact = WaveScene::new(CELLS).exact(ratio).re;
-            // What the default does long after the contact has opened is not asked here.
+            // The behaviour of the default long after the contact has opened is not judged here.
             for &step in steps.iter().filter(|&&step| *method != Method::Default || exact * step < LARGEST_GROWTH) {
                 let (verdict, error) = run(contact, *method, ratio, step);
                 points.push(Point { x: ratio, y: step, verdict, error });
@@ -286,7 +287,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     Ok(map)
 }
 
-/// Growth rates measured over the exact one at `ratio` times the critical speed, of all methods.
+/// Measured growth rates over the exact one at `ratio` times the critical speed, for all methods.
 fn rates(contacts: &[(Method, WaveContact)], ratio: f64, grid: Grid) -> (f64, Vec<Vec<(f64, f64)>>) {
     let exact = WaveScene::new(CELLS).exact(ratio).re;
     let measured = contacts.iter().map(|(method, contact)| {
@@ -433,7 +434,7 @@ mod tests {
     #[test]
     fn no_shorter_wave_opens_the_contact_before_the_judged_one() {
         let scene = WaveScene { gap: GAP, ..WaveScene::new(CELLS) };
-        // What rounding has become when the judged wave opens the contact.
+        // Amplitude grown from rounding when the judged wave opens the contact.
         let mut largest: f64 = 0.0;
         for ratio in ratios(Grid::Fine).into_iter().filter(|&ratio| ratio > 1.0) {
             let waves = (2..=CELLS / 2).map(|k| k as f64).map(|k| k * k * scene.exact(ratio / k).re);

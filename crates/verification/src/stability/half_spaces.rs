@@ -25,11 +25,11 @@ fn scaled_complementary_error(x: f64) -> f64 {
 }
 
 impl HalfSpaces {
-    /// Part of the friction heat that is in the punch after `time` (s).
+    /// Fraction of the friction heat that is in the punch after `time` (s).
     ///
     /// With the effusivities e, `E = e1 e2/(e1 + e2)` and `k = h_c/E` the flux into the punch is
-    /// `Q [e1/(e1+e2) + (e2-e1)/(2 (e1+e2)) exp(k^2 t) erfc(k sqrt t)]`: half of the heat at first, the part of the
-    /// effusivities in the end.
+    /// `Q [e1/(e1+e2) + (e2-e1)/(2 (e1+e2)) exp(k^2 t) erfc(k sqrt t)]`: half of the heat initially, the fraction of the
+    /// effusivities finally.
     pub fn share(&self, time: f64) -> f64 {
         if self.conductance == 0.0 {
             return 0.5;
@@ -51,14 +51,14 @@ impl HalfSpaces {
         part + 0.5 * (1.0 - 2.0 * part) * mean
     }
 
-    /// The same by the component at its line level, after `count` communication steps of `step` (s), and the imbalance of the
-    /// heat. The expansion that makes the line carry the heat is too small to move anything.
+    /// The same fraction by the component at its line level, after `count` communication steps of `step` (s), and the
+    /// imbalance of the heat. The thermal expansion, which selects resolved heat, is too small to affect the contact.
     ///
     /// # Errors
-    /// What the component refuses or fails with.
+    /// The component refuses or fails.
     pub fn stepped(&self, step: f64, count: u32) -> Result<(f64, f64), String> {
         let duration = step * f64::from(count);
-        // Deep enough that nothing comes back, and no deeper, so that both bodies are resolved near the contact.
+        // Deep enough that no heat returns, and no deeper, so that both bodies are resolved near the contact.
         let depth = |ratio: f64| {
             let diffusivity = ratio * CONDUCTIVITY / (DENSITY * SPECIFIC_HEAT);
             (12.0 * (diffusivity * duration).sqrt()).clamp(1e-6, 10.0)

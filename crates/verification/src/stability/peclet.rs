@@ -1,9 +1,10 @@
-//! Peclet number against step, to 10^6 and to waves that only turn.
+//! Peclet number against step size, up to 10^6 and to Fourier modes that rotate in phase without decay.
 //!
-//! A band of half-width l heats a layer under a closed path from rest. In the punch's frame every wave q decays at
-//! `kd (beta^2 + q^2)` and turns at `q v`. At a high speed a step may turn a wave many times while it hardly decays: it
-//! still has to be remembered. The exact temperature is the plain sum over the modes ([`crate::path_modes`]);
-//! implicit Euler on the same modes takes turning for decay, and Crank-Nicolson keeps what decays fast.
+//! A band of half-width l heats a layer under a closed path from rest. In the punch's frame every Fourier mode q decays at
+//! `kd (beta^2 + q^2)` and rotates in phase at `q v`. At a high speed a mode may rotate many times in a step in which it
+//! hardly decays: it still needs a state. The exact temperature is the plain sum over the modes
+//! ([`crate::path_modes`]); implicit Euler on the same modes damps rotation as if it were decay, and
+//! Crank-Nicolson does not damp fast decays.
 
 use super::reversal::{AGREEMENT, PATH, steps, strip};
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
@@ -11,18 +12,18 @@ use crate::path_modes::{PathModes, crank_nicolson, exact, implicit_euler};
 use conduction::line::ThermalBody;
 use exact::reference::{ClosedPath, LayerBase};
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str =
     "Peclet number 0 to 10⁶ by step: implicit Euler, Crank-Nicolson and the default, and a disc that turns";
 
-/// Waves and depth modes of the exact sum.
+/// Fourier modes and depth modes of the exact sum.
 const MODES: (u32, u32) = (200, 200);
-/// Steps from rest.
+/// Number of steps from rest.
 const STEPS: i32 = 10;
-/// Where the map shows Pe = 0.
+/// Position of Pe = 0 in the map.
 const REST: f64 = 1e-3;
 
-/// A brake disc of 11 mm to its middle plane, at 10 m/s with steps of .1 s: 1.35 turns a step.
+/// A brake disc of 11 mm to its middle plane, at 10 m/s with steps of .1 s: 1.35 revolutions per step.
 pub const DISC: ClosedPath = ClosedPath {
     length: 0.74,
     half_length: 0.0475,
@@ -33,10 +34,10 @@ pub const DISC: ClosedPath = ClosedPath {
 };
 
 /// Errors of implicit Euler, Crank-Nicolson and the default after each of `count` steps of `step` from rest at `velocity`,
-/// over the temperature then.
+/// relative to the temperature at that time.
 ///
 /// # Errors
-/// What the strip refuses.
+/// The strip is refused.
 pub fn errors(path: &ClosedPath, velocity: f64, step: f64, count: i32) -> Result<[Vec<f64>; 3], String> {
     let (cells, mut strip) = strip(path, step, f64::from(count) * step)?;
     let modes = PathModes::new(path, velocity, MODES.0, MODES.1);
@@ -62,7 +63,7 @@ fn compare(modes: &PathModes, found: &[f64], step: f64) -> [Vec<f64>; 3] {
 /// Computes the map.
 ///
 /// # Errors
-/// What the strip refuses.
+/// The strip is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let mut peclets = grid.spread(1e-2, 1e6, 13);
     peclets.insert(0, 0.0);
@@ -74,7 +75,7 @@ pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
         for (&peclet, modes) in peclets.iter().zip(&modes) {
             let mut state = vec![0.0; strip.states()];
             let found = steps(&cells, &mut strip, &mut state, (2.0 * peclet, 1.0), step, STEPS as usize);
-            // Only the last is judged.
+            // Only the last step is judged.
             let known = modes.after(false, 1.0, step, STEPS, exact);
             let others = [implicit_euler as fn(_) -> _, crank_nicolson];
             let [first, second] = others.map(|factor| modes.after(false, 1.0, step, STEPS, factor));
@@ -94,7 +95,7 @@ fn assemble(points: [Vec<Point>; 3], disc: [Vec<f64>; 3]) -> Map {
     let titles = ["implicit Euler", "Crank-Nicolson", "default"];
     let judged: Vec<Panel> = (titles.into_iter().zip(points))
         .map(|(title, points)| {
-            // A step turns the longest wave by one radian where q v h = 1: 2 Pe h 2 pi/8 = 1.
+            // The longest Fourier mode rotates by one radian per step where q v h = 1: 2 Pe h 2 pi/8 = 1.
             let turning = |peclet: f64| (peclet, PATH.length / (2.0 * std::f64::consts::PI * 2.0 * peclet));
             let ends = [
                 turning(PATH.length / (4.0 * std::f64::consts::PI * 2e3)),

@@ -1,11 +1,12 @@
 //! Reversal of the sliding direction with a jump of the flux, at steps up to 10^4 times the contact's thermal time.
 //!
-//! A band of half-width l heats a layer under a closed path until it is steady; then the velocity changes its sign and
+//! A band of half-width l heats a layer under a closed path up to the steady state; then the velocity changes its sign and
 //! the flux falls to a half, as pressures on a worn contact do. The mean temperature of the contact ten steps later is
 //! compared with the exact one, a plain sum over the modes ([`crate::path_modes`]).
 //!
-//! The trapezoidal rule (Crank and Nicolson) multiplies a mode of the decay lambda by `(1 - lambda h/2)/(1 + lambda h/2)`:
-//! modes with `lambda h` far above the number of steps still alternate. The default follows every mode exactly.
+//! The trapezoidal rule (Crank and Nicolson) multiplies a mode of the decay rate lambda by
+//! `(1 - lambda h/2)/(1 + lambda h/2)`: modes with `lambda h` far above the number of steps still alternate. The default
+//! propagates every mode exactly.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};
@@ -15,7 +16,7 @@ use conduction::slab::Base;
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str =
     "jump of velocity and flux at reversal by Peclet number and step: Crank-Nicolson, the default";
 
@@ -28,19 +29,19 @@ pub const PATH: ClosedPath = ClosedPath {
     diffusivity: 1.0,
     base: LayerBase::Held,
 };
-/// Waves and depth modes of the exact sum: the shortest a hundredth of the contact.
+/// Fourier modes and depth modes of the exact sum: the shortest wavelength is a hundredth of the contact.
 const MODES: (u32, u32) = (200, 200);
 /// Steps after the reversal.
 const STEPS: i32 = 10;
 /// Flux after the reversal over that before.
 const FLUX: f64 = 0.5;
-/// Largest error that is right, over the steady temperature before.
+/// Error bound over the steady temperature before.
 pub const AGREEMENT: f64 = 1e-3;
 
-/// The strip's heat for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
+/// Heat of the strip for steps of `step`, with a tolerance of a fifth of [`AGREEMENT`].
 ///
 /// # Errors
-/// What the strip refuses.
+/// The strip is refused.
 pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, StripHeat), String> {
     let cells = Cells::graded(path.half_length, 17).map_err(|error| error.to_string())?;
     let properties = StripProperties {
@@ -117,7 +118,7 @@ fn verdict([before, last]: [f64; 2]) -> Verdict {
 /// Computes the map.
 ///
 /// # Errors
-/// What the strip refuses.
+/// The strip is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let (peclets, step_sizes) = (grid.spread(0.01, 1e3, 11), grid.spread(1e-3, 1e4, 15));
     let modes: Vec<PathModes> = (peclets.iter()).map(|pe| PathModes::new(&PATH, -2.0 * pe, MODES.0, MODES.1)).collect();

@@ -1,8 +1,8 @@
-//! Wear against speed: from which speed on pressure waves grow where wear takes their crests off.
+//! Wear against speed: critical speed of pressure waves whose crests wear.
 //!
 //! In full periodic contact of a conducting half-plane that wears on a rigid insulator, waves grow beyond
 //! `R_cr = [q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w, `w = k K/(mu alpha (1+nu) kd)`, and oscillate there with
-//! `Omega = kd m^2 sqrt(c^2 - 2c)`, c = q R_cr ([`exact::instability`]). From w = 2 on nothing grows at any speed.
+//! `Omega = kd m^2 sqrt(c^2 - 2c)`, c = q R_cr ([`exact::instability`]). From w = 2 on no wave grows at any speed.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::wave::{WaveContact, WaveScene, amplification};
@@ -10,18 +10,18 @@ use exact::instability::{critical_frequency, critical_ratio};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str = "wear against speed: where pressure waves begin to grow, and how fast they oscillate there";
 
-/// Cells over the wavelength: a wear rate per cell is a wave's times (pi/N)^2/3 too large.
+/// Number of cells per wavelength: the wear rate of a mode on the cells is too large by a relative (pi/N)^2/3.
 const CELLS: usize = 32;
-/// Speeds this close (relative) to the threshold, or to that of the wear on the cells, are not judged.
+/// Relative distance from the threshold, or from that of the wear on the cells, within which speeds are not judged.
 const MARGIN: f64 = 0.02;
 
 /// A contact of the wear number `wear`.
 ///
 /// # Errors
-/// What the line level refuses.
+/// The line level is refused.
 pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
     WaveScene { wear, tolerance: 1e-4, ..WaveScene::new(cells) }.build()
 }
@@ -30,7 +30,7 @@ pub fn contact(cells: usize, wear: f64) -> Result<WaveContact, String> {
 /// of `duration` (over `1/(kd m^2)`), after which other parts of the wave have decayed.
 ///
 /// # Errors
-/// What a step fails with.
+/// A failing step.
 pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Complex<f64>, String> {
     let exact = contact.scene().exact(ratio);
     let step = 0.1 / (1.0 + exact.norm());
@@ -38,14 +38,14 @@ pub fn growth(contact: &WaveContact, ratio: f64, duration: f64) -> Result<Comple
     contact.growth(ratio, step, count, 40)
 }
 
-/// What became of a run, and the error of its growth rate over `kd m^2 + |b|`.
+/// Verdict on a run, and the error of its growth rate over `kd m^2 + |b|`.
 ///
 /// # Errors
-/// What a step fails with.
+/// A failing step.
 pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> {
     let exact = contact.scene().exact(ratio);
     let step = 0.2 / (1.0 + exact.norm());
-    // A quarter of the run has a crest of the oscillation.
+    // A quarter of the run contains a crest of the oscillation.
     let duration = (12.0 / (1.0 + exact.norm())).max(4.0 * PI / exact.im.abs().max(1.0));
     let count = (duration / step).ceil() as usize;
     let amplitudes = contact.follow(ratio, step, count)?;
@@ -59,7 +59,7 @@ pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> 
         (true, false) => Verdict::Grows,
         _ => Verdict::Right,
     };
-    // What decays faster than the spectrum has no rate of its own.
+    // A decay faster than the continuous spectrum has no rate of its own.
     if exact.re < -0.9 {
         return Ok((verdict, f64::NAN));
     }
@@ -67,11 +67,12 @@ pub fn run(contact: &WaveContact, ratio: f64) -> Result<(Verdict, f64), String> 
     Ok((verdict, (found.re - exact.re).abs() / (1.0 + exact.norm())))
 }
 
-/// Threshold measured: speed over the critical one without wear at which the growth rate is 0, and the angular frequency
-/// there over `kd m^2`; by the secant through growth rates a twentieth below and above the theory's, each after `duration`.
+/// Measured threshold: speed over the critical one without wear at which the growth rate is 0, and the angular frequency
+/// there over `kd m^2`; by the secant through growth rates a twentieth below and above the theoretical one, each after
+/// `duration`.
 ///
 /// # Errors
-/// What a step fails with.
+/// A failing step.
 pub fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), String> {
     let guess = critical_ratio(contact.scene().wear);
     let (mut low, mut high) = (0.95 * guess, 1.05 * guess);
@@ -93,7 +94,7 @@ pub fn threshold(contact: &WaveContact, duration: f64) -> Result<(f64, f64), Str
 /// Computes the map.
 ///
 /// # Errors
-/// What the line level refuses.
+/// The line level is refused.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let count = grid.count(12);
     let wears: Vec<f64> = (0..count).map(|k| 2.2 * k as f64 / (count - 1) as f64).collect();

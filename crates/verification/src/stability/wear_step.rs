@@ -1,23 +1,23 @@
-//! Length of the wear step against the number of cells: explicit and default scheme.
+//! Size of the wear step against the number of cells: explicit and default scheme.
 //!
 //! # The problem
 //!
 //! A rigid flat punch on a half-plane, no friction, wear in proportion to pressure (`dw/ds = k p`), translating under a
 //! constant load, in the units E* = 1, a = 1, mean pressure 1, k = 1. The pressure relaxes from the singular elastic one to
-//! the mean. On N cells, C the compliance and w the widths,
+//! the mean. On N cells, with C the compliance and w the widths,
 //!
 //! ```text
 //! C dp/ds + p = d(delta)/ds,   sum w p = 2
 //! ```
 //!
-//! is linear: with the eigenpairs `C phi = Lambda phi + const` on the space of zero mean, each part decays as
-//! `exp(-s/Lambda)`. That is the reference, exact in the path s for the same cells, so that errors are those of the step
-//! alone.
+//! is linear: with the eigenpairs `C phi = Lambda phi + const` on the space of zero mean, each mode decays as
+//! `exp(-s/Lambda)`. That is the reference, exact in the path s for the same cells, so that errors are those of the time
+//! discretisation alone.
 //!
 //! # The bound
 //!
-//! Explicit Euler multiplies a part by `1 - h/Lambda` per step: stable while `h < 2 Lambda_min`, and Lambda_min goes with the
-//! width of the edge cells, like 1/N^2.
+//! Explicit Euler multiplies a mode by `1 - h/Lambda` per step: stable while `h < 2 Lambda_min`, and Lambda_min is
+//! proportional to the width of the edge cells, like 1/N^2.
 
 use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
 use crate::integrator::{Integrator, Scheme, StepError};
@@ -28,24 +28,25 @@ use nalgebra::{DMatrix, DVector};
 use numerics::factorization;
 use std::f64::consts::E;
 
-/// What the map is about.
+/// Summary of the map.
 pub const SUMMARY: &str = "wear step over the explicit limit against the number of cells, explicit and default scheme";
 
 /// Numbers of cells of the map.
 const COUNTS: [usize; 11] = [9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257];
 /// Steps of a run.
 const STEPS: u32 = 100;
-/// First step whose error is judged: a step longer than the fastest decay cannot follow it, only survive it.
+/// First judged step: a step longer than the fastest decay cannot resolve it, only remain stable.
 const JUDGED: u32 = 10;
-/// Change of a cell's error per step, over the mean pressure, that tells growth: half of what a cell needs to lift off.
+/// Change of a cell's error per step, over the mean pressure, that indicates growth: half of the change at which a cell
+/// lifts off.
 const ALTERNATION: f64 = 0.5;
 /// Allowance on [`Method::owed`], which is the leading term only.
 const ALLOWANCE: f64 = 1.5;
 
-/// How the steps are done.
+/// Stepping method.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Method {
-    /// Explicit Euler without looking at its bound.
+    /// Explicit Euler without a check of its bound.
     Unguarded,
     /// `solver.scheme = explicit`.
     Explicit,
@@ -54,10 +55,10 @@ pub enum Method {
 }
 
 impl Method {
-    /// Largest error from the tenth step on that a method of this order owes, relative to the deviation at the start:
-    /// the largest value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10.
-    /// First order: `n z^2/2 exp(-n z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`,
-    /// `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 - 1/sqrt 2.
+    /// Error bound from the tenth step on of a method of this order, relative to the deviation at the start: the largest
+    /// value over all decays z per step of the leading term of `|R(z)^n - exp(-n z)|`, n = 10. First order:
+    /// `n z^2/2 exp(-n z) <= 2/(e^2 n)`. SDIRK2: `n c z^3 exp(-n z) <= 27 c/(e^3 n^2)`, `c = 3 g^2 - 2 g^3 - 1/6`, g = 1 -
+    /// 1/sqrt 2.
     pub fn owed(self) -> f64 {
         let n = f64::from(JUDGED);
         match self {
@@ -71,17 +72,17 @@ impl Method {
     }
 }
 
-/// The relaxing contact with its exact solution, in parts that decay on their own.
+/// The relaxing contact with its exact solution, in modes that decay independently.
 pub struct Relaxation {
     cells: Cells,
     compliance: DMatrix<f64>,
-    /// Roots of the cells' shares of the width: `root_i (p_i - 1)` has the root mean square of p - 1 as its length.
+    /// Square roots of the cells' fractions of the width: the norm of `root_i (p_i - 1)` is the root mean square of p - 1.
     root: DVector<f64>,
-    /// Parts, in columns, in those coordinates.
+    /// Modes, in columns, in those coordinates.
     parts: DMatrix<f64>,
-    /// Path on which each decays, ascending.
+    /// Relaxation path of each mode, ascending.
     lengths: Vec<f64>,
-    /// What there is of each at the start.
+    /// Initial amplitude of each mode.
     start: DVector<f64>,
 }
 
@@ -89,7 +90,7 @@ impl Relaxation {
     /// The problem on `count` cells graded to the edges.
     ///
     /// # Errors
-    /// Numbers of cells that do not exist.
+    /// Invalid numbers of cells.
     pub fn new(count: usize) -> Result<Self, String> {
         let cells = Cells::graded(1.0, count).map_err(|error| error.to_string())?;
         let material = Material::new(0.91, 0.3).map_err(|error| error.to_string())?;
@@ -97,7 +98,7 @@ impl Relaxation {
         let root = DVector::from_iterator(count, cells.widths().iter().map(|width| (0.5 * width).sqrt()));
         let scaled = DMatrix::from_fn(count, count, |i, j| compliance[(i, j)] * root[i] / root[j]);
         let scaled = 0.5 * (&scaled + scaled.transpose());
-        // On the complement of the unit vector `root`, that is on zero mean.
+        // On the complement of the unit vector `root`, that is, on zero mean.
         let image = &scaled * &root;
         let energy = root.dot(&image);
         let projected =
@@ -115,7 +116,7 @@ impl Relaxation {
         Ok(Self { cells, compliance, root, parts, lengths, start })
     }
 
-    /// The bound of the theory, `2 Lambda_min`.
+    /// Theoretical bound, `2 Lambda_min`.
     pub fn bound(&self) -> f64 {
         2.0 * self.lengths[0]
     }
@@ -151,21 +152,21 @@ impl Relaxation {
         })
     }
 
-    /// The bound that the explicit scheme reports.
+    /// Bound reported by the explicit scheme.
     ///
     /// # Errors
-    /// Where the contact has no solution.
+    /// The contact has no solution.
     pub fn reported_bound(&self) -> Result<f64, String> {
         let mut stepper = self.stepper()?;
         let pressure = stepper.pressure()?;
         Ok(explicit_limit(&mut stepper.contact, &stepper.conditions, &pressure))
     }
 
-    /// Runs 100 steps of `ratio` times the bound of the theory. Returns what became of them and the largest error from the
-    /// tenth step on, as the root mean square over the contact relative to that of the deviation at the start.
+    /// Runs 100 steps of `ratio` times the theoretical bound. Returns the verdict and the largest error from the tenth step
+    /// on, as the root mean square over the contact relative to that of the deviation at the start.
     ///
     /// # Errors
-    /// Where a step fails otherwise than by refusing its length.
+    /// A step fails for another reason than its size.
     pub fn run(&self, method: Method, ratio: f64) -> Result<(Verdict, f64), String> {
         let step = ratio * self.bound();
         let mut stepper = self.stepper()?;
@@ -176,7 +177,7 @@ impl Relaxation {
         for done in 1..=STEPS {
             let pressure = match method {
                 Method::Unguarded => stepper.unguarded(step)?,
-                // The bound depends on which cells are in contact only: once it is kept, it stays kept.
+                // The bound depends on the contact set only: a step that meets it once meets it always.
                 Method::Explicit if done > 1 => stepper.unguarded(step)?,
                 Method::Explicit => match stepper.step(0, step) {
                     Err(StepError::Unstable { .. }) => return Ok((Verdict::Refused, f64::NAN)),
@@ -188,7 +189,7 @@ impl Relaxation {
                 continue;
             }
             let now = self.scaled(&pressure) - self.exact(f64::from(done) * step);
-            // A maximum would pass over NaN.
+            // A maximum would ignore NaN.
             if !now.norm().is_finite() {
                 return Ok((Verdict::Grows, f64::INFINITY));
             }
@@ -208,17 +209,17 @@ impl Relaxation {
         Ok((verdict, error))
     }
 
-    /// Longest step at which unguarded explicit Euler does not amplify the fastest part, by bisection to one part in a
-    /// thousand over 500 steps: found by stepping alone, without the eigenvalue. Begins run in but for a thousandth of
-    /// the mean pressure in a sawtooth, so that every cell stays in contact while it is decided.
+    /// Longest step at which unguarded explicit Euler does not amplify the fastest mode, by bisection to one part in a
+    /// thousand over 500 steps: by stepping alone, without the eigenvalue. The initial pressure is run in except for a
+    /// sawtooth of a thousandth of the mean pressure, so that every cell stays in contact during the test.
     ///
     /// # Errors
-    /// Where the contact has no solution.
+    /// The contact has no solution.
     pub fn measured_bound(&self) -> Result<f64, String> {
         let count = self.cells.count();
         let sawtooth = |i: usize| if i.is_multiple_of(2) { 1e-3 } else { -1e-3 };
         let uniform = &self.compliance * DVector::from_fn(count, |i, _| 1.0 + sawtooth(i));
-        // Not weighted: what grows is in the cells at the edges, which are narrow.
+        // Unweighted: growth occurs in the narrow cells at the edges.
         let amplitude = |pressure: &[f64]| pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
         let grows = |step: f64| -> Result<bool, String> {
             let mut stepper = self.stepper()?;
@@ -232,10 +233,10 @@ impl Relaxation {
                     }
                 }
             }
-            // Rounding neither grows nor dies out.
+            // Rounding neither grows nor decays.
             Ok(history[1] > history[0] && history[1] > 1e-9)
         };
-        // From a step that surely damps, a hundredth of the width of an edge cell.
+        // From a step that is certainly stable, a hundredth of the width of an edge cell.
         let mut low = 0.01 * self.cells.widths()[0];
         let mut high = low;
         while !grows(high)? {
@@ -249,7 +250,7 @@ impl Relaxation {
     }
 }
 
-/// One run under way.
+/// State of one run.
 struct Stepper {
     contact: WearingContact,
     conditions: Conditions,
@@ -283,7 +284,7 @@ impl Stepper {
     }
 }
 
-/// Steps of the map over the bound: 8 in a decade of the usual grid, none at 1 itself.
+/// Step sizes of the map over the bound: 8 per decade of the published grid, none at 1 itself.
 fn ratios(grid: Grid) -> impl Iterator<Item = f64> {
     let count = match grid {
         Grid::Coarse => 8,
@@ -296,7 +297,7 @@ fn ratios(grid: Grid) -> impl Iterator<Item = f64> {
 /// Computes the map.
 ///
 /// # Errors
-/// Where a contact has no solution.
+/// A contact has no solution.
 pub fn map(grid: Grid, progress: &dyn Fn(f64)) -> Result<Map, String> {
     let counts = if grid == Grid::Coarse { &[9, 33, 65][..] } else { &COUNTS[..] };
     let methods = [Method::Unguarded, Method::Explicit, Method::Default];

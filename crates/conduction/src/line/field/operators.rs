@@ -1,4 +1,4 @@
-//! The finite elements of a punch: loads, solutions of both stages, and what is observed of a field.
+//! Finite-element operators of a punch: loads, solutions of both stages, and observations of a field.
 
 use crate::line::{FACES, GAMMA, Stage, SurfaceInfluence, Surroundings};
 use elasticity::block::{BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition};
@@ -7,30 +7,31 @@ use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::DMatrix;
 use std::fmt;
 
-/// Entries of the state behind the temperatures: heat received, lost to the air, lost through the top (J/m), temperature of
-/// the top.
+/// Number of state entries behind the temperatures: heat received, lost to the air, lost through the top (J/m), and
+/// temperature of the top.
 pub const TALLIES: usize = 4;
 
-/// What a scene makes of the punch. Vectors over the unknowns hold one number for each.
+/// Operators that follow from the scene. Vectors over the unknowns hold one number for each.
 pub struct FieldOperators {
     pub block: ThermalBlock,
     pub widths: Vec<f64>,
     /// Integrals of the shape functions over the cells.
     pub cells: Vec<Vec<(usize, f64)>>,
     pub unresolved: DMatrix<f64>,
-    /// Displacement into the body by unit values of the unknowns, n x N, and by 1 K everywhere, m/K; None: nothing expands.
+    /// Displacement into the body per unit of the unknowns, n x N, and per 1 K of uniform temperature, m/K; None without
+    /// expansion.
     pub distortion: Option<(Mat<f64>, Vec<f64>)>,
     pub uniform: Vec<f64>,
     pub capacity: Vec<f64>,
     pub sides: Vec<f64>,
     pub top: Vec<f64>,
-    /// Integrals of the shape functions over the top; nothing of one that is held.
+    /// Integrals of the shape functions over the top; zero where its temperature is prescribed.
     pub far_face: Vec<f64>,
-    /// Heat flow out of a held top by the unknowns, and by the temperature beside the body; see
-    /// [`ThermalBlock::top_outflow`].
+    /// Heat flow out of a top of prescribed temperature, per unit of the unknowns and per temperature of the surroundings;
+    /// see [`ThermalBlock::top_outflow`].
     pub outflow: Option<(Vec<f64>, f64)>,
     pub properties: ThermalProperties,
-    /// Cooled area over that of the two sides.
+    /// Ratio of the cooled area to that of the two sides.
     pub cooled: f64,
     /// Heat capacity of the whole body, J/(m K).
     pub total_capacity: f64,
@@ -42,7 +43,7 @@ impl fmt::Debug for FieldOperators {
     }
 }
 
-/// Factor and gains of a step; before the first one room for them, for a step that is no number.
+/// Factor and surface influence matrices of one step size; allocated with a step of NaN until first used.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     pub step: f64,
@@ -71,7 +72,7 @@ impl Prepared {
     }
 }
 
-/// What steps work in.
+/// Workspace of a step.
 #[derive(Debug)]
 pub struct FieldWorkspace {
     pub workspace: ThermalWorkspace,
@@ -112,19 +113,19 @@ impl FieldOperators {
         self.properties.top == TopCondition::Held
     }
 
-    /// Temperature that the unknowns count from.
+    /// Offset temperature of the unknowns, K.
     pub fn origin(&self, surroundings: &Surroundings) -> f64 {
         if self.held() { surroundings.far } else { 0.0 }
     }
 
-    /// The unknowns of a state, from `origin`.
+    /// Unknowns of a state relative to `origin`.
     pub fn field(&self, state: &[f64], origin: f64, field: &mut [f64]) {
         for ((field, state), uniform) in field.iter_mut().zip(state).zip(&self.uniform) {
             *field = state - origin * uniform;
         }
     }
 
-    /// F q + ports.
+    /// Load vector F q + ports.
     fn load(&self, flux: Option<&[f64]>, surroundings: &Surroundings, load: &mut [f64]) {
         let outside = surroundings.ambient - self.origin(surroundings);
         let beside = self.properties.side_convection * outside + self.cooled * surroundings.cooling;
@@ -141,7 +142,7 @@ impl FieldOperators {
         }
     }
 
-    /// Mean temperatures of the cells, from the origin, without what the elements do not resolve.
+    /// Mean temperatures of the cells relative to the origin, without the part that the elements do not resolve.
     pub fn means(&self, field: &[f64], target: &mut [f64]) {
         for ((target, integrals), width) in target.iter_mut().zip(&self.cells).zip(&self.widths) {
             *target = integrals.iter().map(|&(degree, integral)| integral * field[degree]).sum::<f64>() / width;
@@ -166,7 +167,7 @@ impl FieldOperators {
         self.distort(field, origin, distortion);
     }
 
-    /// Heat flow to the air through the sides, W/m, without `cooling`.
+    /// Heat flow to the air through the sides, W/m, without the flux `cooling`.
     pub fn ambient_flow(&self, field: &[f64], surroundings: &Surroundings) -> f64 {
         let outside = surroundings.ambient - self.origin(surroundings);
         let length = 2.0 * self.properties.height;
@@ -183,7 +184,7 @@ impl FieldOperators {
         }
     }
 
-    /// 1/s: of the first stage, which all stages share; bounded so that the matrix of a body that loses no heat is definite.
+    /// Shift 1/(gamma h), 1/s, common to all stages; bounded below so that the matrix of a body without heat loss is definite.
     fn shift(&self, step: f64, euler: bool) -> f64 {
         let ThermalProperties { height, conductivity, volumetric_heat_capacity, .. } = self.properties;
         let slowest = conductivity / volumetric_heat_capacity / (height * height);
@@ -197,7 +198,7 @@ impl FieldOperators {
         prepared: &mut Prepared,
         room: &mut FieldWorkspace,
     ) -> Result<(), BlockError> {
-        // Of no use to anybody until it is done.
+        // Invalid until complete.
         prepared.step = f64::NAN;
         self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
         let responses = &mut room.responses;
@@ -209,7 +210,7 @@ impl FieldOperators {
         let SurfaceInfluence { temperature, distortion } = &mut prepared.influence;
         temperature.copy_from(&self.unresolved);
         for (cell, response) in responses.col_iter().enumerate() {
-            // Columns of a matrix of faer are contiguous.
+            // Columns of a faer matrix are contiguous.
             let Some(response) = response.try_as_col_major() else { continue };
             self.means(response.as_slice(), &mut room.means);
             temperature.column_mut(cell).iter_mut().zip(&room.means).for_each(|(gain, mean)| *gain += mean);
@@ -237,7 +238,7 @@ impl FieldOperators {
         Ok(())
     }
 
-    /// Solutions of both stages from `start`, which is lost, with the fluxes of both.
+    /// Solutions of both stages from `start`, which is overwritten, with the fluxes of both.
     pub fn solve_both(
         &self,
         prepared: &Prepared,
@@ -256,18 +257,18 @@ impl FieldOperators {
         self.solve(prepared, start, fluxes.map(|[_, end]| end), surroundings, workspace, late);
     }
 
-    /// Mean temperatures of the sides and of the top, from the origin.
+    /// Mean temperatures of the sides and of the top relative to the origin.
     pub fn cooled_means(&self, field: &[f64]) -> [f64; FACES] {
         let ThermalProperties { width, height, .. } = self.properties;
         [dot(&self.sides, field) / (2.0 * height), dot(&self.far_face, field) / width]
     }
 
-    /// Length of the top into which a flux may be prescribed, m.
+    /// Length of the top with a prescribed flux, m; 0 where its temperature is prescribed.
     pub fn top_width(&self) -> f64 {
         if self.held() { 0.0 } else { self.properties.width }
     }
 
-    /// The solution of a stage from `start`.
+    /// Solution of one stage from `start`.
     pub fn solve(
         &self,
         prepared: &Prepared,
@@ -284,7 +285,7 @@ impl FieldOperators {
     }
 }
 
-/// What the second stage starts from, in place of the start.
+/// Overwrites the start with the right-hand-side field of the second stage, T_0 + (1 - gamma)/gamma (T_1 - T_0).
 pub fn extrapolate(start: &mut [f64], first: &[f64]) {
     for (start, first) in start.iter_mut().zip(first) {
         *start += (first - *start) * ((1.0 - GAMMA) / GAMMA);

@@ -1,4 +1,5 @@
-//! Modes of conduction across the width of the punch: exact, since a rectangle of one material separates.
+//! Transverse modes: eigenfunctions of conduction across the width of the punch, exact since a rectangle of one material
+//! separates.
 //!
 //! ```text
 //! X'' + xi^2 X = 0 on |x| < a,   -k X' n = h X on the sides (block),   or X periodic with 2 a (ring)
@@ -13,38 +14,38 @@ use super::radial::{RadialMode, Radii};
 use elasticity::Cells;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What bounds the punch along x, and how it is cooled there.
+/// Lateral boundary of the punch along x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sides {
     /// Two sides of a block.
     Free,
-    /// None: the punch is a closed ring.
+    /// None: a closed ring.
     Closed,
     /// Inner and outer side of an annulus of this mean radius, m.
     Radial(f64),
 }
 
-/// Width, cooling and conductivity: what the modes follow from.
+/// Width, cooling and conductivity, which determine the transverse modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Across {
-    /// a, m.
+    /// Half-width a, m.
     pub half_width: f64,
     pub sides: Sides,
-    /// Cooled surface per depth and per height: 2 where the sides of the block are all that is cooled. On the ring it is
-    /// spread over the volume.
+    /// Cooled surface per depth and per height: 2 where only the sides of the block are cooled. On the ring it is
+    /// distributed over the volume.
     pub cooled: f64,
     /// Constant heat transfer coefficient of the cooled surface, W/(m2 K).
     pub transfer: f64,
-    /// k, W/(m K).
+    /// Conductivity k, W/(m K).
     pub conductivity: f64,
 }
 
-/// One mode.
+/// One transverse mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wave {
-    /// xi, 1/m.
+    /// Wave number xi, 1/m.
     pub wave_number: f64,
-    /// Decay of its steady field into a deep body, 1/m: xi, and on the ring the loss from the volume.
+    /// Decay of its steady field into a deep body, 1/m: xi, on the ring also with the heat loss from the volume.
     pub decay: f64,
     /// Integral of X over the width, m^(1/2).
     pub integral: f64,
@@ -53,7 +54,7 @@ pub(super) struct Wave {
     form: Form,
 }
 
-/// X.
+/// Form of the eigenfunction X.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
     Cosine(f64),
@@ -62,7 +63,7 @@ enum Form {
 }
 
 impl Across {
-    /// Number `m` of the modes in ascending order of their wave numbers.
+    /// Mode number `m` in ascending order of the wave numbers.
     pub fn wave(&self, m: usize) -> Wave {
         match self.sides {
             Sides::Free => self.between_sides(m),
@@ -101,7 +102,7 @@ impl Across {
         let delta = phase(start, biot);
         let angle = start + delta;
         let sign = if (m / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
-        // cos and sin of the angle of the even modes, from the small angle; of the odd ones only the product matters.
+        // cos and sin of the angle of the even modes, from the small angle; for the odd ones only the product matters.
         let (cosine, sine) = (sign * delta.cos(), sign * delta.sin());
         let wave_number = angle / a;
         let product = if even { cosine * sine } else { -delta.cos() * delta.sin() };
@@ -140,7 +141,7 @@ impl Across {
 }
 
 impl Wave {
-    /// X at `x`.
+    /// Eigenfunction X at `x`.
     pub fn value(&self, x: f64) -> f64 {
         match &self.form {
             Form::Cosine(amplitude) => amplitude * (self.wave_number * x).cos(),
@@ -149,7 +150,7 @@ impl Wave {
         }
     }
 
-    /// Whether X is even (1) or odd (-1); None: neither.
+    /// Parity of X: even (1) or odd (-1); None: neither.
     pub fn parity(&self) -> Option<f64> {
         match &self.form {
             Form::Cosine(_) => Some(1.0),
@@ -158,7 +159,7 @@ impl Wave {
         }
     }
 
-    /// [`Self::integrate`] in a vector.
+    /// [`Self::integrate`] into a new vector.
     #[cfg(test)]
     pub fn cell_integrals(&self, cells: &Cells) -> Vec<f64> {
         let mut integrals = vec![0.0; cells.count()];
@@ -191,7 +192,7 @@ fn phase(start: f64, biot: f64) -> f64 {
     if biot == 0.0 {
         return 0.0;
     }
-    // The residual ascends on the whole interval: Newton's method kept inside a shrinking bracket.
+    // The residual is monotonic on the whole interval: Newton's method safeguarded by a shrinking bracket.
     let (mut low, mut high) = (0.0, FRAC_PI_2);
     let mut delta = if start > 0.0 { (biot / start).atan() } else { biot.sqrt().atan() };
     for _ in 0..100 {
@@ -242,7 +243,7 @@ mod tests {
                 }
                 let total: f64 = wave.cell_integrals(&cells).iter().sum();
                 assert!((total - wave.integral).abs() < 1e-9, "{m}: {total} {}", wave.integral);
-                // The loss through the cooled surface is that of the decay.
+                // The loss through the cooled surface balances the decay.
                 let loss = transfer * wave.exposure;
                 let expected = 55.0 * wave.decay.powi(2) * wave.integral;
                 assert!((loss - expected).abs() < 1e-9 * loss.abs().max(1e-30) + 1e-12, "{m}: {loss} {expected}");

@@ -1,4 +1,4 @@
-//! From the selected modes of a body to its operators.
+//! Assembly of the operators of a body from its selected modes.
 
 use super::across::{Across, Sides, Wave};
 use super::depth::{Depth, Points, Shape, Top};
@@ -10,35 +10,35 @@ use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
 use elasticity::Cells;
 use nalgebra::DMatrix;
 
-/// A mode across with its states, and the shape that acts without delay.
+/// A transverse mode with its states, and the fastest shape through the height, which is quasi-static.
 pub(super) struct Mode {
     pub wave: Wave,
     pub states: Vec<Shape>,
     pub immediate: Option<Shape>,
 }
 
-/// From the selected modes to the operators.
+/// Assembly of the operators from the selected modes.
 pub(super) struct Assembly<'a> {
     pub across: Across,
     pub depth: Depth,
     pub cooled: Cooled,
     pub cells: &'a Cells,
     pub modes: Vec<Mode>,
-    /// All modes that some sum needs, those with states first.
+    /// All modes that enter some sum, those with states first.
     pub waves: Waves,
     errors: [f64; 2],
 }
 
-/// Effects of the steady field of one mode: at the contact and at the cooled surface, by unit flux or port.
+/// Steady response of one mode at the contact, the cooled surface and the top, per unit flux or port.
 #[derive(Default)]
 struct SteadyMode {
     /// Z(0) by port, K per unit of the port.
     contact: [f64; PORTS],
-    /// What the cooled surface sees of Z (its integral over the height at the sides, Z(0) on the face) by port.
+    /// Value of Z at the cooled surface (its integral over the height at the sides, Z(0) on the face) by port.
     seen: [f64; PORTS],
-    /// The same by unit flux.
+    /// Value of Z at the cooled surface by unit flux.
     seen_by_flux: f64,
-    /// Z at a top that is not held by port, and by unit flux.
+    /// Z at a top without prescribed temperature, by port and by unit flux.
     top: [f64; PORTS],
     top_by_flux: f64,
 }
@@ -64,7 +64,7 @@ impl<'a> Assembly<'a> {
         Assembly { across, depth, cooled, cells, modes, waves, errors }
     }
 
-    /// What the cooled surface has of a mode across, m^(1/2) per height at the sides, m^(1/2) on the face.
+    /// Projection of the cooled surface on a transverse mode, m^(1/2) per height at the sides, m^(1/2) on the face.
     pub fn exposure(&self, wave: &Wave) -> f64 {
         match self.cooled.by {
             By::Sides => wave.exposure,
@@ -72,12 +72,12 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// What a flux into the far face, per area of its own, gives to a mode across, m^(1/2); 0 where none is prescribed.
+    /// Input weight of a flux into the far face, per area of that face, m^(1/2); 0 where none is prescribed.
     pub fn top_exposure(&self, wave: &Wave) -> f64 {
         if self.depth.driven_top { self.cooled.top_area * wave.integral } else { 0.0 }
     }
 
-    /// What it has of a shape through the height.
+    /// Value of a shape through the height at the cooled surface.
     fn seen(&self, shape: &Shape) -> f64 {
         match self.cooled.by {
             By::Sides => shape.integral,
@@ -100,7 +100,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Input of a shape by port.
+    /// Input weights of a shape by port.
     pub fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
@@ -111,12 +111,12 @@ impl<'a> Assembly<'a> {
         [cooling, ambient, far]
     }
 
-    /// Heat flow of a state through a held top, in W/m over its norm.
+    /// Heat flow of a state through a top of prescribed temperature, in W/m over the norm of the state.
     fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
         if !self.temperature_at_frozen_state() {
             return 0.0;
         }
-        // What the height conducts and the face does not lose.
+        // Conducted through the height and not lost at the face.
         let by_face = match self.cooled.by {
             By::Sides => 0.0,
             By::Face => self.cooled.transfer * self.exposure(wave) * shape.contact,
@@ -129,14 +129,14 @@ impl<'a> Assembly<'a> {
         self.capacity() * wave.integral * shape.integral
     }
 
-    /// Steady effects of a mode; None where it cannot rest.
+    /// Steady response of a mode; None without a steady state.
     fn steady(&self, wave: &Wave) -> Option<SteadyMode> {
         let (depth, transfer, decay) = (&self.depth, self.cooled.transfer, wave.decay);
         if !depth.has_steady_state(decay) {
             return None;
         }
         let exposure = self.exposure(wave);
-        // A mode without decay is not exposed, or its sources leave through the top.
+        // A mode without decay has no exposure, or its heat leaves through the top.
         let (seen_by_flux, seen_by_source) = match self.cooled.by {
             By::Sides if exposure == 0.0 => (depth.steady_integral(decay), 0.0),
             By::Sides => (depth.steady_integral(decay), depth.sourced_integral(decay)),
@@ -155,7 +155,7 @@ impl<'a> Assembly<'a> {
             steady.contact[FAR] = wave.integral - steady.contact[AMBIENT];
             steady.seen[FAR] = everywhere - steady.seen[AMBIENT];
         } else {
-            // All that surrounds the body is the air: it takes its temperature.
+            // The air is the only boundary: the body takes its temperature.
             steady.contact[AMBIENT] = wave.integral;
             steady.seen[AMBIENT] = everywhere;
             if !depth.driven_top {
@@ -236,8 +236,8 @@ impl<'a> Assembly<'a> {
         operators
     }
 
-    /// What a mode does without delay: all that it does at rest less what its states do then; without rest, what the
-    /// immediate shape does.
+    /// Static correction of a mode: its steady response less that of its states; without a steady state, the steady response
+    /// of the quasi-static shape.
     fn static_correction(&self, wave: &Wave, mode: Option<&Mode>) -> SteadyMode {
         let states = mode.map_or(&[][..], |mode| &mode.states[..]);
         let immediate = mode.and_then(|mode| mode.immediate.as_ref());
@@ -258,10 +258,10 @@ impl<'a> Assembly<'a> {
         left
     }
 
-    /// Remainders of the cells' temperatures by the ports, and the temperatures of the cooled faces.
+    /// Static corrections of the cells' temperatures by the ports, and the temperatures of the cooled faces.
     fn ports(&self, operators: &mut ReducedOperators) {
         let length = operators.cooled_length;
-        // A surface that has no area is not looked at.
+        // A surface without area has no observation.
         let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
         let per_width = if self.depth.driven_top { 0.5 / self.across.half_width } else { 0.0 };
         let mut first = 0;
@@ -291,7 +291,7 @@ impl<'a> Assembly<'a> {
             }
         }
         if self.across.sides != Sides::Closed && self.cooled.by == By::Sides {
-            // The sides' heat close to them, in the modes left out: a sum of 1/m^2.
+            // Temperature of the sides by their own cooling in the truncated modes: the tail of a sum of 1/m^2.
             let width = 2.0 * self.across.half_width;
             let count = 0.5 * SUMMED_MODES.max(self.modes.len()) as f64;
             let square = self.across.cooled.powi(2) * 2.0 / width;
@@ -305,8 +305,9 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Flows and stored heat. Observed flows and the balance of heat over-determine them; the balance is kept exactly: the
-    /// stored heat is what the flows will carry away, and what no state holds back leaves at once.
+    /// Flows and stored heat. Observed flows and the heat balance over-determine them; the balance is kept exact: the stored
+    /// heat is the time integral of the flows that it feeds, and the part of an input that no state stores leaves as a
+    /// direct feedthrough.
     fn flows(&self, operators: &mut ReducedOperators) {
         let transfer = self.cooled.transfer;
         let (losing, open) = (transfer > 0.0, self.depth.top != Top::Transfer(0.0));
@@ -323,7 +324,7 @@ impl<'a> Assembly<'a> {
                 k += 1;
             }
         }
-        // Heat that enters per unit of every input, less what the states take.
+        // Heat input per unit of every input, less the part stored in the states.
         let mut fluxes = operators.widths.clone();
         for mode in &operators.modes {
             let taken: f64 = mode.states.clone().map(|k| operators.stored[k] * operators.contact[k]).sum();

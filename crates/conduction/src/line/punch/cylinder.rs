@@ -1,4 +1,4 @@
-//! Bessel functions of order 0 and 1, of both kinds at once.
+//! Bessel functions of order 0 and 1, of both kinds together.
 //!
 //! From x = 25 on by Hankel's expansion
 //!
@@ -7,15 +7,15 @@
 //! a_k(n) = a_(k-1)(n) (4 n^2 - (2k-1)^2)/(8 k)
 //! ```
 //!
-//! whose terms fall below rounding there before they grow: one sine and cosine serve all four. Below, by the C library's approximations.
-//! Source: NIST Digital Library of Mathematical Functions, 10.17.
+//! whose terms fall below rounding there before they grow: one sine and one cosine serve all four. Below, by the
+//! approximations of the C library. Source: NIST Digital Library of Mathematical Functions, 10.17.
 
 use std::f64::consts::FRAC_1_PI;
 
-/// From where on the expansion is exact to rounding.
+/// Least x at which the expansion is exact to rounding.
 const FAR: f64 = 25.0;
 
-/// Most terms of the expansion, all of which x = 25 needs.
+/// Largest number of terms of the expansion; x = 25 needs all of them.
 const TERMS: usize = 24;
 
 /// `((2k-1)^2, 1/(8k))` of the terms k = 1, 2, ...
@@ -30,17 +30,17 @@ const FACTORS: [(f64, f64); TERMS] = {
     factors
 };
 
-/// Values at one place.
+/// Values at one argument.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cylinder {
-    /// J0 and Y0.
+    /// J0 and Y0 at the argument.
     pub zero: (f64, f64),
-    /// J1 and Y1.
+    /// J1 and Y1 at the argument.
     pub one: (f64, f64),
 }
 
 impl Cylinder {
-    /// At x > 0.
+    /// Values at x > 0.
     pub fn at(x: f64) -> Cylinder {
         if x < FAR {
             return Cylinder { zero: (libm::j0(x), libm::y0(x)), one: (libm::j1(x), libm::y1(x)) };
@@ -62,12 +62,12 @@ impl Cylinder {
             }
         }
         let (sine, cosine) = x.sin_cos();
-        // sqrt(1/2) of the turn by pi/4 and sqrt(2/(pi x)).
+        // sqrt(1/2) of the phase of pi/4, and sqrt(2/(pi x)).
         let scale = (FRAC_1_PI * inverse).sqrt();
         let (turned, ahead) = (scale * (cosine + sine), scale * (sine - cosine));
         Cylinder {
             zero: (zero[0] * turned - zero[1] * ahead, zero[0] * ahead + zero[1] * turned),
-            // A quarter of a turn behind.
+            // Phase lag of pi/2.
             one: (one[0] * ahead + one[1] * turned, one[1] * ahead - one[0] * turned),
         }
     }

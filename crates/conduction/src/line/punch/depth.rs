@@ -1,4 +1,4 @@
-//! Conduction through the height of one mode across the width: exact, and by Galerkin projection.
+//! Conduction of one transverse mode through the height: exact impedance and Galerkin projection.
 //!
 //! A mode `X(x) Z(z, t)` with the static decay `kappa_0` obeys
 //!
@@ -6,14 +6,14 @@
 //! C dZ/dt = k Z'' - k kappa_0^2 Z,   -k Z'(0) = q,   Z(h) = 0  or  -k Z'(h) = h_top Z(h)
 //! ```
 //!
-//! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`. A face that loses H Z(0) as well takes
-//! `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
+//! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`. A face that also loses H Z(0)
+//! receives `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
 
 use nalgebra::{Complex, DMatrix};
 use numerics::factorization;
 use numerics::grading::towards_face;
 
-/// Condition at the top of the punch.
+/// Boundary condition at the top of the punch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Top {
     /// Temperature prescribed.
@@ -22,23 +22,23 @@ pub(super) enum Top {
     Transfer(f64),
 }
 
-/// Height and material.
+/// Height and material of the body, with its conditions at both faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Depth {
-    /// h, m.
+    /// Height h, m.
     pub height: f64,
-    /// k, W/(m K).
+    /// Conductivity k, W/(m K).
     pub conductivity: f64,
-    /// C, J/(m3 K).
+    /// Heat capacity C by volume, J/(m3 K).
     pub capacity: f64,
     pub top: Top,
-    /// H, heat transfer coefficient beside the contact as a mean over the contact's face, W/(m2 K).
+    /// Heat transfer coefficient H beside the contact as a mean over the contact's face, W/(m2 K).
     pub face: f64,
-    /// Fluxes into the top are not only those of its constant heat transfer: the space holds what they do.
+    /// Whether a flux beyond the constant heat transfer acts on the top: the space then contains responses to it.
     pub driven_top: bool,
 }
 
-/// Rates at which the space holds what a flux into the top does, over k/(C h^2).
+/// Rates of the trial functions for a flux into the top, over k/(C h^2).
 const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
 
 impl Depth {
@@ -46,7 +46,7 @@ impl Depth {
         self.conductivity / self.capacity
     }
 
-    /// h_top/k, 1/m; None where the top is held.
+    /// h_top/k, 1/m; None where the temperature of the top is prescribed.
     pub(super) fn top_ratio(&self) -> Option<f64> {
         match self.top {
             Top::Held => None,
@@ -54,12 +54,12 @@ impl Depth {
         }
     }
 
-    /// A field that decays with `decay` can rest: heat leaves through the top or the sides.
+    /// Whether a field that decays with `decay` has a steady state: heat leaves through the top or the sides.
     pub fn has_steady_state(&self, decay: f64) -> bool {
         decay > 0.0 || self.top != Top::Transfer(0.0) || self.face > 0.0
     }
 
-    /// What is left of the response without loss at the face, whose value there is `contact`.
+    /// Ratio of the response with loss at the face to that without, whose value there is `contact`.
     fn kept(&self, contact: f64) -> f64 {
         1.0 / (1.0 + self.face * contact)
     }
@@ -67,7 +67,7 @@ impl Depth {
     /// Exact Z(0) per unit q for the complex decay `kappa`, Re > 0, K m2/W.
     pub fn impedance(&self, kappa: Complex<f64>) -> Complex<f64> {
         if kappa.re * self.height > 20.0 && self.face == 0.0 {
-            // The top is not felt to rounding.
+            // The top has no effect to rounding.
             return (kappa * self.conductivity).inv();
         }
         let fall = (kappa * (-2.0 * self.height)).exp();
@@ -79,17 +79,17 @@ impl Depth {
         closed / (closed * self.face + 1.0)
     }
 
-    /// Exact steady Z(0) per unit q, K m2/W, where there is one.
+    /// Exact steady Z(0) per unit q, K m2/W, where it exists.
     pub fn steady_impedance(&self, decay: f64) -> f64 {
         self.response(decay, 0.0).0
     }
 
-    /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where the top or the face lets heat out).
+    /// Z and dZ/dz at `z` per unit q for the real decay `kappa` (0 only where heat leaves through the top or the face).
     pub fn response(&self, kappa: f64, z: f64) -> (f64, f64) {
         self.profile(kappa)(z)
     }
 
-    /// The same as a function of z.
+    /// [`Self::response`] as a function of z.
     fn profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
         let closed = self.closed_profile(kappa);
         let lost_by_face = self.face > 0.0 && kappa * self.height < 1e-9 && self.top == Top::Transfer(0.0);
@@ -104,7 +104,7 @@ impl Depth {
         }
     }
 
-    /// The same without loss at the face.
+    /// [`Self::profile`] without loss at the face.
     fn closed_profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
         let (k, h) = (self.conductivity, self.height);
         let top = self.top_ratio();
@@ -126,15 +126,15 @@ impl Depth {
                 };
             }
             let scale = (-kappa * z).exp() / entering;
-            // What comes back over more than this is nothing to rounding: exp(-40) = 4e-18.
+            // The reflection is below rounding over a longer path: exp(-40) = 4e-18.
             let way = 2.0 * kappa * distance;
             let back = if way > 40.0 { -reflection } else { reflection * (-way).exp_m1() };
             (scale * (sum + back) / (kappa * k), -scale * (difference - back) / k)
         }
     }
 
-    /// Integral over the height of the steady response to unit q, K m3/W: by reciprocity what a uniform source does at the
-    /// contact.
+    /// Integral over the height of the steady response to unit q, K m3/W: by reciprocity the temperature of the contact by a
+    /// uniform source.
     pub fn steady_integral(&self, decay: f64) -> f64 {
         if self.face == 0.0 {
             return self.sourced(decay, 0.0);
@@ -168,11 +168,11 @@ impl Depth {
         (1.0 - at_top) / (k * decay * decay)
     }
 
-    /// Integral of `sourced` over the height, K m4/W.
+    /// Integral of [`Self::sourced`] over the height, K m4/W.
     pub fn sourced_integral(&self, decay: f64) -> f64 {
         let (k, h) = (self.conductivity, self.height);
         let square = (decay * h).powi(2);
-        // tanh(decay h)/decay, and what it lacks of h over decay^2.
+        // tanh(decay h)/decay, and its difference from h over decay^2.
         let (tangent, lack) = if square < 1e-3 {
             let lack = h.powi(3) * (1.0 / 3.0 - square * (2.0 / 15.0 - square * 17.0 / 315.0));
             (h - decay * decay * lack, lack)
@@ -187,8 +187,8 @@ impl Depth {
     }
 }
 
-/// Points through the height: a quadrature that resolves every trial function, then points where somebody wants the
-/// functions' values.
+/// Points through the height: a quadrature that resolves every trial function, then extra points at which values of the
+/// functions are needed.
 #[derive(Clone, Debug)]
 pub(super) struct Points {
     position: Vec<f64>,
@@ -199,7 +199,7 @@ pub(super) struct Points {
 const PANEL: usize = 10;
 
 impl Points {
-    /// For decays up to `steepest`, with values wanted at `extra`.
+    /// Points for decays up to `steepest`, with the extra points `extra`.
     pub fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
         let mut edges = towards_face(1.0 / steepest, height, 3.0);
         edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
@@ -218,7 +218,7 @@ impl Points {
 
     /// Integral of left times right over the height.
     fn product(&self, left: &[f64], right: &[f64]) -> f64 {
-        // Two running sums, for vector instructions; the panels' ten points come in pairs.
+        // Two running sums for vector instructions; the ten points of a panel come in pairs.
         let mut sum = [0.0; 2];
         let pairs = self.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
         for ((weight, left), right) in pairs {
@@ -262,12 +262,12 @@ impl Function {
     }
 }
 
-/// One decaying shape through the height; `C integral Z^2 dz = 1`.
+/// One decaying shape (Ritz mode) through the height; `C integral Z^2 dz = 1`.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     /// Decay rate of a field with this shape, 1/s.
     pub rate: f64,
-    /// The part of it that conduction through the height makes.
+    /// Contribution of conduction through the height to `rate`, 1/s.
     pub rate_through_height: f64,
     /// Z at the contact.
     pub contact: f64,
@@ -279,16 +279,16 @@ pub(super) struct Shape {
     pub extra: Vec<f64>,
 }
 
-/// Trial functions of one mode, orthonormal in the capacity-weighted product, and the reduced problem they make.
+/// Trial functions of one mode, orthonormal in the capacity-weighted product, and the reduced problem they span.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     depth: Depth,
     decay: f64,
     functions: Vec<Function>,
-    /// The first function is the uniform temperature.
+    /// Whether the first function is the uniform temperature.
     has_uniform: bool,
     stiffness: DMatrix<f64>,
-    /// Decay rates through the height, ascending, and the shapes' parts of the functions, by columns.
+    /// Decay rates through the height, ascending, and the coefficients of the shapes in the functions, by columns.
     rates: Vec<f64>,
     vectors: DMatrix<f64>,
 }
@@ -311,8 +311,8 @@ impl Basis {
         self.functions.len()
     }
 
-    /// Adds the functions every body needs for its mean temperature: the uniform one, so that heat is conserved; under a
-    /// held top those that carry its changes down.
+    /// Adds the functions that the mean temperature needs in every body: the uniform one, for exact heat conservation; under
+    /// a top of prescribed temperature those that transmit its changes.
     pub fn add_means(&mut self, points: &Points) {
         let h = self.depth.height;
         if self.depth.top == Top::Held {
@@ -331,7 +331,7 @@ impl Basis {
         self.has_uniform = true;
         self.add(points, Function::new(h, points, |_| (1.0, 0.0)));
         if !self.depth.has_steady_state(self.decay) {
-            // What a constant flux settles to while the mean rises for ever.
+            // Quasi-steady profile of a constant flux while the mean temperature rises linearly.
             self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
         }
         if self.depth.driven_top {
@@ -351,14 +351,14 @@ impl Basis {
         self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
     }
 
-    /// Adds the response to the contact at the real rate `rate`, 1/s; false if the space has it already.
+    /// Adds the response to a contact flux at the real rate `rate`, 1/s; false if it is linearly dependent.
     pub fn add_response(&mut self, points: &Points, rate: f64) -> bool {
         let kappa = (self.decay * self.decay + rate / self.depth.diffusivity()).sqrt();
         let profile = self.depth.profile(kappa);
         self.add(points, Function::new(self.depth.height, points, profile))
     }
 
-    /// Adds a function after orthogonalising it (twice is enough); false if the space has it already.
+    /// Adds a function after orthogonalising it (twice is enough); false if it is linearly dependent.
     fn add(&mut self, points: &Points, mut function: Function) -> bool {
         let capacity = self.depth.capacity;
         let before = (capacity * points.product(&function.value, &function.value)).sqrt();
@@ -378,7 +378,7 @@ impl Basis {
         true
     }
 
-    /// Completes the reduced conduction matrix by its last row, and solves for the decaying shapes.
+    /// Completes the reduced conduction matrix by its last row and solves the eigenvalue problem for the decaying shapes.
     fn project(&mut self, points: &Points) {
         let last = self.functions.len() - 1;
         let stiffness = std::mem::replace(&mut self.stiffness, DMatrix::zeros(0, 0));
@@ -389,7 +389,7 @@ impl Basis {
         };
         let newest = &self.functions[last];
         for (i, other) in self.functions.iter().enumerate() {
-            // The uniform temperature has no slope; rounding must not give it one.
+            // The uniform temperature has no slope; this removes its rounding error.
             let inside = if i == 0 && self.has_uniform { 0.0 } else { points.product(&other.slope, &newest.slope) };
             let entry = self.depth.conductivity * inside
                 + transfer * other.top * newest.top
@@ -397,7 +397,7 @@ impl Basis {
             self.stiffness[(i, last)] = entry;
             self.stiffness[(last, i)] = entry;
         }
-        // Under an insulated top the uniform temperature does not decay at all.
+        // Under an insulated top the uniform temperature does not decay.
         let apart = usize::from(self.has_uniform && transfer == 0.0 && self.depth.face == 0.0);
         let rest = self.stiffness.view((apart, apart), (last + 1 - apart, last + 1 - apart)).into_owned();
         if rest.is_empty() {
@@ -419,7 +419,7 @@ impl Basis {
                 .view_mut((apart, apart + column), (last + 1 - apart, 1))
                 .copy_from(&eigen.eigenvectors.column(i));
         }
-        // Rounding of the fastest rates must not spoil the slowest one: an inverse iteration restores its digits.
+        // Rounding of the fastest rates perturbs the slowest one: inverse iteration restores its accuracy.
         if let Some(slowest) = slowest
             && let Ok(factor) = factorization::cholesky(rest)
         {
@@ -493,7 +493,7 @@ mod tests {
                         })
                         .sum()
                 };
-                // Balance of the response to the contact: what enters is lost on the way or leaves at the top.
+                // Heat balance of the response to the contact: the input is lost through the height or leaves at the top.
                 let response = integral(&|z| depth.response(decay, z).0);
                 let loss = 55.0 * decay * decay * response - 55.0 * depth.response(decay, 0.1).1;
                 assert!((loss - 1.0).abs() < 1e-9, "{top:?} {decay}: {loss}");
@@ -510,7 +510,7 @@ mod tests {
 
     #[test]
     fn slowest_rate_keeps_its_digits() {
-        // A block that barely loses heat through its top: 1/(C h (1/H + h/3k)) to first order.
+        // A block with a small heat loss through its top: 1/(C h (1/H + h/3k)) to first order.
         let depth = Depth {
             height: 0.1,
             conductivity: 55.0,

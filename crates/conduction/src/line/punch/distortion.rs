@@ -1,11 +1,11 @@
-//! How the contact line of the punch moves by the temperature fields of its modes.
+//! Thermal distortion of the contact line of the punch by the temperature fields of its modes.
 //!
-//! The surface of a body that is free there is distorted by heat whatever its stiffness, so E does not enter. A `rigid`
-//! punch does not yield to stress but does expand; it and the `half_plane`, which conduct as blocks of their own height,
-//! are distorted as the elastic block is. The columns of a `winkler` punch expand independently, by alpha (1 + nu) times
-//! the integral of the temperature over the height, as in the mean of a block that is free at its sides. The ring is a
-//! layer bonded at its top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its waves along
-//! the radius are Bessel functions, which a layer answers like plane waves of the same number.
+//! The thermal distortion of a traction-free surface is independent of the stiffness, so E does not enter. A `rigid` punch
+//! has no elastic compliance but does expand; it and the `half_plane`, which conduct as blocks of their own height, are
+//! distorted like the elastic block. The columns of a `winkler` punch expand independently, by alpha (1 + nu) times the
+//! integral of the temperature over the height, as in the mean of a block with free sides. The ring is a layer bonded at its
+//! top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its modes along the radius are
+//! Bessel functions, for which the response of a layer is that for plane waves of the same wave number.
 
 use super::across::Across;
 use super::assembly::{Assembly, Mode};
@@ -21,7 +21,7 @@ use numerics::factorization::{self, Unfactorable};
 use numerics::grading::towards_face;
 use scene::{Body, Geometry, MechanicalBody, Scene};
 
-/// Which law holds.
+/// Law of distortion.
 #[derive(Debug)]
 enum Kind {
     Columns,
@@ -30,7 +30,7 @@ enum Kind {
     OnBase(Base),
 }
 
-/// The law, and the points through the height where it wants the profiles of the fields.
+/// Law of distortion, and the points through the height at which the profiles of the fields are needed.
 #[derive(Debug)]
 pub(super) struct Distortion {
     kind: Kind,
@@ -42,19 +42,19 @@ pub(super) struct Distortion {
     points: Vec<(f64, f64)>,
 }
 
-/// Order and layers of the elements: fields of temperature are smooth, so only the corners ask for layers. One order and
-/// one layer more change the distortion by less than 1e-6 of its largest value; where a tolerance of [`COARSE`] is enough, one
-/// layer less changes it by up to 2e-5.
+/// Order and corner layers of the elements: temperature fields are smooth, so only the corners need layers. One order and
+/// one layer more change the distortion by less than 1e-6 of its largest value; for tolerances from [`COARSE`] on, one layer
+/// fewer changes it by up to 2e-5.
 fn discretization(tolerance: f64) -> Discretization {
     let (contact_layers, top_layers) = if tolerance >= COARSE { (3, 2) } else { (4, 3) };
     Discretization { order: 6, contact_layers, top_layers, grading: Discretization::CORNER_GRADING }
 }
 
-/// Tolerance at which fewer layers do.
+/// Least tolerance at which one layer fewer suffices.
 const COARSE: f64 = 5e-3;
 
 impl Distortion {
-    /// None where nothing expands.
+    /// Distortion of the punch of `scene`; None without thermal expansion.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Option<Distortion>, BlockError> {
         let body = &scene.punch;
         if body.thermal_expansion == 0.0 {
@@ -78,7 +78,7 @@ impl Distortion {
         Ok(Some(Distortion { kind, expansion: body.thermal_expansion, poissons_ratio, height, points }))
     }
 
-    /// Of a layer on its base; None where it does not expand.
+    /// Distortion of a layer on its base; None without thermal expansion.
     pub fn on_base(body: &Body, base: Base) -> Option<Distortion> {
         (body.thermal_expansion > 0.0).then(|| Distortion {
             kind: Kind::OnBase(base),
@@ -104,7 +104,7 @@ impl Distortion {
         }
     }
 
-    /// Distances from the contact at which profiles are given.
+    /// Distances from the contact at which profiles are needed.
     pub fn positions(&self) -> Vec<f64> {
         self.points.iter().map(|point| point.0).collect()
     }
@@ -119,7 +119,7 @@ impl Distortion {
     ) -> Result<(DMatrix<f64>, Vec<f64>), BlockError> {
         let count = fields.iter().map(|field| field.mode + 1).max().unwrap_or(0);
         if let Kind::Block(block) = &self.kind {
-            // The uniform temperature is one function more.
+            // The uniform temperature is one further function.
             let one = vec![1.0; self.points.len()];
             let products = fields.iter().map(|field| (field.mode, &field.profile[..])).chain([(count, &one[..])]);
             let functions = FunctionsAcross {
@@ -144,12 +144,12 @@ impl Distortion {
         Ok((result, vec![self.by_uniform(); cells.count()]))
     }
 
-    /// Displacement times wave number by a steady field of unit amplitude at the surface, whose wave is short, 1/K.
+    /// Displacement times wave number by a steady field of short wavelength with unit surface amplitude, 1/K.
     fn by_short_wave(&self) -> f64 {
         -self.expansion * (1.0 + self.poissons_ratio)
     }
 
-    /// Displacement by 1 K everywhere of columns that expand freely or of a layer that cannot get longer, m/K.
+    /// Displacement per 1 K of uniform temperature, of columns that expand freely or of a layer constrained along x, m/K.
     fn by_uniform(&self) -> f64 {
         let nu = self.poissons_ratio;
         let restrained = if matches!(self.kind, Kind::Columns) { 1.0 } else { 1.0 - nu };
@@ -192,7 +192,7 @@ struct Field {
 }
 
 impl Field {
-    /// The field of a state of 1.
+    /// Field of a state of 1.
     fn of(mode: usize, shape: &Shape) -> Field {
         Field { mode, integral: shape.integral, profile: shape.extra.clone() }
     }
@@ -252,12 +252,12 @@ impl LayerDilatation {
 }
 
 impl Assembly<'_> {
-    /// Distortion by the states, and what fast and short-waved fields do without delay.
+    /// Distortion by the states, and the static correction of fast fields and fields of short wavelength.
     pub(super) fn distort(&self, distortion: &Distortion, operators: &mut ReducedOperators) -> Result<(), BlockError> {
         let positions = distortion.positions();
         let (depth, cells) = (&self.depth, self.cells);
         let mut fields = Vec::new();
-        // States first, in their order; then the remainders with what drives them.
+        // States first, in their order; then the static corrections with their inputs.
         for (m, mode) in self.modes.iter().enumerate() {
             fields.extend(mode.states.iter().map(|shape| Field::of(m, shape)));
         }
@@ -285,14 +285,14 @@ impl Assembly<'_> {
             if exposure == 0.0 && wave.integral == 0.0 || !depth.has_steady_state(wave.decay) {
                 continue;
             }
-            // The air around the body and its held top together make it uniform.
+            // Air and the prescribed top temperature together make the body uniform.
             by_port.push((fields.len(), COOLING, exposure));
             if self.temperature_at_frozen_state() {
                 by_port.push((fields.len(), AMBIENT, self.cooled.transfer * exposure));
                 by_port.push((fields.len(), FAR, -self.cooled.transfer * exposure));
             }
             fields.push(match self.cooled.by {
-                // Nothing to add, but no source in a body that nothing leaves either.
+                // No correction, and no source in a body without heat loss.
                 _ if exposure == 0.0 => Field { mode: m, integral: 0.0, profile: vec![0.0; positions.len()] },
                 By::Sides => Field {
                     mode: m,
@@ -326,7 +326,7 @@ impl Assembly<'_> {
                 column.axpy(weight * integral, &displacements.column(field), 1.0);
             }
         }
-        // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a short wave.
+        // u = -alpha (1 + nu) T/xi for the steady temperature T = q/(k xi) of a mode of short wavelength.
         let longest = DISTORTING_MODES.max(self.modes.len());
         let mut short = self.waves.sum(longest..SUMMED_MODES.max(longest), |_, wave| {
             distortion.by_short_wave() / (depth.conductivity * wave.decay * wave.decay)
@@ -358,8 +358,8 @@ mod tests {
 
     #[test]
     fn dilatation_belongs_to_the_displacement_of_a_bonded_layer() {
-        // Without shear at the surface its displacement under the pressure is, in these potentials, the difference of
-        // the two parts of the dilatation there.
+        // Without shear at the surface its displacement under the pressure is, in these potentials, the difference of the
+        // two parts of the dilatation there.
         for nu in [0.0, 0.3, 0.49] {
             for u in [0.05f64, 0.7, 3.0, 30.0, 900.0] {
                 let layer = LayerDilatation::new(u / 0.2, 0.2, nu);

@@ -1,14 +1,15 @@
-//! Steady field of one mode across by a flux into the top.
+//! Steady field of one transverse mode by a flux into the top.
 //!
 //! ```text
 //! Z'' = kappa^2 Z,   k Z'(0) = H Z(0),   k Z'(h) = 1 - h_top Z(h):   Z = A [cosh kappa z + H/(k kappa) sinh kappa z]
 //! ```
 //!
-//! By reciprocity it is also what the top has of a unit flux into the contact (Z(0)), and of a uniform source (its integral).
+//! By reciprocity it also gives the temperature of the top per unit flux into the contact (Z(0)) and per uniform source (its
+//! integral).
 
 use super::depth::Depth;
 
-/// Steady field of a unit flux into a top that is not held.
+/// Steady field of a unit flux into a top without prescribed temperature.
 pub(super) struct FromTop {
     decay: f64,
     height: f64,
@@ -42,7 +43,7 @@ impl FromTop {
 }
 
 impl Depth {
-    /// Steady field of a unit flux into the top, which is not held, where there is one.
+    /// Steady field of a unit flux into the top, which has no prescribed temperature, where it exists.
     pub fn driven_from_top(&self, decay: f64) -> FromTop {
         let (k, h) = (self.conductivity, self.height);
         let (face, top) = (self.face / k, self.top_ratio().unwrap_or(0.0));

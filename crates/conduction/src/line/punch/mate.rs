@@ -1,11 +1,11 @@
-//! The ring of the mate under an annular contact.
+//! Ring of the mate under an annular contact.
 //!
-//! The mate turns under the contact, so that every radius of it is heated as in the mean round the circle: by the contact's flux
-//! times the part c of the circle that is covered. The ring is as wide as the contact; no heat passes its inner and outer
-//! side. Its face is cooled beside the contact, also in the mean round the circle.
+//! The mate rotates under the contact, so that every radius receives the circumferential mean of the flux: the contact's
+//! flux times the fraction c of the circle that is covered. The ring is as wide as the contact; no heat passes its inner and
+//! outer side. Its face is cooled beside the contact, also in the circumferential mean.
 //!
-//! Per length of the contact's mean arc the ring is a body of 1/c times conductivity, capacity and heat transfer under the whole
-//! flux: the same temperatures, and heat flows and stored heat in the units of the contact.
+//! Per length of the contact's mean arc the ring is equivalent to a body of 1/c times the conductivity, capacity and heat
+//! transfer under the whole flux: the temperatures are the same, heat flows and stored heat are in the units of the contact.
 
 use super::across::{Across, Sides};
 use super::depth::{Depth, Top};
@@ -29,10 +29,10 @@ pub fn cooled_length(scene: &Scene) -> f64 {
 
 /// Reduces the mate's ring as [`super::reduce`] does the punch.
 ///
-/// None where the mate is an insulator.
+/// None for an insulator.
 ///
 /// # Errors
-/// None: a layer is distorted at any height.
+/// None: the distortion of a layer exists at any height.
 pub fn reduce_mate(
     scene: &Scene,
     cells: &Cells,
@@ -125,7 +125,7 @@ mod tests {
         assert!((one - 0.493_761 * 0.039 / 0.1).abs() < 1e-6, "{one}");
         let given = cooled_length(&scene(&[("strip.cooled_area", 0.1)]));
         assert!((given - 0.5).abs() < 1e-15, "{given}");
-        // Nothing is free of a full ring.
+        // A full ring has no free part.
         let full = cooled_length(&scene(&[("punch.count", 1.0), ("depth", 2.0 * PI * 0.0945)]));
         assert!(full.abs() < 1e-15, "{full}");
     }
@@ -163,7 +163,7 @@ mod tests {
             assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
             let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
             assert!((all - entered).abs() < 1e-11 * entered.abs(), "{changes:?}: {all} of {entered}");
-            // What is stored is the mean temperature's.
+            // The stored heat is that of the mean temperature.
             let capacity = 7200.0 * 460.0 * 0.039 * 0.012 / scene.coverage();
             let stored = capacity * run.heat.mean_temperature(&run.state);
             assert!((end.stored - stored).abs() < 2e-3 * stored.abs(), "{changes:?}: {} {stored}", end.stored);
@@ -181,11 +181,11 @@ mod tests {
                 run.step(3.0, &[0.0; 9], &[0.0; 9]);
             }
             assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-3), "{changes:?}: {:?}", run.temperature);
-            // A layer on its base that cannot grow along it.
+            // A layer on its base, constrained along it.
             let expected = -7.0 * 1.1e-5 * 1.3 / 0.7 * 0.012;
             let distortion = &run.distortion;
             assert!(distortion.iter().all(|u| (u / expected - 1.0).abs() < 2e-3), "{changes:?}: {distortion:?}");
-            // Cooling from there on takes the heat of its area.
+            // Cooling from here on removes heat over its area.
             if changes.len() == 1 && changes[0].1 == 3.0 {
                 let flows = run.heat.flows(&run.state, &run.surroundings, &[0.0; 9]);
                 assert!(flows[0].abs() < 1e-2 * 40.0 * 7.0 * 0.077, "{flows:?}");
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_band_heats_and_bends_a_deep_ring_like_a_half_space() {
-        // Mode 5 of the radius at rest: T = q/(K xi), bent by alpha (1 + nu) q/(K xi^2), K over the covered part.
+        // Mode 5 of the radius at rest: T = q/(K xi), curvature alpha (1 + nu) q/(K xi^2), K over the covered fraction.
         let count = 120;
         let cells = Cells::uniform(0.0195, count).unwrap();
         for changes in [&[("strip.base", 1.0)][..], &[("strip.base", 2.0)]] {

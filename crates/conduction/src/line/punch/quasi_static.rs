@@ -1,22 +1,24 @@
-//! How fast the contact answers what no mode with states carries.
+//! First-order dynamics of the quasi-static modes, those that carry no states of their own.
 //!
-//! Short waves and the fastest shapes have no state of their own. Were their steady distortion there at once, it would raise the
-//! pressure that heats it above the critical speed of a wave, and so itself, in no time, and no step would be short enough for
-//! that. In truth its heat has to flow in first, and the wave grows at a finite rate. The temperature comes with a delay as well:
-//! at once, a flux that jumps from cell to cell would leave temperatures that no body has.
+//! Fourier modes of short wavelength and the fastest shapes have no states. If their steady distortion were a direct
+//! feedthrough, then above the critical speed of a mode it would raise the pressure that heats it instantaneously, and the
+//! coupled problem would be ill-posed for every step size. Physically the heat has to be conducted in first, and the mode
+//! grows at a finite rate. The temperature needs dynamics as well: with a direct feedthrough, a flux that is discontinuous
+//! between cells would produce temperatures outside the physical range.
 //!
-//! On the N cells the steady temperature of all these waves and the first moment of their distortion over time are given by
-//! two symmetric matrices (waves F_m on the cells, steady impedance z_m, time tau_m in which the distortion follows)
+//! On the N cells the steady temperature of all these modes and the first moment of their distortion over time are given by
+//! two symmetric matrices (modes F_m on the cells, steady impedance z_m, time constant tau_m of the distortion)
 //!
 //! ```text
 //! X_0 = sum z_m F_m F_m',    X_1 = sum tau_m z_m F_m F_m'
 //! ```
 //!
-//! and `X_1 phi = tau X_0 phi`, `phi' X_0 phi = 1` gives N shapes that follow the flux each in its own time, one state each.
-//! Steady answers are those of the waves. The temperature comes with the shapes too, although it takes 2/3 of the time of the
-//! distortion only: `1/(1 + 3/2 x)` for `1/sqrt(1 + 2 x)`, x = s times its own time, which is .29 of the steady answer off at most. A
-//! third of it at once and the rest with the shapes has the right first moment, is .33 off, and what is at once has lost the long
-//! waves, whose states follow in their own time: behind a jump of a flux on few cells, the others cool below what is around them.
+//! and `X_1 phi = tau X_0 phi`, `phi' X_0 phi = 1` gives N shapes, each with one state that follows the flux with its own
+//! time constant. Steady responses are exact. The temperature follows through the same shapes, although its time constant is
+//! only 2/3 of that of the distortion: `1/(1 + 3/2 x)` for `1/sqrt(1 + 2 x)`, x = s times its own time constant, differs by
+//! .29 of the steady response at most. One third as a direct feedthrough and the rest through the shapes would have the
+//! exact first moment, but differs by .33, and the feedthrough part would exclude the long modes, whose states follow with
+//! their own time constants: after a jump of the flux on few cells, the other cells would cool below their surroundings.
 
 use super::SUMMED_MODES;
 use super::across::Wave;
@@ -26,17 +28,18 @@ use nalgebra::{Complex, DMatrix, DVectorView};
 use numerics::factorization;
 use numerics::maximum::{self, maximum};
 
-/// Shapes whose part in the steady answer is smaller than this, relative to the largest, are left to answer at once.
+/// Shapes whose contribution to the steady response, relative to the largest, is smaller than this stay a direct feedthrough.
 const SMALLEST: f64 = 1e-10;
 
 /// Relative difference of mirrored entries up to which cells are symmetric about the middle.
 const SYMMETRIC: f64 = 1e-9;
 
-/// Time in which the distortion follows over that of the temperature: with `lambda^2 = m^2 + s/kd` the derivatives of
+/// Ratio of the time constants of distortion and temperature: with `lambda^2 = m^2 + s/kd` the derivatives of
 /// `1/(lambda (lambda + m))` and `1/lambda` at s = 0.
 const DISTORTION_OVER_TEMPERATURE: f64 = 1.5;
 
-/// Bases of the vectors on the cells by parity (1 even, -1 odd), where the cells do not tell left from right; else of all vectors.
+/// Bases of the vectors on the cells by parity (1 even, -1 odd) where the cells are symmetric about the middle; else one of
+/// all vectors.
 fn parities(matrix: &DMatrix<f64>) -> Vec<(Option<f64>, DMatrix<f64>)> {
     let count = matrix.nrows();
     let (largest, last) = (matrix.amax(), count.saturating_sub(1));
@@ -55,7 +58,7 @@ fn parities(matrix: &DMatrix<f64>) -> Vec<(Option<f64>, DMatrix<f64>)> {
     vec![basis(1.0, count.div_ceil(2)), basis(-1.0, count / 2)]
 }
 
-/// Takes from values on symmetric cells what is not of their parity.
+/// Projects values on symmetric cells on their parity.
 fn keep_parity(sign: f64, values: &mut [f64]) {
     let last = values.len().saturating_sub(1);
     for i in 0..values.len().div_ceil(2) {
@@ -65,7 +68,7 @@ fn keep_parity(sign: f64, values: &mut [f64]) {
 }
 
 impl Assembly<'_> {
-    /// Gives what answers at once states of its own; call it when all other operators are complete.
+    /// Replaces the direct feedthrough by first-order states; called when all other operators are complete.
     pub(super) fn give_first_order_dynamics(&self, operators: &mut ReducedOperators) {
         let count = self.cells.count();
         let beyond = self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len());
@@ -85,7 +88,7 @@ impl Assembly<'_> {
         let scaled =
             |matrix: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| scale[i] * scale[j] * matrix[(i, j)]);
         let (all, all_moments) = (scaled(&steady), scaled(&moment));
-        // Shapes of nearly the same time come even and odd where the cells are symmetric, not mixed.
+        // On symmetric cells, shapes of nearly equal time constants are separated by parity.
         let found: Vec<_> = (parities(&all).into_iter())
             .map(|(sign, basis)| {
                 (sign, factorization::symmetric_eigen_or_nan(basis.transpose() * &all * &basis), basis)
@@ -142,7 +145,7 @@ impl Assembly<'_> {
                     operators.distortion_by_flux.column_mut(j).axpy(-integral, &displacements.column(k), 1.0);
                 }
             }
-            // The heat that it holds is counted as it enters.
+            // Its stored heat is accounted for at the input.
             operators.modes.push(ModeStates { states: state..state + 1, integrals, means });
             operators.uniform.push(0.0);
             operators.stored.push(0.0);
@@ -154,10 +157,11 @@ impl Assembly<'_> {
         }
     }
 
-    /// Time (s) in which the steady distortion of a wave without states follows its flux: `3/(4 kd m^2)` of a deep body.
+    /// Time constant (s) with which the steady distortion of a mode without states follows its flux: `3/(4 kd m^2)` of a
+    /// deep body.
     fn time_to_follow(&self, decay: f64) -> f64 {
         let diffusivity = self.depth.diffusivity();
-        // A complex step gives the derivative without cancellation.
+        // Complex-step derivative: free of cancellation.
         let step = 1e-20 * diffusivity * decay * decay;
         let impedance = self.depth.impedance(Complex::new(decay * decay, step / diffusivity).sqrt());
         -DISTORTION_OVER_TEMPERATURE * impedance.im / (step * impedance.re)

@@ -1,4 +1,4 @@
-//! Modes of conduction along the radius of a ring: exact, in Bessel functions.
+//! Transverse modes along the radius of a ring: exact, in Bessel functions.
 //!
 //! ```text
 //! (r X')'/r + xi^2 X = 0 on r_i < r < r_o,     X' = eta X at r_i,   X' = -eta X at r_o,   eta = h/k
@@ -8,36 +8,36 @@
 //! orthonormal in the weight r/r_m: `integral X^2 r/r_m dr = 1`. Since `(r X')' = -xi^2 r X`, integrals of a mode over cells
 //! are differences of `r Z1/(xi r_m)`, and `integral r Z0^2 dr = r^2 (Z0^2 + Z1^2)/2`.
 //!
-//! Number m of the wave numbers lies between that of insulated sides, `m pi < xi (r_o - r_i) < (m + 1/2) pi`, and
-//! `(m + 1) pi`, below which sides held in temperature stay. Source: H. S. Carslaw, J. C. Jaeger, Conduction of Heat in
-//! Solids (1959), 7.10 and 13.4.
+//! Wave number m lies between that of insulated sides, `m pi < xi (r_o - r_i) < (m + 1/2) pi`, and `(m + 1) pi`, an upper
+//! bound of that of sides at a prescribed temperature. Source: H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids
+//! (1959), 7.10 and 13.4.
 
 use super::cylinder::Cylinder;
 
-/// A ring with its sides.
+/// Radii of a ring, with the heat loss of its sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Radii {
     pub inner: f64,
     pub outer: f64,
-    /// r_m, m.
+    /// Mean radius r_m, m.
     pub mean: f64,
-    /// eta, 1/m.
+    /// Ratio eta of heat transfer coefficient and conductivity, 1/m.
     pub loss: f64,
 }
 
-/// One mode.
+/// One transverse mode of a ring.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RadialMode {
-    /// xi, 1/m.
+    /// Wave number xi, 1/m.
     pub wave_number: f64,
-    /// A and B, m^(-1/2); without wave number A is the constant value.
+    /// A and B, m^(-1/2); at zero wave number A is the constant value.
     first: f64,
     second: f64,
     mean: f64,
 }
 
-/// Half the phase of a mode over a cell below which its integral is taken by quadrature: the difference of its primitive loses
-/// digits there.
+/// Half the phase of a mode over a cell below which its integral is computed by quadrature, because the difference of its
+/// primitive cancels.
 const SHORT_CELL: f64 = 0.2;
 
 /// Gauss-Legendre rule of four points on [-1, 1]: positions and weights of one half.
@@ -45,7 +45,7 @@ const GAUSS: [(f64, f64); 2] =
     [(0.339_981_043_584_856_26, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
 
 impl Radii {
-    /// Number `m` of the modes in ascending order of their wave numbers.
+    /// Mode number `m` in ascending order of the wave numbers.
     pub fn mode(&self, m: usize) -> RadialMode {
         let width = self.outer - self.inner;
         if m == 0 && self.loss == 0.0 {
@@ -64,14 +64,14 @@ impl Radii {
             let (value, slope) = mode.at_radius(r);
             0.5 * r * r / self.mean * (value * value + slope * slope)
         };
-        // Positive at the inner side, so that modes do not depend on the sign of the Bessel functions.
+        // Positive at the inner side, so that the sign of a mode is independent of that of the Bessel functions.
         let scale = (square(self.outer) - square(self.inner)).sqrt().recip().copysign(mode.at_radius(self.inner).0);
         mode.first *= scale;
         mode.second *= scale;
         mode
     }
 
-    /// A and B of the function that meets the condition at the inner side, to a factor.
+    /// A and B, up to a factor, of the function that satisfies the boundary condition at the inner side.
     fn coefficients(&self, wave_number: f64) -> (f64, f64) {
         let (x, biot) = (wave_number * self.inner, self.loss / wave_number);
         let Cylinder { zero, one } = Cylinder::at(x);
@@ -81,7 +81,7 @@ impl Radii {
         (scale * first, scale * second)
     }
 
-    /// What the function that meets the condition at the inner side lacks at the outer one.
+    /// Residual of the boundary condition at the outer side, for the function that satisfies the one at the inner side.
     fn residual(&self, wave_number: f64) -> f64 {
         let (first, second) = self.coefficients(wave_number);
         let (x, biot) = (wave_number * self.outer, self.loss / wave_number);
@@ -89,9 +89,9 @@ impl Radii {
         first * (one.0 - biot * zero.0) + second * (one.1 - biot * zero.1)
     }
 
-    /// The wave number between `low` and `high` (1/m), exclusive, by false position (Illinois variant).
+    /// Root, the wave number between `low` and `high` (1/m), exclusive, by false position (Illinois variant).
     fn root(&self, low: f64, high: f64) -> f64 {
-        // At no wave number at all a loss has one sign: that of what is missing just above it.
+        // At zero wave number the residual of a heat loss has the sign that it has just above.
         let low = low.max(1e-9 * high);
         let (mut left, mut right) = ((low, self.residual(low)), (high, self.residual(high)));
         let mut middle = 0.5 * (low + high);
@@ -117,12 +117,12 @@ impl Radii {
 }
 
 impl RadialMode {
-    /// X at x = r - r_m.
+    /// Eigenfunction X at x = r - r_m.
     pub fn value(&self, x: f64) -> f64 {
         self.at_radius(self.mean + x).0
     }
 
-    /// X, and Z1 that is -X'/xi.
+    /// X and Z1 = -X'/xi.
     fn at_radius(&self, r: f64) -> (f64, f64) {
         if self.wave_number == 0.0 {
             return (self.first, 0.0);
@@ -131,7 +131,7 @@ impl RadialMode {
         (self.first * zero.0 + self.second * zero.1, self.first * one.0 + self.second * one.1)
     }
 
-    /// Integrals of X r/r_m between every boundary (x = r - r_m, ascending) and the next, m^(1/2).
+    /// Integrals of X r/r_m between consecutive boundaries (x = r - r_m, ascending), m^(1/2).
     pub fn integrals(&self, boundaries: &[f64]) -> Vec<f64> {
         let ratio = |x: f64| 1.0 + x / self.mean;
         if self.wave_number == 0.0 {
@@ -203,7 +203,7 @@ mod tests {
                         "{mean} {loss} {m}: {lacking}"
                     );
                 }
-                // Between insulated and held sides, and no mode left out.
+                // Between insulated sides and sides of prescribed temperature, and no mode omitted.
                 let turns = mode.wave_number * 0.04 / PI;
                 assert!(turns >= m as f64 - 1e-9 && turns < m as f64 + 1.0, "{mean} {loss} {m}: {turns}");
                 for (n, other) in modes.iter().enumerate() {

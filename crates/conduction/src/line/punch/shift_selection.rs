@@ -1,16 +1,16 @@
-//! Which states the punch needs: modes across the width, and for each the decaying shapes through the height.
+//! Greedy shift selection: transverse modes with states, and the rational Krylov shifts of each.
 //!
-//! The impedance of the contact is diagonal in the modes across, `q = X_m q_m` gives `T = X_m z_m(s) q_m`, and the
-//! reduced one is so too. The largest error of the temperature in the mean square over the contact, by any flux whose
-//! mean square and that of `width/pi` times its slope sum to 1, is therefore
+//! The impedance of the contact is diagonal in the transverse modes, `q = X_m q_m` gives `T = X_m z_m(s) q_m`, and so is the
+//! reduced one. The largest error of the temperature in the root mean square over the contact, for any flux whose mean
+//! square and that of `width/pi` times its slope sum to 1, is therefore
 //!
 //! ```text
 //! max over m and frequencies of |z_m - z_m,reduced| / sqrt(1 + (xi_m width/pi)^2)
 //! ```
 //!
-//! and the norm of the operator from such fluxes to temperatures needs no matrix. It is taken relative to the impedance
-//! to a uniform flux at 1/duration, the rise of the whole duration. The worst mode gets one more response to a real rate
-//! (rational Krylov) until the error is met: a greedy choice of the rates.
+//! so that the norm of the operator from such fluxes to temperatures needs no matrix. It is relative to the impedance to a
+//! uniform flux at 1/duration, the temperature rise over the whole duration. The mode with the largest error gets one more
+//! response at a real rate (rational Krylov shift) until the tolerance is met.
 
 use super::across::{Across, Sides, Wave};
 use super::depth::{Basis, Depth, Points};
@@ -19,29 +19,29 @@ use nalgebra::Complex;
 use numerics::maximum::maximum;
 use std::f64::consts::PI;
 
-/// Frequencies at which the error is looked for, per mode.
+/// Number of frequencies of the error sweep, per mode.
 const FREQUENCIES: usize = 64;
 
-/// Modes that get their states before all others: the uniform one, and those that tilt and bend.
+/// Number of modes that get their states before all others: the uniform one, tilt and curvature.
 const LONGEST: usize = 3;
 
-/// A constant flux has content below its own frequency: the slowest looked at, over 1/duration.
+/// Lowest frequency of the error sweep over 1/duration: the spectrum of a constant flux lies below its own frequency.
 const SLOWEST: f64 = 0.03;
 
-/// One mode across with the trial functions that it has so far.
+/// One transverse mode with its current trial functions.
 #[derive(Clone, Debug)]
 pub(super) struct Mode {
     pub wave: Wave,
     pub basis: Basis,
-    /// The fastest shape acts without delay and is no state.
+    /// The fastest shape is quasi-static and has no state.
     pub fastest_is_steady: bool,
     /// Error over the scale and the weight of the mode.
     pub error: f64,
-    /// What it should be below.
+    /// Tolerance of `error`.
     tolerance: f64,
-    /// Heat can leave, so there is a steady response; it is the last of the frequencies, 0.
+    /// Heat can leave, so a steady response exists; it is the last of the frequencies, 0.
     steady: bool,
-    /// 1 over scale and weight.
+    /// Reciprocal of scale and weight.
     share: f64,
     frequency: Vec<f64>,
     /// Exact impedance over scale and weight.
@@ -50,7 +50,7 @@ pub(super) struct Mode {
     exhausted: bool,
 }
 
-/// What the modes are judged by.
+/// Reference of the errors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
     /// Impedance to a uniform flux at 1/duration, K m2/W.
@@ -58,15 +58,16 @@ pub(super) struct Scale {
     /// Time over which temperatures are of interest, s.
     pub duration: f64,
     pub tolerance: f64,
-    /// Part of it that the first mode may take.
+    /// Tolerance ratio of the longest modes.
     mean: f64,
 }
 
-/// The first mode of a ring, which is all that the lumped level has of the body, is followed as closely as there.
+/// Tolerance ratio of the longest modes of a ring: as accurate as the uniform one, which is the only one there, at the
+/// lumped level.
 const MEAN_OF_RING: f64 = 0.1;
 
 impl Scale {
-    /// For a tolerance of every mode and one of the uniform one.
+    /// Scale for a tolerance of every mode and one of the longest modes.
     pub fn new(across: &Across, depth: &Depth, duration: f64, [tolerance, of_the_mean]: [f64; 2]) -> Scale {
         let kappa = kappa(depth, across.wave(0).decay, 1.0 / duration);
         let mean = match across.sides {
@@ -82,7 +83,7 @@ impl Scale {
         if m < LONGEST { self.mean * self.tolerance } else { self.tolerance }
     }
 
-    /// Decay beyond which even a uniform flux has no impedance above the tolerance, 1/m.
+    /// Decay beyond which even the impedance to a uniform flux is below the tolerance, 1/m.
     pub fn steepest(&self, depth: &Depth) -> f64 {
         self.steepest_of(depth, self.of_mode(0))
     }
@@ -102,7 +103,7 @@ impl Mode {
         let tolerance = scale.of_mode(m);
         let weight = 1.0f64.hypot(wave.wave_number * width / PI);
         let slowest = SLOWEST / scale.duration;
-        // Above this frequency the mode's impedance has fallen to the tolerance.
+        // Above this frequency the mode's impedance is below the tolerance.
         let steepest = scale.steepest_of(depth, tolerance) / weight;
         let fastest = (depth.diffusivity() * steepest * steepest).max(3.0 / scale.duration);
         let ratio = (fastest / slowest).powf(1.0 / (FREQUENCIES - 1) as f64);
@@ -139,8 +140,8 @@ impl Mode {
         self.basis.count() - usize::from(self.fastest_is_steady)
     }
 
-    /// Adds a trial function: the steady response first, so that steady states are exact, then the response at the rate
-    /// where the error is largest.
+    /// Adds a trial function: the steady response first, so that steady states are exact, then the response at the rate of
+    /// the largest error.
     fn improve(&mut self, points: &Points) {
         let last = self.frequency.len() - 1;
         if self.steady && !self.used[last] {
@@ -163,7 +164,7 @@ impl Mode {
         self.judge();
     }
 
-    /// The error, and whether the fastest shape can do without a state.
+    /// Computes the error, and decides whether the fastest shape can be quasi-static.
     fn judge(&mut self) {
         let largest = |errors: Vec<f64>| errors.into_iter().fold(0.0, maximum);
         self.fastest_is_steady = false;
@@ -178,11 +179,11 @@ impl Mode {
         }
     }
 
-    /// Errors over scale and weight at every frequency, with the fastest shape as a state or acting without delay.
+    /// Errors over scale and weight at every frequency, with the fastest shape as a state or quasi-static.
     fn errors(&self, fastest_is_steady: bool) -> Vec<f64> {
         let residues: Vec<(f64, f64)> = self.basis.residues().map(|(rate, z)| (rate, z * z * self.share)).collect();
         if residues.is_empty() {
-            // All of the mode acts without delay, where it has a steady state at all.
+            // The whole mode is quasi-static, where it has a steady state.
             let steady = if self.steady { self.exact[FREQUENCIES] } else { Complex::from(0.0) };
             return self.exact.iter().map(|exact| (exact - steady).norm_sqr().sqrt()).collect();
         }
@@ -202,14 +203,15 @@ impl Mode {
     }
 }
 
-/// Modes that together meet the tolerance with at most `most_states` states, or come as close as they can.
+/// Modes that together meet the tolerance with at most `most_states` states, or as nearly as these allow.
 pub(super) struct Selection {
-    /// In ascending order; some of the last may have no state.
+    /// Modes in ascending order; some of the last may have no state.
     pub modes: Vec<Mode>,
-    /// Largest error that is left.
+    /// Largest remaining error.
     pub error: f64,
-    /// What it does to the mean temperature of the contact: of the mode number m the 1/m^2-th part. Of a flux that jumps a mode has
-    /// 1/m, and its temperature changes the mean only by the heat that goes into the other body instead, which is another 1/m.
+    /// Its effect on the mean temperature of the contact: for the mode number m a fraction of 1/m^2. A discontinuous flux
+    /// has a component of 1/m in a mode, and the temperature of the mode affects the mean only by the heat it diverts into
+    /// the other body, another 1/m.
     pub mean_error: f64,
 }
 
@@ -221,12 +223,12 @@ impl Selection {
         modes[0].judge();
         let mut states = modes[0].states();
         loop {
-            // Errors of untouched modes fall with their number, so one of them is enough to compare with.
+            // Errors of modes without states fall with their number, so one of them suffices for the comparison.
             if modes.last().is_some_and(|mode| mode.basis.count() > 0) {
                 modes.push(Mode::new(across.wave(modes.len()), modes.len(), width, depth, scale));
             }
             let open = || (0..modes.len()).filter(|&m| !modes[m].exhausted);
-            // The longest carry the mean: they come first, so that it is right even where the states do not suffice for all.
+            // The longest carry the mean: they come first, so that it is accurate even where the states do not suffice for all.
             let long = open().find(|&m| m < LONGEST && modes[m].error > modes[m].tolerance);
             let worst = long.or_else(|| open().max_by(|&m, &n| modes[m].error.total_cmp(&modes[n].error)));
             let Some(worst) = worst.filter(|&m| modes[m].error > modes[m].tolerance && states < most_states) else {

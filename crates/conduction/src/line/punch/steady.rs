@@ -1,4 +1,4 @@
-//! What the contact answers without delay: the exact steady response of the whole punch, less the modes that have states.
+//! Steady response of the contact by the modes without states: that of the whole punch less the modes with states.
 
 use super::across::{Across, Sides};
 use super::depth::Depth;
@@ -7,11 +7,11 @@ use elasticity::Cells;
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 
-/// Mean temperatures over the cells by steady unit fluxes in all modes across but the first `skipped`, N x N [K m2/W].
+/// Mean temperatures over the cells by steady unit fluxes in all transverse modes but the first `skipped`, N x N [K m2/W].
 ///
-/// In the limit of a deep body with insulated sides the sum over all modes is closed, because
-/// `integral integral cos(m s) cos(m t)/m ds dt` sums to differences of `C3(t) = sum cos(m t)/m^3`. Modes are summed one
-/// by one only where they differ from that, which ends soon.
+/// In the limit of a deep body with insulated sides the sum over all modes has a closed form, because
+/// `integral integral cos(m s) cos(m t)/m ds dt` sums to differences of `C3(t) = sum cos(m t)/m^3`. Only the differences
+/// from that limit are summed mode by mode, and converge fast.
 pub(super) fn steady_beyond(
     across: &Across,
     depth: &Depth,
@@ -20,7 +20,7 @@ pub(super) fn steady_beyond(
     skipped: usize,
 ) -> DMatrix<f64> {
     let weights = across.weights(cells);
-    // Short waves of an annulus are those of a straight body times the root of r_m/r.
+    // Modes of short wavelength of an annulus are those of a straight body times the square root of r_m/r.
     let straight = match across.sides {
         Sides::Radial(_) => Sides::Free,
         sides => sides,
@@ -49,14 +49,14 @@ pub(super) fn steady_beyond(
     result
 }
 
-/// Modes that [`steady_beyond`] sums one by one.
+/// Number of modes that [`steady_beyond`] sums one by one.
 pub(super) fn summed_modes(across: &Across, depth: &Depth, skipped: usize) -> usize {
-    // Beyond 20 decay lengths the top is not felt; the sides' share falls like 1/m^4.
+    // Beyond 20 decay lengths the top has no effect; that of the sides falls like 1/m^4.
     let felt = (20.0 * 2.0 * across.half_width / (PI * depth.height)).ceil() as usize;
     skipped.max(felt).max(256)
 }
 
-/// Sum over the modes but the uniform one of their products of cell integrals over k times the wave number.
+/// Sum over all modes but the uniform one of the products of their cell integrals over k times the wave number.
 fn deep_and_insulated(across: &Across, depth: &Depth, cells: &Cells) -> DMatrix<f64> {
     let width = 2.0 * across.half_width;
     let period = match across.sides {

@@ -71,7 +71,7 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
-/// A flux that leans, of 1 W/m2 at most.
+/// A linearly tilted flux of at most 1 W/m2.
 fn leaning(cells: &Cells) -> Vec<f64> {
     cells.centres().iter().map(|x| 0.7 + 0.3 * x / 0.03).collect()
 }
@@ -92,7 +92,7 @@ fn states_and_error_at_the_finest_tolerance() {
         assert!(heat.own_states() <= 100 && heat.error() <= TOLERANCE);
         assert!(heat.states() <= 100 + count + 4);
     }
-    // A brake pad, of a material that conducts badly, over a stop.
+    // A brake pad of low conductivity over a stop.
     let pad = scene(&[
         ("punch.conductivity", 1.2),
         ("punch.density", 2500.0),
@@ -103,7 +103,7 @@ fn states_and_error_at_the_finest_tolerance() {
     let heat = reduce(&pad, &cells(33), 1e-3, 10.0).unwrap().unwrap();
     println!("pad: {} states, error {:.2e}", heat.own_states(), heat.error());
     assert!(heat.own_states() <= MAXIMUM_STATES && heat.error() <= 1e-3);
-    // Where the states do not suffice, the error that is left is said.
+    // Where the states do not suffice, the remaining error is reported.
     let heat = reduce(&scene(&[]), &cells(33), TOLERANCE, 1.0).unwrap().unwrap();
     println!("1 s: {} states, error {:.2e}", heat.own_states(), heat.error());
     assert!(heat.own_states() == MAXIMUM_STATES && heat.error() > TOLERANCE && heat.error() < 2e-3);
@@ -119,7 +119,7 @@ fn symmetric_cells_halve_the_modes() {
         assert!(halved(&[], count), "{count}");
         assert!(halved(&[("punch.thermal_expansion", 0.0)], count), "{count}");
     }
-    // The radius has an inside and an outside.
+    // The radius distinguishes inside and outside.
     assert!(!halved(&[("contact.geometry", 2.0), ("contact.mean_radius", 0.09), ("strip.path", 2.0)], 9));
 }
 
@@ -142,8 +142,8 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         unreduced.rest(&spiked).unwrap();
         let expected = unreduced.temperature(&spiked).unwrap();
         let error = largest_difference(&run.temperature, &expected) / largest(&expected);
-        // The elements lack the local field of a flux that jumps; what they add to temperatures has no distortion. A
-        // smooth flux then.
+        // The elements do not resolve the local field of a discontinuous flux; their correction of temperatures has no
+        // distortion. Hence a smooth flux.
         let smooth = leaning(&cells);
         let mut bending = Run::new(&scene, &cells, 1e-3, 1000.0);
         bending.step(1e9, &smooth, &smooth);
@@ -155,7 +155,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         let entered: f64 = spiked.iter().zip(cells.widths()).map(|(flux, width)| flux * width).sum();
         let flows = run.heat.flows(&run.state, &run.surroundings, &spiked);
         assert!((flows[0] + flows[1] - entered).abs() < 1e-9 * entered, "{flows:?}");
-        // What is held between steps is what the step ended with.
+        // The output map at frozen state between steps equals the result at the end of the step.
         let (mut held, mut distortion_at_frozen_state) = (vec![0.0; 17], vec![0.0; 17]);
         run.heat.temperature_at_frozen_state(&run.state, &run.surroundings, &spiked, 0.0, &mut held);
         run.heat.distortion_at_frozen_state(
@@ -171,7 +171,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
                 < 1e-12 * largest(&distortion_at_frozen_state)
         );
     }
-    // The exact response, which the states and their remainder share out between them.
+    // The exact response, to which states and static corrections sum.
     let mut exact = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
     exact.heat.prepare(1e12, [0.0; 2]);
     let across = Across { half_width: 0.03, sides: Sides::Free, cooled: 2.0, transfer: 0.0, conductivity: 55.0 };
@@ -186,7 +186,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
     let expected = steady::steady_beyond(&across, &depth, &cells, &waves::Waves::new(&across, &cells, 256), 0);
     let error = (&exact.heat.influence(Stage::End).temperature - &expected).amax() / expected.amax();
     assert!(error < 1e-8, "{error:e}");
-    // Insulated sides and a held top: the conduction of a slab, whatever the mean flux does in time.
+    // Insulated sides and a top of prescribed temperature: the conduction of a slab for any mean flux over time.
     let mut slab = Run::new(&scene(&[]), &cells, 1e-3, 1000.0);
     slab.step(1e12, &[2.0; 17], &[2.0; 17]);
     assert!(slab.temperature.iter().all(|t| (t / (2.0 * 0.1 / 55.0) - 1.0).abs() < 1e-10), "{:?}", slab.temperature);
@@ -198,7 +198,7 @@ fn short_times_are_those_of_the_half_space() {
     let bound = run.heat.error();
     assert!(bound < 5e-3, "{bound:e}");
     let expected = |time: f64| 2.0 * (time / (std::f64::consts::PI * 55.0 * 7800.0 * 460.0)).sqrt();
-    // Any number of steps: the states follow a constant flux exactly.
+    // Any number of steps: the propagation for a constant flux is exact.
     for count in [1, 10] {
         run.state.fill(0.0);
         for _ in 0..count {
@@ -257,7 +257,7 @@ fn heat_is_accounted_for() {
         assert!((gain(|a| a.received) - entered).abs() < 1e-12 * entered.abs());
         let all = gain(|a| a.stored) + gain(|a| a.ambient) + gain(|a| a.far);
         assert!((all - entered).abs() < 1e-12 * entered.abs(), "{changes:?}: {all} of {entered}");
-        // The account follows the flows.
+        // The heat account is the integral of the flows.
         run.surroundings.cooling_fall = 0.0;
         let flux = [1e4; 9];
         run.step(10.0, &flux, &flux);
@@ -288,7 +288,7 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
         assert!(run.temperature.iter().all(|t| (t - 7.0).abs() < 7e-4), "{changes:?}: {:?}", run.temperature);
         let [cooled, _] = run.heat.cooled_temperature(&run.state, &run.surroundings, &[0.0; 9]);
         assert!((cooled - 7.0).abs() < 1e-3, "{changes:?}: {cooled}");
-        // Free expansion of all but what the holder restrains: that of the elastic block.
+        // Free expansion except where the holder constrains it: that of the elastic block.
         let unreduced = Unreduced::new(&scene(changes), &cells).unwrap();
         let expected = unreduced.elastic.uniform_distortion(cells.edges()).unwrap() * (7.0 * 1.1e-5);
         let error = largest_difference(&run.distortion, expected.as_slice());
@@ -299,7 +299,7 @@ fn a_body_as_warm_as_all_around_it_stays_so() {
 
 #[test]
 fn forced_cooling_takes_the_heat_of_the_sides() {
-    // A constant flux into the sides of an otherwise closed block warms it by what enters.
+    // A constant flux into the sides of an otherwise insulated block warms it by the heat input.
     let cells = cells(9);
     let mut run = Run::new(&scene(&[("punch.top_thermal", 3.0)]), &cells, 1e-3, 100.0);
     run.surroundings.cooling = 500.0;
@@ -333,7 +333,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
             );
         }
     }
-    // What a flux at one face does at the other it does the other way round.
+    // Reciprocity of the two faces.
     let areas = [0.2, 0.06];
     let [[_, by_far], [by_sides, _]] = ahead.rise;
     assert!((by_far * areas[0] / (by_sides * areas[1]) - 1.0).abs() < 1e-6, "{ahead:?}");
@@ -359,8 +359,8 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
 
 #[test]
 fn linear_field_bends_the_contact_line() {
-    // A slender block, held in temperature at its top: a linear field, free of stress far from the top, that bends the
-    // contact with the curvature alpha (1 + nu) q/k.
+    // A slender block with prescribed temperature at its top: a linear field, free of stress far from the top, that gives
+    // the contact the curvature alpha (1 + nu) q/k.
     let cells = Cells::uniform(0.03, 9).unwrap();
     let mut run = Run::new(&scene(&[("punch.height", 0.3)]), &cells, 1e-3, 1000.0);
     run.step(1e9, &[1e5; 9], &[1e5; 9]);
@@ -426,7 +426,7 @@ fn first_stage_is_a_shorter_step_of_constant_flux() {
 
 #[test]
 fn a_ring_is_a_layer_of_sinusoidal_modes() {
-    // Five waves around a ring that is deep against them: T = q/(k m), bent by alpha (1 + nu) q/k, at rest.
+    // Five waves around a ring that is deep against them: T = q/(k m), curvature alpha (1 + nu) q/k, at rest.
     let count = 120;
     let cells = Cells::uniform(0.03, count).unwrap();
     let wave_number = 5.0 * 2.0 * std::f64::consts::PI / 0.06;
@@ -438,7 +438,7 @@ fn a_ring_is_a_layer_of_sinusoidal_modes() {
         let half = 0.5 * wave_number * 0.06 / count as f64;
         let flux: Vec<f64> = cells.centres().iter().map(|x| (wave_number * x + 0.4).cos()).collect();
         run.step(1e9, &flux, &flux);
-        // Cell means of a flux of cell means.
+        // Cell means of the temperature for cell means of the flux.
         let temperature = (half.sin() / half).powi(2) / (55.0 * wave_number);
         let distortion = -1.1e-5 * (1.0 + poissons_ratio) * temperature / wave_number;
         for (i, flux) in flux.iter().enumerate() {
@@ -449,8 +449,8 @@ fn a_ring_is_a_layer_of_sinusoidal_modes() {
     }
 }
 
-/// Heat has to flow in before it distorts: in a short step nothing moves, in a long one everything, and in between the coarse
-/// reduction, which would be off by many times at once, follows the fine one.
+/// Thermal distortion has no direct feedthrough: none in a short step, all of it in a long one, and in between the coarse
+/// reduction, which with a direct feedthrough would be wrong by a large factor, follows the fine one.
 #[test]
 fn no_distortion_comes_at_once() {
     let cells = cells(17);
@@ -484,8 +484,8 @@ fn no_distortion_comes_at_once() {
 
 #[test]
 fn what_no_mode_carries_follows_in_its_own_time() {
-    // A wave far beyond those with states, on cells that resolve it: on a deep body at rest it follows a jump of the flux with
-    // the time 3/(4 kd m^2), distortion and temperature alike.
+    // A Fourier mode far beyond those with states, on cells that resolve it: on a deep body at rest it follows a jump of the
+    // flux with the time constant 3/(4 kd m^2), distortion and temperature alike.
     let count = 96;
     let cells = Cells::uniform(0.03, count).unwrap();
     let scene = scene(&[]);
@@ -501,7 +501,7 @@ fn what_no_mode_carries_follows_in_its_own_time() {
         [amplitude(&run.temperature), amplitude(&run.distortion)]
     };
     let steady = after(1e9);
-    // Of a flux that is even over each cell, in the means over the cells.
+    // Means over the cells of a flux that is uniform over each cell.
     let angle = 0.5 * wave_number * cells.widths()[0];
     let even = (angle.sin() / angle).powi(2);
     let temperature = even * flux.iter().map(|q| q * q).sum::<f64>() / (55.0 * wave_number);

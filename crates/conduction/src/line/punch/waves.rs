@@ -1,11 +1,11 @@
-//! The modes across with their integrals over the cells, found once for all sums over them.
+//! Transverse modes with their integrals over the cells, computed once for all sums over them.
 
 use super::across::{Across, Wave};
 use elasticity::Cells;
 use nalgebra::DMatrix;
 use std::ops::Range;
 
-/// See the module.
+/// Transverse modes with their cell integrals.
 pub(super) struct Waves {
     waves: Vec<Wave>,
     /// Integrals over the cells, m^(1/2): N x modes.
@@ -28,7 +28,7 @@ impl Waves {
         &self.waves[m]
     }
 
-    /// Its integral over every cell, m^(1/2).
+    /// Integral of mode number m over every cell, m^(1/2).
     pub fn integrals(&self, m: usize) -> &[f64] {
         let cells = self.integrals.nrows();
         &self.integrals.as_slice()[m * cells..(m + 1) * cells]

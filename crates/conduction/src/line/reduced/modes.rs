@@ -1,7 +1,8 @@
-//! The modes across as matrices, so that all of them are taken together: what fluxes give to each, what they show on the cells.
+//! Transverse modes as matrices: projection of the fluxes on all modes, and their observation on the cells.
 //!
-//! Where the cells are symmetric about the middle and every mode is even or odd, its values on one half of them are enough: even
-//! modes see and show the sums of opposite cells, odd ones their differences, at half of the work.
+//! Where the cells are symmetric about the middle and every mode is even or odd, its values on one half of them suffice:
+//! even modes are projected from and observed as the sums of opposite cells, odd ones as their differences, at half of the
+//! work.
 
 use super::{PORTS, ReducedOperators, StageWeights};
 use nalgebra::DMatrix;
@@ -9,22 +10,22 @@ use numerics::dense;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Relative difference at which a mode is even or odd.
+/// Relative tolerance within which a mode is even or odd.
 const SYMMETRIC: f64 = 1e-9;
 
-/// M modes on N cells, first those that are even.
+/// M modes on N cells, the even ones first.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Modes {
-    /// States of each mode; they follow each other.
+    /// States of each mode, contiguous.
     states: Vec<Range<usize>>,
     /// Mode of each state.
     mode: Vec<usize>,
     cells: usize,
-    /// Even and odd modes; only the first where there is no symmetry.
+    /// Even and odd modes; only the first without symmetry.
     parts: [Part; 2],
 }
 
-/// Modes of one parity on the h cells that see them.
+/// Modes of one parity on the h cells on which they are stored.
 #[derive(Clone, PartialEq, Debug, Default)]
 struct Part {
     /// h: half of the cells with the middle one, without it, or all of them.
@@ -33,13 +34,13 @@ struct Part {
     states: Range<usize>,
     /// Integrals of the modes over the cells, m^(1/2): M x h, by columns.
     integrals: Vec<f64>,
-    /// What of the modes is felt as temperature, m^(-1/2): h x M, by columns.
+    /// Observation of the modes as cell temperatures, m^(-1/2): h x M, by columns.
     means: Vec<f64>,
     /// Distortion of the cells by each state, h x states, by columns; empty: nothing expands.
     distortion: Vec<f64>,
 }
 
-/// Memory that a body works in.
+/// Workspace of a body.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// Heat into every mode, W/m^(1/2).
@@ -48,14 +49,14 @@ pub struct Scratch {
     surface: Vec<f64>,
     /// Values of the states.
     pub values: Vec<f64>,
-    /// A column for every mode.
+    /// One column per mode.
     columns: Vec<f64>,
-    /// Fluxes and answers by parity.
+    /// Fluxes and responses by parity.
     folded: [Vec<f64>; 2],
     shown: [Vec<f64>; 2],
 }
 
-/// 1 where values on symmetric cells are even, -1 where they are odd.
+/// Parity of values on symmetric cells: 1 even, -1 odd.
 fn parity(values: &[f64]) -> Option<f64> {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let is = |sign: f64| {
@@ -65,8 +66,8 @@ fn parity(values: &[f64]) -> Option<f64> {
     [1.0, -1.0].into_iter().find(|&sign| is(sign))
 }
 
-/// Sorts the modes of the operators so that the even ones come first, with their states; how many these are of either. All of
-/// them where one is neither even nor odd.
+/// Sorts the modes of the operators so that the even ones come first, with their states, and returns the numbers of even
+/// modes and of their states; all of them where one mode is neither even nor odd.
 pub fn sort(operators: &mut ReducedOperators) -> [usize; 2] {
     let count = operators.widths.len();
     let distortion = |state: usize| operators.distortion.get(state * count..(state + 1) * count);
@@ -114,11 +115,11 @@ pub fn sort(operators: &mut ReducedOperators) -> [usize; 2] {
 }
 
 impl Modes {
-    /// Takes modes and distortion of the operators over, which [`sort`] has sorted with this outcome.
+    /// Moves modes and distortion out of the operators, which [`sort`] has sorted with this result.
     pub fn new(operators: &mut ReducedOperators, [even_modes, even_states]: [usize; 2]) -> Modes {
         let (cells, modes) = (operators.widths.len(), std::mem::take(&mut operators.modes));
         let distortion = std::mem::take(&mut operators.distortion);
-        // Nothing to tell apart where there are no modes, or none is odd.
+        // No separation without modes or without odd ones.
         let halved = even_modes < modes.len();
         let part = |parity: usize| {
             let (modes_of, states_of, seen) = match (halved, parity) {
@@ -146,12 +147,12 @@ impl Modes {
         }
     }
 
-    /// Whether even and odd modes stand on half of the cells.
+    /// Whether even and odd modes are stored on half of the cells.
     pub fn is_halved(&self) -> bool {
         self.parts[0].cells < self.cells
     }
 
-    /// Room for the states on the cells.
+    /// Workspace for the states on the cells.
     pub fn scratch(&self) -> Scratch {
         let zeros = |count: usize| vec![0.0; count];
         let modes = self.states.len();
@@ -166,7 +167,7 @@ impl Modes {
         }
     }
 
-    /// Sums and differences of opposite cells; the middle one is itself.
+    /// Sums and differences of opposite cells; the middle one is unchanged.
     fn fold(&self, flux: &[f64], [even, odd]: &mut [Vec<f64>; 2]) {
         let half = odd.len();
         let seen = even.len();
@@ -187,7 +188,7 @@ impl Modes {
         right.iter_mut().rev().zip(both).for_each(|(value, (even, odd))| *value += even - odd);
     }
 
-    /// Heat that the fluxes `flux` into the cells give to every mode, into the scratch.
+    /// Projects the fluxes `flux` into the cells on the modes: heat into every mode, into the scratch.
     pub fn heat(&self, flux: &[f64], scratch: &mut Scratch) {
         let Scratch { heat, folded, .. } = scratch;
         self.fold(flux, folded);
@@ -205,7 +206,7 @@ impl Modes {
         }
     }
 
-    /// Adds to the cells' temperatures those of the states in the scratch, which `contact` weighs at the surface.
+    /// Adds to the cells' temperatures those of the states in the scratch, weighted by `contact` at the surface.
     pub fn show(&self, contact: &[f64], scratch: &mut Scratch, temperature: &mut [f64]) {
         let Scratch { surface, values, shown, .. } = scratch;
         surface.fill(0.0);
@@ -227,7 +228,7 @@ impl Modes {
         self.parts.iter().any(|part| !part.distortion.is_empty())
     }
 
-    /// Adds to the cells' distortion that by the states in the scratch.
+    /// Adds the distortion by the states in the scratch to that of the cells.
     pub fn distort(&self, scratch: &mut Scratch, distortion: &mut [f64]) {
         let Scratch { values, shown, .. } = scratch;
         shown.iter_mut().for_each(|shown| shown.fill(0.0));
@@ -240,7 +241,7 @@ impl Modes {
         self.unfold_onto(shown, distortion);
     }
 
-    /// Adds what the states show of a stage's own fluxes to its gains.
+    /// Adds the responses of the states to a stage's own fluxes to its surface influence matrices.
     pub fn add_gains(&self, stage: &mut StageWeights, contact: &[f64], scratch: &mut Scratch) {
         let Scratch { heat, surface, columns, shown, .. } = scratch;
         for (surface, states) in surface.iter_mut().zip(&self.states) {
@@ -273,7 +274,7 @@ impl Modes {
         }
     }
 
-    /// Adds the answer `shown` of one parity to a flux into cell `j`, and to the same or opposite flux into the opposite one.
+    /// Adds the response `shown` of one parity to a flux into cell `j`, and to the same or opposite flux into the opposite cell.
     fn add_response(&self, j: usize, sign: f64, shown: &[f64], influence: &mut DMatrix<f64>) {
         let halved = self.is_halved();
         let opposite = self.cells - 1 - j;
@@ -290,7 +291,8 @@ impl Modes {
     }
 }
 
-/// What decay leaves of states and constant inputs by the ports add to them. Nothing is fused, so every machine gives the same bits.
+/// States after decay, plus the effect of constant inputs by the ports. No fused multiply-add, so the result is the same to
+/// the bit on every machine.
 pub fn decay(
     state: &[f64],
     weights: &StageWeights,

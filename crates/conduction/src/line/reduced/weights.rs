@@ -1,15 +1,15 @@
-//! Weights of the states for one step: each follows fluxes that are linear over a stage without error.
+//! Weights of the states for one step size: exact propagation for fluxes that are linear over a stage.
 
 use super::modes::{Modes, Scratch};
 use super::{COOLING, FAR, ReducedOperators};
 use crate::line::{FACES, GAMMA, SurfaceInfluence};
 use numerics::dense;
 
-/// Weights of the states and responses of the cells for one step.
+/// Weights of the states and surface influence matrices for one step size.
 #[derive(Clone, Debug)]
 pub struct Weights {
     pub step: f64,
-    /// Of one implicit Euler step.
+    /// Whether it is an implicit Euler step.
     pub euler: bool,
     pub last_used: u64,
     pub stages: [StageWeights; 2],
@@ -17,19 +17,19 @@ pub struct Weights {
     pub cooled_rise: [[f64; FACES]; FACES],
 }
 
-/// How a stage's states follow from those at the start of the step.
+/// Weights of the inputs and initial states in the states at a stage.
 #[derive(Clone, Debug)]
 pub struct StageWeights {
-    /// Of the state at the start.
+    /// Weight of the state at the start.
     pub decay: Vec<f64>,
-    /// Of inputs that are constant from the start to the stage, s.
+    /// Weight of inputs that are constant from the start to the stage, s.
     pub constant: Vec<f64>,
-    /// Of inputs that fall from 1 at the start to 0 at the stage, s.
+    /// Weight of inputs that fall from 1 at the start to 0 at the stage, s.
     pub falling: Vec<f64>,
-    /// Of the heat that the fluxes known before the stage (see [`free_response`](crate::line::ThermalBody::base)) give to the mode,
-    /// s times Z at the contact.
+    /// Weight of the modal heat of the fluxes known before the stage (see
+    /// [`free_response`](crate::line::ThermalBody::free_response)), s times Z at the contact.
     pub known: Vec<f64>,
-    /// The same of the fluxes of the stage itself.
+    /// Weight of the modal heat of the stage's own fluxes.
     pub own: Vec<f64>,
     pub influence: SurfaceInfluence,
 }

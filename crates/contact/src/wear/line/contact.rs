@@ -1,4 +1,4 @@
-//! Contact whose cells wear: the implicit stage equation.
+//! Contact with wearing cells: the implicit stage equation.
 
 use super::rate::{CellRate, LocalState};
 use super::status::Status;
@@ -7,17 +7,17 @@ use elasticity::Cells;
 use nalgebra::DMatrix;
 use std::fmt;
 
-/// Direction of sliding. It decides the side to which friction shifts the pressure.
+/// Direction of sliding. It determines the side to which friction shifts the pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// v > 0: the punch moves in +x over the strip.
     Forward,
-    /// v < 0.
+    /// v < 0: the punch moves in -x over the strip.
     Backward,
 }
 
 impl Direction {
-    /// s mu for a friction coefficient mu without regularisation.
+    /// Signed friction s mu for a friction coefficient mu without regularisation.
     pub fn signed_friction(self, friction: f64) -> f64 {
         match self {
             Self::Forward => friction,
@@ -26,11 +26,11 @@ impl Direction {
     }
 }
 
-/// What acts on the contact at one time.
+/// Conditions of the contact at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
-    /// s mu, any number: the friction coefficient with the (perhaps regularised) sign of the velocity, 0 without shear
-    /// coupling; at rest the last one, whose traction stays.
+    /// s mu, any number: the friction coefficient with the (possibly regularised) sign of the velocity, 0 without shear
+    /// coupling; at rest the last value, because the traction persists.
     pub signed_friction: f64,
     /// Load, approach or spring.
     pub normal: Normal,
@@ -40,16 +40,16 @@ pub struct Conditions {
     pub rate: CellRate,
 }
 
-/// Why a stage has no solution.
+/// Reason why a stage has no solution.
 #[derive(Clone, Debug, PartialEq)]
 pub enum StageError {
-    /// The contact problem itself has none.
+    /// The contact problem itself has no solution.
     Contact(ContactError),
-    /// Newton's method did not converge: a shorter step may help.
+    /// Newton's method did not converge: a shorter step may.
     NotConverged {
         /// Length of the stage, in s.
         stage: f64,
-        /// Iterations done from each of two starting points.
+        /// Number of iterations from each of two starting points.
         iterations: usize,
     },
 }
@@ -73,11 +73,11 @@ impl fmt::Display for StageError {
 
 impl std::error::Error for StageError {}
 
-/// Contact line that wears.
+/// Contact line with wearing cells.
 ///
-/// A solution is a function of the matrices, of what is asked and of the [`Status`], to the last bit: the factors kept
-/// from earlier solutions only save time. After construction nothing is allocated, except by [`Self::stage`],
-/// [`Self::pressure`] and the first [`Self::set_operator`].
+/// A solution is a function of the matrices, of the stage problem and of the [`Status`], to the last bit: cached factors
+/// only save time. No allocation after construction, except in [`Self::stage`], [`Self::pressure`] and the first
+/// [`Self::set_operator`].
 #[derive(Clone, Debug)]
 pub struct WearingContact {
     pub(super) cells: Cells,
@@ -86,7 +86,7 @@ pub struct WearingContact {
     pub(super) solver: ContactSolver,
     /// Elastic scale of the local displacement, m/Pa.
     pub(super) alpha: f64,
-    /// The same of every cell.
+    /// Elastic scale of the local displacement of every cell, m/Pa.
     pub(super) own_compliance: Vec<f64>,
     pub(super) status: Status,
     pub(super) newton_iterations: u64,
@@ -132,19 +132,21 @@ impl WearingContact {
         })
     }
 
-    /// Takes a product off the extra compliance, or nothing; [`Self::set_added_compliance`] takes nothing off.
+    /// Sets or removes the low-rank update that is subtracted from the added compliance; [`Self::set_added_compliance`]
+    /// removes it.
     pub fn set_low_rank_update(&mut self, low_rank_update: Option<LowRankUpdate<'_>>) {
         self.solver.set_low_rank_update(low_rank_update);
     }
 
-    /// Puts an extra compliance (N x N, m/Pa) on top of that of the bodies, as distortion by the heat of the pressure
-    /// is, or takes it away. Factors are kept for the last ones; nothing is allocated.
+    /// Sets or removes an added compliance (N x N, m/Pa) on top of that of the bodies, such as the thermal compliance:
+    /// distortion by the friction heat of the pressure. Factors are cached for the last ones; no allocation.
     pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         self.solver.set_added_compliance(added_compliance)
     }
 
-    /// Lets a stage wear the shape by `T tau f(p)` instead of `tau f(p)`, T an N x N matrix: what the strip of a
-    /// straight path brings along is worn by all cells ahead. Kept factors go; only the first operator allocates.
+    /// Sets the wear operator: a stage wears the shape by `T tau f(p)` instead of `tau f(p)`, T an N x N matrix, because
+    /// material of a straight strip is worn by all cells that it passes. Invalidates the cached factors; only the first
+    /// operator allocates.
     pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
         self.solver.set_operator(operator);
     }
@@ -164,28 +166,28 @@ impl WearingContact {
         &self.initial_gap
     }
 
-    /// Compliance per pressure `C + s mu S`, with the extra one, N x N.
+    /// Compliance per pressure `C + s mu S` with the added compliance, N x N.
     pub fn compliance(&mut self, signed_friction: f64) -> DMatrix<f64> {
         let count = self.cells.count();
         DMatrix::from_column_slice(count, count, self.solver.compliance(signed_friction))
     }
 
-    /// The same as [`Self::compliance`], by columns, without allocating.
+    /// [`Self::compliance`] by columns, without allocating.
     pub fn compliance_values(&mut self, signed_friction: f64) -> &[f64] {
         self.solver.compliance(signed_friction)
     }
 
-    /// `target += (C + s mu S) pressure`, with the extra compliance, N values each.
+    /// `target += (C + s mu S) pressure`, with the added compliance, N values each.
     pub fn add_displacement(&mut self, signed_friction: f64, pressure: &[f64], target: &mut [f64]) {
         self.solver.add_displacement(signed_friction, pressure, target);
     }
 
-    /// `target += S traction`, N values each: what a friction traction does without its pressure.
+    /// `target += S traction`, N values each: displacement by a friction traction without its pressure.
     pub fn add_shear_displacement(&self, traction: &[f64], target: &mut [f64]) {
         self.solver.add_shear_displacement(traction, target);
     }
 
-    /// Work of the contact solver.
+    /// Work counters of the contact solver.
     pub fn counter(&self) -> WorkCounter {
         self.solver.counter()
     }
@@ -195,22 +197,22 @@ impl WearingContact {
         self.newton_iterations
     }
 
-    /// What the next solution starts from.
+    /// Warm start of the next solution.
     pub fn status(&self) -> &Status {
         &self.status
     }
 
-    /// Restores what the next solution starts from, without allocating.
+    /// Restores the warm start of the next solution, without allocating.
     pub fn set_status(&mut self, status: &Status) {
         self.status.copy_from(status);
     }
 
-    /// Pressure on the worn shape as it is: a stage of length 0.
+    /// Pressure on the present worn shape: a stage of length 0.
     pub fn pressure(&mut self, worn: &[f64], conditions: &Conditions) -> Result<ContactState, StageError> {
         self.stage(worn, 0.0, conditions)
     }
 
-    /// A stage on the unworn gap with the depth `worn` (N values, m) taken off; see [`Self::stage_into`].
+    /// Stage on the unworn gap plus the depth `worn` (N values, m); see [`Self::stage_into`].
     pub fn stage(&mut self, worn: &[f64], tau: f64, conditions: &Conditions) -> Result<ContactState, StageError> {
         assert_eq!(worn.len(), self.cells.count(), "one depth per cell");
         let gap: Vec<f64> = self.initial_gap.iter().zip(worn).map(|(g, w)| g + w).collect();
@@ -219,17 +221,18 @@ impl WearingContact {
         Ok(state)
     }
 
-    /// Pressure `p` for which the shape after a stage is in equilibrium with it:
+    /// Pressure `p` in equilibrium with the shape after a stage:
     ///
     /// ```text
     /// gap = g + tau f(p) + A p - delta - theta x >= 0,   p >= 0,   p gap = 0,   load and moment balance
     /// ```
     ///
-    /// `gap` is g, the gap of the undeformed bodies as worn so far (N cell means, m), `tau` the stage length in s, 0 for
-    /// the pressure as it is. The depth worn in the stage is `tau f(p)`. On an error the state is unspecified.
+    /// `gap` is g, the gap of the undeformed bodies as worn so far (N cell means, m), `tau` the stage length in s, 0 for the
+    /// pressure on the present shape. The depth worn in the stage is `tau f(p)`. On an error the state is unspecified.
     ///
-    /// Linear rates (b = 1) take one contact solve with the diagonal `tau f'`. Others take Newton's method, see
-    /// `newton.rs`: with kept factors, and where that does not converge with new ones at every iteration.
+    /// Linear rates (b = 1) need one contact solve with the diagonal `tau f'`. Others are solved by Newton's method, see
+    /// `newton.rs`: with a frozen Jacobian (chord iteration), and where that does not converge with a new factorisation at
+    /// every iteration.
     pub fn stage_into(
         &mut self,
         gap: &[f64],
@@ -266,7 +269,7 @@ impl WearingContact {
         Ok(self.solve(gap, conditions, conditions.normal, conditions.tilt, state)?)
     }
 
-    /// Contact with the wear diagonal.
+    /// Contact solve with the wear diagonal.
     pub(super) fn solve(
         &mut self,
         gap: &[f64],
@@ -281,7 +284,7 @@ impl WearingContact {
     }
 }
 
-/// Which stroke's status conditions belong to.
+/// Index of the stroke in the status to which the conditions belong.
 pub(super) fn stroke(conditions: &Conditions) -> usize {
     usize::from(conditions.signed_friction < 0.0)
 }

@@ -1,8 +1,8 @@
-//! Wear of the contact line without heat: pressure, shape and approach stepped together.
+//! Wear of the contact line without heat: coupled integration of pressure, shape and approach.
 //!
-//! The worn depth `w` of every cell grows with a rate `f(p)` of the local pressure, and the pressure follows from the
-//! worn shape by the contact problem: a differential-algebraic system of index 1, stiff in proportion to the smallest
-//! eigenvalue of the compliance.
+//! The worn depth `w` of every cell grows with a rate `f(p)` of the local pressure, and the pressure follows from the worn
+//! shape by the contact problem: a differential-algebraic system of index 1 whose stiffness is inversely proportional to the
+//! smallest eigenvalue of the compliance.
 
 mod contact;
 mod newton;

@@ -1,20 +1,19 @@
 //! Newton's method for stages whose depth rate is not linear in the pressure.
 //!
 //! In the local displacement `t = alpha p + tau f<(p)`, f< the terms with exponents below 1, pressure and wear are Lipschitz
-//! continuous for every exponent, which Newton's method needs where a cell touches down or lifts off. Each iteration is
-//! one contact solve in `z = (dp/dt) t` with the wear diagonal `d = tau f'(p)` of the last iterate, and so one
-//! factorisation.
+//! continuous for every exponent, which Newton's method needs where a cell touches down or lifts off. Each iteration is one
+//! contact solve in `z = (dp/dt) t` with the wear diagonal `d = tau f'(p)` of the last iterate, and thus one factorisation.
 //!
-//! Away from that, where the cells in contact stay in contact and their slopes differ little from those of an earlier
-//! stage, the factors of that stage do: the chord iteration solves
+//! Otherwise, where the contact set is unchanged and the slopes differ little from those of an earlier stage, the Jacobian
+//! of that stage is kept frozen: the chord iteration (simplified Newton method) solves
 //!
 //! ```text
 //! (A + D) p' - delta - theta x = -(g + tau f(p) - D p)
 //! ```
 //!
-//! with the kept diagonal D. It converges by about `|D - tau f'|/(A + D)` per iteration, and its error is bounded by the
-//! last change and that ratio. D is part of the [`Status`](super::Status), so that what comes out never depends on which
-//! factors happen to be kept.
+//! with the frozen diagonal D. It converges at a rate of about `|D - tau f'|/(A + D)`, and its error is bounded by the last
+//! change and that rate. D is part of the [`Status`](super::Status), so that the result never depends on which factors
+//! happen to be cached.
 
 use super::contact::stroke;
 use super::{Conditions, StageError, WearingContact};
@@ -22,28 +21,29 @@ use crate::{ContactState, Normal, Tilt};
 use numerics::maximum::maximum;
 
 const NEWTON_LIMIT: usize = 60;
-/// Change, relative to the largest local displacement, that Newton's method may leave.
+/// Tolerance of Newton's method: the last change relative to the largest local displacement.
 const NEWTON_TOLERANCE: f64 = 1e-12;
-/// Change, relative to the largest local displacement, below which an iteration that no longer halves it has reached the rounding of
-/// its solutions: with many cells and their heat that is above the tolerance of Newton's method.
+/// Change, relative to the largest local displacement, below which an iteration that no longer halves it has converged to
+/// the rounding of the linear solutions, which with many cells and thermal compliance exceeds the tolerance of Newton's
+/// method.
 const ROUNDING: f64 = 1e-9;
-/// The same relative to the largest gap of the cells in contact: a light load leaves displacements that are small against what worn
-/// shape and heat have made of the gap.
+/// [`ROUNDING`] relative to the largest gap of the cells in contact: under a light load the displacements are small against
+/// the gap of the worn and thermally distorted shape.
 const ROUNDING_OF_GAP: f64 = 1e-12;
-/// Least dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
+/// Lower bound of dp/dt times alpha: a cell at p = 0 with an infinite slope of the rate gets a finite, harmlessly large diagonal.
 const LEAST_SLOPE: f64 = 1e-12;
-/// Chord iterations before new factors are made for good.
+/// Limit of chord iterations, after which Newton's method with new factors is used.
 const CHORD_LIMIT: usize = 14;
-/// Chord iterations above which the next stage starts with new factors.
+/// Number of chord iterations above which the next stage refactors.
 const CHORD_ENOUGH: usize = 6;
-/// Deviation of the slopes from the kept ones, relative to the cell's own compliance and wear, beyond which new factors
-/// are worth their time.
+/// Validity radius of the frozen diagonal: deviation of the slopes, relative to the cell's own compliance and wear, beyond
+/// which the Jacobian is refactored.
 const CHORD_DEVIATION: f64 = 0.3;
-/// Ratio of successive changes beyond which they are, too.
+/// Ratio of successive changes beyond which the Jacobian is refactored.
 const CHORD_RATIO: f64 = 0.3;
 
 impl WearingContact {
-    /// A stage with a rate that is not linear.
+    /// Solves a stage with a nonlinear rate.
     pub(super) fn nonlinear(
         &mut self,
         gap: &[f64],
@@ -70,8 +70,8 @@ impl WearingContact {
         Err(StageError::NotConverged { stage: tau, iterations: NEWTON_LIMIT })
     }
 
-    /// Chord iteration from the status's pressure with its diagonal; `false` where it is not for this stage. Then the
-    /// status's pressure is as good a start as before.
+    /// Chord iteration from the pressure of the status with its frozen diagonal; `false` where it does not apply or
+    /// converge. The pressure of the status is then unchanged.
     fn chord(
         &mut self,
         gap: &[f64],
@@ -141,8 +141,8 @@ impl WearingContact {
         converged
     }
 
-    /// `tau f` and `tau f'` at the kept pressure, into wear and slope; returns how far the slopes are from the status's
-    /// diagonal.
+    /// Evaluates `tau f` and `tau f'` at the current iterate `kept`, into wear and slope; returns the deviation of the
+    /// slopes from the frozen diagonal.
     fn slopes_at_kept(&mut self, tau: f64, conditions: &Conditions, side: usize) -> f64 {
         let diagonal = &self.status.strokes[side].diagonal;
         let mut deviation: f64 = 0.0;
@@ -150,7 +150,7 @@ impl WearingContact {
             let (rate, slope) = conditions.rate.rate_and_slope(i, self.kept[i]);
             self.wear[i] = tau * rate;
             self.slope[i] = (tau * slope).min(self.alpha / LEAST_SLOPE);
-            // A cell that touches down under a rate with an infinite slope ends the iteration anyway.
+            // A cell that touches down under a rate with an infinite slope ends the chord iteration in any case.
             if self.kept[i] > 0.0 || slope.is_finite() {
                 let scale = self.own_compliance[i] + self.slope[i].min(diagonal[i]);
                 deviation = maximum(deviation, (self.slope[i] - diagonal[i]).abs() / scale);
@@ -159,13 +159,13 @@ impl WearingContact {
         deviation
     }
 
-    /// Takes the slopes for the status's diagonal.
+    /// Replaces the frozen diagonal by the current slopes.
     fn refactor(&mut self, side: usize) {
         self.status.strokes[side].diagonal.copy_from_slice(&self.slope);
     }
 
-    /// Newton's method with new factors at every iteration, from the status's pressure; `false` where it does not
-    /// converge from there.
+    /// Newton's method with a new factorisation at every iteration, from the pressure of the status; `false` where it does
+    /// not converge from there.
     fn newton(
         &mut self,
         gap: &[f64],
@@ -183,7 +183,7 @@ impl WearingContact {
             for i in 0..count {
                 let local = rate.local(i, alpha, tau, self.status.strokes[side].pressure[i]);
                 let slope = local.pressure_slope.max(LEAST_SLOPE / alpha);
-                // p = kept + z and tau f = kept wear + diagonal z in the linearisation, z = slope t.
+                // Linearisation p = kept + z and tau f = wear + diagonal z, with z = slope t.
                 self.kept[i] = local.pressure - slope * local.displacement;
                 self.diagonal[i] = local.wear_slope / slope;
                 self.wear[i] = local.wear - local.wear_slope * local.displacement;
@@ -227,7 +227,7 @@ impl WearingContact {
     }
 }
 
-/// Load and moment balance of what is left when the pressure `kept` is taken out.
+/// Load and moment balance of the increment z, with the resultant of the pressure `kept` subtracted.
 fn without(kept: &[f64], weights: &[f64], centres: &[f64], conditions: &Conditions) -> (Normal, Tilt) {
     let sum = |lever: f64, order: i32| -> f64 {
         (0..weights.len()).map(|i| weights[i] * kept[i] * (centres[i] - lever).powi(order)).sum()

@@ -1,12 +1,12 @@
-//! Depth rate of wear as a function of the local pressure, in a variable that is safe for every exponent.
+//! Depth rate of wear as a function of the local pressure, in a variable that is regular for every exponent.
 
-/// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance), >= 0.
-/// Speed, friction and temperature factors are inside.
+/// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance), >= 0,
+/// including speed, friction and temperature factors.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coefficient {
     /// One value for all cells.
     Uniform(f64),
-    /// N values. To change them from step to step without allocating, write to them in place.
+    /// N values, which are overwritten in place to change them from step to step without allocating.
     PerCell(Vec<f64>),
 }
 
@@ -20,7 +20,7 @@ impl Coefficient {
         }
     }
 
-    /// The same times a factor.
+    /// All values times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         match self {
             Self::Uniform(value) => Self::Uniform(value * factor),
@@ -49,7 +49,7 @@ impl From<Vec<f64>> for Coefficient {
     }
 }
 
-/// One body's share of the depth rate: `coefficient (p/p0)^exponent` on every cell.
+/// Depth rate of one body: `coefficient (p/p0)^exponent` on every cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WearTerm {
     /// Depth rate at the reference pressure.
@@ -67,34 +67,34 @@ pub struct CellRate {
     pub terms: Vec<WearTerm>,
 }
 
-/// A cell's pressure with its linearisation in the local displacement `t = alpha p + tau f<(p)`, f< the terms with
+/// Pressure of a cell with its linearisation in the local displacement `t = alpha p + tau f<(p)`, f< the terms with
 /// exponents below 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LocalState {
     pub pressure: f64,
-    /// t, in m.
+    /// Local displacement t, in m.
     pub displacement: f64,
-    /// dp/dt, from 0 to 1/alpha.
+    /// Slope dp/dt, from 0 to 1/alpha.
     pub pressure_slope: f64,
-    /// `tau f(p)` of all terms, in m.
+    /// Depth worn in the stage, `tau f(p)` of all terms, in m.
     pub wear: f64,
-    /// d(tau f)/dt.
+    /// Slope d(tau f)/dt of the wear.
     pub wear_slope: f64,
 }
 
 impl CellRate {
-    /// The Archard law `f = k |v| p` for all cells alike: k in 1/Pa, speed in m/s.
+    /// Archard's law `f = k |v| p` with the same k for all cells: k in 1/Pa, speed in m/s.
     pub fn archard(wear: f64, speed: f64) -> Self {
         Self::uniform(1.0, wear * speed.abs(), 1.0)
     }
 
-    /// One term `coefficient (p/p0)^exponent` for all cells alike: m/s, p0 in Pa.
+    /// One term `coefficient (p/p0)^exponent` for all cells: m/s, p0 in Pa.
     pub fn uniform(reference_pressure: f64, coefficient: f64, exponent: f64) -> Self {
         let coefficient = Coefficient::Uniform(coefficient);
         Self { reference_pressure, terms: vec![WearTerm { coefficient, exponent }] }
     }
 
-    /// Whether all cells wear alike.
+    /// Whether all cells have the same coefficients.
     pub fn is_uniform(&self) -> bool {
         self.terms.iter().all(|term| matches!(term.coefficient, Coefficient::Uniform(_)))
     }
@@ -120,8 +120,8 @@ impl CellRate {
         self.terms.iter().map(term).sum::<f64>() / self.reference_pressure
     }
 
-    /// Depth rate and df/dp of a cell at once, at the pressure p >= 0; the slope at 0 is that of the terms linear in p, and
-    /// infinite for exponents below 1.
+    /// Depth rate and df/dp of a cell at the pressure p >= 0; the slope at 0 is that of the terms linear in p, and infinite
+    /// for exponents below 1.
     pub fn rate_and_slope(&self, cell: usize, pressure: f64) -> (f64, f64) {
         let relative = pressure / self.reference_pressure;
         let (mut rate, mut slope) = (0.0, 0.0);
@@ -141,7 +141,8 @@ impl CellRate {
         (rate, slope)
     }
 
-    /// Pressure at which a cell wears with the depth rate f >= 0, to rounding; infinite where it does not wear.
+    /// Inverse of the rate: pressure at which the depth rate of a cell is f >= 0, to rounding; infinite for a cell without
+    /// wear.
     ///
     /// Newton's method in `(p/p0)^beta`, beta the smallest exponent, monotone as in [`CellRate::invert`].
     pub fn pressure_at(&self, cell: usize, rate: f64) -> f64 {
@@ -171,11 +172,11 @@ impl CellRate {
         self.reference_pressure * power(y, 1.0 / beta)
     }
 
-    /// The state of a cell whose pressure is p, for an elastic scale alpha > 0 (m/Pa) and a stage length tau (s).
+    /// Linearised state of a cell at the pressure p, for an elastic scale alpha > 0 (m/Pa) and a stage length tau (s).
     ///
-    /// A term with an exponent below 1 has an infinite slope at p = 0. In the local displacement t it has not: p(t) and
-    /// f<(p(t)) are Lipschitz continuous with the constants 1/alpha and 1/tau, which is what Newton's method needs. The
-    /// other terms are convex in p, and Newton's method in p, that is in t without the first terms, suits them.
+    /// A term with an exponent below 1 has an infinite slope at p = 0, but not in the local displacement t: p(t) and
+    /// f<(p(t)) are Lipschitz continuous with the constants 1/alpha and 1/tau, as Newton's method needs. The other terms are
+    /// convex in p, and Newton's method in p, that is in t without the first terms, is suitable for them.
     pub(super) fn local(&self, cell: usize, alpha: f64, tau: f64, pressure: f64) -> LocalState {
         let relative = pressure / self.reference_pressure;
         let (mut displacement, mut concave, mut convex, mut wear) = (alpha * pressure, 0.0, 0.0, 0.0);
@@ -229,7 +230,7 @@ impl CellRate {
     }
 }
 
-/// `base^exponent`, base >= 0, without the general power where a root or a product does.
+/// `base^exponent`, base >= 0, by a root or a product where one suffices instead of the general power.
 fn power(base: f64, exponent: f64) -> f64 {
     if exponent == 1.0 {
         base

@@ -1,9 +1,9 @@
-//! How the contact answers to a disturbance: the linearisation at the present active set.
+//! Linear response of the contact to a disturbance, at the present active set.
 
 use super::{Conditions, StageError, WearingContact};
 use crate::{ContactProblem, ContactState, Normal, Tilt};
 
-/// Rates of what the contact pressure depends on, the wear held.
+/// Rates of the inputs of the contact problem at constant wear.
 #[derive(Clone, Copy, Debug)]
 pub struct Disturbance<'a> {
     /// Rate of the gap of the undeformed bodies, N values, m/s.
@@ -12,7 +12,7 @@ pub struct Disturbance<'a> {
     pub normal: f64,
     /// Rate of the lever, m/s, or of the tilt where that is given, rad/s.
     pub tilt: f64,
-    /// Rate of the moment, N/s; nothing where the tilt is given.
+    /// Rate of the moment, N/s; unused where the tilt is prescribed.
     pub moment: f64,
     /// Rate of the signed friction coefficient, 1/s.
     pub signed_friction: f64,
@@ -21,27 +21,27 @@ pub struct Disturbance<'a> {
 /// Rates of the contact state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactRate {
-    /// N values, Pa/s; 0 out of contact.
+    /// Rates of the pressure, N values, Pa/s; 0 out of contact.
     pub pressure: Vec<f64>,
-    /// m/s.
+    /// Rate of the approach, m/s.
     pub approach: f64,
-    /// rad/s.
+    /// Rate of the tilt, rad/s.
     pub tilt: f64,
 }
 
 impl ContactRate {
-    /// Room for `count` cells.
+    /// Zero rates of `count` cells.
     pub fn new(count: usize) -> Self {
         Self { pressure: vec![0.0; count], approach: 0.0, tilt: 0.0 }
     }
 }
 
 impl WearingContact {
-    /// Rate of the contact state under a disturbance, where the cells in contact stay in contact: the exact derivative
-    /// of a stage of length 0 (`C + s mu S + E` without wear) at `state`, one solution of its equations.
+    /// Rate of the contact state under a disturbance with an unchanged contact set: the exact derivative of a stage of
+    /// length 0 (`C + s mu S + E` without wear) at `state`, by one solution of its equations.
     ///
-    /// `conditions` are those under which the state was found. Out of contact nothing answers but a given approach or
-    /// tilt. Nothing is allocated.
+    /// `conditions` are those under which the state was found. Out of contact only a prescribed approach or tilt, or the
+    /// relaxed spring, has a rate. No allocation.
     pub fn response_into(
         &mut self,
         conditions: &Conditions,
@@ -52,8 +52,8 @@ impl WearingContact {
         self.stage_response_into(0.0, conditions, state, disturbance, rate)
     }
 
-    /// The same for a stage of `tau` s, in which a change of the pressure wears: `C + s mu S + E + tau f'`. A strip that
-    /// carries its wear along counts as if it wore in place.
+    /// [`Self::response_into`] for a stage of `tau` s, in which a change of the pressure causes wear:
+    /// `C + s mu S + E + tau f'`. The wear operator of a moving strip is taken as the identity.
     pub fn stage_response_into(
         &mut self,
         tau: f64,
@@ -80,7 +80,7 @@ impl WearingContact {
             Normal::Approach(_) => Normal::Approach(disturbance.normal),
             Normal::Spring { stiffness, .. } => Normal::Spring { load: disturbance.normal, stiffness },
         };
-        // The moment about the lever keeps its value while the lever moves under the resultant.
+        // The moment about the lever is constant while the lever moves under the resultant.
         let tilt = match conditions.tilt {
             Tilt::Fixed(_) => Tilt::Fixed(disturbance.tilt),
             Tilt::ResultantAt(lever) | Tilt::Moment { lever, .. } => {

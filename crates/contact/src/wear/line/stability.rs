@@ -7,11 +7,11 @@ use numerics::factorization;
 
 /// Longest explicit Euler step, in the unit of time of the rate, that does not amplify a disturbance of the shape.
 ///
-/// A disturbance of the worn depth changes the pressure by `-R dw`, R the inverse of the compliance on the cells in
-/// contact restricted to pressures that load and moment balance allow, and grows by the eigenvalues `1 - h mu` of
+/// A disturbance of the worn depth changes the pressure by `-R dw`, R the inverse of the compliance on the cells in contact
+/// restricted to pressures that load and moment balance allow, and is amplified by the eigenvalues `1 - h mu` of
 /// `I - h f' R`: stable while `h < 2 Re mu/|mu|^2` for all of them. For b = 1 and without friction this is
-/// `k ds < 2 lambda_min` of the compliance on the zero-mean space. Infinite where nothing wears or nothing is in
-/// contact; 0 where the response is not finite, so that no step passes. Cost: the eigenvalues of an N x N matrix.
+/// `k ds < 2 lambda_min` of the compliance on the zero-mean space. Infinite without wear or contact; 0 where the response is
+/// not finite, so that every step is refused. Cost: the eigenvalues of an N x N matrix.
 pub fn explicit_limit(contact: &mut WearingContact, conditions: &Conditions, pressure: &[f64]) -> f64 {
     let active: Vec<usize> = (0..pressure.len()).filter(|&i| pressure[i] > 0.0).collect();
     let compliance = contact.compliance(conditions.signed_friction);

@@ -1,9 +1,9 @@
-//! What a contact remembers from one solution to the next.
+//! Warm start of a contact: data carried from one solution to the next.
 
 /// Active sets and starting pressures: all that a solution depends on besides its own problem.
 ///
-/// Friction shifts the pressure one way or the other, so there is one for each sign of `s mu`: `strokes[0]` for
-/// `s mu >= 0`, `strokes[1]` for `s mu < 0`. Restoring it and solving again gives the same numbers to the last bit.
+/// Friction shifts the pressure to one side or the other, so there is one status for each sign of `s mu`: `strokes[0]` for
+/// `s mu >= 0`, `strokes[1]` for `s mu < 0`. Restoring it and solving again reproduces the result to the last bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Status {
     /// By the sign of the signed friction coefficient.
@@ -13,13 +13,13 @@ pub struct Status {
 /// Status for one sign of the friction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrokeStatus {
-    /// Cells assumed in contact at first.
+    /// Cells initially assumed in contact.
     pub active: Vec<bool>,
-    /// Pressure from which Newton's method starts, N values, in Pa; all 0: none yet.
+    /// Starting pressure of Newton's method, N values, in Pa; all 0: none yet.
     pub pressure: Vec<f64>,
-    /// Wear per pressure with which the factors in use were made, N values, m/Pa; all 0: none yet.
+    /// Frozen diagonal: wear per pressure at the linearization point of the factors, N values, m/Pa; all 0: none yet.
     pub diagonal: Vec<f64>,
-    /// Whether pressure or diagonal can be other than 0.
+    /// Whether pressure or diagonal may differ from 0.
     pub started: bool,
 }
 
@@ -31,7 +31,7 @@ impl Status {
         Self { strokes: [stroke.clone(), stroke] }
     }
 
-    /// Takes the values of another status of as many cells, without allocating.
+    /// Copies another status of as many cells, without allocating.
     pub fn copy_from(&mut self, other: &Status) {
         for (own, other) in self.strokes.iter_mut().zip(&other.strokes) {
             own.active.copy_from_slice(&other.active);
@@ -57,7 +57,7 @@ impl Status {
         }
     }
 
-    /// Reads what [`Self::save`] wrote; `None` where the numbers cannot be a status of this many cells.
+    /// Reads the numbers of [`Self::save`]; `None` where they are not a valid status of this many cells.
     pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
         for stroke in &mut self.strokes {
             for active in &mut stroke.active {

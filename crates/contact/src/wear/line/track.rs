@@ -1,55 +1,56 @@
-//! The worn track of a straight strip under the cells of the contact line, kept in the strip's own coordinate.
+//! Worn track of a straight strip under the cells of the contact line, stored in the strip's own coordinate.
 //!
-//! # Why it is not a depth per contact cell
+//! # Transport of the worn shape
 //!
-//! A straight strip slides through the contact: what a cell has worn off is under other cells a moment later. With the
-//! middle of the contact at `x(t)` and the depth rate `f(xi, t)` at `xi` in the frame of the punch, the depth `W` at
-//! the point `X` of the strip follows
+//! A straight strip slides through the contact: material worn under one cell is under other cells a moment later. With the
+//! middle of the contact at `x(t)` and the depth rate `f(xi, t)` at `xi` in the frame of the punch, the depth `W` at the
+//! point `X` of the strip follows
 //!
 //! ```text
 //! dW/dt (X, t) = f(X - x(t), t)   where |X - x(t)| <= a,   0 elsewhere
 //! ```
 //!
-//! and the contact feels `s_i`, the mean of `W` over `[x + e_i, x + e_(i+1)]`, e_i the edges of its cells.
+//! and the gap of the contact contains `s_i`, the mean of `W` over `[x + e_i, x + e_(i+1)]`, e_i the edges of its cells.
 //!
 //! # Steps
 //!
-//! While the contact moves at constant speed from x0 to x1 = x0 + L and cell j would take off the depth d_j from a point
-//! that stayed under it all the time, a point is worn by `d_j` times the part of the time that it spends under cell j:
+//! While the contact moves at constant speed from x0 to x1 = x0 + L and cell j would wear a point that stayed under it all
+//! the time by the depth d_j, a point is worn by `d_j` times the fraction of the time that it spends under cell j:
 //!
 //! ```text
 //! s_i(x1) = mean of W(before) over the cell at x1 + sum_j T_ij(L) d_j,
 //! T_ij(L) = 1/(w_i |L|) area of { xi in cell i, eta in cell j, eta - xi between 0 and L }
 //! ```
 //!
-//! [`LineTrack::depth_under`] is the first part, [`LineTrack::operator`] is T, [`LineTrack::deposit`] carries W over. T is the
-//! identity at L = 0; with L > 0 its diagonal is `1 - L/(2 w_i)`, for `L >= w_i` `w_i/(2 L)`, and cells ahead
-//! (larger x) feed those behind; once L exceeds the width, L T is the operator of the steady groove.
+//! [`LineTrack::depth_under`] is the first term, [`LineTrack::operator`] is T, [`LineTrack::deposit`] updates W. T is the
+//! identity at L = 0; with L > 0 its diagonal is `1 - L/(2 w_i)`, for `L >= w_i` `w_i/(2 L)`, and cells ahead (larger x)
+//! contribute to those behind; once L exceeds the width, L T is the operator of the steady groove.
 //!
-//! In a step of SDIRK2 the rate of the first stage acts during the part `1 - gamma` of the step, that of the second
-//! during the part `gamma` that remains. That is second order, and one operator `T(gamma L)` serves both stages:
+//! In a step of SDIRK2 the rate of the first stage acts during the fraction `1 - gamma` of the step, that of the second
+//! during the remaining fraction `gamma`. That is second order, and one operator `T(gamma L)` serves both stages:
 //!
 //! ```text
 //! first:  s = depth_under(x0 + gamma L)         + gamma h T(gamma L) f_1;    deposit(x0, x1 - gamma L, (1 - gamma) h f_1)
 //! end:    s = depth_under(x1)                   + gamma h T(gamma L) f_2;    deposit(x1 - gamma L, x1, gamma h f_2)
 //! ```
 //!
-//! Travel of at most [`LineTrack::longest_travel`] per step keeps the change of shape that slides in explicitly small.
+//! A travel of at most [`LineTrack::longest_travel`] per step bounds the change of shape by advection, which is explicit.
 //!
 //! # Accuracy
 //!
 //! The track is a row of cells of equal length, each with its mean depth. Deposits are exact means of the integral above,
-//! and their sum telescopes: the worn volume is the integral of the law to rounding. Nothing is advected, so nothing
-//! smears. Reading takes W linear within a track cell (slopes limited so that no new extremum arises): second order in
-//! the track's cell, which is half the smallest contact cell as long as 8192 cells reach.
+//! and their sum telescopes: the worn volume is the integral of the law to rounding. The track itself is not advected, so
+//! there is no numerical diffusion. Reading reconstructs W linearly within a track cell (with limited slopes, so that no new
+//! extremum arises): second order in the track's cell, which is half the smallest contact cell as long as 8192 cells
+//! suffice.
 //!
 //! # Short strokes
 //!
-//! Strokes up to [`AVERAGED_STROKE`] half-widths take the mean over a cycle instead: one constant operator, and steps of
-//! any length. What is lost is the correlation of pressure and position within a stroke. The mean pressure over a cycle
-//! is then wrong by at most 0.4 % of the mean pressure on a half-plane at |x| < .8 a (0.06 % on a Winkler foundation);
-//! within a stroke of the edges, where the contact rides up the ends of its own groove, by tens of percent of the local
-//! peak. [`LineTrack::resolved`] never averages.
+//! For strokes up to [`AVERAGED_STROKE`] half-widths the mean over a cycle is used instead: one constant operator, and steps
+//! of any length. The neglected effect is the correlation of pressure and position within a stroke. The error of the mean
+//! pressure over a cycle is at most 0.4 % of the mean pressure on a half-plane at |x| < .8 a (0.06 % on a Winkler
+//! foundation); within a stroke of the edges, where the contact rides up the ends of its own groove, tens of percent of the
+//! local peak. [`LineTrack::resolved`] never averages.
 
 mod averaged;
 mod operator;
@@ -60,52 +61,52 @@ use averaged::Averaged;
 use elasticity::Cells;
 use nalgebra::DMatrix;
 
-/// Most cells of a track: 64 KB.
+/// Largest number of cells of a track: 64 KB.
 const LARGEST: usize = 8192;
-/// Fewest cells of a track.
+/// Smallest number of cells of a track.
 const SMALLEST: usize = 256;
 /// Longest travel of one step in half-widths.
 const TRAVEL: f64 = 0.25;
-/// Strokes up to this part of the half-width are averaged over the cycle.
+/// Longest stroke, in half-widths, that is averaged over the cycle.
 pub const AVERAGED_STROKE: f64 = 0.02;
 
-/// Track of a straight strip; see the module. After [`LineTrack::new`] nothing allocates, save for [`LineTrack::save`].
+/// Worn track of a straight strip. No allocation after [`LineTrack::new`], except in [`LineTrack::save`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LineTrack {
     /// Edges of the contact's cells, m, from -a to a.
     edges: Vec<f64>,
     /// Length of the track's cells, m. Cell k spans [k, k + 1] times this in the strip's coordinate.
     cell: f64,
-    /// Ring of mean depths: cell k is in slot k modulo the length, a power of two. Zero outside the worn span.
+    /// Ring buffer of mean depths: cell k is in slot k modulo the length, a power of two. Zero outside the worn span.
     depth: Vec<f64>,
-    /// First cell of the worn span, and how many.
+    /// First cell of the worn span, and their number.
     first: i64,
     count: usize,
-    /// Worn cells below the first or from the second of these on have been forgotten.
+    /// Bounds of the discarded worn cells: those below the first, or from the second on, were dropped from the window.
     forgotten: Option<(i64, i64)>,
     revisited: bool,
     /// Present where strokes are short enough to be averaged.
     averaged: Option<Averaged>,
-    /// Whether they are: until the contact leaves the span of a stroke.
+    /// Whether strokes are averaged: until the contact leaves the span of a stroke.
     averaging: bool,
-    /// Scratch: integral of a deposit up to the edges of the contact's cells, and its own integral.
+    /// Workspace: integral of a deposit up to the edges of the contact's cells, and its own integral.
     taken: Vec<f64>,
     taken_twice: Vec<f64>,
 }
 
 impl LineTrack {
-    /// Fresh track for strokes of the length `stroke` (m; 0: one-way) of a contact with these cells.
+    /// Fresh track for strokes of the length `stroke` (m; 0: unidirectional) of a contact with these cells.
     ///
-    /// The window holds a stroke and a quarter, the contact, and half a half-width more on both sides. Behind a contact
-    /// that goes on, it moves on and forgets. Strokes up to [`AVERAGED_STROKE`] half-widths are averaged until the contact
-    /// leaves the span of one and a half strokes.
+    /// The window holds a stroke and a quarter, the contact, and half a half-width more on both sides. It follows a contact
+    /// that slides on and discards the cells behind it. Strokes up to [`AVERAGED_STROKE`] half-widths are averaged until the
+    /// contact leaves the span of one and a half strokes.
     pub fn new(cells: &Cells, stroke: f64) -> Self {
         let averaging = stroke > 0.0 && stroke <= AVERAGED_STROKE * cells.half_width();
         let averaged = averaging.then(|| Averaged::new(cells, stroke));
         Self { averaging, averaged, ..Self::resolved(cells, stroke) }
     }
 
-    /// The same without averaging, however short the strokes are.
+    /// [`Self::new`] without averaging, however short the strokes are.
     pub fn resolved(cells: &Cells, stroke: f64) -> Self {
         let half_width = cells.half_width();
         let length = 1.25 * stroke + 3.0 * half_width;
@@ -128,7 +129,7 @@ impl LineTrack {
         }
     }
 
-    /// Whether the contact came back to a worn part of the track that had been forgotten: depths there are too small.
+    /// Whether the contact returned to a discarded worn part of the track, where depths are too small.
     pub fn revisited(&self) -> bool {
         self.revisited
     }
@@ -143,15 +144,14 @@ impl LineTrack {
         if self.is_averaged() { f64::INFINITY } else { TRAVEL * self.half_width() }
     }
 
-    /// Worn volume that the track holds, m2 (per depth of the contact); what was forgotten is not in it.
+    /// Worn volume in the window, m2 (per depth of the contact), without the discarded cells.
     pub fn volume(&self) -> f64 {
         let averaged = self.active().map_or(0.0, |averaged| averaged.volume(&self.edges));
         (0..self.count as i64).map(|k| self.depth[self.slot(self.first + k)]).sum::<f64>() * self.cell + averaged
     }
 
-    /// T for a travel of `travel` (m, signed), N x N: `out[(i, j)]` is the mean depth under cell i at the end per depth
-    /// that cell j takes off in the same time from what stays under it. While strokes are averaged it does not depend on
-    /// the travel.
+    /// T for a travel of `travel` (m, signed), N x N: `out[(i, j)]` is the mean depth under cell i at the end per depth by
+    /// which cell j would wear a point that stays under it. Independent of the travel while strokes are averaged.
     pub fn operator(&self, travel: f64, out: &mut DMatrix<f64>) {
         match self.active() {
             Some(averaged) => out.copy_from(averaged.operator()),
@@ -166,7 +166,7 @@ impl LineTrack {
             out.copy_from_slice(averaged.shape());
             return;
         }
-        // Lengths in track cells from `base` on keep their digits however far the contact has gone.
+        // Lengths in track cells relative to `base` keep their accuracy however far the contact has moved.
         let base = ((position + self.edges[0]) / self.cell).floor();
         let offset = position / self.cell - base;
         let mut index = 0;
@@ -191,10 +191,10 @@ impl LineTrack {
         }
     }
 
-    /// Carries the track over a motion at constant speed from `x0` to `x1` (m) in which cell j takes off `depth[j]`
-    /// (m) from whatever stays under it all the time.
+    /// Updates the track for a motion at constant speed from `x0` to `x1` (m) in which cell j would wear a point that stays
+    /// under it by `depth[j]` (m).
     ///
-    /// Longer motions than the window are made in pieces. Worn volume: `sum_j w_j depth[j]`, to rounding.
+    /// Motions longer than the window are split. Worn volume: `sum_j w_j depth[j]`, to rounding.
     pub fn deposit(&mut self, x0: f64, x1: f64, depth: &[f64]) {
         assert_eq!(depth.len() + 1, self.edges.len(), "one depth per cell");
         if let Some(averaged) = self.averaged.as_mut().filter(|_| self.averaging) {
@@ -208,7 +208,7 @@ impl LineTrack {
         let longest = (self.depth.len() - 2) as f64 * self.cell - (edges[edges.len() - 1] - edges[0]);
         let pieces = ((x1 - x0).abs() / longest).ceil().max(1.0);
         let at = |piece: f64| x0 + (x1 - x0) * (piece / pieces);
-        // Of a very long motion only what is not forgotten.
+        // Of a very long motion only the part that remains in the window.
         for left in [3.0, 2.0, 1.0] {
             let piece = pieces - left;
             if piece >= 0.0 {
@@ -218,7 +218,7 @@ impl LineTrack {
         self.edges = edges;
     }
 
-    /// Goes on without averaging: the mean profile becomes the track under the middle of the strokes.
+    /// Continues without averaging: the mean profile becomes the track under the middle of the strokes.
     fn resolve(&mut self) {
         let Some(averaged) = self.averaged.take() else { return };
         let (middle, edges) = (averaged.middle(), std::mem::take(&mut self.edges));
@@ -240,7 +240,7 @@ impl LineTrack {
         let count = depth.len();
         let (left, right) = (x0.min(x1), x0.max(x1));
         let base = ((left + edges[0]) / self.cell).floor();
-        // Far away positions have no digits left for a cell; the window's length bounds what follows.
+        // Rounding of distant positions exceeds a cell; the window's length bounds the rest.
         let last = (((right + edges[count]) / self.cell).ceil() as i64)
             .saturating_sub(1)
             .min((base as i64).saturating_add(self.depth.len() as i64 - 1));
@@ -302,7 +302,7 @@ impl LineTrack {
     }
 
     fn slot(&self, index: i64) -> usize {
-        // The length is a power of two: the remainder, also of negative numbers.
+        // The length is a power of two: the mask gives the remainder, also of negative numbers.
         (index & (self.depth.len() as i64 - 1)) as usize
     }
 
@@ -311,7 +311,8 @@ impl LineTrack {
         if inside { self.depth[self.slot(index)] } else { 0.0 }
     }
 
-    /// Mean and limited slope per cell: the central one, at most twice the smaller of the differences to both sides.
+    /// Mean and limited slope per cell (slope limiter): the central slope, at most twice the smaller of the differences to
+    /// both sides.
     fn linear(&self, index: i64) -> [f64; 2] {
         let (before, mean, after) = (self.at(index - 1), self.at(index), self.at(index + 1));
         let (down, up) = (mean - before, after - mean);
@@ -323,7 +324,7 @@ impl LineTrack {
         [mean, slope]
     }
 
-    /// Makes the worn span hold the cells from `low` to `high`, forgetting on the side away from them.
+    /// Extends the worn span to the cells from `low` to `high`, and discards cells at its far end.
     fn cover(&mut self, low: i64, high: i64) {
         let room = self.depth.len() as i64;
         if self.count == 0 {
@@ -357,8 +358,7 @@ impl LineTrack {
         self.count = (to - from) as usize;
     }
 
-    /// Takes over the numbers of another track of the same contact and stroke without allocating: what a rejected step
-    /// goes back to.
+    /// Copies another track of the same contact and stroke without allocating: restores the state before a rejected step.
     pub fn copy_from(&mut self, other: &Self) {
         self.depth.copy_from_slice(&other.depth);
         (self.first, self.count) = (other.first, other.count);
@@ -369,7 +369,7 @@ impl LineTrack {
         }
     }
 
-    /// Appends the numbers that a saved state needs; see [`LineTrack::load`].
+    /// Appends the numbers of a saved state; see [`LineTrack::load`].
     pub fn save(&self, out: &mut Vec<f64>) {
         let (below, above) = self.forgotten.unwrap_or((0, 0));
         let flag = |value: bool| f64::from(u8::from(value));
@@ -382,8 +382,8 @@ impl LineTrack {
         }
     }
 
-    /// Reads what [`LineTrack::save`] of a track of the same cells and stroke wrote; `None`, and an unchanged track, where the
-    /// numbers cannot be one.
+    /// Reads the numbers of [`LineTrack::save`] of a track of the same cells and stroke; `None`, and an unchanged track,
+    /// where they are not valid.
     pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
         let mut next = || numbers.next().copied();
         let (first, count, revisited) = (next()?, next()?, next()?);

@@ -1,9 +1,9 @@
-//! Strip under strokes that are short against the contact: the mean over a cycle.
+//! Strip under strokes that are short against the contact: mean over a cycle.
 //!
 //! A point of the strip is under all positions of the stroke in turn, and so is a cell of the contact over points of the
-//! strip. Both means together are the operator K (see [`averaging`]), and the mean shape that the cells feel grows by
-//! `K d` per depth d: one constant matrix instead of one per travel, and no limit to the step. What falls beyond the
-//! contact is kept in two margins of the length of a stroke, so the worn volume is the integral of the law.
+//! strip. Both means together are the operator K (see [`averaging`]), and the mean shape in the gap of the contact grows by
+//! `K d` per depth d: one constant matrix instead of one per travel, and no limit of the step size. Wear beyond the contact
+//! is accumulated in two margins of the length of a stroke, so the worn volume is the integral of the law.
 
 use super::operator::averaging;
 use elasticity::Cells;
@@ -13,7 +13,7 @@ use nalgebra::DMatrix;
 pub(super) struct Averaged {
     stroke: f64,
     operator: DMatrix<f64>,
-    /// Part of each cell's wear that falls beyond the contact.
+    /// Fraction of each cell's wear that falls beyond the contact.
     beyond: Vec<f64>,
     widths: Vec<f64>,
     /// Mean worn depth under the cells, m.
@@ -24,7 +24,7 @@ pub(super) struct Averaged {
     span: Option<(f64, f64)>,
 }
 
-/// Strokes may be this much longer than announced before averaging ends.
+/// Largest ratio of the travelled span to the nominal stroke before averaging ends.
 const SLACK: f64 = 1.5;
 
 impl Averaged {
@@ -49,7 +49,7 @@ impl Averaged {
         self.span.map_or(0.0, |(low, high)| 0.5 * (low + high))
     }
 
-    /// Notes a motion; false, and nothing noted, where it leaves what a stroke covers.
+    /// Records a motion; false, without recording it, where it leaves the span of a stroke.
     pub(super) fn follow(&mut self, x0: f64, x1: f64) -> bool {
         let (low, high) = self.span.unwrap_or((x0, x0));
         let span = (low.min(x0).min(x1), high.max(x0).max(x1));
@@ -66,7 +66,7 @@ impl Averaged {
             for i in 0..count {
                 self.shape[i] += self.operator[(i, j)] * depth[j];
             }
-            // Strokes are short: wear leaves by the nearer edge only.
+            // Strokes are short: wear leaves across the nearer edge only.
             self.margins[usize::from(2 * j >= count)] += self.beyond[j] * self.widths[j] * depth[j];
         }
     }

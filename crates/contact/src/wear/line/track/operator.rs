@@ -1,4 +1,4 @@
-//! The operator of a travel, and that of a stroke averaged over its cycle, as areas in the plane of two positions.
+//! Wear operators of a travel, and of a stroke averaged over its cycle, as areas in the plane of two positions.
 
 use nalgebra::DMatrix;
 
@@ -33,7 +33,7 @@ pub(super) fn travelling(edges: &[f64], travel: f64, out: &mut DMatrix<f64>) {
     }
 }
 
-/// Integral of `min(max(s, 0), width)` over s from `reach - own` to `reach`: no differences of large numbers.
+/// Integral of `min(max(s, 0), width)` over s from `reach - own` to `reach`, without differences of large numbers.
 fn swept(reach: f64, own: f64, width: f64) -> f64 {
     let (low, high) = ((reach - own).max(0.0), reach);
     let (ramp_low, ramp_high) = (low.min(width), high.min(width));
@@ -41,13 +41,13 @@ fn swept(reach: f64, own: f64, width: f64) -> f64 {
     ramp + width * (high - low.max(width)).max(0.0)
 }
 
-/// Mean over the positions of a stroke S of what the strip has taken over those positions:
+/// Wear operator of a stroke S, averaged over the positions of both the contact and the strip:
 ///
 /// ```text
 /// K_ij = 1/w_i integral over cell i and cell j of (S - |eta - xi|)+ / S^2
 /// ```
 ///
-/// `w_i K_ij` is symmetric and positive semidefinite. Returns the part of each cell's wear that falls beyond the contact.
+/// `w_i K_ij` is symmetric and positive semidefinite. Returns the fraction of each cell's wear that falls beyond the contact.
 pub(super) fn averaging(edges: &[f64], stroke: f64, out: &mut DMatrix<f64>) -> Vec<f64> {
     let count = edges.len() - 1;
     out.fill(0.0);

@@ -21,7 +21,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 /// Worn depth of a point of the strip after motions, each (x0, x1, depth per cell), by its definition.
 fn brute_force(cells: &Cells, motions: &[(f64, f64, Vec<f64>)], point: f64) -> f64 {
     let part = |x0: f64, x1: f64, j: usize| {
-        // Part of the time that the point is between the edges of the cell.
+        // Fraction of the time that the point is between the edges of the cell.
         let (low, high) = (cells.edges()[j], cells.edges()[j + 1]);
         let (from, to) = ((point - x0).min(point - x1), (point - x0).max(point - x1));
         if to == from {
@@ -42,7 +42,7 @@ fn worn_volume_is_the_integral_of_the_law() {
         for _ in 0..500 {
             let next = stroke.max(0.3) * random.next() + 1e-9 * random.next();
             let depth: Vec<f64> = (0..count).map(|_| 1e-6 * random.next()).collect();
-            // Some motions are far shorter than a cell, and some are none.
+            // Some motions are far shorter than a cell, and some have zero length.
             let next = [next, x + 1e-13, x][(3.0 * random.next().powi(3)) as usize];
             track.deposit(x, next, &depth);
             total += cells.integral(&depth);
@@ -77,7 +77,7 @@ fn shape_after_strokes_reciprocating_is_that_of_brute_force() {
         largest = largest.max((track.at(k) - exact).abs());
     }
     assert!(largest < 1e-11, "cell means: {largest:e}");
-    // What the contact feels, at positions that have nothing to do with the track's cells.
+    // Mean depths under the contact, at positions unrelated to the track's cells.
     let mut felt = vec![0.0; 17];
     for position in [-0.2, 0.0, 0.4321, 1.1, x] {
         track.depth_under(position, &mut felt);
@@ -105,13 +105,13 @@ fn operator_is_the_depth_that_a_deposit_leaves() {
             track.depth_under(0.3 + travel, &mut felt);
             track.operator(travel, &mut operator);
             let exact = &operator * nalgebra::DVector::from_column_slice(&depth);
-            // Standing still leaves a jump of the depth at both edges, which no cell can show.
+            // Standstill leaves a jump of the depth at both edges, which a cell cannot resolve.
             let inner = if travel.abs() < 0.02 { 2..count.max(4) - 2 } else { 0..count };
             for i in inner.filter(|i| *i < count) {
                 let error = felt[i] - exact[i];
                 assert!(error.abs() < 4e-3, "N {count} travel {travel} cell {i}: {error:e} of {}", exact[i]);
             }
-            // A row is the part of the time that the strip under the cell has been in contact at all.
+            // The sum of a row is the fraction of the time that the strip under the cell has been in contact.
             for i in 0..count {
                 let sum: f64 = operator.row(i).sum();
                 let (left, right) = (cells.edges()[i], cells.edges()[i + 1]);
@@ -151,7 +151,7 @@ fn wearing(cells: &Cells, compliance: &DMatrix<f64>, operator: &DMatrix<f64>) ->
     contact
 }
 
-/// Slides one way with steps of `travel`, SDIRK2, wear `rate` in m per m; pressure after `distance`.
+/// Unidirectional sliding with steps of `travel`, SDIRK2, wear `rate` in m per m; pressure after `distance`.
 fn slide(
     cells: &Cells,
     compliance: &DMatrix<f64>,
@@ -230,7 +230,7 @@ fn the_window_forgets_and_says_so() {
         track.deposit(39.8, 30.0, &depth);
         assert!(track.revisited());
     }
-    // Kilometres at once: what is left is the end of them.
+    // Kilometres in one motion: the end of them remains.
     long.deposit(30.0, 3e6, &[1.0; 9]);
     assert!(long.depth.iter().all(|d| d.is_finite() && *d >= 0.0) && long.volume() < 1e-2);
     long.deposit(3e6, 30.0, &[1.0; 9]);
@@ -261,7 +261,7 @@ fn averaging_keeps_the_volume_and_ends_with_the_stroke() {
     let mut resolved = vec![0.0; 33];
     track.depth_under(0.01, &mut resolved);
     assert!(difference(&felt, &resolved) < 2e-6, "{:e}", difference(&felt, &resolved));
-    // And back, from the numbers and from a copy.
+    // Restored from the numbers and from a copy.
     let mut copy = track.clone();
     copy.copy_from(&averaged);
     assert!(copy.is_averaged() && copy.volume() == averaged.volume());
@@ -301,8 +301,8 @@ fn a_track_goes_on_from_its_numbers() {
     assert!(other.load(&mut numbers.iter()).is_none());
 }
 
-/// Mean pressure over the last of 20 cycles of strokes about 0, in all of which the strip wears by `wear` times the
-/// mean pressure and 1/E*.
+/// Mean pressure over the last of 20 cycles of strokes about 0; over all cycles the strip wears by `wear` times the mean
+/// pressure and 1/E*.
 fn mean_pressure(cells: &Cells, body: &dyn ElasticBody, stroke: f64, wear: f64, averaged: bool) -> Vec<f64> {
     const CYCLES: usize = 20;
     const PARTS: usize = 16;
@@ -356,7 +356,7 @@ fn error_of_averaging_is_the_stated_one() {
             });
             println!("averaging on {name}, worn {wear}: {errors:?}");
             assert!(errors[1].max(errors[2]) < bound, "{name}, worn {wear}: {errors:?}");
-            // Longer strokes are not for averaging.
+            // Longer strokes are outside the validity of averaging.
             assert!(errors[0] > 3.0 * errors[1], "{name}, worn {wear}: {errors:?}");
         }
     }
