@@ -36,8 +36,8 @@ pub struct HeatPartition {
     resistance: Option<f64>,
     /// Step (s) and velocity (m/s) for which the operators were built.
     key: Option<(f64, f64)>,
-    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product instead of two substitutions that wait for their
-    /// own results. What it lacks in precision the repetition makes up for.
+    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product is faster than two substitutions, whose operations
+    /// depend on each other. Iteration removes the error from its rounding.
     inverse: Vec<f64>,
     /// Cells that exchange heat; the others, and the factors of their block of the inverse.
     closed: Vec<bool>,
