@@ -20,7 +20,7 @@ const ANY_STEP: f64 = 1e6;
 /// Reason for which a cycle cannot be computed.
 #[derive(Clone, PartialEq, Debug)]
 pub enum CycleError {
-    /// What the scene has and cycles are not made for.
+    /// The scene has a property that cycles do not support.
     Unsuitable(String),
     /// A step of the cycle failed.
     Step(StepFailure),

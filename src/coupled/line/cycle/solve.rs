@@ -34,8 +34,8 @@ const CLOSE: f64 = 0.5;
 /// Convergence criterion and limit of an iteration.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SolveOptions {
-    /// Change of shape, over the elastic displacement under the mean pressure, and of heat, over the heat, at which an
-    /// iteration has converged.
+    /// Relative tolerance: change of shape over the elastic displacement under the mean pressure, and of heat over the heat, at
+    /// which an iteration has converged.
     pub tolerance: f64,
     /// Largest number of cycles computed.
     pub most_cycles: usize,
@@ -271,7 +271,7 @@ impl CycleMap {
         operators.displacement_scale * mean
     }
 
-    /// Weights under which entries of the memory count alike: heat by its size, depths by the elastic displacement.
+    /// Weights for entries of the state: of heat by its size, of depths by the elastic displacement.
     fn weights(&self, memory: &[f64]) -> Vec<f64> {
         let mut weights = vec![1.0 / self.shape_scale(); memory.len()];
         for range in self.heat_ranges() {
