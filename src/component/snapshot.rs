@@ -1,4 +1,4 @@
-//! A saved state of the component: everything that matters, nothing that can be rebuilt.
+//! Saved state of the component: everything that cannot be rebuilt.
 
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use crate::coupled::INPUTS;
@@ -21,9 +21,9 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
-    /// The run has left what was planned for.
+    /// The run has left the validity of the plan.
     beyond_plan: bool,
-    /// Friction coefficient and so on with which the model was built: the wear law refers to them.
+    /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
     built: [f64; 3],
     state: Option<ModelState>,
 }
@@ -59,10 +59,10 @@ impl Component {
         }
     }
 
-    /// Takes the component back to `from`. Operators are rebuilt where fixed parameters differ.
+    /// Restores the component to `from`. Operators are rebuilt where fixed parameters differ.
     ///
     /// # Errors
-    /// If the saved parameters do not join to a scene or the saved states do not fit it.
+    /// If the saved parameters are no valid scene or the saved states do not fit it.
     pub fn restore(&mut self, from: &Snapshot) -> Result<(), String> {
         let mut values: Values = *self.starts;
         for &(index, value) in &from.changed {
@@ -71,7 +71,7 @@ impl Component {
         }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {
-            // The scene as it was when initialisation ended: tunable parameters may have changed since.
+            // The scene at the end of initialisation: tunable parameters may have changed since.
             let mut at_start = values;
             value!(at_start, "contact.friction_coefficient") = from.built[0];
             value!(at_start, "ambient_temperature") = from.built[1];
@@ -100,7 +100,7 @@ impl Component {
             if !state.fits(&prepared.operators) {
                 return Err("the saved states do not fit the scene".into());
             }
-            // Nothing has been changed up to here, and nothing can fail from here on.
+            // Nothing has been changed up to here, and no later operation can fail.
             if !same {
                 self.model = Some(Model::new(&prepared.operators, super::tunables_of(&values), &from.inputs));
                 self.planned = prepared.was_compared();
@@ -112,7 +112,7 @@ impl Component {
         } else {
             self.model = None;
         }
-        // Outputs keep their last values until they are computed anew.
+        // Outputs keep their last values until they are evaluated again.
         self.values[..INPUTS].copy_from_slice(&values[..INPUTS]);
         self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
         self.suspect = true;
@@ -290,7 +290,7 @@ impl LumpedState {
     }
 }
 
-/// Writes a row without its trailing zeros.
+/// Appends a row without its trailing zeros.
 fn row(out: &mut Vec<f64>, values: &[f64]) {
     let count = values.iter().rposition(|value| value.to_bits() != 0).map_or(0, |last| last + 1);
     out.push(count as f64);
@@ -309,7 +309,7 @@ fn read_row(numbers: &mut std::slice::Iter<'_, f64>, values: &mut [f64]) -> Opti
 }
 
 impl BodyState {
-    /// All zero.
+    /// Zero state.
     pub const EMPTY: BodyState =
         BodyState { heat: [0.0; crate::heat::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
 }

@@ -63,7 +63,7 @@ impl Conductor {
         }
     }
 
-    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; 0 for an insulator.
+    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which heat does not enter.
     fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
         if self.conductivity == 0.0 {
             return Complex::new(wave, 0.0);
@@ -148,7 +148,7 @@ impl FastestGrowth {
             (Geometry::Line, Path::Closed) => ([1.0, scene.coverage()], false),
             // Fresh material enters the contact.
             (Geometry::Line, Path::Straight) => ([1.0, 0.0], false),
-            // The outer side of an annulus slides fastest.
+            // The outer edge of an annulus has the largest sliding speed.
             (Geometry::Annular, _) => ([1.0 + 0.5 * scene.width / scene.mean_radius; 2], true),
             _ => ([1.0; 2], true),
         };
@@ -174,7 +174,7 @@ impl FastestGrowth {
     /// Growth rate b of one wave, 1/s, where it is positive.
     fn growth(&self, own: &Conductor, mate: &Conductor, wave: f64, drive: f64, speed: f64) -> f64 {
         let conductivity = own.conductivity;
-        // Coefficient of the body's own heat uptake K lambda against the conductance, and fraction of the heat at lambda = 0.
+        // Z + rho (`None`: the mate absorbs no heat), and Z + rho/2.
         let (resistance, part) = if self.free || mate.conductivity == 0.0 {
             (None, 1.0)
         } else {
