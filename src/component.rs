@@ -1,7 +1,7 @@
-//! The component: parameters and inputs in, outputs out, one step after the other.
+//! Component: parameters and inputs in, outputs out, step by step.
 //!
-//! This is what the C interface, the native host and the tests drive. It knows the variable table
-//! but not FMI: phases, status codes and times are the importer's side.
+//! It is driven by the C interface, the native host and the tests. It implements the variable table but not FMI: phases, status
+//! codes and times belong to the FMI layer.
 
 mod inputs;
 mod messages;
@@ -23,18 +23,18 @@ use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
 use scene::{Scene, value};
 use std::sync::Arc;
 
-/// Subject of a log message; the FMI categories are made from it.
+/// Subject of a log message, from which the FMI categories are derived.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Subject {
-    /// What was chosen and why.
+    /// Chosen level, and the basis of the choice.
     Plan,
-    /// A limit was reached, the model's validity was left, an input was taken as something else.
+    /// A limit was reached, the model's validity was left, an input was replaced.
     Warning,
     /// A step or an initialisation failed.
     Error,
 }
 
-/// A message for the log.
+/// Log message.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Message {
     /// What it is about.
@@ -52,18 +52,18 @@ const MAIN: [usize; 3] =
     [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
-/// Both velocities were given in a step: a bit beside those of [`limit`].
+/// Bit for both velocities given in a step, beside those of [`limit`].
 const BOTH_VELOCITIES: u8 = 64;
 
-/// Groups of outputs that are computed together, as bits.
+/// Groups of outputs that are evaluated together, as bits.
 mod group {
-    /// What answers the inputs, and the worn depths.
+    /// Outputs with direct feedthrough, and the worn depths.
     pub const CONTACT: u8 = 1;
-    /// What only the states give.
+    /// Outputs that depend on the states only.
     pub const ACCOUNT: u8 = 2;
     /// Profiles and the slope of the friction force.
     pub const REST: u8 = 4;
-    /// The three outputs of every drive, known at the end of a step without another evaluation.
+    /// The three main outputs, available at the end of a step without another evaluation.
     pub const MAIN: u8 = 8;
 }
 
@@ -128,31 +128,31 @@ enum Phase {
     Running,
 }
 
-/// See the module.
+/// Component: values, model and phase.
 #[derive(Debug)]
 pub struct Component {
     starts: Arc<Values>,
     values: Box<Values>,
-    /// An input may be one that no step can be taken with.
+    /// An input may be out of range, and has to be checked before the next step.
     suspect: bool,
     slopes: [f64; INPUTS],
-    /// A derivative differs from 0: always what `slopes` say, kept because every step asks.
+    /// An input derivative differs from 0: a cached property of `slopes`, needed in every step.
     sloped: bool,
     phase: Phase,
     model: Option<Model>,
-    /// Groups of outputs that are current.
+    /// Groups of outputs that are up to date.
     current: u8,
-    /// The model must be built anew before outputs are read (while initialising).
+    /// The model must be rebuilt before outputs are read (while initialising).
     stale: bool,
-    /// The importer's.
+    /// Tolerance given by the importer.
     tolerance: Option<f64>,
-    /// Of the scene's default experiment: counts where neither the importer nor `solver.tolerance` gives one.
+    /// Tolerance of the scene's default experiment: used where neither the importer nor `solver.tolerance` gives one.
     declared_tolerance: Option<f64>,
-    /// The scene last made ready: used again where it is the same.
+    /// Scene prepared last: reused for the same scene.
     prepared: Option<Arc<Prepared>>,
-    /// A plan compared levels: steps are watched.
+    /// The plan compared levels, so its validity is checked after every step.
     planned: bool,
-    /// The run has left what was planned for, and the log knows.
+    /// The run has left the validity of the plan, and this has been logged.
     beyond_plan: bool,
     /// Inputs and tunable parameters are those of the end of the last step.
     at_end: bool,
@@ -189,17 +189,17 @@ impl Component {
         }
     }
 
-    /// The same with the tolerance that the scene's default experiment declares.
+    /// Component with the tolerance declared by the scene's default experiment.
     pub fn declaring(self, tolerance: f64) -> Component {
         Component { declared_tolerance: Some(tolerance), ..self }
     }
 
-    /// The tolerance that counts where `solver.tolerance` is 0.
+    /// Tolerance used where `solver.tolerance` is 0.
     fn outer_tolerance(&self) -> Option<f64> {
         self.tolerance.or(self.declared_tolerance)
     }
 
-    /// Back to what [`Component::new`] gives; what was built is kept for use with the same scene.
+    /// Resets to the state of [`Component::new`]; the prepared scene is kept for reuse.
     pub fn reset(&mut self) {
         let (prepared, messages) = (self.prepared.take(), std::mem::take(&mut self.messages));
         let declared_tolerance = self.declared_tolerance;
@@ -208,8 +208,8 @@ impl Component {
         let _ = self.messages.take();
     }
 
-    /// Value of the variable `reference` (below [`COUNT`]). Outputs answer the present inputs; before
-    /// initialisation they are 0, and what they last were where the parameters set so far join to no scene.
+    /// Value of the variable `reference` (below [`COUNT`]). Outputs are those of the current inputs; before initialisation they
+    /// are 0, and their last values where the parameters set so far are no valid scene.
     #[inline]
     pub fn get(&mut self, reference: ValueReference) -> f64 {
         let index = reference as usize;
@@ -223,7 +223,7 @@ impl Component {
     fn compute(&mut self, wanted: u8) {
         if self.phase == Phase::Initializing && self.stale {
             self.stale = false;
-            // Rules that join parameters are the end of initialisation's business.
+            // Rules between several parameters are checked at the end of initialisation.
             if let Ok(scene) = Scene::new(&self.values, self.outer_tolerance()) {
                 let _ = self.build(&scene);
             }
@@ -233,7 +233,7 @@ impl Component {
             match wanted {
                 group::MAIN if self.at_end => model.write_end(&mut self.values),
                 group::MAIN | group::CONTACT => {
-                    // Values read before stay what they were: only what is not current is written.
+                    // Values already read must not change: only groups that are not up to date are written.
                     let main = MAIN.map(|index| self.values[index]);
                     model.write_contact(&inputs, &mut self.values);
                     if self.at_end {
@@ -243,7 +243,7 @@ impl Component {
                             self.values[index] = value;
                         }
                     }
-                    // The step and the held states agree to the tolerance of the step's own iteration.
+                    // The step and the evaluation at frozen states agree to the tolerance of the step's own iteration.
                     let mean = value!(self.values, "contact_temperature");
                     let highest = &mut value!(self.values, "contact_temperature_max");
                     if mean > *highest {
@@ -278,10 +278,10 @@ impl Component {
         Ok(())
     }
 
-    /// Stores a parameter that [`scene::variables::check_parameter`] has accepted. A tunable parameter takes effect at once.
+    /// Stores a parameter accepted by [`scene::variables::check_parameter`]. A tunable parameter takes effect immediately.
     pub fn set_parameter(&mut self, reference: ValueReference, value: f64) {
         self.values[reference as usize] = value;
-        // The ambient temperature and its offset belong together.
+        // The ambient temperature and its offset are checked together.
         self.suspect = true;
         self.current = 0;
         self.at_end = false;
@@ -294,7 +294,7 @@ impl Component {
         }
     }
 
-    /// Stores an input as it is, and forgets its derivative.
+    /// Stores an input unchecked, and sets its derivative to 0.
     #[inline]
     pub fn set_input(&mut self, reference: ValueReference, value: f64) {
         let index = reference as usize;
@@ -317,19 +317,19 @@ impl Component {
         self.sloped = is_sloped(&self.slopes);
     }
 
-    /// The tolerance that the importer gives for the run, which outputs while initialising are for too.
+    /// Sets the tolerance given by the importer for the run, which also applies to outputs while initialising.
     pub fn set_importer_tolerance(&mut self, tolerance: Option<f64>) {
         self.tolerance = tolerance;
     }
 
-    /// From here on outputs answer the inputs set.
+    /// Enters initialisation: from here on outputs are those of the current inputs.
     pub fn enter_initialization(&mut self) {
         self.phase = Phase::Initializing;
         self.stale = true;
         self.current = 0;
     }
 
-    /// Ends initialisation: checks the rules that join parameters and builds the model.
+    /// Ends initialisation: checks the rules between parameters and builds the model.
     ///
     /// # Errors
     /// A text that names the variables, their values and the limit; the component is unchanged.
@@ -393,13 +393,13 @@ impl Component {
         Ok(())
     }
 
-    /// One communication step of `step` seconds (>= 0).
+    /// Advances by one communication step of `step` seconds (>= 0).
     ///
     /// # Errors
-    /// A text that names what is wrong; everything is then as before the step.
+    /// A text that names the cause; the state is then that before the step.
     pub fn step(&mut self, step: f64) -> Result<(), String> {
         if step == 0.0 {
-            // Derivatives hold for one step, also for this one.
+            // Input derivatives are valid for one step, also for one of length 0.
             self.slopes = [0.0; INPUTS];
             self.sloped = false;
             return Ok(());
@@ -443,7 +443,7 @@ impl Component {
         Ok(())
     }
 
-    /// Tells the limits that have not been told yet, after a step that began at the inputs `began`.
+    /// Logs limits not logged before, after a step that began at the inputs `began`.
     fn report(&mut self, limits: u8, began: &[f64; INPUTS]) {
         let fresh = limits & !self.reported;
         let texts = [
@@ -489,7 +489,7 @@ impl Component {
         self.reported |= limits;
     }
 
-    /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), states held.
+    /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), at frozen states.
     ///
     /// # Errors
     /// If a known is no input or an unknown no output, or the component has no model yet.
@@ -561,12 +561,10 @@ impl Component {
         self.model.as_ref().map_or((0, 0), Model::work)
     }
 
-    /// What the contact solver has done since initialisation; nothing at the lumped level.
+    /// Operators of the current level; `None` before initialisation.
     pub fn contact_work(&self) -> WorkCounter {
         self.model.as_ref().map_or_else(WorkCounter::default, Model::contact_work)
     }
-
-    /// What the present level is made of; `None` before initialisation.
     pub fn operators(&self) -> Option<ModelOperators> {
         self.model.as_ref().map(Model::operators)
     }

@@ -1,22 +1,22 @@
-//! What the inputs of a step must satisfy. They are stored as they come; the step that would use them refuses them.
+//! Range checks of the inputs of a step. Inputs are stored unchecked; a step with an invalid one is rejected.
 
 use super::Component;
 use model::INPUTS;
 use scene::variables::{Kind, ValueReference, lookup, reference};
 use scene::{ThermalBoundary, value};
 
-/// Largest magnitude of an input, in its SI unit. What follows from inputs within it (their products, the powers of the
-/// wear law, the fourth power of a temperature) stays far within the range of numbers.
+/// Largest magnitude of an input, in its SI unit. Quantities derived from inputs within it (their products, the powers of the
+/// wear law, the fourth power of a temperature) stay far within the range of floating-point numbers.
 pub const LARGEST_INPUT: f64 = 1e12;
 
-/// Shortest step above 0, s: far below what is left when times of any simulation are subtracted, and far above where
-/// reciprocals of a step leave the range of numbers.
+/// Shortest step above 0, s: far below the rounding errors of differences of simulation times, and far above where the reciprocal
+/// of a step overflows.
 pub const SHORTEST_STEP: f64 = 1e-24;
 
-/// Inputs from here on are checked whenever they change: the temperatures and the cooling velocity.
+/// First of the inputs that are checked at every change: the temperatures and the cooling velocity.
 const FIRST_TEMPERATURE: usize = reference("ambient_temperature_offset") as usize;
 
-/// Whether a new `value` of the input `index` has to be looked at before the next step.
+/// Whether a new `value` of the input `index` has to be checked before the next step.
 #[inline(always)]
 pub(super) fn needs_check(index: usize, value: f64) -> bool {
     // A comparison with NaN is false.
@@ -59,7 +59,7 @@ impl Component {
         self.check_temperatures(step)
     }
 
-    /// Temperatures from outside are above 0 K.
+    /// Checks that external temperatures are above 0 K.
     fn check_temperatures(&self, step: f64) -> Result<(), String> {
         let at_both = |index: usize| [self.values[index], self.values[index] + self.slopes[index] * step];
         let ambient = value!(self.values, "ambient_temperature");

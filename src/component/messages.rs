@@ -1,25 +1,25 @@
-//! Messages for the log, in memory that is taken when initialisation ends: a step that has something to say allocates nothing.
+//! Log messages in memory allocated at the end of initialisation, so that a step with messages allocates nothing.
 
 use super::{Message, Subject};
 use std::fmt::{self, Write};
 use std::slice;
 
-/// Messages that wait at most, where the importer's side takes them after every call: a step says everything at most once.
+/// Largest number of pending messages, where they are taken after every call: a step emits each message at most once.
 const MOST: usize = 8;
 
-/// Bytes of a text that need no more memory.
+/// Bytes of a text without another allocation.
 const LONGEST: usize = 640;
 
 /// Messages since the last call of [`Messages::take`].
 #[derive(Debug, Default)]
 pub struct Messages {
-    /// The first `count` wait; the others are room for more.
+    /// The first `count` are pending; the others are spare memory.
     kept: Vec<Message>,
     count: usize,
 }
 
 impl Messages {
-    /// Takes the memory that steps need.
+    /// Allocates the memory required by steps.
     pub fn reserve(&mut self) {
         for message in &mut self.kept {
             message.text.reserve(LONGEST.saturating_sub(message.text.len()));
@@ -42,19 +42,19 @@ impl Messages {
         let message = &mut self.kept[self.count];
         message.subject = subject;
         message.text.clear();
-        // Writing to a text fails only where the value itself says so.
+        // Writing to a string fails only where the formatted value returns an error.
         if write(&mut message.text).is_ok() && !message.text.is_empty() {
             self.count += 1;
         }
     }
 
-    /// The messages, oldest first; they are gone afterwards.
+    /// Pending messages, oldest first; they are removed.
     pub fn take(&mut self) -> slice::Iter<'_, Message> {
         let count = std::mem::take(&mut self.count);
         self.kept[..count].iter()
     }
 
-    /// Whether there is none.
+    /// Whether no message is pending.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.count == 0

@@ -1,4 +1,5 @@
-//! Leaving what was planned for: the level stays, the log says so once, and the error is unknown from then on.
+//! Validity of the plan during a run: once it is left, the level is unchanged, the log receives one message, and the error is
+//! unknown from then on.
 
 use super::{Component, Subject, inputs_of};
 use model::INPUTS;
@@ -6,8 +7,8 @@ use model::lumped::limit;
 use scene::value;
 
 impl Component {
-    /// Looks whether the step that ended still was what the plan is for: within the nominal conditions, and below the critical speed
-    /// where the plan was.
+    /// Checks whether the step that ended is within the validity of the plan: within the nominal conditions, and below the
+    /// critical speed where the plan was.
     pub(super) fn watch_plan(&mut self) {
         let (Some(prepared), Some(model)) = (&self.prepared, &self.model) else { return };
         if self.beyond_plan {
@@ -33,7 +34,7 @@ impl Component {
         self.messages.add(Subject::Warning, beyond);
     }
 
-    /// Completes the account, which has the error of reduction and time steps, by the whole error.
+    /// Replaces the error of reduction and time steps in the account by the total error.
     pub(super) fn add_estimated_error(&mut self) {
         if let Some(prepared) = &self.prepared {
             let steps = value!(self.values, "estimated_step_error");

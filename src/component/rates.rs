@@ -4,17 +4,16 @@ use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, GROUPS, group, inputs_of};
 use model::levels::Model;
 use scene::variables::{COUNT, ValueReference};
 
-/// Length of the look ahead over the length of the last step: its error is the square of this.
+/// Length of the look-ahead step relative to the last step; the error is of second order in it.
 const AHEAD: f64 = 1e-3;
 
-/// The same over the nominal duration, where no step has been made yet.
+/// Length of the look-ahead step relative to the nominal duration, before the first step.
 const AHEAD_AT_START: f64 = 1e-7;
 
 impl Component {
-    /// Derivatives by time of `unknowns` (outputs) as time goes on from the last communication point with the inputs as
-    /// they are, per second. The states are carried on by a thousandth of the last step and by half of that, and put
-    /// back; the derivative at the beginning of the parabola through the three values is the result, second order in that
-    /// length.
+    /// Time derivatives of `unknowns` (outputs), per second, at the last communication point with constant inputs. The states are
+    /// advanced by a thousandth of the last step and by half of that, and restored; the result is the initial derivative of the
+    /// parabola through the three values, second order in that length.
     ///
     /// # Errors
     /// If an unknown is no output, there is no model yet, or no step can be made from here.
@@ -58,7 +57,7 @@ impl Component {
     }
 }
 
-/// Outputs of the groups as the held states give them: all three times by the same formulas.
+/// Writes the outputs of the groups at frozen states: at all three times by the same formulas.
 fn write(model: &mut Model, groups: u8, inputs: &[f64; super::INPUTS], values: &mut [f64; COUNT]) {
     if groups & (group::MAIN | group::CONTACT) != 0 {
         model.write_contact(inputs, values);

@@ -1,4 +1,4 @@
-//! A saved state of the component: everything that matters, nothing that can be rebuilt.
+//! Saved state of the component: everything that cannot be rebuilt.
 
 use super::{Component, FIRST_PARAMETER, Phase, Values, inputs_of};
 use model::INPUTS;
@@ -20,9 +20,9 @@ pub struct Snapshot {
     reported: u8,
     at_end: bool,
     last_step: f64,
-    /// The run has left what was planned for.
+    /// The run has left the validity of the plan.
     beyond_plan: bool,
-    /// Friction coefficient and so on with which the model was built: the wear law refers to them.
+    /// Tunable parameters (friction coefficient and others) at which the model was built, to which the wear law refers.
     built: [f64; 3],
     state: Option<ModelState>,
 }
@@ -58,10 +58,10 @@ impl Component {
         }
     }
 
-    /// Takes the component back to `from`. Operators are rebuilt where fixed parameters differ.
+    /// Restores the component to `from`. Operators are rebuilt where fixed parameters differ.
     ///
     /// # Errors
-    /// If the saved parameters do not join to a scene or the saved states do not fit it.
+    /// If the saved parameters are no valid scene or the saved states do not fit it.
     pub fn restore(&mut self, from: &Snapshot) -> Result<(), String> {
         let mut values: Values = *self.starts;
         for &(index, value) in &from.changed {
@@ -70,7 +70,7 @@ impl Component {
         }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {
-            // The scene as it was when initialisation ended: tunable parameters may have changed since.
+            // The scene at the end of initialisation: tunable parameters may have changed since.
             let mut at_start = values;
             value!(at_start, "contact.friction_coefficient") = from.built[0];
             value!(at_start, "ambient_temperature") = from.built[1];
@@ -99,7 +99,7 @@ impl Component {
             if !state.fits(&prepared.operators) {
                 return Err("the saved states do not fit the scene".into());
             }
-            // Nothing has been changed up to here, and nothing can fail from here on.
+            // Nothing has been changed up to here, and no later operation can fail.
             if !same {
                 self.model = Some(Model::new(&prepared.operators, super::tunables_of(&values), &from.inputs));
                 self.planned = prepared.was_compared();
@@ -111,7 +111,7 @@ impl Component {
         } else {
             self.model = None;
         }
-        // Outputs keep their last values until they are computed anew.
+        // Outputs keep their last values until they are evaluated again.
         self.values[..INPUTS].copy_from_slice(&values[..INPUTS]);
         self.values[FIRST_PARAMETER..].copy_from_slice(&values[FIRST_PARAMETER..]);
         self.suspect = true;
@@ -226,3 +226,11 @@ impl Snapshot {
         numbers.next().is_none().then_some(snapshot)
     }
 }
+
+    /// All numbers of the state, in an order that [`ModelState::from_numbers`] reads.
+
+
+/// Appends a row without its trailing zeros.
+
+
+    /// Zero state.

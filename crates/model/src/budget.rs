@@ -1,37 +1,38 @@
-//! The most work that one communication step may take, counted, so that it ends on every machine alike.
+//! Work budget of a communication step, by counts instead of time, so that it ends identically on every machine.
 
 use super::StepFailure;
 
-/// Most internal steps tried in a communication step.
+/// Largest number of internal steps tried in a communication step.
 pub const MOST_STEPS: u32 = 200_000;
 
-/// Most solutions of the contact with its heat in a communication step, on few cells.
+/// Largest number of contact solutions with heat in a communication step, for few cells.
 const MOST_SOLUTIONS: u64 = 1 << 20;
 
-/// The same times the square of the number of cells, on many: what one solution costs grows so.
+/// Largest number of contact solutions times the square of the number of cells, for many cells, since the cost of a solution
+/// increases with it.
 const MOST_OPERATIONS: u64 = 1 << 30;
 
-/// Solutions that a step has in any case: jumps that settle take some thousand.
+/// Number of contact solutions that is permitted in any case: jumps that settle require some thousand.
 const LEAST_SOLUTIONS: u64 = 1 << 14;
 
-/// Work done in a communication step, and how much it may be.
+/// Work counters of a communication step, and their limit.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
     /// Internal steps tried.
     pub steps: u32,
-    /// Solutions of the contact with its heat.
+    /// Contact solutions with heat.
     pub solutions: u64,
     most: u64,
 }
 
 impl Budget {
-    /// For a contact on `count` cells.
+    /// Budget for a contact on `count` cells.
     pub fn new(count: usize) -> Budget {
         let square = (count as u64).saturating_mul(count as u64).max(1);
         Budget { steps: 0, solutions: 0, most: (MOST_OPERATIONS / square).clamp(LEAST_SOLUTIONS, MOST_SOLUTIONS) }
     }
 
-    /// Begins a communication step.
+    /// Resets the counters at the start of a communication step.
     pub fn start(&mut self) {
         (self.steps, self.solutions) = (0, 0);
     }
@@ -39,7 +40,7 @@ impl Budget {
     /// Counts an internal step that is about to be tried.
     ///
     /// # Errors
-    /// The communication step has had what it may take; `rest` tells where it stands.
+    /// The budget is exhausted; `rest` describes the progress for the message.
     pub fn spend(&mut self, rest: impl FnOnce() -> String) -> Result<(), StepFailure> {
         if self.steps < MOST_STEPS && self.solutions < self.most {
             self.steps += 1;

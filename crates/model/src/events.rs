@@ -1,9 +1,9 @@
-//! Events inside a communication step: velocity and load pass through zero.
+//! Events inside a communication step: sign changes of velocity and load.
 
 use super::INPUTS;
 
-/// Part of the step within which an event counts as at the end of the step that it is next to. What the inputs are there is this
-/// part of their change over the step, so rounding of an input that is meant to be 0 makes no event, in any unit.
+/// Part of the step within which an event is assigned to the end of the step next to it. The inputs there differ from 0 by this
+/// part of their change over the step, so rounding of an input that is intended to be 0 causes no event, in any unit.
 const ROUNDING: f64 = 1e-9;
 
 /// Ends (s from the start of the step) of the pieces of a communication step between sign changes of velocity and load, and the
@@ -23,7 +23,7 @@ pub fn edges(inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64, 
     }
     edges[1..count].sort_by(f64::total_cmp);
     if count == 3 && edges[2] - edges[1] <= ROUNDING * step {
-        // Both at once.
+        // Both events coincide.
         count = 2;
     }
     edges[count] = step;
@@ -53,7 +53,7 @@ mod tests {
             let pieces = at([-value, 1.0], [1.0, 0.0], 0.5).len() - 1;
             assert_eq!(pieces, if value < edge { 2 } else { 1 }, "{value}");
         }
-        // Events that fall together are one; apart they are two, in their order, whatever the unit.
+        // Coinciding events are one; distinct ones are two, in their order, in any unit.
         for unit in [1.0, 1e-9, 3.6, 1e12] {
             assert_eq!(at([-unit, 2.0 * unit], [-3.0 * unit, 6.0 * unit], 1.0), [0.0, 0.5, 1.0]);
             assert_eq!(at([-unit, 2.0 * unit], [-unit, 4.0 * unit], 1.0), [0.0, 0.25, 0.5, 1.0]);

@@ -1,36 +1,35 @@
-//! How fast a pressure wave can grow at most.
+//! Upper bound of the growth rate of thermoelastic pressure waves.
 //!
-//! A wave of the number m that rests in one body and grows at the rate b has a temperature that decays into that body with
-//! `lambda^2 = m^2 + b/kd`. The mate sweeps over it at the sliding speed V and answers with the impedance
-//! `Z = 1/(K' |m^2 - i m V/kd'|^(1/2))` at most. With the resistance rho = 1/h_c of the contact and
-//! `G = mu V alpha (1+nu) E*` (heat, lift and stiffness as in [`super::instability`])
+//! A wave of wave number m at rest in one body with the growth rate b has a temperature that decays into that body with `lambda^2
+//! = m^2 + b/kd`. The mate slides over it at the sliding speed V and has an impedance of at most `Z = 1/(K' |m^2 - i m
+//! V/kd'|^(1/2))`. With the resistance rho = 1/h_c of the contact and `G = mu V alpha (1+nu) E*` (heat, thermal lift and
+//! stiffness as in [`super::instability`])
 //!
 //! ```text
 //! (lambda + m) [1 + K lambda (Z + rho)] = G m (Z + rho/2),    b = kd (lambda^2 - m^2)
 //! ```
 //!
-//! is quadratic in lambda. The mate's own lift is left out: it leads or lags by a quarter of a wave.
+//! is quadratic in lambda. The mate's own thermal lift is neglected: its phase differs by a quarter of a wave.
 //!
 //! # Short waves
 //!
-//! For `m -> infinity` the left side grows like `K m^2 (Z + rho)`, so waves shorter than some length fade whatever the speed. The
-//! rate is bounded, and the instability a well-posed problem without any smallest length:
+//! For `m -> infinity` the left side grows like `K m^2 (Z + rho)`, so waves shorter than some length decay at any speed. The rate
+//! is bounded, and the instability is a well-posed problem without a smallest length:
 //!
 //! - insulating mate: `lambda (lambda + m) = G m/K`, fastest `.0902 kd (G/K)^2` at `lambda/m = 1.618`;
-//! - mate that takes all heat (Z = 0): nothing grows below `G = 4 h_c`, whatever the wave; above, all waves longer than
-//!   `2 pi K/(h_c (G/(4 h_c) - 1))` do, none faster than of the order of `kd (h_c/K)^2`.
+//! - mate that absorbs all heat (Z = 0): nothing grows below `G = 4 h_c`, at any wave number; above, all waves longer than `2 pi
+//!   K/(h_c (G/(4 h_c) - 1))` grow, none at a rate above the order of `kd (h_c/K)^2`.
 //!
-//! A step that is short against the fastest growth of the waves between the contact's width and its smallest cell is
-//! therefore short enough for every wave of the mesh. Wear and friction that falls with the temperature only hold growth
-//! back.
+//! A step that is short against the fastest growth of the waves between the contact's width and its smallest cell is therefore
+//! short enough for every wave of the mesh. Wear and friction that decreases with temperature only reduce growth.
 
 //!
 //! # Layers
 //!
-//! Where a layer is thinner than the wave, a body that is insulated at its base and smooth there takes up less heat and is
-//! lifted more against its stiffness: `1 + Y (Z + rho) >= y [1 + K lambda (Z + rho)]` with `y = min(1, Y/(K lambda))`, and the lift
-//! over the compliance is l times that of half-planes. G times the largest `l/y` over all rates then bounds the growth from
-//! above; in what is stiffer than half-planes G stays.
+//! Where a layer is thinner than the wave, a body that is insulated at its base and smooth there absorbs less heat and has a
+//! larger thermal lift relative to its stiffness: `1 + Y (Z + rho) >= y [1 + K lambda (Z + rho)]` with `y = min(1, Y/(K
+//! lambda))`, and the ratio of lift to compliance is l times that of half-planes. G times the largest `l/y` over all rates then
+//! bounds the growth from above; for layers stiffer than half-planes G is unchanged.
 
 use super::instability::layer::{FarFace, Layer, half_resistance};
 use elasticity::Base;
@@ -38,15 +37,15 @@ use nalgebra::Complex;
 use scene::{Body, Geometry, MechanicalBody, Path, Scene};
 use std::f64::consts::PI;
 
-/// Ratio of the wave numbers looked at: the fastest lies between two of them, a twentieth above them at most.
+/// Ratio of successive wave numbers in the search: the maximum lies between two of them, at most a twentieth above their values.
 const SPACING: f64 = 1.25;
 
-/// Decays into the body over the wave number at which a layer is compared with the half-plane: from at rest in steps of this
-/// ratio, so many.
+/// Decay into the body over the wave number at which layer and half-plane are compared: from the wave at rest in steps of this
+/// ratio, and number of steps.
 const DECAY_RATIO: f64 = 2.0;
 const DECAYS: usize = 10;
 
-/// A conductor of the pair.
+/// Conducting body of the pair.
 #[derive(Clone, Copy, Debug)]
 struct Conductor {
     /// K, W/(m K); rho c, J/(m3 K); alpha (1 + nu), 1/K.
@@ -64,7 +63,7 @@ impl Conductor {
         }
     }
 
-    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; an insulator is not entered.
+    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which heat does not enter.
     fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
         if self.conductivity == 0.0 {
             return Complex::new(wave, 0.0);
@@ -96,7 +95,7 @@ impl Pair {
         }
     }
 
-    /// Largest ratio l/y of layers to half-planes for waves that rest in this body, at least 1.
+    /// Largest ratio l/y of layers to half-planes for waves at rest in this body, at least 1.
     fn lift_of_layers(&self, scene: &Scene, body: usize, wave: f64) -> f64 {
         let own = &self.bodies[body];
         if own.expansion == 0.0 || !self.modulus.is_finite() {
@@ -105,7 +104,7 @@ impl Pair {
         let base = if scene.smooth_base { Base::Smooth } else { Base::Bonded };
         let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
         let strip = Layer::new(&scene.strip, FarFace::Held(base), wave);
-        // Of half-planes over that of the layers.
+        // Stiffness of the layers relative to half-planes.
         let stiffness = 2.0 / (self.modulus * wave) / (punch.compliance() + strip.compliance());
         let layer = if body == 0 { punch } else { strip };
         let mut largest: f64 = 1.0;
@@ -122,23 +121,23 @@ impl Pair {
     }
 }
 
-/// The pair of bodies and the waves that its cells resolve.
+/// Pair of bodies and range of waves resolved by the cells.
 #[derive(Clone, Debug)]
 pub struct FastestGrowth {
     pair: Pair,
-    /// Largest lift of layers over that of half-planes for waves that rest in punch and strip, at the wave numbers looked at in
-    /// ascending order, the largest one last.
+    /// Largest thermal lift of layers relative to half-planes for waves at rest in punch and strip, at the wave numbers of the
+    /// search in ascending order, the largest one last.
     layers: [Vec<f64>; 2],
     /// Smallest and largest wave number, 1/m.
     range: [f64; 2],
-    /// Part of the time for which waves at rest in punch and strip are heated; 0: there are none.
+    /// Fraction of the time for which waves at rest in punch and strip are heated; 0: there are none.
     heated: [f64; 2],
-    /// Waves may also move with neither body; then the mate is taken for an insulator, which is on the safe side.
+    /// Waves may also be at rest in neither body; then the mate is taken as an insulator, which is conservative.
     free: bool,
 }
 
 impl FastestGrowth {
-    /// For cells of which the smallest is `smallest` m wide.
+    /// Growth bound for cells of which the smallest is `smallest` m wide.
     pub fn new(scene: &Scene, smallest: f64) -> FastestGrowth {
         let width = match scene.geometry {
             Geometry::Periodic => 0.5 * scene.width,
@@ -147,9 +146,9 @@ impl FastestGrowth {
         };
         let (heated, free) = match (scene.geometry, scene.path) {
             (Geometry::Line, Path::Closed) => ([1.0, scene.coverage()], false),
-            // Fresh material comes in.
+            // Fresh material enters the contact.
             (Geometry::Line, Path::Straight) => ([1.0, 0.0], false),
-            // The outer side of an annulus slides fastest.
+            // The outer edge of an annulus has the largest sliding speed.
             (Geometry::Annular, _) => ([1.0 + 0.5 * scene.width / scene.mean_radius; 2], true),
             _ => ([1.0; 2], true),
         };
@@ -160,7 +159,7 @@ impl FastestGrowth {
         FastestGrowth { pair, layers, range, heated, free }
     }
 
-    /// Fastest growth (1/s) of the waves that rest in the punch (0) or strip (1) at this friction coefficient and sliding
+    /// Fastest growth rate (1/s) of the waves at rest in the punch (0) or strip (1) at this friction coefficient and sliding
     /// speed (m/s); 0: none grows.
     pub fn of_body(&self, body: usize, friction: f64, speed: f64) -> f64 {
         let (own, mate) = (&self.pair.bodies[body], &self.pair.bodies[1 - body]);
@@ -172,10 +171,10 @@ impl FastestGrowth {
         waves.map(|(wave, layer)| self.growth(own, mate, wave, drive * layer, speed)).fold(0.0, f64::max)
     }
 
-    /// b of one wave, 1/s, where it is positive.
+    /// Growth rate b of one wave, 1/s, where it is positive.
     fn growth(&self, own: &Conductor, mate: &Conductor, wave: f64, drive: f64, speed: f64) -> f64 {
         let conductivity = own.conductivity;
-        // Own uptake K lambda against conductance, and part of the heat at lambda = 0.
+        // Z + rho (`None`: the mate absorbs no heat), and Z + rho/2.
         let (resistance, part) = if self.free || mate.conductivity == 0.0 {
             (None, 1.0)
         } else {
@@ -183,7 +182,7 @@ impl FastestGrowth {
             let half = self.pair.half_resistance;
             (Some(uptake.recip() + 2.0 * half), uptake.recip() + half)
         };
-        // K R lambda^2 + (s + K R m) lambda + s m - G m part = 0, s = 1 where the mate takes heat.
+        // K R lambda^2 + (s + K R m) lambda + s m - G m part = 0, s = 1 where the mate absorbs heat.
         let (square, own_share) = match resistance {
             Some(resistance) => (conductivity * resistance, 1.0),
             None => (conductivity, 0.0),
@@ -199,7 +198,7 @@ impl FastestGrowth {
     }
 }
 
-/// The wave numbers looked at.
+/// Wave numbers of the search.
 fn numbers(range: [f64; 2]) -> impl Iterator<Item = f64> + Clone {
     let below = std::iter::successors(Some(range[0]), |wave| Some(wave * SPACING));
     below.take_while(move |&wave| wave < range[1]).chain([range[1]])
@@ -227,7 +226,7 @@ mod tests {
                 let drive = friction * speed * LINING.expansion * 1.056e9 / 1.2;
                 0.0902 * 1.2 / LINING.capacity * drive * drive
             };
-            // By the numbers looked at, it is the largest between two of them.
+            // The search over discrete wave numbers underestimates the maximum slightly.
             let found = growth(INSULATOR, 20e3, false).of_body(0, friction, speed);
             assert!(found <= 1.001 * exact && found > 0.9 * exact, "{found} {exact}");
             assert_eq!(found, growth(IRON, 20e3, true).of_body(0, friction, speed));
@@ -253,7 +252,8 @@ mod tests {
 
     #[test]
     fn every_wave_found_solves_the_equation_of_the_critical_speed_where_it_neither_grows_nor_fades() {
-        // At the speed at which the impedance of half-planes is mu V the rate changes its sign, but for the mate's own lift.
+        // At the speed at which the impedance of half-planes is mu V the rate changes its sign, except for the mate's thermal
+        // lift.
         let mate = Conductor { expansion: 0.0, ..IRON };
         let pair = Pair { bodies: [LINING, mate], modulus: 1.056e9, half_resistance: 25e-6 };
         let layers = [vec![1.0], vec![1.0]];

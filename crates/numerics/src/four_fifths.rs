@@ -8,9 +8,9 @@
 //! (m 2^s)^(4/5) = t^4 (1 + r)^(4/5),     r = (m 2^s - t^5)/t^5,  |r| < 0.03
 //! ```
 //!
-//! and the binomial series of the last factor ends before it is felt.
+//! and the binomial series of the last factor is truncated below rounding.
 
-/// Pieces that every octave is cut into, by the leading bits of the fraction.
+/// Pieces per octave, by the leading bits of the fraction.
 const PIECES: usize = 32;
 const PIECE_BITS: u32 = PIECES.trailing_zeros();
 const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
@@ -30,7 +30,7 @@ static NODES: [[f64; 3]; 5 * PIECES] = {
             root -= (root - middle / (root * root * root * root)) / 5.0;
             pass += 1;
         }
-        // Ten digits: t^5 has fifty.
+        // Ten digits, so that t^5 has fifty.
         let t = ((root * 512.0 + 0.5) as u32) as f64 / 512.0;
         let fourth = t * t * t * t;
         nodes[index] = [fourth, fourth * t, 1.0 / (fourth * t)];
@@ -55,7 +55,7 @@ const SERIES: [f64; 9] = {
 pub fn four_fifths(x: f64) -> f64 {
     let bits = x.to_bits();
     let exponent = bits >> FRACTION_BITS;
-    // Zero, subnormal, infinite, negative or no number.
+    // Zero, subnormal, infinite, negative or NaN.
     if exponent.wrapping_sub(1) >= 2 * BIAS {
         return if x == 0.0 { 0.0 } else { x.powf(0.8) };
     }
@@ -67,7 +67,7 @@ pub fn four_fifths(x: f64) -> f64 {
     let [fourth, fifth, reciprocal] = NODES[octave as usize * PIECES + piece];
     let r = (f64::from_bits(fraction | (octave + BIAS) << FRACTION_BITS) - fifth) * reciprocal;
     let [c1, c2, c3, c4, c5, c6, c7, c8, c9] = SERIES;
-    // Pairs first: the chain of dependent operations is half as long as Horner's.
+    // Evaluated in pairs: the chain of dependent operations is half as long as Horner's.
     let square = r * r;
     let tail = (c6 + r * c7) + square * (c8 + r * c9);
     let series = (c1 + r * c2) + square * ((c3 + r * c4) + square * (c5 + r * tail));

@@ -1,9 +1,9 @@
-//! Cycles of to-and-fro sliding: one as a map of what the contact remembers, its fixed point, and jumps over many.
+//! Cycles of reciprocating sliding: the cycle map, its fixed point, and cycle jumps.
 //!
-//! A contact that slides to and fro under a constant load remembers from cycle to cycle the shape that it has worn and the
-//! heat in its bodies, `z`. A cycle of the stepped model maps it, `z -> z + F(z)` ([`map`]). Where wear grows like a rigid
-//! motion and the heat comes back, the cycle is steady ([`solve`]); in between, F is the slope of a stiff initial value
-//! problem over the number of cycles, which is integrated in jumps ([`jump`]).
+//! The state that a contact in reciprocating sliding under constant load carries from cycle to cycle, `z`, consists of the worn
+//! shape and the heat in its bodies. A cycle of the stepped model maps it, `z -> z + F(z)` ([`map`]). The cycle is steady where
+//! wear is a rigid motion and the heat is periodic ([`solve`]); before that, F is the slope of a stiff initial value problem over
+//! the number of cycles, which is integrated in jumps ([`jump`]).
 
 mod exchange;
 pub mod jump;

@@ -1,4 +1,4 @@
-//! The explicit scheme, there to show what fails.
+//! Explicit Euler scheme, for comparison: its step is limited by stability.
 
 use super::Line;
 use super::trajectory::InputTrajectory;
@@ -7,7 +7,7 @@ use conduction::line::GAMMA;
 use contact::wear::line::explicit_limit;
 
 impl Line {
-    /// One explicit Euler step over the piece, refused beyond its stability bound.
+    /// One explicit Euler step over the piece, rejected beyond its stability limit.
     pub(super) fn explicit(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         let moment = path.at(0.0);
@@ -36,7 +36,7 @@ impl Line {
         self.leave_first_stage((1.0 - GAMMA) * length * path.velocity(0.5 * length), (1.0 - GAMMA) * length);
         self.accept(path, 0.0, length);
         self.state.steps += 1;
-        // The pressure on the new shape.
+        // Pressure on the new shape.
         let last = path.at(length);
         self.set_gap(last.expansion);
         self.set_conditions(&last, 0.0);

@@ -1,14 +1,16 @@
-//! Heat along the contact line: both bodies, the split of the friction heat between them, and the distortion it causes.
+//! Heat conduction resolved along the contact line: both bodies, the partition of the friction heat between them, and the thermal
+//! distortion.
 //!
-//! At a stage of the step a body answers the flux `q_i` into its cells with (i = 1: punch, 2: strip)
+//! At a stage of the step the surface of body i (1: punch, 2: strip) responds to the flux `q_i` into its cells with
 //!
 //! ```text
 //! T_i = b_i + G_i q_i,    u_i = d_i + D_i q_i
 //! q_1 + q_2 = Q = mu s v p,    T_1 - T_2 = (q_2 - q_1)/(2 h_c)    on cells in contact;    q_1 = q_2 = 0 elsewhere
 //! ```
 //!
-//! Both are linear in the pressure once it is known which cells touch, so heat is one more compliance of the contact and
-//! the stage stays one contact problem ([`partition`]); which cells exchange heat is found by repetition ([`stage`]).
+//! `b_i`, `d_i` are the free response, `G_i`, `D_i` the surface influence matrices. For a given active set both temperature and
+//! distortion are linear in the pressure, so heat is a thermal compliance added to that of the contact and the stage remains one
+//! contact problem ([`partition`]); the cells that exchange heat are found by iteration ([`stage`]).
 
 mod acceleration;
 mod accept;
@@ -38,37 +40,37 @@ use partition::HeatPartition;
 use partitions::PartitionCache;
 use scene::Scheme;
 
-/// Part of the tolerance that the pressure may lose by operators in single precision. What their rounding makes of the shape is as
-/// rough as the cells, and the pressure of that grows with their number.
+/// Part of the tolerance allowed for the error in pressure from operators in single precision. Their rounding errors roughen the
+/// distortion on the scale of a cell, and the resulting error in pressure grows with the number of cells.
 const ROUNDING: f64 = 0.02;
 
-/// Cells from which operators pass faster in single precision: those of fewer stay near at hand.
+/// Number of cells above which products in single precision are faster; smaller operators fit the processor's caches.
 const MANY: usize = 72;
 
-/// Where operators kept from step to step are made.
+/// Linearization point of the operators reused from step to step.
 #[derive(Clone, Copy, Debug, Default)]
 struct FrozenJacobian {
-    /// Sliding velocity, m/s.
+    /// The step under way has this velocity throughout, so that the operators are exact for it.
     velocity: f64,
     /// The step under way has this velocity throughout.
     exact: bool,
     /// mu s v, m/s.
     per_pressure: f64,
-    /// mu of the shear coupling.
+    /// Friction coefficient of the shear coupling.
     friction: f64,
-    /// Speed that wears, m/s, and friction coefficient without Stribeck factor.
+    /// Sliding speed in the wear law, m/s, and kinetic friction coefficient (without Stribeck factor).
     speed: f64,
     kinetic_coefficient: f64,
 }
 
-/// What a step with heat works with.
+/// Thermal coupling of both bodies through the contact: bodies, operators and workspace of a step.
 #[derive(Debug)]
 pub struct ThermalCoupling {
     /// Punch and strip; `None`: an insulator.
     pub bodies: [Option<Box<dyn ThermalBody>>; 2],
-    /// The contact with the distortion of either stage on top of its compliance.
+    /// Contact problem of either stage, with the thermal compliance of the stage added to its compliance.
     pub contacts: [WearingContact; 2],
-    /// The split at either stage, and where that stands whose extra compliance the contact of the stage has.
+    /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
     pub partitions: PartitionCache,
     taken: [usize; 2],
     /// Fluxes into punch and strip at either stage, W/m2.
@@ -77,54 +79,56 @@ pub struct ThermalCoupling {
     pub temperature: [[Vec<f64>; 2]; 2],
     /// Friction heat at either stage, W/m2.
     pub friction: [Vec<f64>; 2],
-    /// Coefficient of friction of the cells, without Stribeck factor.
+    /// Kinetic friction coefficient of the cells at their temperature (without Stribeck factor).
     pub kinetic_coefficient: Vec<f64>,
-    /// What the contact's depth rates are made of: of punch and strip at the reference pressure, m/s.
+    /// Wear depth rates of punch and strip at the reference pressure, m/s.
     pub laws: [Vec<f64>; 2],
-    /// What acts on the bodies besides the contact, in the step under way.
+    /// Ambient, far-face temperatures and cooling of the bodies during the step under way.
     pub surroundings: [Surroundings; 2],
-    /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at its start, K.
+    /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
     lagging: [f64; 2],
     /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
     pub distortion: Vec<f64>,
     /// Length of the step under way, s, and the velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
-    /// Where the operators kept from step to step were made.
+    /// Linearization point of the operators reused from step to step.
     reference: FrozenJacobian,
-    /// The operators of the stage are those of its own gains instead.
+    /// The operators of the stage were refactored: built from its own surface influence matrices instead of those at the
+    /// linearization point.
     refactored: [bool; 2],
-    /// Most repetitions of a stage of the step under way.
+    /// Largest number of iterations of a stage in the step under way.
     iterations: usize,
-    /// Of the repetitions of a stage.
+    /// Anderson acceleration of the stage iteration.
     acceleration: Acceleration,
-    /// Friction that follows the temperature; `None`: it does not.
+    /// Friction-temperature Jacobian; `None`: friction is independent of the temperature.
     friction_jacobian: Option<Box<FrictionJacobian>>,
-    /// The operators of the stage hold its derivative.
+    /// The operators of the stage include the friction-temperature Jacobian.
     linearized: bool,
-    /// The operators of the stage are exact, so that nothing has to be repeated.
+    /// The operators of the stage are exact, so that one solution needs no iteration.
     exact: [bool; 2],
-    /// Punch and strip move under heat.
+    /// Punch and strip have thermal expansion.
     expands: [bool; 2],
-    /// Contact and heat take their steps one after the other: the bodies have no first stage.
+    /// Operator split between contact and heat: the bodies have no first stage.
     staggered: bool,
-    /// Diffusivity of the strip, the body that slides, m2/s.
+    /// Thermal diffusivity of the strip, the body that slides, m2/s.
     diffusivity: f64,
-    /// Pressure that the stage's heat is made of, Pa, and mu s v of the cells, m/s.
+    /// Pressure of the current iterate, which determines the friction heat of the stage, Pa, and mu s v of the cells, m/s.
     pressure: Vec<f64>,
     per_pressure: Vec<f64>,
     /// Sliding velocity of the cells over that at the mean radius.
     ratio: Vec<f64>,
     /// 1/(2 h_c), K m2/W; 0: no exchange.
     half_resistance: f64,
-    /// Cells taken to be in contact.
+    /// Cells in the active set: they carry friction heat and exchange heat.
     closed: Vec<bool>,
-    /// The temperatures of the stage under way are those of its fluxes.
+    /// The temperatures of the stage under way are up to date with its fluxes.
     temperatures_current: bool,
-    /// Contact temperature of the cells that friction and wear follow, K.
+    /// Local contact temperature that enters friction and wear, K.
     contact_temperature: Vec<f64>,
     pub(super) difference: Vec<f64>,
-    /// How fast waves can grow at most; the split of a stage by which growth is looked for, and room for its matrix, N x N.
+    /// Bound of the growth rate of thermoelastic waves; heat partition of the stage examined by the growth guard, and workspace
+    /// for its matrix, N x N.
     growth: FastestGrowth,
     watched: HeatPartition,
     matrix: Vec<f64>,
@@ -136,7 +140,7 @@ pub struct ThermalCoupling {
 }
 
 impl ThermalCoupling {
-    /// For the contact line of `operators`, which has bodies that conduct.
+    /// Thermal coupling along the contact line of `operators`, at least one of whose bodies conducts.
     pub fn new(operators: &LineOperators, bodies: &Bodies) -> ThermalCoupling {
         let count = operators.count();
         let zeros = || vec![0.0; count];
@@ -150,7 +154,7 @@ impl ThermalCoupling {
         let partition = || HeatPartition::new(operators.cells.widths(), &operators.radius_ratio, conductance);
         let own = if rough { partition().in_single_precision() } else { partition() };
         let mut bodies = bodies.copies();
-        // The first preparation takes memory, so that no step does.
+        // The first preparation allocates the workspaces, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         ThermalCoupling {
             bodies,

@@ -1,15 +1,15 @@
-//! The highest temperature of the contact: the largest mean over a stated length.
+//! Highest temperature of the contact: the largest mean over a stated length.
 //!
-//! A pressure that is singular at an edge, like x^(-1/2) under a sharp corner, takes its friction heat there, so the temperature of
-//! the cell at the edge rises without end as cells get smaller, while the mean over a length that does not depend on the cells
-//! tends to a number. The length L is that of a profile's station, a 32nd of the width.
+//! A pressure that is singular at an edge, like x^(-1/2) under a sharp corner, has its friction heat there, so the temperature of
+//! the edge cell increases without bound on finer meshes, while the mean over a length independent of the mesh converges. The
+//! length L is the station spacing of a profile, a 32nd of the width.
 //!
 //! ```text
 //! T_max = max over surfaces, and x from -a to a - L, of  1/L integral of T from x to x + L
 //! ```
 //!
-//! Temperatures are constant on the cells, so the mean is linear in x between the places where either end of the interval meets
-//! a cell boundary: those are all that need to be looked at. On a line that closes on itself intervals go across its seam.
+//! Temperatures are constant on the cells, so the mean is piecewise linear in x, with breakpoints where either end of the
+//! interval is a cell boundary: its maximum is at one of these. On a closed line intervals cross the seam.
 
 use elasticity::{Cells, MAXIMUM_CELLS};
 use scene::STATIONS;
@@ -20,18 +20,18 @@ const LENGTHS: usize = STATIONS - 1;
 /// An end of an interval: its cell, and how far into it, m.
 type End = (usize, f64);
 
-/// Intervals to look at.
+/// Candidate intervals for the largest mean temperature.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Hottest {
     widths: Vec<f64>,
     /// L, m.
     length: f64,
-    /// Where they begin and end, and whether they go across the seam.
+    /// Both ends, and whether the interval crosses the seam.
     intervals: Vec<(End, End, bool)>,
 }
 
 impl Hottest {
-    /// On these cells; `closed`: the last one is beside the first.
+    /// Intervals on these cells; `closed`: the last cell is beside the first.
     pub fn new(cells: &Cells, closed: bool) -> Hottest {
         let (edges, count) = (cells.edges(), cells.count());
         let (first, last) = (edges[0], edges[count]);
@@ -44,7 +44,7 @@ impl Hottest {
             if boundary < count { (boundary, 0.0) } else { (count - 1, cells.widths()[count - 1]) }
         };
         let period = last - first;
-        // An interval as long as what is left to the edge ends there, whatever rounding says.
+        // An interval as long as the distance to the edge ends there in spite of rounding.
         let slack = 1e-9 * length;
         let mut intervals = Vec::with_capacity(2 * count + 2);
         for boundary in 0..=count {
@@ -63,14 +63,14 @@ impl Hottest {
         Hottest { widths: cells.widths().to_vec(), length, intervals }
     }
 
-    /// Of two surfaces with these temperatures of their cells; not a number where one is not.
+    /// Highest mean temperature of two surfaces with these temperatures of their cells; NaN where one is NaN.
     pub fn of(&self, surfaces: &[Vec<f64>; 2]) -> f64 {
         let higher = |most: f64, t: f64| if t > most || t.is_nan() { t } else { most };
         surfaces.iter().map(|temperatures| self.of_surface(temperatures)).fold(f64::NEG_INFINITY, higher)
     }
 
     fn of_surface(&self, temperatures: &[f64]) -> f64 {
-        // Integrals up to the boundaries.
+        // Cumulative integrals up to the cell boundaries.
         let mut integrals = [0.0; MAXIMUM_CELLS + 1];
         let mut sum = 0.0;
         for (integral, (width, t)) in integrals[1..].iter_mut().zip(self.widths.iter().zip(temperatures)) {
@@ -108,7 +108,7 @@ mod tests {
         let of = |count: usize| (hottest(&Cells::graded(1.0, count).unwrap(), false, mean) - 8.0).abs();
         let errors = [9, 17, 33, 65, 129, 257].map(of);
         assert!(errors[0] < 1.0 && errors[5] < 1e-2, "{errors:?}");
-        // The highest cell grows without end.
+        // The temperature of the hottest cell increases without bound.
         let edge = |count: usize| {
             let cells = Cells::graded(1.0, count).unwrap();
             mean(cells.edges()[0], cells.edges()[1])

@@ -1,9 +1,9 @@
 //! The line level: pressure, wear and shape on the cells of the contact line.
 //!
-//! Heat, friction coefficient, distance and bristle depend on the mean of the pressure and are carried by the lumped
-//! level's equations ([`Lumped`], with the wear and the holder taken out); the contact line adds what varies along the
-//! contact. The two meet once per piece of a communication step: the contact line needs the temperature where tables or
-//! the bristle follow it, the mean needs the load where a caliper or an annulus lets the contact decide it.
+//! Lumped heat, friction coefficient, distance and bristle depend on the mean pressure and follow the equations of the lumped
+//! level ([`Lumped`], without wear and holder); the contact line adds the quantities that vary along the contact. The two are
+//! coupled once per piece of a communication step: the contact line takes the temperature where tables or the bristle depend on
+//! it, the lumped level takes the load where a caliper or an annulus lets the contact determine it.
 
 pub mod cycle;
 mod explicit;
@@ -35,14 +35,14 @@ use std::sync::Arc;
 use step::Work;
 use trajectory::{InputTrajectory, LumpedTemperature, Slipped, StageConditions};
 
-/// Whether an input differs from what it was at the end of the last step by more than rounding, on the scale of what it is in this step
-/// and the last.
+/// Whether an input has jumped: it differs from its value at the end of the last step by more than rounding, on the scale of its
+/// values in this step and the last.
 fn jumps(before: f64, now: f64, scale: f64) -> bool {
-    // Before the first step there is no number.
+    // Before the first step the value is NaN.
     before.is_nan() || (now - before).abs() > 1e-6 * scale
 }
 
-/// A scene at the line level.
+/// Instance of a scene at the line level.
 #[derive(Clone, Debug)]
 pub struct Line {
     operators: Arc<LineOperators>,
@@ -52,21 +52,21 @@ pub struct Line {
     state: LineState,
     /// State before the step under way.
     backup: (lumped::state::LumpedState, LineState),
-    /// The backup has the temperatures inside the bodies at the start of the step: where it has not, they have not changed.
+    /// The backup holds the body temperatures at the start of the step; where it does not, they have not changed.
     bodies_kept: bool,
     contact: WearingContact,
     conditions: Conditions,
-    /// Heat along the contact line, where its distribution feeds back.
+    /// Resolved heat, where its distribution feeds back.
     heat: Option<Box<ThermalCoupling>>,
     work: Work,
-    /// Internal steps that may still be tried, where they are counted.
+    /// Internal steps that may still be tried, where they are limited.
     attempts_left: Option<u32>,
-    /// Equilibrium last shown, and the inputs it belongs to.
+    /// Equilibrium last evaluated for outputs, and its inputs.
     shown: ([f64; INPUTS], ContactState),
 }
 
 impl Line {
-    /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
+    /// Initial state at rest at the given inputs (which give the ambient temperature of initialisation).
     pub fn new(operators: Arc<LineOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Line {
         let mut mean = Lumped::new(operators.mean.clone(), tunables, inputs);
         let mut friction = FrictionLaw::new(&operators.scene);
@@ -77,7 +77,7 @@ impl Line {
             let reference = mean.state().reference;
             let rise = [&scene.punch, &scene.strip]
                 .map(|body| if body.initial_temperature > 0.0 { body.initial_temperature - reference } else { 0.0 });
-            // An insulator has no temperature but that of the surface it lies on.
+            // An insulator is assigned the temperature of the surface in contact with it.
             let rise = match [scene.punch.conductivity > 0.0, scene.strip.conductivity > 0.0] {
                 [true, false] => [rise[0]; 2],
                 [false, true] => [rise[1]; 2],
@@ -104,7 +104,7 @@ impl Line {
         }
     }
 
-    /// What the scene was made into.
+    /// Operators built from the scene.
     pub fn operators(&self) -> &Arc<LineOperators> {
         &self.operators
     }
@@ -114,12 +114,12 @@ impl Line {
         self.mean.has_bristle()
     }
 
-    /// The contact's state.
+    /// State of the contact line.
     pub fn state(&self) -> &LineState {
         &self.state
     }
 
-    /// The mean's state.
+    /// State of the lumped level.
     pub fn mean_state(&self) -> &lumped::state::LumpedState {
         self.mean.state()
     }
@@ -129,14 +129,14 @@ impl Line {
         self.mean.friction_work()
     }
 
-    /// Appends the contact's state as numbers.
+    /// Appends the state of the contact line as numbers.
     pub fn save(&self, out: &mut Vec<f64>) {
         let mut state = self.state.clone();
         state.status.copy_from(self.contact.status());
         state.save(out);
     }
 
-    /// Replaces everything that changes.
+    /// Replaces the whole state.
     pub fn set_state(&mut self, mean: &lumped::state::LumpedState, line: &LineState) {
         self.mean.set_state(mean);
         self.state.copy_from(line);
@@ -145,23 +145,23 @@ impl Line {
         self.forget_shown();
     }
 
-    /// What the contact solver has done so far.
+    /// Work counters of the contact solver.
     pub fn contact_work(&self) -> WorkCounter {
         let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::counter);
         heat.fold(self.contact.counter(), |sum, counter| sum + counter)
     }
 
-    /// From here on at most `most` internal steps are tried: a step that would need more fails.
+    /// Limits the internal steps tried from here on: a step that needs more than `most` fails.
     pub fn limit_attempts(&mut self, most: u32) {
         self.attempts_left = Some(most);
     }
 
-    /// Internal steps that may still be tried, where they are counted.
+    /// Internal steps that may still be tried, where they are limited.
     pub fn attempts_left(&self) -> Option<u32> {
         self.attempts_left
     }
 
-    /// Parameters that may change between steps.
+    /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         if let Some(heat) = &mut self.state.heat
             && self.friction.coefficient > 0.0
@@ -176,7 +176,7 @@ impl Line {
         self.forget_shown();
     }
 
-    /// Tells the mean the friction coefficient of the contact line at its temperatures.
+    /// Passes the friction coefficient of the contact line, at its temperatures, to the lumped level.
     fn tell_friction(&mut self) {
         if let Some(heat) = &self.state.heat {
             self.mean.set_friction_coefficient(heat.kinetic_coefficient);
@@ -192,8 +192,8 @@ impl Line {
         self.state.limits | self.mean.limits()
     }
 
-    /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates `slopes`, or
-    /// not at all. On failure the state is the one before the step.
+    /// Advances the scene by `step` (s, > 0) with inputs that start at `inputs` and change at the rates `slopes`, or are
+    /// constant. On failure the state is the one before the step.
     ///
     /// # Errors
     /// [`StepFailure`] where the contact has no equilibrium, no step size gives a solution, or a body is worn through.
@@ -223,7 +223,7 @@ impl Line {
         outcome
     }
 
-    /// The step in pieces between sign changes of the velocity and of the load.
+    /// Advances in pieces between sign changes of velocity and load.
     fn pieces(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
         let last_load = inputs[1] + slopes.map_or(0.0, |slopes| slopes[1] * step);
         if inputs[1] < 0.0 || last_load < 0.0 {
@@ -248,7 +248,7 @@ impl Line {
         for piece in edges[..=count].windows(2) {
             let length = piece[1] - piece[0];
             if length > 0.0 {
-                // Which way it slides between its ends: at them the velocity is 0 to rounding.
+                // Sliding direction from the velocity in the middle: at the ends it is 0 to rounding.
                 let middle = 0.5 * (piece[0] + piece[1]);
                 let velocity = |index: usize| inputs[index] + slopes.map_or(0.0, |slopes| slopes[index] * middle);
                 let velocity = velocity(0) + self.operators.scene.mean_radius * velocity(2);
@@ -271,7 +271,7 @@ impl Line {
         Ok(())
     }
 
-    /// A piece without events: mean and contact line, in the order in which they need each other.
+    /// Advances over a piece without events: lumped level and contact line, in the order of their dependence.
     fn piece(
         &mut self,
         inputs: &[f64; INPUTS],
@@ -288,8 +288,8 @@ impl Line {
             let heat = self.step_mean(inputs, slopes, length, follows_heat)?;
             return self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length);
         }
-        // The load that the contact carries at the start; with an expanding caliper or fading friction a first pass of
-        // the mean at this load tells how hot it gets.
+        // Load carried by the contact at the start; with an expanding caliper or temperature-dependent friction a first pass of
+        // the lumped level at this load predicts the temperature.
         let first = self.carried(inputs);
         let mut loaded = *inputs;
         loaded[1] = first;
@@ -309,7 +309,7 @@ impl Line {
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
 
-    /// A piece with heat along the contact line: the mean only counts distance, and carries a bristle.
+    /// Advances over a piece with resolved heat: the lumped level only integrates distance and a bristle.
     fn warm_piece(
         &mut self,
         inputs: &[f64; INPUTS],
@@ -317,7 +317,7 @@ impl Line {
         length: f64,
     ) -> Result<(), StepFailure> {
         if self.mean.has_bristle() {
-            // Its heat is the work of the mean force, so the mean comes first.
+            // The heat of a bristle is the work of the mean force, so the lumped level is advanced first.
             let mut loaded = *inputs;
             loaded[1] = self.carried(inputs);
             let mut rates = slopes.copied();
@@ -346,7 +346,7 @@ impl Line {
         self.mean.step(&loaded, sloped.then_some(&rates), length)
     }
 
-    /// Carries the mean over the piece; how temperature and expansion went where `observed`.
+    /// Advances the lumped level over the piece; returns the courses of temperature and expansion where `observed`.
     fn step_mean(
         &mut self,
         inputs: &[f64; INPUTS],
@@ -378,12 +378,12 @@ impl Line {
         })
     }
 
-    /// Contact temperature (K) for these inputs with the states held.
+    /// Contact temperature (K) for these inputs at frozen states.
     fn temperature(&mut self, inputs: &[f64; INPUTS]) -> f64 {
         self.mean.point(inputs).contact_temperature + self.mean.state().reference
     }
 
-    /// Displacement of both surfaces by the mean temperature of the bodies, m into them.
+    /// Displacement of both surfaces by the lumped temperature of the bodies, m into them.
     fn expansion(&self) -> f64 {
         if self.operators.scene.holder_stiffness > 0.0 && self.heat.is_none() {
             -self.mean.expansion_of_bodies()
@@ -392,7 +392,7 @@ impl Line {
         }
     }
 
-    /// Balance of holder and contact at `moment`.
+    /// Equilibrium conditions of holder and contact at `moment`.
     fn balance(&mut self, moment: &StageConditions) -> (f64, Normal, Tilt) {
         let operators = self.operators.clone();
         let scene = &operators.scene;
@@ -406,7 +406,7 @@ impl Line {
         let load = moment.load / operators.shared_depth;
         let stiffness = scene.holder_stiffness / operators.shared_depth;
         let normal = if stiffness > 0.0 && moment.load > 0.0 {
-            // The caliper holds the actuator's load on the unworn, cold bodies.
+            // The caliper is adjusted so that the unworn, cold bodies carry the actuator's load.
             let reference = self.reference_approach(load);
             Normal::Spring { load: load + stiffness * reference, stiffness }
         } else {
@@ -430,7 +430,7 @@ impl Line {
         self.work.reference.1
     }
 
-    /// Limits and validity after a step.
+    /// Sets limit bits and checks validity after a step.
     fn watch(&mut self) -> Result<(), StepFailure> {
         if let Some(name) = self.state.not_finite() {
             return Err(StepFailure(format!(

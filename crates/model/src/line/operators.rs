@@ -1,4 +1,4 @@
-//! What the contact line is made of, built once from the scene and shared by every state.
+//! Operators of the contact line, built once from the scene and shared by all its states.
 
 use super::heat::bodies::{Bodies, on_the_cells};
 use super::hottest::Hottest;
@@ -14,44 +14,44 @@ use nalgebra::DMatrix;
 use scene::{Constraint, FadeTable, Fidelity, Geometry, HeatAlongContact, InitialShape, Path, Scene, Scheme};
 use std::sync::Arc;
 
-/// Cells where the scene leaves the choice: pressure to about 1e-3 away from the edges.
+/// Default number of cells: relative error of the pressure of about 1e-3 away from the edges.
 const CHOSEN_CELLS: usize = 33;
 
-/// The same for the reference level.
+/// Default number of cells at the reference level.
 const FINEST_CELLS: usize = 257;
 
-/// How the strip's worn depth moves under the punch.
+/// Evolution of the strip's worn depth under the punch.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum StripWear {
-    /// It does not wear.
+    /// No wear.
     None,
-    /// Every point of a closed path comes by: evenly along the path, one depth for all cells.
+    /// Closed path: uniform wear along the path, one depth for all cells, because every point passes through the contact.
     Even,
-    /// Annular contact: every radius keeps its own depth.
+    /// Annular contact: one depth per radius.
     ByRadius,
-    /// A straight path keeps a track in its own coordinate.
+    /// Straight path: a worn track in the strip's own coordinate.
     Track,
 }
 
-/// How uneven a pressure is, relative to its mean.
+/// Nonuniformity of a pressure, relative to its mean.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Unevenness {
     /// Root mean square of its deviation from the mean.
     pub pressure: f64,
-    /// Root mean square of what shear coupling changes.
+    /// Root mean square of the change by shear coupling.
     pub shear: f64,
-    /// The same of the moment about the pivot.
+    /// Root mean square of the change by the moment about the pivot.
     pub rotation: f64,
 }
 
-/// See the module.
+/// Operators of the contact line.
 #[derive(Debug)]
 pub struct LineOperators {
-    /// The scene it was built from.
+    /// Scene from which the operators were built.
     pub scene: Scene,
-    /// Heat, friction and everything else that the mean pressure decides.
+    /// Operators of the lumped level: heat, friction and everything else that depends on the mean pressure.
     pub mean: Arc<lumped::operators::LumpedOperators>,
-    /// The conducting bodies, where heat is carried along the contact line; `None`: by its mean.
+    /// Conducting bodies of resolved heat; `None`: lumped heat.
     pub heat: Option<Bodies>,
     /// The cells.
     pub cells: Cells,
@@ -68,21 +68,21 @@ pub struct LineOperators {
     /// Normal compliance of both bodies and shear coupling (strip less punch), N x N, m/Pa.
     normal: DMatrix<f64>,
     shear: DMatrix<f64>,
-    /// Displacement scale per mean pressure (m/Pa): what the error of a worn shape is measured against.
+    /// Displacement per mean pressure (m/Pa): scale of the error of a worn shape.
     pub displacement_scale: f64,
     /// Wear laws of punch and strip, with the factor of the mean over the path.
     pub wear: [(WearLaw, f64); 2],
-    /// What the strip's wear does.
+    /// Evolution of the strip's worn depth.
     pub strip_wear: StripWear,
     /// Stations of the profiles.
     pub profile: Profile,
-    /// The highest temperature of the contact.
+    /// Intervals of the highest contact temperature.
     pub hottest: Hottest,
-    /// Length by which a load per face is shared: depth times number of punches, m.
+    /// Length that converts load per face into load per depth: depth times number of punches, m.
     pub shared_depth: f64,
-    /// Pivot height where the punch can rotate and friction turns it, m.
+    /// Pivot height where the punch can rotate and friction exerts a moment, m.
     pub pivot: Option<f64>,
-    /// A free tilt.
+    /// The tilt is free.
     pub rotates: bool,
 }
 
@@ -99,7 +99,7 @@ impl LineOperators {
         Self::with_heat(scene, on_the_cells(scene), run_in)
     }
 
-    /// The same with the mean's reduced bodies of `known`, the lumped level of the same scene.
+    /// Builds the contact line with the reduced bodies of `known`, the lumped level of the same scene.
     ///
     /// # Errors
     /// As [`LineOperators::new`].
@@ -111,7 +111,7 @@ impl LineOperators {
         Self::build(scene, on_the_cells(scene), Some(known), run_in)
     }
 
-    /// The same with heat along the contact line, or without, whether it feeds back or not.
+    /// Builds the contact line with resolved or lumped heat, whether heat feeds back or not.
     ///
     /// # Errors
     /// As [`LineOperators::new`].
@@ -152,7 +152,7 @@ impl LineOperators {
         });
         let displacement: Vec<f64> = (&normal * profile_pressure).iter().map(|u| u * u).collect();
         let displacement_scale = (cells.integral(&displacement) / (2.0 * cells.half_width())).sqrt();
-        // What can be wrong with the matrices is found here, once.
+        // Checks the matrices once.
         check_operators(count, &normal, &shear).map_err(|error| error.to_string())?;
         let law = |body: &scene::Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
         let strip_wear = match (scene.strip.wear_coefficient > 0.0, scene.geometry, scene.path) {
@@ -192,30 +192,30 @@ impl LineOperators {
         Ok(operators)
     }
 
-    /// N.
+    /// Number of cells N.
     pub fn count(&self) -> usize {
         self.cells.count()
     }
 
-    /// Whether friction or wear of a cell follow its own temperature.
+    /// Whether friction or wear of a cell depend on its local contact temperature.
     pub fn wears_by_cell(&self) -> bool {
         let fades = !self.scene.friction_fade.flat;
         self.heat.is_some() && self.wear.iter().any(|(law, _)| law.active() && law.follows_temperature(fades))
     }
 
-    /// The contact as it is before the first step, with memory of its own.
+    /// Contact problem before the first step, with its own workspace.
     pub fn contact(&self) -> WearingContact {
         let (normal, shear) = (self.normal.clone(), self.shear.clone());
         let mut contact = WearingContact::new(&self.cells, &self.weights, normal, shear, self.initial_gap.clone())
             .expect("the same matrices were accepted when the operators were made");
         if self.strip_wear == StripWear::Track {
-            // The first operator makes room for all that follow.
+            // The first operator allocates memory for all later ones.
             contact.set_operator(Some(&DMatrix::identity(self.count(), self.count())));
         }
         contact
     }
 
-    /// Conditions of a contact under no load, with a term for every body that reshapes the contact.
+    /// Conditions of an unloaded contact, with a wear term for every body that reshapes it.
     pub fn conditions(&self) -> Conditions {
         let term = |body: usize| WearTerm {
             coefficient: match self.scene.geometry {
@@ -234,7 +234,7 @@ impl LineOperators {
         }
     }
 
-    /// Load per face (N) that gives the mean its heat and friction: the contact's, on an annulus by its torque.
+    /// Load per face (N) that determines heat and friction at the lumped level: the contact's, on an annulus by its torque.
     pub fn carried(&self, pressure: &[f64]) -> f64 {
         let (mut torque, mut load) = (0.0, 0.0);
         for i in 0..pressure.len() {
@@ -245,7 +245,7 @@ impl LineOperators {
         carried * self.shared_depth
     }
 
-    /// The same contact with its heat by the mean; nothing is built anew.
+    /// The same contact with lumped heat; no matrix is built anew.
     pub fn with_heat_by_its_mean(&self) -> LineOperators {
         let mut scene = self.scene.clone();
         scene.heat_along_contact = HeatAlongContact::ByItsMean;
@@ -275,7 +275,7 @@ impl LineOperators {
         }
     }
 
-    /// How uneven the pressure of the unworn, cold contact is at nominal load.
+    /// Nonuniformity of the pressure of the unworn, cold contact at nominal load.
     pub fn unevenness(&self) -> Unevenness {
         let scene = &self.scene;
         let friction = scene.friction_coefficient;
@@ -309,7 +309,7 @@ impl LineOperators {
         }
     }
 
-    /// What was chosen, for the log.
+    /// Description of the choices made, for the log.
     pub fn plan(&self) -> String {
         let strip = match self.strip_wear {
             StripWear::None => "does not wear",
@@ -331,7 +331,7 @@ impl LineOperators {
         format!("{} cells{chosen}; the strip {strip}; {heat}{bound}", self.count())
     }
 
-    /// The longest stable explicit step at nominal conditions, for the log.
+    /// Longest stable explicit step at nominal conditions, for the log.
     fn explicit_bound(&self) -> String {
         let scene = &self.scene;
         let (mut contact, mut conditions) = (self.contact(), self.conditions());
@@ -358,13 +358,13 @@ impl LineOperators {
         }
     }
 
-    /// What a user should know before the scene runs.
+    /// Warnings about the scene, at initialisation.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let scene = &self.scene;
         let distorts = |body: &scene::Body| body.thermal_expansion > 0.0 && body.conductivity > 0.0;
-        // Heat by its mean where it has no effect along the contact, or where a plan says what leaving that out costs, is
-        // nothing to warn of.
+        // No warning for lumped heat where its distribution has no effect along the contact, or where a plan states the cost of
+        // neglecting it.
         if scene.scheme == Scheme::Explicit && (distorts(&scene.punch) || distorts(&scene.strip)) {
             warnings.push(
                 "thermal distortion of the shape is not part of this level with solver.scheme = explicit: the \
@@ -396,8 +396,7 @@ impl LineOperators {
     }
 }
 
-/// The scene whose mean quantities the lumped level carries: the contact line does the wear and stands between holder and
-/// load.
+/// Scene of the lumped level beneath the contact line, which integrates the wear and stands between holder and load.
 fn mean_scene(scene: &Scene, heat: bool) -> Scene {
     let mut mean = scene.clone();
     for body in [&mut mean.punch, &mut mean.strip] {
@@ -406,7 +405,7 @@ fn mean_scene(scene: &Scene, heat: bool) -> Scene {
     }
     mean.holder_stiffness = 0.0;
     if heat {
-        // The contact line tells the mean its friction coefficient.
+        // The contact line supplies the friction coefficient.
         mean.friction_fade = FadeTable::new(scene.friction_fade.temperature, [1.0; 8]);
     }
     mean

@@ -1,4 +1,5 @@
-//! Outputs and profiles of the line level, by value reference: the mean's, with what the contact line knows better.
+//! Outputs and profiles of the line level, by value reference: those of the lumped level, replaced where the contact line
+//! resolves more.
 
 use super::Line;
 use super::operators::LineOperators;
@@ -12,13 +13,13 @@ use scene::variables::{COUNT, reference};
 use scene::{Geometry, STATIONS, value};
 
 impl Line {
-    /// Pressure, approach and tilt for these inputs with the worn shape held, left in `shown`. Where the contact has no
-    /// equilibrium (the step will say so) the last one stays.
+    /// Evaluates pressure, approach and tilt for these inputs at the frozen worn shape into `shown`. Without an equilibrium (the
+    /// next step will report it) the last one remains.
     fn equilibrium(&mut self, inputs: &[f64; INPUTS]) {
         if self.shown.0 == *inputs {
             return;
         }
-        // Where friction follows the temperature, the step's end knows it to the step's tolerance only.
+        // With temperature-dependent friction the end of a step is only accurate to its tolerance.
         if self.state.current
             && self.state.end_inputs == *inputs
             && (!self.operators.follows_heat() || self.heat.is_some() && self.operators.scene.friction_fade.flat)
@@ -35,7 +36,7 @@ impl Line {
         let (signed, normal, tilt) = self.balance(&moment);
         self.conditions.signed_friction = signed;
         (self.conditions.normal, self.conditions.tilt) = (normal, tilt);
-        // Looking must not change where the next step starts.
+        // Evaluation of outputs must not change the warm start of the next step.
         self.work.status.copy_from(self.contact.status());
         let found = self.contact.stage_into(&self.work.gap, 0.0, &self.conditions, &mut self.work.shown);
         self.contact.set_status(&self.work.status);
@@ -45,7 +46,7 @@ impl Line {
         self.shown.0 = *inputs;
     }
 
-    /// Conditions of the contact for these inputs with the states held.
+    /// Conditions of the contact for these inputs at frozen states.
     fn moment(&mut self, inputs: &[f64; INPUTS]) -> StageConditions {
         let load = inputs[1].max(0.0);
         let point = self.mean.point(inputs);
@@ -66,7 +67,7 @@ impl Line {
         }
     }
 
-    /// Load per face (N) that the mean feels for these inputs.
+    /// Load per face (N) at the lumped level for these inputs.
     pub(super) fn carried(&mut self, inputs: &[f64; INPUTS]) -> f64 {
         if !self.operators.decides_load() {
             return inputs[1];
@@ -75,7 +76,7 @@ impl Line {
         self.operators.carried(&self.shown.1.pressure)
     }
 
-    /// The inputs as the mean takes them.
+    /// Inputs of the lumped level.
     fn loaded(&mut self, inputs: &[f64; INPUTS]) -> [f64; INPUTS] {
         let mut loaded = *inputs;
         loaded[1] = self.carried(inputs);
@@ -91,7 +92,7 @@ impl Line {
         })
     }
 
-    /// Writes the outputs that answer the inputs (but `friction_slope`), and the worn depths.
+    /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let loaded = self.loaded(inputs);
@@ -131,7 +132,7 @@ impl Line {
         value!(values, "wear_depth_strip") = strip;
     }
 
-    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    /// Writes the main outputs at the end of the last step, valid for its final inputs only.
     pub fn write_end(&self, values: &mut [f64; COUNT]) {
         self.mean.write_end(values);
         if let Some(heat) = &self.state.heat {
@@ -142,7 +143,7 @@ impl Line {
         value!(values, "wear_depth") = punch + strip;
     }
 
-    /// Writes the outputs that only the states give: the heat account, volumes, distance.
+    /// Writes the outputs that depend on the states only: the heat account, volumes, distance.
     pub fn write_account(&self, values: &mut [f64; COUNT]) {
         self.mean.write_account(values);
         let (operators, state) = (&self.operators, &self.state);
@@ -179,13 +180,13 @@ impl Line {
         values[first..first + STATIONS].copy_from_slice(profile.positions());
     }
 
-    /// Derivatives of every output in the direction `seed` of the inputs, with the states held.
+    /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
     pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
         self.equilibrium(inputs);
         let moment = self.moment(inputs);
         let operators = self.operators.clone();
         let (scene, count) = (&operators.scene, operators.count());
-        // Friction per load in dual numbers: what turns the punch and shifts the pressure.
+        // Friction per load in dual numbers: it rotates the punch and shifts the pressure.
         let mut duals = [Dual::from(0.0); INPUTS];
         for i in 0..INPUTS {
             duals[i] = Dual { value: inputs[i], derivative: seed[i] };
@@ -277,12 +278,12 @@ impl Line {
 }
 
 impl LineOperators {
-    /// Whether the contact line decides the load that the mean feels.
+    /// Whether the contact line determines the load of the lumped level.
     pub fn decides_load(&self) -> bool {
         self.scene.holder_stiffness > 0.0 || self.scene.geometry == Geometry::Annular
     }
 
-    /// Whether the contact line needs to know what the mean does during a step.
+    /// Whether the contact line depends on the lumped temperature during a step.
     pub fn follows_heat(&self) -> bool {
         let scene = &self.scene;
         let expands = scene.holder_stiffness > 0.0

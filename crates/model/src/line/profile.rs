@@ -1,4 +1,4 @@
-//! From the cells of the contact line to the stations of the profiles.
+//! Interpolation from the cells of the contact line to the stations of the profiles.
 //!
 //! A station's value is the mean over its own interval, half an interval at the two edges, so the trapezoid sum over
 //! the stations is the integral over the cells to rounding, whatever the number of cells. Between the cell boundaries,
@@ -9,17 +9,17 @@
 use elasticity::Cells;
 use scene::STATIONS;
 
-/// Where the intervals of the stations meet.
+/// Stations and the boundaries of their intervals.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Profile {
     positions: [f64; STATIONS],
     widths: Vec<f64>,
-    /// For every inner end of an interval: its cell and where it lies in it, from 0 to 1.
+    /// Every inner boundary of an interval: its cell and its relative position in the cell, from 0 to 1.
     ends: [(usize, f64); STATIONS - 1],
 }
 
 impl Profile {
-    /// Stations spread evenly over the cells, from edge to edge.
+    /// Stations equally spaced from edge to edge.
     pub fn new(cells: &Cells) -> Profile {
         let half_width = cells.half_width();
         let spacing = 2.0 * half_width / (STATIONS - 1) as f64;
@@ -51,11 +51,11 @@ impl Profile {
         self.integrate(means, rates, out);
     }
 
-    /// Station values of the quantity whose cell means are `values`, with limits decided by `means`.
+    /// Station values of the quantity whose cell means are `values`, with the limiters of `means`.
     fn integrate(&self, means: &[f64], values: &[f64], out: &mut [f64]) {
         let spacing = self.positions[1] - self.positions[0];
         let (mut cell, mut passed, mut before) = (0, 0.0, 0.0);
-        // Where the last interval ended, with the densities at both ends of that cell: many intervals end in one cell.
+        // Cell in which the last interval ended, and the densities at both its ends: many intervals end in one cell.
         let (mut at, mut densities) = (usize::MAX, [0.0; 2]);
         for (station, &(end, part)) in self.ends.iter().enumerate() {
             while cell < end {
@@ -78,15 +78,16 @@ impl Profile {
         out[STATIONS - 1] = (passed - before) / (0.5 * spacing);
     }
 
-    /// Integral over the first `part` of a cell of a quantity of this mean, with these densities at the cell's ends.
+    /// Integral over the first `part` of a cell of a quantity with this mean and these densities at the cell's ends.
     fn within(&self, cell: usize, part: f64, [left, right]: [f64; 2], mean: f64) -> f64 {
-        // Cubic in the part with the densities at both ends as slopes.
+        // Monotone cubic with the densities at both ends as slopes.
         self.widths[cell]
             * part
             * (left + part * ((3.0 * mean - 2.0 * left - right) + part * (left + right - 2.0 * mean)))
     }
 
-    /// Value at a cell boundary: of the parabola through the integrals around it, not above three times the smaller mean.
+    /// Density at a cell boundary: slope of the parabola through the integrals around it, limited to three times the smaller
+    /// mean.
     fn density(&self, boundary: usize, means: &[f64], values: &[f64]) -> f64 {
         let count = means.len();
         if count == 1 {

@@ -1,11 +1,11 @@
-//! The line level's state as numbers, and back.
+//! Serialisation of the line level's state.
 
 use super::operators::LineOperators;
 use super::state::LineState;
 use crate::INPUTS;
 
 impl LineState {
-    /// Takes over `other` without allocating.
+    /// Copies `other` without allocating.
     pub fn copy_from(&mut self, other: &LineState) {
         if let (Some(mine), Some(heat)) = (&mut self.heat, &other.heat) {
             mine.copy_bodies_from(heat);
@@ -13,7 +13,7 @@ impl LineState {
         self.copy_contact_from(other);
     }
 
-    /// Takes over everything but the temperatures inside the bodies.
+    /// Copies everything except the temperatures inside the bodies.
     pub fn copy_contact_from(&mut self, other: &LineState) {
         self.punch.copy_from_slice(&other.punch);
         self.strip.copy_from_slice(&other.strip);
@@ -60,7 +60,7 @@ impl LineState {
         }
     }
 
-    /// Reads what [`LineState::save`] wrote for a state of `operators`; `None` if the numbers cannot be one.
+    /// Reads the state written by [`LineState::save`] for `operators`; `None` if the numbers are not one.
     pub fn load(operators: &LineOperators, numbers: &[f64]) -> Option<LineState> {
         let numbers = &mut numbers.iter();
         let mut state = LineState::new(operators);

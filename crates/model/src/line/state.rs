@@ -1,4 +1,4 @@
-//! What changes along the contact line; everything a saved state needs.
+//! State of the contact line, as it is saved.
 
 use super::heat::state::HeatState;
 use super::operators::{LineOperators, StripWear};
@@ -6,7 +6,7 @@ use crate::INPUTS;
 use contact::wear::line::{LineTrack, Status};
 use numerics::maximum::all_finite;
 
-/// See the module. Vectors have N values, one per cell.
+/// State of the contact line. Vectors have N values, one per cell.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LineState {
     /// Worn depth of the punch, m.
@@ -15,7 +15,7 @@ pub struct LineState {
     pub strip: Vec<f64>,
     /// The strip's track on a straight path.
     pub track: Option<LineTrack>,
-    /// Heat in the bodies, where the contact line carries it.
+    /// Thermal state, with resolved heat.
     pub heat: Option<HeatState>,
     /// Position of the punch on the strip, m.
     pub position: f64,
@@ -25,23 +25,23 @@ pub struct LineState {
     pub pressure: Vec<f64>,
     /// Approach (m) and tilt (rad) at the end of the last step.
     pub approach: f64,
-    /// See `approach`.
+    /// Tilt (rad) at the end of the last step.
     pub tilt: f64,
     /// Whether pressure, approach and tilt are those of the end of the last step.
     pub current: bool,
-    /// Inputs at the end of the last step; NaN: none, or a parameter has changed since.
+    /// Inputs at the end of the last step; NaN: none, or a parameter has changed since then.
     pub end_inputs: [f64; INPUTS],
     /// Largest magnitudes of velocity, load and angular velocity at the ends of the last step.
     pub scales: [f64; 3],
     /// Highest speed at the ends of a step so far, m/s.
     pub fastest: f64,
-    /// Which way it slid last: the sign of the velocity between two events.
+    /// Last sliding direction: the sign of the velocity between two events.
     pub direction: f64,
-    /// Load per face that the mean feels at the end of the last step, N.
+    /// Load per face at the lumped level at the end of the last step, N.
     pub carried: f64,
-    /// Where the contact solver starts.
+    /// Active set for the warm start of the contact solver.
     pub status: Status,
-    /// log2 of the number of parts the last communication step was cut into.
+    /// log2 of the number of parts of the last communication step.
     pub refinement: u8,
     /// Bits of limit_reached seen so far.
     pub limits: u8,
@@ -54,7 +54,7 @@ pub struct LineState {
 }
 
 impl LineState {
-    /// Nothing worn; bodies with heat along the line at the reference temperature.
+    /// Initial state: unworn; bodies with resolved heat at the reference temperature.
     pub fn new(operators: &LineOperators) -> LineState {
         let zeros = vec![0.0; operators.count()];
         LineState {
@@ -83,7 +83,7 @@ impl LineState {
         }
     }
 
-    /// What is not all finite numbers, if anything.
+    /// Name of a quantity that is not finite, if any.
     pub fn not_finite(&self) -> Option<&'static str> {
         let contact = [self.approach, self.tilt, self.carried, self.position, self.volume[0], self.volume[1]];
         let rows = [

@@ -9,7 +9,7 @@
 //! w    <- w + h [(1 - gamma) f(p_1) + gamma f(p_2)]
 //! ```
 //!
-//! The embedded first-order solution bounds the error; the piece is cut into 2^n equal parts as it asks.
+//! The embedded first-order solution gives the error estimate; the piece is divided into 2^n equal parts accordingly.
 
 use super::Line;
 use super::operators::{LineOperators, StripWear};
@@ -28,16 +28,16 @@ use scene::Scheme;
 /// Finest subdivision: 2^-40 of the piece.
 const FINEST: u8 = 40;
 
-/// log2 of the number of parts of a piece from which heat is no reason to cut it further.
+/// log2 of the number of parts of a piece from which on the thermal error no longer refines the step.
 const FOLLOWING: u8 = 8;
 
-/// Steps for which none is tried that is as long as one which was too long for what grows.
+/// Number of steps before a step size rejected by the growth guard is tried again.
 const RETRY_DELAY: u8 = 32;
 
-/// A stage without a solution at a shorter step is cut this often before the reason is reported.
+/// Largest number of bisections of a step whose stage has no solution, before the reason is reported.
 const CUTS_WITHOUT_SOLUTION: u8 = 20;
 
-/// Memory that a step works in.
+/// Workspace of a step.
 #[derive(Clone, Debug)]
 pub struct Work {
     pub gap: Vec<f64>,
@@ -47,11 +47,11 @@ pub struct Work {
     pub rates: [[Vec<f64>; 2]; 2],
     pub strip: Vec<f64>,
     pub deposit: Vec<f64>,
-    /// What the strip carries along, for the travel `carried_over` (m).
+    /// Operator of the strip's wear under the moving punch, for the travel `carried_over` (m).
     pub carry: DMatrix<f64>,
     pub carried_over: Option<f64>,
     pub operator: DMatrix<f64>,
-    /// The strip's track as the step under way leaves it.
+    /// Worn track of the strip at the end of the step under way.
     pub track: Option<LineTrack>,
     pub shown: ContactState,
     pub rate: ContactRate,
@@ -60,12 +60,12 @@ pub struct Work {
     /// Load per depth, and the approach of the unworn bodies under it.
     pub reference: (f64, f64),
     pub mean: lumped::state::LumpedState,
-    /// What the communication step under way has cost.
+    /// Work budget of the communication step under way.
     pub budget: Budget,
 }
 
 impl Work {
-    /// Memory for a contact line.
+    /// Workspace for a contact line.
     pub fn new(operators: &LineOperators) -> Work {
         let count = operators.count();
         let zeros = || vec![0.0; count];
@@ -92,18 +92,18 @@ impl Work {
     }
 }
 
-/// What a part of a piece found.
+/// Outcome of a trial step over a part of a piece.
 enum Outcome {
     /// Error in units of the tolerance.
     Tried(f64),
-    /// Too long for what grows.
+    /// Rejected by the growth guard.
     Outgrown,
     /// No solution.
     Failed(StageError),
 }
 
 impl Line {
-    /// Carries the worn shape over a piece.
+    /// Advances the worn shape over a piece.
     pub(super) fn step_line(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
@@ -112,7 +112,7 @@ impl Line {
         match operators.scene.scheme {
             Scheme::Explicit => return self.explicit(path, length),
             Scheme::Staggered if self.heat.is_some() => return self.staggered(path, length),
-            // Without heat along the line there is nothing to split.
+            // Without resolved heat there is nothing to split.
             Scheme::Staggered | Scheme::Monolithic => {}
         }
         let mut level = self.state.refinement;
@@ -141,7 +141,7 @@ impl Line {
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
                     part += 1;
                     failures = 0;
-                    // Error ~ h^2: room for doubling the step.
+                    // The error is O(h^2): a quarter of the tolerance permits doubling the step.
                     let rejected_by_growth =
                         self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
                     if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {
@@ -160,7 +160,7 @@ impl Line {
                 }
                 Outcome::Failed(error) => {
                     failures += 1;
-                    // Heat of a long step may let the pressure run away where that of a short one does not.
+                    // With heat the pressure may diverge in a long step and not in a short one.
                     let curable = self.heat.is_some() || matches!(error, StageError::NotConverged { .. });
                     if failures > CUTS_WITHOUT_SOLUTION || !curable {
                         return Err(self.failure(path, start, &error));
@@ -201,7 +201,7 @@ impl Line {
         })
     }
 
-    /// Solutions of the contact that rates which are not linear in the pressure have taken so far.
+    /// Solutions of the contact required by wear rates nonlinear in the pressure, so far.
     fn newton_iterations(&self) -> u64 {
         let heat = self.heat.iter().flat_map(|heat| &heat.contacts).map(WearingContact::newton_iterations);
         self.contact.newton_iterations() + heat.sum::<u64>()
@@ -217,13 +217,13 @@ impl Line {
         ))
     }
 
-    /// A strip that keeps its track may move at most a quarter of the half-width under the punch in one step.
+    /// Whether the travel exceeds its limit: with a worn track in the strip, a quarter of the half-width in one step.
     pub(super) fn too_far(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
         let travel = step * path.velocity(start + 0.5 * step).abs();
         self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
     }
 
-    /// Nothing wears: only the position on a track and the load move on.
+    /// Advances a piece without wear: only the position on a track and the load change.
     fn stand(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let travel = length * path.velocity(0.5 * length);
         self.state.position += travel;
@@ -255,14 +255,14 @@ impl Line {
         }
     }
 
-    /// Adds the bodies' distortion at the end of the last step to the gap.
+    /// Adds the thermal distortion at the end of the last step to the gap.
     pub(super) fn add_held_distortion(&mut self) {
         if let Some(heat) = &self.state.heat {
             self.work.gap.iter_mut().zip(&heat.distortion).for_each(|(gap, moved)| *gap += moved);
         }
     }
 
-    /// Coefficients of the depth rates at `moment`, and the balance.
+    /// Sets wear coefficients and holder equilibrium at `moment`.
     pub(super) fn set_conditions(&mut self, moment: &StageConditions, tau: f64) {
         let (signed, normal, tilt) = self.balance(moment);
         let operators = &self.operators;
@@ -288,7 +288,7 @@ impl Line {
                 term += 1;
             }
         }
-        // Even wear of the strip takes load off a caliper within the stage.
+        // Uniform wear of the strip unloads a caliper within the stage.
         if operators.strip_wear == StripWear::Even
             && let Normal::Spring { load, stiffness } = &mut self.conditions.normal
         {
@@ -303,7 +303,7 @@ impl Line {
         }
     }
 
-    /// Tries a part; both stages are left in `work`.
+    /// Trial step over a part; both stages are left in `work`.
     fn attempt(&mut self, path: &InputTrajectory, start: f64, step: f64) -> Outcome {
         let operators = self.operators.clone();
         let count = operators.count();
@@ -381,11 +381,11 @@ impl Line {
             }
         }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };
-        // Contact that opens or closes is an event of heat: short steps go over it.
+        // A cell that opens or closes is a thermal event, which short steps cross without error control of heat.
         Outcome::Tried(if resolved { maximum(wear, self.heat_error(bound)) } else { wear })
     }
 
-    /// Puts the strip's depth under the cells after `travel` (m) into the gap, from the track as the step has left it.
+    /// Adds the strip's depth under the cells after `travel` (m) to the gap, from the track of the step.
     pub(super) fn meet_track(&mut self, travel: f64) {
         let (state, work) = (&self.state, &mut self.work);
         let Some(track) = &work.track else { return };
@@ -395,7 +395,7 @@ impl Line {
         }
     }
 
-    /// Deposits the first stage's wear of `duration` (s) over the first `travel` (m) on the step's track.
+    /// Deposits the first stage's wear of `duration` (s) along the first `travel` (m) on the step's track.
     pub(super) fn leave_first_stage(&mut self, travel: f64, duration: f64) {
         let (state, work) = (&self.state, &mut self.work);
         let Some(track) = &mut work.track else { return };
@@ -405,8 +405,9 @@ impl Line {
         track.deposit(state.position, state.position + travel, &work.deposit);
     }
 
-    /// Tells the contact what a stage's wear does to the gap: the punch's stays under its cell, the strip's is carried
-    /// along by `travel` (m). Where both wear, every cell's depth is shared as the pressure of the last step has it.
+    /// Sets the operator from the wear of a stage to the gap: the punch's wear stays under its cell, the strip's is carried along
+    /// by `travel` (m). Where both wear, the depth of each cell is divided in the ratio of the wear rates at the pressure of the
+    /// last step.
     pub(super) fn set_operator(&mut self, travel: f64, moment: &StageConditions) {
         let Some(track) = &self.work.track else { return };
         let operators = &self.operators;
@@ -439,13 +440,13 @@ impl Line {
         self.contact.set_operator(Some(&self.work.operator));
     }
 
-    /// Rate (m/s) at which cell `i` changes its gap at a stage.
+    /// Rate (m/s) of the gap of cell `i` by wear at a stage.
     fn reshaping(&self, stage: usize, i: usize) -> f64 {
         let [punch, strip] = &self.work.rates[stage];
         if self.operators.reshapes(1) { punch[i] + strip[i] } else { punch[i] }
     }
 
-    /// Takes the part that was tried.
+    /// Accepts the trial step.
     pub(super) fn accept(&mut self, path: &InputTrajectory, start: f64, step: f64) {
         let operators = self.operators.clone();
         let count = operators.count();
@@ -469,7 +470,7 @@ impl Line {
             StripWear::Even => {
                 let depth = even / (2.0 * operators.cells.half_width());
                 self.state.strip.iter_mut().for_each(|worn| *worn += depth);
-                // The last stage stood on the strip as it was before its own wear.
+                // The last stage was solved on the strip before its own wear.
                 let last = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
                 self.work.end.approach += weights[1] * last;
             }
@@ -496,7 +497,7 @@ impl Line {
         self.keep_end();
     }
 
-    /// Makes the last stage the state's equilibrium.
+    /// Copies the last stage into the state as its equilibrium.
     pub(super) fn keep_end(&mut self) {
         let (state, end) = (&mut self.state, &self.work.end);
         state.pressure.copy_from_slice(&end.pressure);

@@ -1,21 +1,21 @@
-//! What acts on the contact line during a piece of a communication step.
+//! Input trajectory of the contact line over a piece of a communication step.
 
 use super::Line;
 use crate::INPUTS;
 use contact::friction::FrictionLaw;
 
-/// How temperature and expansion go over a piece: linearly between its ends.
+/// Lumped temperature and expansion over a piece, linear between its ends.
 #[derive(Clone, Copy, Debug)]
 pub struct LumpedTemperature {
     /// Contact temperature at the ends, K.
     pub temperature: [f64; 2],
     /// Displacement of both surfaces by heat, m into the bodies.
     pub expansion: [f64; 2],
-    /// What a bristle did in the piece.
+    /// Slip of a bristle in the piece.
     pub slipped: Option<Slipped>,
 }
 
-/// What a bristle did in a piece, all cells alike.
+/// Slip of a bristle in a piece, the same for all cells.
 #[derive(Clone, Copy, Debug)]
 pub struct Slipped {
     /// Distance slipped, m.
@@ -27,42 +27,43 @@ pub struct Slipped {
 }
 
 impl LumpedTemperature {
-    /// Nothing changes, nothing is carried by a bristle.
+    /// Constant temperature and expansion, without a bristle.
     pub fn constant(temperature: f64, expansion: f64) -> LumpedTemperature {
         LumpedTemperature { temperature: [temperature; 2], expansion: [expansion; 2], slipped: None }
     }
 }
 
-/// The contact's conditions at one time.
+/// Stage conditions: the conditions of the contact at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct StageConditions {
-    /// s: sign of the velocity, regularised where the law says so.
+    /// s: sign of the velocity, regularised where the friction law is.
     pub sign: f64,
     /// s mu.
     pub signed_friction: f64,
-    /// Load per face that the actuator gives, N, >= 0.
+    /// Load per face by the actuator, N, >= 0.
     pub load: f64,
-    /// Speed that wears, m/s.
+    /// Sliding speed in the wear law, m/s.
     pub speed: f64,
-    /// Friction coefficient without Stribeck factor.
+    /// Kinetic friction coefficient (without Stribeck factor).
     pub kinetic_coefficient: f64,
     /// Contact temperature, K.
     pub temperature: f64,
     /// Displacement of both surfaces by heat, m into the bodies.
     pub expansion: f64,
-    /// Friction heat flux over the pressure, m/s, where a bristle decides it.
+    /// Friction heat flux over the pressure, m/s, where a bristle determines it.
     pub heat_per_pressure: Option<f64>,
 }
 
 impl StageConditions {
-    /// Takes the friction coefficient `kinetic_coefficient` over; `direction` is s with the Stribeck factor. A bristle's force stays.
+    /// Updates the signed friction coefficient from `kinetic_coefficient`; `direction` is s with the Stribeck factor. The force
+    /// of a bristle is unchanged.
     pub fn follow(&mut self, direction: f64) {
         if self.heat_per_pressure.is_none() {
             self.signed_friction = direction * self.kinetic_coefficient;
         }
     }
 
-    /// Friction heat flux over the friction coefficient (without Stribeck factor) and the pressure, m/s.
+    /// Friction heat flux over kinetic friction coefficient and pressure, m/s.
     pub fn slip(&self, stribeck: f64) -> f64 {
         match self.heat_per_pressure {
             Some(heat) if self.kinetic_coefficient > 0.0 => heat / self.kinetic_coefficient,
@@ -72,10 +73,10 @@ impl StageConditions {
     }
 }
 
-/// Speed, as a part of the highest so far, up to which the bodies are at rest: rounding of an input that is meant to be 0.
+/// Speed, relative to the highest so far, up to which the bodies are at rest: rounding of an input that is intended to be 0.
 const REST: f64 = 1e-12;
 
-/// Conditions over a piece.
+/// Input trajectory over a piece.
 #[derive(Clone, Debug)]
 pub struct InputTrajectory {
     inputs: [f64; INPUTS],
@@ -84,12 +85,12 @@ pub struct InputTrajectory {
     heat: LumpedTemperature,
     friction: FrictionLaw,
     mean_radius: f64,
-    /// Which way it slides throughout the piece; 0 at rest.
+    /// Sliding direction throughout the piece; 0 at rest.
     direction: f64,
 }
 
 impl InputTrajectory {
-    /// From the inputs at the start of a piece of `length` (s) and their rates.
+    /// Input trajectory from the inputs at the start of a piece of `length` (s) and their rates.
     pub fn new(
         line: &Line,
         inputs: &[f64; INPUTS],
@@ -108,7 +109,7 @@ impl InputTrajectory {
             mean_radius,
             direction,
         };
-        // At its ends, where it turns round, the velocity is 0 to rounding only: the middle tells.
+        // At a reversal, at the ends, the velocity is 0 to rounding only: its sign is that in the middle.
         let middle = path.velocity(0.5 * length);
         let rests = middle.abs() <= REST * line.state.fastest;
         InputTrajectory { direction: if rests { 0.0 } else { middle.signum() }, ..path }

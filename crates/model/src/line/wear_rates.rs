@@ -1,4 +1,4 @@
-//! Depth rates of both bodies on the cells.
+//! Wear depth rates of both bodies on the cells.
 
 use super::operators::{LineOperators, StripWear};
 use super::trajectory::StageConditions;
@@ -6,13 +6,13 @@ use contact::wear::law::REFERENCE_PRESSURE;
 use numerics::scalar::Scalar;
 
 impl LineOperators {
-    /// Whether anything wears.
+    /// Whether any body wears.
     #[inline]
     pub fn wears(&self) -> bool {
         self.wear[0].0.active() || self.wear[1].0.active()
     }
 
-    /// Whether the wear of the body (0: punch, 1: strip) changes the gap by cell.
+    /// Whether the wear of the body (0: punch, 1: strip) changes the gap cell by cell.
     #[inline]
     pub fn reshapes(&self, body: usize) -> bool {
         match body {
@@ -21,7 +21,7 @@ impl LineOperators {
         }
     }
 
-    /// Depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
+    /// Wear depth rates (m/s) of punch and strip at the reference pressure and the mean radius.
     pub(super) fn coefficients<S: Scalar>(
         &self,
         speed: S,
@@ -35,7 +35,7 @@ impl LineOperators {
         })
     }
 
-    /// Depth rate of the body (0: punch, 1: strip) on cell `i` relative to that at the reference pressure and the mean
+    /// Wear depth rate of the body (0: punch, 1: strip) on cell `i`, relative to that at the reference pressure and the mean
     /// radius.
     #[inline]
     pub(super) fn relative_rate(&self, body: usize, i: usize, pressure: f64) -> f64 {
@@ -52,7 +52,7 @@ impl LineOperators {
         cells.for_each(|(rate, (radial, p))| *rate *= radial * (p / REFERENCE_PRESSURE).powf(exponent));
     }
 
-    /// Depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
+    /// Wear depth rates (m/s) of punch and strip on the cells at the pressure `pressure`.
     pub(super) fn rates(
         &self,
         moment: &StageConditions,
@@ -72,7 +72,7 @@ impl LineOperators {
         }
     }
 
-    /// Mean depth rate (m/s) of a strip that wears evenly, `coefficient` at the reference pressure.
+    /// Mean wear depth rate (m/s) of a strip that wears uniformly, `coefficient` at the reference pressure.
     pub(super) fn even_rate(&self, coefficient: f64, pressure: &[f64]) -> f64 {
         let exponent = self.wear[1].0.pressure_exponent;
         let sum: f64 =

@@ -1,4 +1,5 @@
-//! One communication step of the lumped level: at once where it can be, else in pieces between events and parts of those.
+//! One communication step of the lumped level: a single-step attempt on the fast path where possible, otherwise pieces between
+//! events, subdivided by error control.
 
 use super::conditions::Conditions;
 use super::operators::BodyOperators;
@@ -13,11 +14,11 @@ use pulp::NullaryFnOnce;
 /// Finest subdivision of a communication step: 2^-40 of it.
 const FINEST: u8 = 40;
 
-/// Conditions during a piece of a communication step.
+/// Input trajectory: conditions during a piece of a communication step.
 enum InputTrajectory<'a> {
-    /// The same all along.
+    /// Constant conditions.
     Constant(Conditions),
-    /// By the time since the start of the piece, s.
+    /// Conditions as a function of the time since the start of the piece, s.
     Varying(&'a dyn Fn(f64) -> Conditions),
 }
 
@@ -30,7 +31,7 @@ impl InputTrajectory<'_> {
     }
 }
 
-/// A plain step as a whole, compiled for every vector unit; no operation is fused, so all give the same bits.
+/// Single-step attempt on the fast path, compiled for every vector unit; no operation is fused, so all give the same bits.
 struct AtOnce<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
     state: &'a mut LumpedState,
@@ -53,8 +54,8 @@ impl<const CONSTANT: bool> NullaryFnOnce for AtOnce<'_, CONSTANT> {
 }
 
 impl Lumped {
-    /// Carries the scene over `step` (s, > 0) with inputs that start at `inputs` and change at the rates
-    /// `slopes`, or not at all. On failure the state is the one before the step.
+    /// Advances the scene by `step` (s, > 0) with inputs that start at `inputs` and change at the rates `slopes`, or are
+    /// constant. On failure the state is the one before the step.
     ///
     /// # Errors
     /// [`StepFailure`] where no step size gives a solution, or a body is worn through.
@@ -75,8 +76,8 @@ impl Lumped {
         self.by_pieces(inputs, slopes, step, is_too_long)
     }
 
-    /// Tries the whole communication step under held inputs in the plain form; `None` where that form does not serve.
-    /// Unless the error of the attempt is at most 1, nothing has changed.
+    /// Tries the whole communication step at constant inputs on the fast path; `None` where that does not apply. Unless the error
+    /// of the attempt is at most 1, the state is unchanged.
     #[inline]
     fn attempt_single_step(&mut self, inputs: &[f64; INPUTS], step: f64) -> Option<Attempt> {
         self.know(inputs);
@@ -94,7 +95,7 @@ impl Lumped {
         self.arch.dispatch(AtOnce::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] })
     }
 
-    /// Ends a step that was taken at once.
+    /// Completes a step taken on the fast path.
     #[inline]
     fn conclude(&mut self, inputs: &[f64; INPUTS], step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
         let (state, within) = (&mut self.state, &self.operators.unremarkable);
@@ -115,7 +116,7 @@ impl Lumped {
         self.watch(inputs, None, step)
     }
 
-    /// The step in all its generality; `is_too_long` if the whole of it was tried in vain.
+    /// General form of the step; `is_too_long` if a single step over the whole of it has been rejected.
     #[inline(never)]
     fn by_pieces(
         &mut self,
@@ -135,7 +136,7 @@ impl Lumped {
         outcome
     }
 
-    /// The step in pieces between sign changes of the velocity and of the load.
+    /// Advances in pieces between sign changes of velocity and load.
     fn pieces(
         &mut self,
         inputs: &[f64; INPUTS],
@@ -176,8 +177,8 @@ impl Lumped {
         Ok(())
     }
 
-    /// A piece without events, cut into 2^n equal parts where its error asks for it; `is_too_long` if the whole of it
-    /// was tried in vain.
+    /// Advances over a piece without events, divided into 2^n equal parts by error control; `is_too_long` if a single step over
+    /// the whole of it has been rejected.
     fn piece(
         &mut self,
         course: &InputTrajectory,
@@ -189,7 +190,7 @@ impl Lumped {
         let mut level = self.state.refinement + u8::from(is_too_long);
         self.state.rejected += u64::from(is_too_long);
         let mut part: u64 = 0;
-        // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
+        // Conditions at the ends of the piece once it is divided: before, they are those of its only part.
         let mut whole = None;
         while part < 1_u64 << level {
             let tolerance = self.operators.scene.tolerance;
@@ -223,7 +224,7 @@ impl Lumped {
             {
                 whole = Some(if level == 0 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
             } else if varying.is_none() && self.has_bristle() {
-                // A change between sticking and slipping is no polynomial at any step.
+                // A transition between sticking and slipping is not polynomial at any step size.
                 whole = Some([now; 2]);
             }
             let speeds = match &varying {
@@ -257,7 +258,7 @@ impl Lumped {
                 self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 self.judge_temperature(attempt.hottest);
                 part += 1;
-                // The error falls by about eight when the step is halved: room for doubling it.
+                // The error falls by about eight when the step is halved: this margin permits doubling it.
                 if level > 0 && part.is_multiple_of(2) && attempt.error < 0.3 {
                     level -= 1;
                     part /= 2;
@@ -282,7 +283,7 @@ impl Lumped {
         Ok(())
     }
 
-    /// Index of the weights for this step size (s), made if they are not among the recent ones.
+    /// Index of the propagators of this step size (s), built unless cached.
     fn propagators_of(&mut self, step: f64) -> usize {
         if self.propagators.get(self.latest).is_none_or(|known| known.step != step) {
             self.latest = self.find_propagators(step);
@@ -306,7 +307,7 @@ impl Lumped {
         index
     }
 
-    /// Whether the step could wear a body through: only then is the state before it kept.
+    /// Whether the step could wear a body through: only then is the initial state saved.
     fn near_end_of_body(&self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> bool {
         let operators = &self.operators;
         let scene = &operators.scene;
@@ -315,7 +316,7 @@ impl Lumped {
             inputs[index].abs().max((inputs[index] + change).abs())
         };
         let speed = largest(0) + scene.mean_radius * largest(2);
-        // Behind a caliper the load may rise above what the actuator gives.
+        // Behind a caliper the load may rise above that of the actuator.
         let caliper = operators.series_stiffness > 0.0;
         let pressure = largest(1) / operators.area;
         let worn = |depth: f64, initial: f64, height: f64, body: &BodyOperators| {
@@ -331,7 +332,7 @@ impl Lumped {
         self.state.limits |= limits_of_temperature(&self.operators.scene, hottest + self.state.reference);
     }
 
-    /// Limits and validity after a step.
+    /// Sets limit bits and checks validity after a step.
     fn watch(&mut self, inputs: &[f64; INPUTS], slopes: Option<&[f64; INPUTS]>, step: f64) -> Result<(), StepFailure> {
         let scene = &self.operators.scene;
         self.state.limits |= limits_of_wear(scene, [self.state.punch.depth, self.state.strip.depth])?;

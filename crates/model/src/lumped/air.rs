@@ -1,10 +1,10 @@
-//! Faces of a body that the air cools, and what it takes beyond their constant heat transfer.
+//! Cooled faces of a body: forced convection and radiation beyond the constant heat transfer.
 
 pub use conduction::line::{BESIDE, FACES, FAR};
 use conduction::reduced::Port;
 use scene::{Body, ThermalBoundary};
 
-/// Ports through which the heat of the faces enters.
+/// Ports of the heat fluxes through the faces.
 pub const PORTS_OF_FACES: [usize; FACES] = [Port::Cooling as usize, Port::Base as usize];
 
 /// Forced convection and radiation of one face: the flux into it at the temperature T is
@@ -18,7 +18,7 @@ pub struct Air {
 }
 
 impl Air {
-    /// Of the faces of `body`, the free surface beside the contact being `part` of the reference area.
+    /// Cooling of the faces of `body`; the free surface beside the contact is `part` of the reference area.
     pub fn of(body: &Body, part: f64) -> [Air; FACES] {
         let over = |part: f64| match body.conductivity > 0.0 && part > 0.0 {
             true => Air { forced: body.convection_forced * part, emissivity: body.emissivity * part },
@@ -27,7 +27,7 @@ impl Air {
         [over(part), over(if body.far_thermal == ThermalBoundary::Convecting { 1.0 } else { 0.0 })]
     }
 
-    /// Whether the air takes anything beyond the constant heat transfer.
+    /// Whether there is any cooling beyond the constant heat transfer.
     #[inline]
     pub fn acts(&self) -> bool {
         self.forced > 0.0 || self.emissivity > 0.0

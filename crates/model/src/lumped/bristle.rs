@@ -4,19 +4,18 @@
 //!
 //! ```text
 //! stick: dz/dt = v,                          f = k z + c v        while |k z + c v| <= L
-//! slip:  dz/dt = (L sgn - k z)/c,            f = L sgn            (c = 0: z = L sgn/k at once)
+//! slip:  dz/dt = (L sgn - k z)/c,            f = L sgn            (c = 0: z = L sgn/k instantly)
 //! ```
 //!
-//! Work f v equals the change of k z^2/2 plus heat; the heat is never negative. Nothing creeps: below
-//! the limit a constant force stands on a constant deflection. Velocity and limit are linear over the step
-//! taken here, which is then exact: sticking meets the limit at a root of a quadratic; slipping is a straight
-//! line plus an exponential, whose slip speed has at most two zeros.
+//! The work f v equals the change of k z^2/2 plus heat; the heat is never negative. There is no creep: below the limit a constant
+//! force corresponds to a constant deflection. Velocity and limit are linear over a step, for which the solution is exact:
+//! sticking ends at a root of a quadratic; the slip speed is a linear function plus an exponential, with at most two zeros.
 //!
-//! An explicit master of step h and mass m is stable in stick for h k < c < 2 m/h - h k/2.
+//! An explicit time stepping of step h and mass m outside this component is stable in stick for h k < c < 2 m/h - h k/2.
 
 use super::stage::{POINTS, averages};
 
-/// See the module; all faces together.
+/// Bristle of all faces together.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Bristle {
     /// k, N/m, > 0.
@@ -25,7 +24,7 @@ pub struct Bristle {
     pub damping: f64,
 }
 
-/// What a step of the bristle gives.
+/// Result of a step of the bristle.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Moved {
     /// Deflection at the end, m.
@@ -36,7 +35,7 @@ pub struct Moved {
     pub slipped: f64,
     /// Friction heat per time at the three points of the step, W.
     pub power: [f64; 3],
-    /// Speed of the slip there, m/s, >= 0.
+    /// Slip speed at these points, m/s, >= 0.
     pub speed: [f64; 3],
 }
 
@@ -47,22 +46,22 @@ impl Moved {
     }
 }
 
-/// A quantity that changes linearly: its value at the start and its rate.
+/// Linear function of time.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Line {
-    /// At the start.
+    /// Value at the start.
     pub start: f64,
-    /// Per second.
+    /// Rate per second.
     pub rate: f64,
 }
 
 impl Line {
-    /// The same all along.
+    /// Constant function.
     pub fn level(value: f64) -> Line {
         Line { start: value, rate: 0.0 }
     }
 
-    /// From its values at the points 1/3 and 1 of a step (s).
+    /// Linear function through its values at the points 1/3 and 1 of a step (s).
     pub fn through_stages(values: [f64; 2], step: f64) -> Line {
         let rate = (values[1] - values[0]) / ((POINTS[2] - POINTS[0]) * step);
         Line { start: values[0] - rate * POINTS[0] * step, rate }
@@ -80,20 +79,20 @@ impl Line {
         time * (self.start + 0.5 * self.rate * time)
     }
 
-    /// Integral of the product with another.
+    /// Integral of the product with another linear function.
     fn work(&self, other: &Line, time: f64) -> f64 {
         let mixed = self.start * other.rate + self.rate * other.start;
         time * (self.start * other.start + time * (0.5 * mixed + time / 3.0 * self.rate * other.rate))
     }
 }
 
-/// Part of the limit within which a bristle without damper that is drawn on counts as slipping.
+/// Relative distance to the limit within which a bristle without damper that is loaded further counts as slipping.
 const MEETING: f64 = 1e-4;
 
-/// Changes between sticking and slipping that one step is followed through; linear courses have fewer.
+/// Largest number of transitions between sticking and slipping in a step; linear velocity and limit cause fewer.
 const MOST_CHANGES: usize = 16;
 
-/// Where `a + b t + c t^2`, not above 0 at t = 0, next rises through 0.
+/// Time at which `a + b t + c t^2`, not above 0 at t = 0, next rises through 0.
 fn rises_through_zero(a: f64, b: f64, c: f64) -> f64 {
     let discriminant = b * b - 4.0 * a * c;
     if discriminant < 0.0 {
@@ -113,12 +112,12 @@ impl Bristle {
     /// Force (N) at deflection `z` (m), velocity `v` (m/s) and limit `limit` (N), and whether it slips.
     pub fn force(&self, z: f64, v: f64, limit: f64) -> (f64, bool) {
         let trial = self.stiffness * z + self.damping * v;
-        // Without a damper a slipping bristle stands at its limit to rounding and to the error of the temperature.
+        // Without a damper a slipping bristle is at its limit only to rounding and to the error of the temperature.
         let meets = self.damping == 0.0 && trial * v > 0.0 && trial.abs() > (1.0 - MEETING) * limit;
         if trial.abs() > limit || meets { (limit.copysign(trial), true) } else { (trial, false) }
     }
 
-    /// Rate of deflection (m/s) in the same situation.
+    /// Rate of deflection (m/s) at the same deflection, velocity and limit.
     pub fn rate(&self, z: f64, v: f64, limit: f64) -> f64 {
         let (force, slips) = self.force(z, v, limit);
         if !slips {
@@ -130,8 +129,8 @@ impl Bristle {
         }
     }
 
-    /// Carries the deflection `z` (m) over `step` (s) at the velocity `v` (m/s), which keeps its sign, and the limit
-    /// `limit` (N, counted as 0 where it falls below).
+    /// Advances the deflection `z` (m) over `step` (s) at the velocity `v` (m/s), which does not change its sign, and the limit
+    /// `limit` (N, 0 where it is negative).
     pub fn advance(&self, z: f64, v: Line, limit: Line, step: f64) -> Moved {
         let mut moved = Moved::none(z);
         let (first, last) = (limit.start, limit.at(step));
@@ -140,7 +139,7 @@ impl Bristle {
         } else if first <= 0.0 && last <= 0.0 {
             self.carry(&mut moved, v, Line::level(0.0), [0.0, step], step);
         } else {
-            // One part with the limit at 0.
+            // One part has the limit 0.
             let change = (-first / limit.rate).clamp(0.0, step);
             let nothing = Line::level(0.0);
             let (early, late) = if first < 0.0 { (nothing, limit) } else { (limit, nothing) };
@@ -150,7 +149,7 @@ impl Bristle {
         moved
     }
 
-    /// Carries `moved` over the part `span` of the step.
+    /// Advances `moved` over the part `span` of the step.
     fn carry(&self, moved: &mut Moved, v: Line, limit: Line, span: [f64; 2], step: f64) {
         let k = self.stiffness;
         let mut now = span[0];
@@ -162,7 +161,7 @@ impl Bristle {
                 slipping = Some(1.0_f64.copysign(trial));
             }
             if let Some(side) = slipping.filter(|_| self.damping == 0.0) {
-                // Without a damper the spring lets go of what the limit does not hold at once.
+                // Without a damper the deflection follows a decreasing limit instantly.
                 let held = side * limit.start.max(0.0) / k;
                 let z = moved.deflection;
                 moved.heat += (0.5 * k * (z * z - held * held)).max(0.0);
@@ -184,7 +183,7 @@ impl Bristle {
                 if time > 0.0 && time <= length || last && point == 2 && span[1] == step {
                     let (_, rate) = self.deflection(moved.deflection, v, limit, slipping, time);
                     let slip = if slipping.is_some() { (v.at(time) - rate).abs() } else { 0.0 };
-                    // What the damper takes from sticking and slipping bristles alike.
+                    // Dissipation of the damper, in sticking and in slipping.
                     moved.power[point] = limit.at(time) * slip + self.damping * rate * rate;
                     moved.speed[point] = slip;
                 }
@@ -208,7 +207,7 @@ impl Bristle {
         }
     }
 
-    /// Deflection and its rate after `time` of sticking, or of slipping to the side given.
+    /// Deflection and its rate after `time` of sticking, or of slipping to the given side.
     fn deflection(&self, z: f64, v: Line, limit: Line, slipping: Option<f64>, time: f64) -> (f64, f64) {
         let (k, c) = (self.stiffness, self.damping);
         let Some(side) = slipping else { return (z + v.integral(time), v.at(time)) };
@@ -222,7 +221,7 @@ impl Bristle {
         (z, (side * limit.at(time) - k * z) / c)
     }
 
-    /// How long a sticking bristle sticks, and the side on which it then slips.
+    /// Duration of sticking, and the side to which the bristle then slips.
     fn sticks_until(&self, z: f64, v: Line, limit: Line) -> (f64, f64) {
         let (k, c) = (self.stiffness, self.damping);
         let [up, down] = [1.0, -1.0].map(|side| {
@@ -232,7 +231,7 @@ impl Bristle {
         if up <= down { (up, 1.0) } else { (down, -1.0) }
     }
 
-    /// How long a slipping bristle slips, at most `left`: until the limit is more than the force at no slip.
+    /// Duration of slipping, at most `left`: until the limit exceeds the force at zero slip speed.
     fn slips_until(&self, z: f64, v: Line, limit: Line, side: f64, left: f64) -> f64 {
         let (k, c) = (self.stiffness, self.damping);
         if c == 0.0 {
@@ -255,7 +254,7 @@ impl Bristle {
         let near = far + side * k * (side * limit.start - k * z) / c - limit.rate;
         let mut right = left;
         if near < far {
-            // Convex: lowest where the slope has risen to 0, and above 0 for good from some time after.
+            // Convex: the minimum is where the slope is 0, and the function is positive from some later time on.
             if far > 0.0 {
                 if near >= 0.0 {
                     return left;
@@ -311,7 +310,7 @@ mod tests {
             z = bristle.advance(z, Line::level(0.0), Line::level(500.0), 1.0).deflection;
         }
         assert_eq!(z, 3e-4);
-        // A limit that falls below the held force lets go, and the spring's energy becomes heat.
+        // A limit that falls below the force releases the spring, whose energy becomes heat.
         let released = bristle.advance(z, Line::level(0.0), Line::level(100.0), 1.0);
         assert!((released.deflection - 1e-4).abs() < 1e-15);
         assert!((released.heat - 0.5e6 * (9e-8 - 1e-8)).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! What the inputs mean for the contact at one instant.
+//! Conditions of the contact at one instant, as functions of the inputs.
 
 use super::operators::{BodyOperators, LumpedOperators};
 use crate::Inputs;
@@ -16,12 +16,12 @@ pub struct Tunables {
     pub wear_acceleration: f64,
 }
 
-/// See the module.
+/// Conditions of the contact at one instant.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Conditions<S = f64> {
     /// Velocity of the punch over the strip, m/s.
     pub velocity: S,
-    /// Load per face, N, >= 0: what the actuator gives.
+    /// Load per face by the actuator, N, >= 0.
     pub load: S,
     /// s v >= 0 with the regularised sign s, m/s.
     pub slip: S,
@@ -40,7 +40,7 @@ pub struct Conditions<S = f64> {
 }
 
 impl<S: Scalar> Conditions<S> {
-    /// Conditions of `inputs`; temperatures are counted from `reference` (K).
+    /// Conditions of `inputs`; temperatures are relative to `reference` (K).
     #[inline]
     pub fn new(operators: &LumpedOperators, tunables: &Tunables, reference: f64, inputs: &Inputs<S>) -> Self {
         let scene = &operators.scene;

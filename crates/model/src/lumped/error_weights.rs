@@ -1,8 +1,8 @@
-//! How finely the heat of a body has to be known for the temperature of the contact.
+//! Error weights: sensitivity of the contact temperature to errors of a body's thermal impedance.
 //!
-//! A reduction states its error e relative to the body's own rise by a uniform flux over the whole duration D. With the
-//! impedances Z1 and Z2 of both bodies (K m2/W, mean over the contact per uniform flux, at the real frequency s) and half of the
-//! contact's resistance r, the punch takes the share
+//! The error e of a model reduction is relative to the body's own temperature rise by a uniform flux over the whole duration D.
+//! With the impedances Z1 and Z2 of both bodies (K m2/W, mean over the contact per uniform flux, at the real frequency s) and
+//! half of the contact's resistance r, the heat partition gives the punch the fraction
 //!
 //! ```text
 //! S(s) = (Z2 + r)/(Z1 + Z2 + 2 r)
@@ -20,9 +20,9 @@
 //! f(s) e,    f(s) = S(s)^2 Z1(1/D) q/T(1/D).
 //! ```
 //!
-//! A block that keeps its heat beside a strip that gives it away warms up to the strip's temperature and takes next to nothing
-//! from then on. Its own rise by a flux that lasts would be a hundred times as high, and an error that is small beside that is none
-//! that is small beside the contact's.
+//! A block with little heat loss beside a strip with large heat loss reaches the strip's temperature and receives next to no heat
+//! from then on. Its own rise by a constant flux would be a hundred times as high, and an error small relative to that need not
+//! be small relative to the contact temperature.
 
 use super::operators::{path_of, punch_slab, strip_slab};
 use conduction::lateral::Lateral;
@@ -30,30 +30,30 @@ use conduction::moving_source::{MovingSource, Part, Path};
 use nalgebra::Complex;
 use scene::Scene;
 
-/// Frequencies per decade, and decades above 1/D.
+/// Frequencies per decade, and number of decades above 1/D.
 const PER_DECADE: i32 = 2;
 const DECADES: i32 = 5;
 
-/// Least part of a tolerance that is asked of a body: where f is large only at frequencies at which the contact's resistance decides,
-/// the body's own impedance has long fallen.
+/// Least factor of a tolerance: where f is large only at frequencies at which the contact's resistance dominates, the body's own
+/// impedance is already small.
 const LEAST: f64 = 0.1;
 
-/// What the error of a body's own rise is for the contact's.
+/// Error weight of a body: ratio of the relative error of the contact temperature to that of the body's own rise.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ErrorWeight {
-    /// 1/max f over the frequencies from 1/D on, from 0.1 to 1: what the tolerance of the contact's temperature is multiplied by for
-    /// that of the body's own.
+    /// 1/max f over the frequencies from 1/D on, from 0.1 to 1: factor from the tolerance of the contact temperature to that of
+    /// the body's own rise.
     pub tolerance: f64,
-    /// f(1/D), from 0.1 to 1: what the body's own error is multiplied by for that of the contact's temperature.
+    /// f(1/D), from 0.1 to 1: factor from the error of the body's own rise to that of the contact temperature.
     pub accounted: f64,
 }
 
 impl ErrorWeight {
-    /// Of a body that takes all heat.
+    /// Weight of a body that receives all heat.
     pub const ALL: ErrorWeight = ErrorWeight { tolerance: 1.0, accounted: 1.0 };
 }
 
-/// Shares of punch and strip.
+/// Error weights of punch and strip.
 pub fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
     if scene.punch.conductivity == 0.0 || scene.strip.conductivity == 0.0 {
         return [ErrorWeight::ALL; 2];
@@ -68,7 +68,7 @@ pub fn error_weights(scene: &Scene) -> [ErrorWeight; 2] {
     let resistance = if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 };
     let impedances = |frequency: f64| {
         let s = Complex::from(frequency);
-        // Fresh material brings nothing along.
+        // Fresh material arrives without a temperature rise.
         let mean = if endless { 0.0 } else { coverage * strip.impedance(s, 0.0).re };
         let local = source.as_ref().map_or(0.0, |source| {
             let track = if source.has_track() { source.response(Part::Track, s, 0.0).re } else { 0.0 };

@@ -1,27 +1,27 @@
-//! Parts of the error estimate that both forms of the step share.
+//! Parts of the error estimate shared by the fast path and the general form of the step.
 
 use super::operators::BodyOperators;
 use super::state::LumpedState;
 use super::step::Stepper;
 
-/// How much more than the tolerance of the flux `scale` (W/m2) the exchange between the bodies may be off at
-/// constant conditions. Its residual there belongs to the layer that the last jump of the inputs has left, which hardly
-/// outlasts the step: what counts is the temperature across `resistance` (K m2/W) beside the largest rise so far.
+/// Factor by which the residual of the heat exchange between the bodies may exceed the tolerance of the flux `scale` (W/m2) at
+/// constant conditions. There it belongs to the thermal layer of the last jump of the inputs, which hardly outlasts the step: the
+/// relevant measure is the temperature across `resistance` (K m2/W) relative to the largest rise so far.
 #[inline]
 pub fn layer_allowance(resistance: f64, scale: f64, state: &LumpedState) -> f64 {
     (state.peak_rise / (resistance * scale)).max(1.0)
 }
 
 impl Stepper<'_> {
-    /// Whether the piece begins with the bodies coming together. Its heat rises from nothing: no layer of a jump, so that the
-    /// exchange counts in full ([`layer_allowance`] is not for it).
+    /// Whether the piece begins at touch-down. Its heat rises from zero, without the layer of a jump, so that [`layer_allowance`]
+    /// does not apply.
     pub fn touches_down(&self) -> bool {
         self.ends.is_some_and(|ends| ends[0].load <= 1e-6 * ends[1].load && ends[1].load > 0.0)
     }
 
-    /// Third difference of the wear rate over the start and the three points, which the quadrature leaves, in units of the
-    /// tolerance: `rates` at the stages, `others` at the start and at the point 2/3, m/s; what comes on top, `uneven`; the
-    /// friction coefficient and the temperature (K) at the end of the step; the highest rate so far.
+    /// Third difference of the wear rate over the start and the three points, which is the quadrature error, in units of the
+    /// tolerance: `rates` at the stages, `others` at the start and at the point 2/3, m/s; `uneven`, an additional error; friction
+    /// coefficient and temperature (K) at the end of the step; the highest rate so far.
     pub fn wear_error(
         &self,
         body: &BodyOperators,
@@ -33,8 +33,8 @@ impl Stepper<'_> {
     ) -> f64 {
         let [first, second] = others;
         let third = (first - 3.0 * rates[0] + 3.0 * second - rates[1]).abs() + uneven;
-        // Near standstill a rate like |v|^a, a < 1, is no polynomial at any step; what it adds there is little
-        // beside the wear of the whole piece.
+        // Near standstill a rate like |v|^a, a < 1, is not polynomial at any step size; its error is small relative to the wear
+        // of the whole piece.
         let whole = self.ends.map_or(0.0, |ends| {
             let load = ends[0].load.max(ends[1].load);
             let slip = ends[0].slip.max(ends[1].slip);

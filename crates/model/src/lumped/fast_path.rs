@@ -1,8 +1,8 @@
-//! The step in the regime that most drives are in, written out: both bodies conduct, dead load, friction and temperature on one segment of the fade table, no bristle, everything at ambient temperature but
-//! what friction has heated.
+//! Fast path: the step specialised to the most common regime. Both bodies conduct; dead load; friction and temperature on one
+//! segment of the fade table; no bristle; no temperature difference except by friction heat.
 //!
-//! The same equations as [`super::stages`], whose general form costs three times as much here. Nothing is solved
-//! differently. A test runs both side by side.
+//! The equations are those of [`super::stages`], whose general form takes three times as long here; their solution is the same. A
+//! test compares both.
 
 use super::air::{Air, BESIDE, FAR};
 use super::conditions::Conditions;
@@ -18,7 +18,7 @@ use conduction::reduced::Port;
 
 const COOLING: usize = Port::Cooling as usize;
 
-/// Whether a scene can ever be in this regime.
+/// Whether a scene can be in this regime at all.
 pub fn possible(operators: &LumpedOperators) -> bool {
     let scene = &operators.scene;
     operators.punch.heat.is_some()
@@ -32,7 +32,7 @@ pub fn possible(operators: &LumpedOperators) -> bool {
 }
 
 type Pair = [f64; 2];
-/// Rows for the stages.
+/// Matrix between the values at both stages, by rows.
 type Matrix = [Pair; 2];
 
 /// Product of a matrix with the values at both stages.
@@ -59,21 +59,21 @@ fn sum(left: Pair, right: Pair) -> Pair {
     [left[0] + right[0], left[1] + right[1]]
 }
 
-/// A function of the conditions at both stages, evaluated once where they are the same.
+/// Function of the conditions at both stages, evaluated once where they are equal.
 #[inline(always)]
 fn both<const SAME: bool>(at: [&Conditions; 2], of: impl Fn(&Conditions) -> f64) -> Pair {
     if SAME { [of(at[0]); 2] } else { at.map(of) }
 }
 
-/// Gains of an observation at the stages from the stage fluxes of `port`.
+/// Gain matrix from the stage fluxes of `port` to an observation at the stages.
 #[inline(always)]
 fn gain_at_stages(observed: &Observed, port: usize) -> Matrix {
     [observed.gain[port][0], observed.gain[port][2]]
 }
 
-/// The strip's surface, solved for its cooling: at both stages its temperature without the moving source is
-/// `level + gain into`, with `into` the contact's heat into the strip, and the cooling flux into it is
-/// `offset - slope T` of that temperature T.
+/// Surface of the strip with its cooling eliminated: at both stages its temperature without the moving source is `level + gain
+/// into`, with `into` the contact's heat into the strip, and the cooling flux into it is `offset - slope T` of that temperature
+/// T.
 struct Surface {
     level: Pair,
     gain: Matrix,
@@ -82,8 +82,8 @@ struct Surface {
 }
 
 impl Surface {
-    /// A surface of the temperatures `level` without contact and cooling flux; `forced` as in [`Conditions`].
-    /// Radiation is made straight at the temperatures that the heat `guess` gives; forced convection is.
+    /// Eliminates the cooling of a surface with the temperatures `level` without contact and cooling flux; `forced` as in
+    /// [`Conditions`]. Radiation is linearised at the temperatures of the heat `guess`; forced convection is linear.
     #[inline(always)]
     fn new(air_law: &Air, strip: &Observed, reference: f64, level: Pair, guess: Pair, forced: Pair) -> Surface {
         let (contact, air) = (gain_at_stages(strip, 0), gain_at_stages(strip, COOLING));
@@ -119,8 +119,7 @@ impl Surface {
         [self.offset[0] - self.slope[0] * t[0], self.offset[1] - self.slope[1] * t[1]]
     }
 
-    /// The most that the straight law leaves of the true one at either stage, as the temperature (K) that it makes at the
-    /// end of the step.
+    /// Largest linearisation error of the cooling at either stage, as the temperature (K) that it causes at the end of the step.
     fn left(&self, air: &Air, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
         let (t, flux, gain) = (self.temperature(into), self.flux(into), strip.gain[COOLING][2]);
         let left = |i: usize| ((cooling_flux(air, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
@@ -128,8 +127,8 @@ impl Surface {
     }
 }
 
-/// What wears: conditions at the start and the three points, and pressure, friction coefficient and temperature (K) at both
-/// stages.
+/// Arguments of the wear laws: conditions at the start and the three points, and pressure, friction coefficient and temperature
+/// (K) at both stages.
 struct Wearing<'a> {
     at: [&'a Conditions; 4],
     pressure: Pair,
@@ -166,7 +165,7 @@ impl Wearing<'_> {
     fn general_error(&self, stepper: &Stepper, body: &BodyOperators, rates: &Pair, peak: f64) -> f64 {
         let factor = body.wear_factor * stepper.tunables.wear_acceleration;
         let [start, _, middle, _] = self.at;
-        // Linear continuation of what the stages found.
+        // Linear extrapolation of the stage values.
         let rate = |now: &Conditions, stages: Pair| {
             let between = |values: Pair| stages[0] * values[0] + stages[1] * values[1];
             let pressure = now.load / stepper.operators.area;
@@ -178,8 +177,8 @@ impl Wearing<'_> {
 }
 
 impl Stepper<'_> {
-    /// Carries `state` over the step if the regime and the error allow it; conditions `at` the start and the three points,
-    /// all the same if `CONSTANT`. The moving source is prepared. Unless the error found is at most 1, nothing has changed.
+    /// Advances `state` over the step if regime and error permit; conditions `at` the start and the three points, all the same if
+    /// `CONSTANT`. The moving source is prepared. Unless the error is at most 1, the state is unchanged.
     #[inline(always)]
     pub fn fast_path<const CONSTANT: bool>(
         &mut self,
@@ -187,22 +186,22 @@ impl Stepper<'_> {
         at: [&Conditions; 4],
     ) -> Option<Attempt> {
         let operators = self.operators;
-        // The compiler then knows that they are the same.
+        // Makes their equality known to the compiler.
         let at = if CONSTANT { [at[0]; 4] } else { at };
         let [start, first, middle, last] = at;
         let elsewhere = |now: &Conditions| now.ambient != 0.0 || now.punch_far != 0.0 || now.strip_far != 0.0;
-        // What is linear and 0 at two points is 0 at all.
+        // A linear function that is 0 at two points is 0 everywhere.
         if !operators.fast_path || elsewhere(first) || !CONSTANT && elsewhere(last) {
             return None;
         }
         let (punch, strip) = (self.propagators.punch.as_ref()?, self.propagators.strip.as_ref()?);
         let (punch_count, strip_count) = (operators.punch.heat.as_ref()?.count, operators.strip.heat.as_ref()?.count);
         let reference = state.reference;
-        // A piece has no sign change of the load inside: its middle says whether the contact is closed.
+        // The load does not change its sign within a piece: its middle determines whether the contact is closed.
         let closed = middle.load > 0.0;
         let pressure_at = |now: &Conditions| if closed { now.load / operators.area } else { 0.0 };
         let pressure = both::<CONSTANT>([first, last], pressure_at);
-        // Friction on the segment of its table that the last step has left it on.
+        // Fade table linearised on the segment of the last temperature.
         let fade = self.friction.fade.line(state.end_temperature + reference);
         let scaled_friction = self.friction.coefficient * operators.power_factor;
         let driver_at = |now: &Conditions, pressure: f64| scaled_friction * now.stribeck * now.slip * pressure;
@@ -245,7 +244,8 @@ impl Stepper<'_> {
             heat = if fade.slope == 0.0 {
                 driver.map(|driver| driver * fade.value)
             } else {
-                // Temperature over heat is affine too: friction and temperature agree by one more solution of two equations.
+                // The temperature is affine in the heat: a further system of two equations makes friction and temperature
+                // consistent.
                 let by_heat = [
                     [strip_gain[0][0] + half_resistance, strip_gain[0][1]],
                     [strip_gain[1][0], strip_gain[1][1] + half_resistance],
@@ -285,13 +285,13 @@ impl Stepper<'_> {
             error = f64::INFINITY;
             if CONSTANT {
                 let defect = 0.5 * (into_punch[1] - into_punch[0]).abs();
-                // The resistance grows during the step: at its end it bounds that at the point 2/3.
+                // The resistance increases during the step: at its end it bounds that at the point 2/3.
                 let resistance = exchange[1][0] + exchange[1][1];
                 error =
                     (defect / layer_allowance(resistance, scale, state) + 0.5 * (heat[1] - heat[0]).abs()) / allowed;
             }
             if error.is_nan() || error > 1.0 {
-                // No bound, or it is not enough: the residual of the contact conditions at the point 2/3 decides.
+                // No bound, or the bound is too large: the residual of the contact conditions at the point 2/3 is evaluated.
                 self.flash.prepare_middle(operators);
                 let mut gain = strip.contact.gain[0][1];
                 let mut strip_middle = strip.contact_at_middle(&state.strip.heat, strip_count) + entry;
@@ -338,7 +338,7 @@ impl Stepper<'_> {
             return None;
         }
         let rises = [0.5 * (punch_surface[0] + strip_surface[0]), 0.5 * (punch_surface[1] + strip_surface[1])];
-        // Below 0 K the general form decides as well.
+        // Temperatures below 0 K are left to the general form.
         if rises.iter().any(|rise| rise + reference < 0.0 || !fade.holds(rise + reference)) {
             return None;
         }
@@ -348,7 +348,7 @@ impl Stepper<'_> {
             [wearing.rates::<CONSTANT>(self, &operators.punch), wearing.rates::<CONSTANT>(self, &operators.strip)];
         if CONSTANT && operators.wear_follows_temperature {
             for (body, [first, last]) in [(&operators.punch, rates[0]), (&operators.strip, rates[1])] {
-                // Twice the change bounds the third difference that the general form measures.
+                // Twice the change bounds the third difference evaluated in the general form.
                 let scale = first.max(last).max(0.02 * state.peak_wear).max(body.least_wear);
                 if 2.0 * (last - first).abs() > 10.0 * operators.scene.tolerance * scale {
                     return None;
@@ -372,8 +372,8 @@ impl Stepper<'_> {
 
         let travel = if CONSTANT { step * first.velocity } else { 0.5 * step * (start.velocity + last.velocity) };
         let end_force = kinetic_coefficient[1] * last.stribeck * last.sign * pressure[1] * operators.per_pressure;
-        // The states are part of the temperatures tested above; what they become is linear in them and in these fluxes.
-        // Without a branch for every number, and without a copy of the states, which would cost a quarter of the step.
+        // The states enter the temperatures tested above, and their new values are linear in them and in these fluxes: this test
+        // replaces one of every number and a copy of the states, which would take a quarter of the step.
         let fluxes = [into_punch[0], into_punch[1], into_strip[0], into_strip[1], heat[0], heat[1], rises[0], rises[1]];
         if !all_finite(&fluxes) || !all_finite(&[worn[0], worn[1], travel, end_force]) {
             return None;
@@ -420,7 +420,7 @@ mod tests {
                 values[first..first + 8].copy_from_slice(&[1.0, 0.9, 0.95, 0.6, 0.5, 0.45, 0.4, 0.35]);
                 values[const { reference("strip.emissivity") } as usize] = 0.55;
             }
-            // Where friction follows the temperature, so do heat and wear.
+            // With temperature-dependent friction heat and wear differ likewise.
             let agreement = if fades { 3e-5 } else { 1e-12 };
             values[const { reference("strip.path") } as usize] = path;
             values[const { reference("nominal.stroke") } as usize] = stroke;
@@ -449,7 +449,7 @@ mod tests {
                 let [fast_path, general] = &runs;
                 let (left, right) = (fast_path.state(), general.state());
                 let scale = right.peak_rise + 1e-9;
-                // The two may cut a step differently, so they agree as two accurate solutions do.
+                // The two may subdivide a step differently, so they agree within the accuracy of both solutions.
                 assert!((left.end_temperature - right.end_temperature).abs() < 5e-4 * scale, "second {second}");
                 assert!((left.dissipated - right.dissipated).abs() <= agreement * right.dissipated);
                 assert!((left.punch.depth - right.punch.depth).abs() <= agreement * right.punch.depth);

@@ -1,4 +1,4 @@
-//! The moving source over one step, at a velocity that may change during it.
+//! Propagation of the moving source over one step, at a velocity that may change during it.
 
 use super::operators::LumpedOperators;
 use super::stage::{POINTS, averages};
@@ -9,41 +9,40 @@ use conduction::flash::{Flash, MAX_FLASH_STATES};
 pub struct FlashStep {
     /// The speeds (m/s) at the start and at the three points, and the step size (s) they hold for.
     key: ([f64; 4], f64),
-    /// The speed is the same at all of them.
+    /// The speed is the same at all points.
     steady: bool,
     /// Decay of every state up to the three points.
     pub decay: [Row; 3],
-    /// Gain to every state at the end of the step from a flux that stays, and from one that rises by 1 W/m2 during the step
-    /// from 0.
+    /// Gain to every state at the end of the step from a constant flux, and from one that rises from 0 to 1 W/m2 during the step.
     update: [Row; 2],
     /// Gain from the stage fluxes to the contact temperature at the three points, K m2/W.
     pub gain: [[f64; 2]; 3],
     /// Decays at rest up to the point 1/3, for the step size of the key.
     at_rest: Row,
-    /// Rate that constant sliding adds, 1/s, and its decay up to the point 1/3.
+    /// Decay rate added by constant sliding, 1/s, and its decay factor up to the point 1/3.
     sliding: f64,
     common: f64,
     /// Sliding rates at the start and at the three points where the speed changes, 1/s.
     rates: [f64; 4],
     /// Reciprocal of the rate under constant sliding times the step size, by state.
     memory: Row,
-    /// Estimated relative error of what the flux of the step heats, where the speed changes.
+    /// Estimated relative error of the heating by the flux of the step, where the speed changes.
     unsteadiness: f64,
-    /// Whether the weights of the point 2/3 are made as well.
+    /// The weights of the point 2/3 are up to date.
     has_middle: bool,
 }
 
 type Row = [f64; MAX_FLASH_STATES];
 
-/// Rate times time below which the difference quotients of the weights lose digits.
+/// Rate times time below which the difference quotients of the weights suffer from cancellation.
 const CANCELLING: f64 = 0.06;
 
-/// Decays of a moving source at rest up to the point 1/3 of the step `step` (s).
+/// Decay factors of a moving source at rest up to the point 1/3 of the step `step` (s).
 pub fn decays_at_rest(flash: &Flash, step: f64) -> Row {
     flash.rates.map(|rate| (-rate * POINTS[0] * step).exp())
 }
 
-/// Exponent below which [`recursion`] loses digits.
+/// Exponent below which [`recursion`] suffers from cancellation.
 const SERIES_BELOW: f64 = 0.1;
 
 /// Integrals of x^n exp(-z x) from 0 to 1 for n = 0 to 3, given `decay` = exp(-z).
@@ -62,7 +61,7 @@ fn moments(z: f64, decay: f64) -> [f64; 4] {
     })
 }
 
-/// [`moments`] for z > 0.1, by partial integration.
+/// [`moments`] for z > 0.1, by integration by parts.
 #[inline(always)]
 fn recursion(z: f64, decay: f64) -> [f64; 4] {
     let inverse = 1.0 / z;
@@ -72,7 +71,7 @@ fn recursion(z: f64, decay: f64) -> [f64; 4] {
     [m0, m1, m2, (3.0 * m2 - decay) * inverse]
 }
 
-/// Sum over the states, in an order that is the same everywhere.
+/// Sum over the states, in an order that does not depend on the machine.
 #[inline(always)]
 fn total(values: &Row) -> f64 {
     let pair = |k: usize| values[k] + values[k + 4];
@@ -80,7 +79,7 @@ fn total(values: &Row) -> f64 {
 }
 
 impl FlashStep {
-    /// Weights for no step at all; the first [`FlashStep::prepare`] fills them.
+    /// Placeholder weights, set by the first [`FlashStep::prepare`].
     pub fn empty() -> FlashStep {
         const NONE: Row = [0.0; MAX_FLASH_STATES];
         FlashStep {
@@ -99,8 +98,8 @@ impl FlashStep {
         }
     }
 
-    /// Makes the weights those for `speeds` (m/s) at the start and at the three points of the step
-    /// `step` (s), with the decays `at_rest` of [`decays_at_rest`]. A function of these alone, so that a replay gives the same bits.
+    /// Computes the weights for `speeds` (m/s) at the start and at the three points of the step `step` (s), with the decays
+    /// `at_rest` of [`decays_at_rest`]. They are a function of these alone, so that a replay gives the same bits.
     pub fn prepare(&mut self, operators: &LumpedOperators, at_rest: &Row, speeds: [f64; 4], step: f64) {
         let [speed, ..] = speeds;
         if speeds == [speed; 4] {
@@ -147,7 +146,7 @@ impl FlashStep {
         self.has_middle = false;
     }
 
-    /// Makes the weights of the point 2/3, which only the error estimate needs.
+    /// Computes the weights of the point 2/3, which are for the error estimate only.
     #[inline(always)]
     pub fn prepare_middle(&mut self, operators: &LumpedOperators) {
         if let Some(flash) = &operators.flash
@@ -185,7 +184,7 @@ impl FlashStep {
                 (flat[k], ramp[k]) = (residue * averages.0, residue * POINTS[POINT] * averages.1);
             }
         } else {
-            // Without a branch inside and in numbers of its own: several states at a time.
+            // Without branches, in local arrays: vectorised over the states.
             let inverse = 1.0 / POINTS[POINT];
             let (memory, residues) = (self.memory, flash.residues);
             for k in 0..MAX_FLASH_STATES {
@@ -198,8 +197,8 @@ impl FlashStep {
         self.keep(POINT, decay, flat, ramp);
     }
 
-    /// Keeps the weights of a point: decays, and gains from a flux that stays and from one that rises from 0 at the start
-    /// to 1 at the end of the step.
+    /// Stores the weights of a point: decays, and gains from a constant flux and from one that rises from 0 at the start to 1 at
+    /// the end of the step.
     #[inline(always)]
     fn keep(&mut self, point: usize, decay: Row, flat: Row, ramp: Row) {
         let (all_flat, all_ramp) = (total(&flat), total(&ramp));
@@ -211,8 +210,8 @@ impl FlashStep {
         }
     }
 
-    /// Error of the temperature at the point 2/3 from a sliding rate that changes during the step, under the stage fluxes
-    /// `flux` into the strip, in units of the tolerance of the largest rise so far. Weights of that point must be made.
+    /// Error of the temperature at the point 2/3 from a sliding rate that changes during the step, under the stage fluxes `flux`
+    /// into the strip, in units of the tolerance of the largest rise so far. Requires the weights of that point.
     #[inline]
     pub fn error(&self, flux: [f64; 2], tolerance: f64, peak_rise: f64) -> f64 {
         if self.steady {
@@ -238,8 +237,8 @@ impl FlashStep {
             1 => self.at_rest.map(|third| third * third),
             _ => self.at_rest.map(|third| third * third * third),
         };
-        // What is left of a flux since the time tau before the point decays as
-        // exp(-r tau + slope tau^2/2) = exp(-r tau) (1 + slope tau^2/2 + ...), r and slope those at the point.
+        // The response to a flux at the time tau before the point decays as exp(-r tau + slope tau^2/2) = exp(-r tau) (1 + slope
+        // tau^2/2 + ...), r and slope those at the point.
         let (sliding, slope) = (rates[point + 1], (rates[point + 1] - rates[point]) * (3.0 / step));
         let bend = 0.5 * slope * length * length;
         let (common, local) = ((-passed[point].max(0.0)).exp(), (-sliding * length).exp());
@@ -253,7 +252,7 @@ impl FlashStep {
                 }
             }
         } else {
-            // Without a branch inside: several states at a time.
+            // Without branches: vectorised over the states.
             let [m0, m1, m2, m3] = &mut sums;
             for k in 0..MAX_FLASH_STATES {
                 [m0[k], m1[k], m2[k], m3[k]] = recursion((flash.rates[k] + sliding) * length, at_rest[k] * local);
@@ -266,8 +265,8 @@ impl FlashStep {
             ramp[k] = residue * POINTS[point] * ((m0[k] - m1[k]) + bend * (m2[k] - m3[k]));
         }
         if point == 2 {
-            // The slowest state feels it most. The series above is cut after its first term, and the slope is that between
-            // two points.
+            // The slowest state is the most sensitive. The series above is truncated after its first term, and the slope is that
+            // between two points.
             let (first, second) = (r3 - r2, r3 - 2.0 * r2 + r1);
             let felt = (bend * m2[0] / m0[0]).abs();
             let bent = if first == 0.0 { 0.0 } else { (second / first).abs() };
@@ -276,7 +275,7 @@ impl FlashStep {
         self.keep(point, at_rest.map(|decay| decay * common), flat, ramp);
     }
 
-    /// What the initial states leave at `point`, K.
+    /// Free response of the initial states at `point`, K.
     #[inline(always)]
     pub fn homogeneous(&self, point: usize, states: &Row) -> f64 {
         let (decay, mut left) = (self.decay[point], *states);
@@ -361,7 +360,7 @@ mod tests {
                 made.prepare(&operators, &at_rest, [0.0, POINTS[0], POINTS[1], 1.0].map(speed), step);
                 made.prepare_middle(&operators);
                 let flux = [1e5, 1.2e5];
-                // Many short steps, each at the speed and the flux of its middle.
+                // Many short steps, each at the speed and the flux of its midpoint.
                 let parts = 4000;
                 let mut states = [0.01; MAX_FLASH_STATES];
                 let mut followed = states;

@@ -1,9 +1,9 @@
-//! The two laws of the interface: how friction heat splits, and where friction and temperature agree.
+//! Laws of the interface: heat partition, and consistency of friction and temperature.
 
 use contact::friction::FrictionLaw;
 use numerics::scalar::Scalar;
 
-/// What a body does at the contact: `T = level + gain q`; no `gain` for an insulator.
+/// Response of a body at the contact: `T = level + gain q`; no `gain` for an insulator.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Side<S> {
     /// Temperature without contact flux, K.
@@ -25,10 +25,9 @@ pub struct HeatPartition<S> {
     pub strip_temperature: S,
 }
 
-/// Solves `q1 + q2 = q`, `T1 - T2 = (q2 - q1)/(2 h_c)` for the friction heat `q` (W/m2) and the contact
-/// conductance `conductance` (W/(m2 K)): derived by writing both temperatures as level + gain q_i.
-/// An insulator takes no heat; its surface then follows from the same second law, and without conductance shows the
-/// temperature of the other.
+/// Solves `q1 + q2 = q`, `T1 - T2 = (q2 - q1)/(2 h_c)` for the friction heat `q` (W/m2) and the contact conductance `conductance`
+/// (W/(m2 K)), with both temperatures as level + gain q_i. An insulator receives no heat; its surface temperature follows from
+/// the same second law, and without conductance is that of the other surface.
 #[inline]
 pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f64) -> HeatPartition<S> {
     match (punch.gain, strip.gain) {
@@ -77,7 +76,7 @@ pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f
     }
 }
 
-/// The same where the surfaces do not touch: no heat passes. An insulator has no temperature of its own and shows the other's.
+/// Heat partition of separated surfaces: no heat passes. The surface temperature of an insulator is that of the other surface.
 #[inline]
 pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
     let levels = match (punch.gain, strip.gain) {
@@ -89,10 +88,10 @@ pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
     HeatPartition { punch: S::from(0.0), strip: S::from(0.0), punch_temperature, strip_temperature }
 }
 
-/// Contact temperature (K, absolute) that satisfies `T = level + gain mu(T)`, with `level` in K, absolute,
-/// and `gain` >= 0 the rise per unit of the faded friction coefficient: the smallest solution, found
-/// segment by segment of the fade table, so it always ends. Where a rising table allows several
-/// solutions the smallest is the one that a heating contact reaches first.
+/// Contact temperature (K, absolute) that satisfies `T = level + gain mu(T)`, with `level` in K, absolute, and `gain` >= 0 the
+/// rise per unit of the kinetic friction coefficient at temperature: the smallest solution, found segment by segment of the fade
+/// table, so the search always ends. Where a rising table permits several solutions the smallest is the one that a heating
+/// contact reaches first.
 #[inline]
 pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
     let fade = &friction.fade;
@@ -119,7 +118,7 @@ pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
             }
         }
     }
-    // Beyond the table the factor is constant; a level that is no number ends here as well.
+    // Beyond the table the factor is constant; a NaN level ends here as well.
     level + gain * (friction.coefficient * fade.factor[7])
 }
 
@@ -162,7 +161,7 @@ mod tests {
                 assert!(residual.abs() < 1e-9 * temperature, "{level} {gain}: {temperature} {residual}");
             }
         }
-        // A table that rises steeply: the smallest of several solutions, and an end even so.
+        // A steeply rising table: the smallest of several solutions, in finitely many steps.
         law.fade = FadeTable::new(law.fade.temperature, [0.1, 0.1, 2.0, 2.0, 2.0, 2.0, 2.0, 2.0]);
         let low = agree(&law, 300.0, 500.0);
         assert!((low - 320.0).abs() < 1e-9, "{low}");

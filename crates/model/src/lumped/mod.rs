@@ -42,35 +42,35 @@ pub mod limit {
     pub const VALIDITY: u8 = 4;
     /// The load was below zero (not shown in the output).
     pub const NEGATIVE_LOAD: u8 = 8;
-    /// Accelerated wear holds thermoelastic instability back noticeably (not shown in the output).
+    /// Accelerated wear suppresses thermoelastic instability noticeably (not shown in the output).
     pub const ACCELERATED: u8 = 16;
     /// The sliding speed is above the critical one (not shown in the output).
     pub const UNSTABLE: u8 = 32;
 }
 
-/// Temperature (K) above which constant material properties mean nothing any more.
+/// Temperature (K) above which constant material properties are meaningless.
 pub const HIGHEST_VALID_TEMPERATURE: f64 = 2500.0;
 
-/// Part of a body's height that may be worn off before conduction and compliance must be rebuilt.
+/// Fraction of a body's height that may be worn off before conduction and compliance must be rebuilt.
 const HIGHEST_VALID_WEAR: f64 = 0.5;
 
-/// Part of a body's height that a step may wear off without the state before it being kept.
+/// Fraction of a body's height up to which a step may wear without a saved initial state.
 const NEAR_END: f64 = 0.9;
 
-/// Step sizes whose weights are kept.
+/// Cache capacity of propagators, in step sizes.
 const KEPT_STEPS: usize = 12;
 
-/// Load and speed that a run may exceed the nominal by before the plan no longer holds.
+/// Factor by which load and speed may exceed their nominal values before the plan becomes invalid.
 const NOMINAL_MARGIN: f64 = 10.0;
 
-/// Limits that a contact temperature (K) reaches.
+/// Limit bits of a contact temperature (K).
 pub fn limits_of_temperature(scene: &Scene, hottest: f64) -> u8 {
     let exceeded = scene.temperature_limit > 0.0 && hottest > scene.temperature_limit;
     let invalid = hottest > HIGHEST_VALID_TEMPERATURE;
     (if exceeded { limit::TEMPERATURE } else { 0 }) | (if invalid { limit::VALIDITY } else { 0 })
 }
 
-/// Limits that punch and strip are at with these depths (m) worn off since the start, initial wear aside.
+/// Limit bits of punch and strip with these depths (m) worn off since the start, without initial wear.
 ///
 /// # Errors
 /// A body that is worn through.
@@ -95,7 +95,7 @@ pub fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure
     Ok(limits)
 }
 
-/// A scene at the lumped level.
+/// Instance of a scene at the lumped level.
 #[derive(Clone, Debug)]
 pub struct Lumped {
     operators: Arc<LumpedOperators>,
@@ -104,20 +104,20 @@ pub struct Lumped {
     state: LumpedState,
     frozen: Frozen,
     frozen_is_current: bool,
-    /// Weights of recent step sizes; never part of the state, always rebuilt to the same bits.
+    /// Cache of propagators for recent step sizes; never part of the state, always rebuilt to the same bits.
     propagators: Vec<Propagators>,
     oldest: usize,
-    /// Index of those last used.
+    /// Index of the last one used.
     latest: usize,
     /// The machine's vector unit.
     arch: Arch,
     flash: FlashStep,
-    /// Conditions last computed, with the inputs they belong to.
+    /// Conditions last computed, and their inputs.
     known: ([f64; INPUTS], Conditions),
 }
 
 impl Lumped {
-    /// Starts from rest at the given inputs (which give the ambient temperature of initialisation).
+    /// Initial state at rest at the given inputs (which give the ambient temperature of initialisation).
     pub fn new(operators: Arc<LumpedOperators>, tunables: Tunables, inputs: &[f64; INPUTS]) -> Lumped {
         let ambient = tunables.ambient_temperature + Inputs::from_array(*inputs).ambient_temperature_offset;
         let mut state = LumpedState::new(&operators, ambient);
@@ -142,7 +142,7 @@ impl Lumped {
         }
     }
 
-    /// What the scene was made into.
+    /// Operators built from the scene.
     pub fn operators(&self) -> &Arc<LumpedOperators> {
         &self.operators
     }
@@ -152,7 +152,7 @@ impl Lumped {
         self.operators.scene.stick_stiffness > 0.0
     }
 
-    /// Everything that changes.
+    /// Current state.
     pub fn state(&self) -> &LumpedState {
         &self.state
     }
@@ -162,26 +162,26 @@ impl Lumped {
         self.state.dissipated * self.operators.area * self.operators.scene.faces
     }
 
-    /// Replaces everything that changes.
+    /// Replaces the whole state.
     pub fn set_state(&mut self, state: &LumpedState) {
         self.state.clone_from(state);
         self.frozen_is_current = false;
         self.forget_conditions();
     }
 
-    /// Parameters that may change between steps.
+    /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
         self.forget_conditions();
     }
 
-    /// Sets the friction coefficient that somebody knows better than the tunable parameter.
+    /// Sets a friction coefficient that replaces the tunable parameter.
     pub fn set_friction_coefficient(&mut self, coefficient: f64) {
         self.friction.coefficient = coefficient;
     }
 
-    /// Inputs that no inputs are equal to: the next conditions are computed anew.
+    /// Invalidates the conditions last computed, by NaN inputs.
     fn forget_conditions(&mut self) {
         self.known.0 = [f64::NAN; INPUTS];
     }
@@ -193,14 +193,14 @@ impl Lumped {
         }
     }
 
-    /// The contact now, for these inputs and with the states held.
+    /// Contact for these inputs at frozen states.
     pub fn point(&mut self, inputs: &[f64; INPUTS]) -> Point {
         self.refresh();
         let conditions = self.conditions(inputs);
         point::evaluate(&self.operators, &self.friction, &self.state, &self.frozen, &self.tunables, &conditions)
     }
 
-    /// The contact now in dual numbers, with the states held.
+    /// Contact in dual numbers at frozen states.
     pub fn dual_point(&mut self, inputs: &Inputs<Dual>) -> Point<Dual> {
         self.refresh();
         let conditions = Conditions::new(&self.operators, &self.tunables, self.state.reference, inputs);
@@ -218,10 +218,10 @@ impl Lumped {
         self.known.1
     }
 
-    /// Makes the known conditions those of `inputs`.
+    /// Computes the conditions of `inputs`, unless they are the last ones.
     #[inline]
     fn know(&mut self, inputs: &[f64; INPUTS]) {
-        // By bits and without a branch for every input: one comparison of a vector.
+        // Bitwise and without a branch per input: one vector comparison.
         let differs =
             self.known.0.iter().zip(inputs).fold(0, |differs, (known, now)| differs | known.to_bits() ^ now.to_bits());
         if differs != 0 {

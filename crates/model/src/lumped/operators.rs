@@ -1,4 +1,4 @@
-//! What the lumped level is made of, built once from the scene and shared by every state.
+//! Operators of the lumped level, built once from the scene and shared by all its states.
 
 use super::air::{Air, FACES};
 use crate::instability::CriticalSpeed;
@@ -12,22 +12,22 @@ use contact::wear::law::WearLaw;
 use elasticity::mean::mean_compliance;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
-/// A body's heat and wear at the lumped level.
+/// Heat and wear operators of a body at the lumped level.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyOperators {
     /// Conduction; `None` for an insulator.
     pub heat: Option<ReducedBody>,
-    /// Part of the contact flux that enters per reference area.
+    /// Fraction of the contact flux that enters per reference area.
     pub coverage: f64,
     /// Reference area of the conduction problem per face, m2.
     pub area: f64,
     /// Cooling beyond the constant heat transfer, beside the contact and at the far face.
     pub air: [Air; FACES],
-    /// The cooled surface is observed as the contact surface is.
+    /// The temperature of the cooled surface equals that of the contact surface.
     pub cooled_is_contact: bool,
-    /// Condition of the face opposite to the contact.
+    /// Thermal boundary condition of the face opposite to the contact.
     pub far: ThermalBoundary,
-    /// Temperature there where it is held, K; 0: ambient.
+    /// Prescribed temperature of that face, K; 0: ambient.
     pub far_temperature: f64,
     /// Temperature at initialisation, K; 0: ambient.
     pub initial_temperature: f64,
@@ -35,11 +35,11 @@ pub struct BodyOperators {
     pub wear: WearLaw,
     /// Mean of (r/r_m)^(1 + a) over the contact: 1 for line geometry.
     pub wear_factor: f64,
-    /// Wear rate below which errors do not count, m/s: a millionth of the nominal one.
+    /// Wear rate below which errors are neglected, m/s: a millionth of the nominal one.
     pub least_wear: f64,
     /// Worn volume per worn depth under the contact, per face, m2.
     pub worn_area: f64,
-    /// Depth lost at start, and at which life ends (0: never), m.
+    /// Initial wear depth, and the depth at which life ends (0: never), m.
     pub initial_wear: f64,
     pub wear_limit: f64,
     /// Mean outward displacement per kelvin of mean temperature, m/K.
@@ -53,12 +53,12 @@ impl BodyOperators {
     }
 }
 
-/// Bounds within which a step has nothing to report and cannot fail by wear.
+/// Bounds of the fast path: within them a step reaches no limit and cannot fail by wear.
 #[derive(Clone, PartialEq, Debug)]
 pub struct FastPathBounds {
     /// Worn depths of punch and strip (m) below which no limit is reached.
     pub depth: [f64; 2],
-    /// Worn depths (m) that a step may reach without a look at the bodies' ends before it.
+    /// Worn depths (m) that a step may reach without a check for a body worn through.
     pub depth_before_step: [f64; 2],
     /// Speed, m/s.
     pub speed: f64,
@@ -75,7 +75,7 @@ impl FastPathBounds {
         let mut depth = bodies
             .map(|body| limited(body.wear_limit).min(super::HIGHEST_VALID_WEAR * body.height) - body.initial_wear);
         if scene.path == Path::Straight {
-            // The track says what is worn.
+            // The wear limit of the strip is checked on its track.
             depth[1] = f64::NEG_INFINITY;
         }
         FastPathBounds {
@@ -88,16 +88,17 @@ impl FastPathBounds {
     }
 }
 
-/// See the module.
+/// Operators of the lumped level.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LumpedOperators {
-    /// The scene it was built from.
+    /// Scene from which the operators were built.
     pub scene: Scene,
     pub punch: BodyOperators,
     pub strip: BodyOperators,
-    /// Local heating of the strip under the contact; `None` where the contact covers the whole path or the strip is an insulator.
+    /// Flash temperature of the strip under the contact; `None` where the contact covers the whole path or the strip is an
+    /// insulator.
     pub flash: Option<Flash>,
-    /// The strip's own mean temperature is felt at the contact (not on fresh material).
+    /// The strip's mean temperature contributes to the contact temperature (not on fresh material).
     pub strip_remembers: bool,
     /// Friction law.
     pub friction: FrictionLaw,
@@ -111,23 +112,23 @@ pub struct LumpedOperators {
     pub effective_radius: f64,
     /// A wear rate depends on the contact temperature.
     pub wear_follows_temperature: bool,
-    /// The strip keeps a worn track of its own.
+    /// The strip has a worn track.
     pub tracked: bool,
-    /// Friction heat flux below which errors do not count, W/m2: a millionth of the nominal one.
+    /// Friction heat flux below which errors are neglected, W/m2: a millionth of the nominal one.
     pub least_flux: f64,
-    /// The step may take its plain form: see [`super::fast_path`].
+    /// The fast path is possible: see [`super::fast_path`].
     pub fast_path: bool,
-    /// What most steps stay within.
+    /// Bounds of the fast path.
     pub unremarkable: FastPathBounds,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
     pub half_resistance: f64,
-    /// Part of a closed path that the punches cover.
+    /// Fraction of a closed path covered by the punches.
     pub strip_coverage: f64,
-    /// Where pressure waves begin to grow.
+    /// Critical speed of thermoelastic instability.
     pub critical_speed: CriticalSpeed,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
-    /// Load lost per m of wear or thermal approach with a caliper, N/m; 0: dead load.
+    /// Load lost per m of wear or of negative thermal expansion with a caliper, N/m; 0: dead load.
     pub series_stiffness: f64,
 }
 
@@ -137,8 +138,8 @@ impl LumpedOperators {
         Self::with_heat_of(scene, None)
     }
 
-    /// The same with the reduced bodies, the moving source and the critical speed of `known`, whose scene has the same bodies, contact,
-    /// nominal conditions and tolerance: wear, friction, holder and level may differ.
+    /// Builds the lumped level with the reduced bodies, the moving source and the critical speed of `known`, whose scene has the
+    /// same bodies, contact, nominal conditions and tolerance: wear, friction, holder and level may differ.
     pub fn with_heat_of(scene: &Scene, known: Option<&LumpedOperators>) -> LumpedOperators {
         let area = scene.contact_area() * scene.count;
         let (power_factor, effective_radius) = match scene.geometry {
@@ -205,7 +206,8 @@ impl LumpedOperators {
     }
 }
 
-/// Local heating of the strip under the contact; `None` where the contact covers the whole path or the strip is an insulator.
+/// Flash temperature model of the strip under the contact; `None` where the contact covers the whole path or the strip is an
+/// insulator.
 pub fn moving_source(scene: &Scene) -> Option<Flash> {
     let (path, length) = path_of(scene);
     let endless = path == moving_source::Path::Endless;
@@ -220,13 +222,12 @@ fn flash_of(scene: &Scene, slab: Slab, path: moving_source::Path) -> Option<Flas
     })
 }
 
-/// Tolerance that the bodies are reduced to: a few states cannot follow more, and the time step does
-/// not need it.
+/// Tolerance of the model reduction of the bodies: a few states are not more accurate, and the time step does not require it.
 fn reduction_tolerance(scene: &Scene) -> f64 {
     scene.tolerance.max(2e-5)
 }
 
-/// Path of the heat source, and the length of the strip it heats.
+/// Path of the heat source, and the length of the strip that it heats.
 pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     match scene.path {
         Path::Closed => (moving_source::Path::Closed(scene.length / scene.count), scene.length),
@@ -238,8 +239,8 @@ pub fn path_of(scene: &Scene) -> (moving_source::Path, f64) {
     }
 }
 
-/// Cell of a to-and-fro path, long enough that its copies do not matter: stroke + width + 8 times the
-/// shortest of diffusion length, fin length and (where the base is held) height.
+/// Period of a reciprocating path for which periodic images are negligible: stroke + width + 8 times the shortest of diffusion
+/// length, fin length and (with a base at prescribed temperature) height.
 fn stroke_cell(scene: &Scene) -> f64 {
     let strip = &scene.strip;
     let mut reach = (strip.conductivity / strip.capacity() * scene.nominal_duration).sqrt();
@@ -324,13 +325,13 @@ fn punch_of(scene: &Scene, area: f64) -> BodyOperators {
     operators
 }
 
-/// The punch's conduction; `None` of an insulator.
+/// Reduced conduction model of the punch; `None` for an insulator.
 fn punch_heat(scene: &Scene, area: f64) -> Option<ReducedBody> {
     let conducts = scene.punch.conductivity > 0.0;
     conducts.then(|| punch_slab(scene, area).reduce(scene.nominal_duration, reduction_tolerance(scene)))
 }
 
-/// Area of the strip's conduction problem (m2), the part of it that the contact covers, and its cooled area (m2).
+/// Reference area of the strip's conduction problem (m2), the fraction of it that the contact covers, and its cooled area (m2).
 fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f64, f64) {
     let reference = match scene.geometry {
         Geometry::Annular => length * scene.width,
@@ -342,7 +343,7 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
     (reference, coverage, cooled)
 }
 
-/// The strip as a slab under a contact of `area` (m2) on a path of `length` (m), and the part of it that the contact covers.
+/// The strip as a slab under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact covers.
 pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
@@ -363,13 +364,13 @@ fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperat
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
     let mut operators = body_of(scene, body, reference, cooled / reference, coverage, true);
-    // A closed path wears all along; a straight one under the contact, which its track remembers.
+    // A closed path wears over its whole length; a straight one under the contact, with a worn track.
     operators.worn_area = area;
     let slab = (body.conductivity > 0.0).then(|| strip_slab(scene, area, length, endless).0);
     (operators, slab)
 }
 
-/// The strip's conduction, without its track; `None` of an insulator.
+/// Reduced conduction model of the strip, without its track; `None` for an insulator.
 fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<ReducedBody> {
     if scene.strip.conductivity == 0.0 {
         return None;
@@ -391,14 +392,14 @@ fn strip_heat(scene: &Scene, area: f64, length: f64, endless: bool) -> Option<Re
         observation.direct[0] *= coverage;
     }
     if endless {
-        // Fresh material arrives at its initial temperature: the mean heating is left behind.
+        // Fresh material arrives at its initial temperature: the mean heating stays behind the contact.
         heat.contact_temperature = Observation::NONE;
     }
     Some(heat)
 }
 
-/// The part of a stroke's heating that stays in the track decays without losing heat on the mean:
-/// states that only the contact temperature sees.
+/// Appends the decaying temperature of the track of a stroke, which does not change the mean: states that enter the contact
+/// temperature only.
 fn append_track(heat: &mut ReducedBody, flash: &Flash) {
     for (&rate, &residue) in flash.track.rate.iter().zip(&flash.track.residue) {
         let state = heat.count;

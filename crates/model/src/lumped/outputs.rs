@@ -19,7 +19,7 @@ macro_rules! emit {
 }
 
 impl Lumped {
-    /// Writes the outputs that answer the inputs (but `friction_slope`), and the worn depths.
+    /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
         self.refresh();
         let (point, conditions) = self.evaluate(&Inputs::from_array(*inputs));
@@ -32,14 +32,14 @@ impl Lumped {
         value!(values, "wear_depth_strip") = strip;
     }
 
-    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    /// Writes the main outputs at the end of the last step, valid for its final inputs only.
     pub fn write_end(&self, values: &mut [f64; COUNT]) {
         value!(values, "wear_depth") = self.state.punch.depth + self.strip_depth();
         value!(values, "contact_temperature") = self.state.end_temperature + self.state.reference;
         value!(values, "friction_force") = self.state.end_force;
     }
 
-    /// Writes the outputs that only the states give: the heat account, volumes, distance.
+    /// Writes the outputs that depend on the states only: the heat account, volumes, distance.
     pub fn write_account(&self, values: &mut [f64; COUNT]) {
         self.on_states(&mut |reference: ValueReference, value: f64| values[reference as usize] = value);
     }
@@ -77,7 +77,7 @@ impl Lumped {
         }
     }
 
-    /// Derivatives of every output in the direction `seed` of the inputs, with the states held.
+    /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
     pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
         self.refresh();
         let mut duals = [Dual::from(0.0); INPUTS];
@@ -100,7 +100,7 @@ impl Lumped {
         (point, conditions)
     }
 
-    /// d friction_force / d velocity with the states held, N s/m.
+    /// d friction_force / d velocity at frozen states, N s/m.
     fn slope<S: Scalar>(&mut self, inputs: &Inputs<S>) -> S {
         self.refresh();
         let lift = |value: S, derivative: f64| Dual { value, derivative: S::from(derivative) };
@@ -116,7 +116,7 @@ impl Lumped {
         self.evaluate(&inputs).0.force.derivative
     }
 
-    /// Outputs that answer the inputs.
+    /// Outputs with direct feedthrough.
     fn on_inputs<S: Scalar>(
         &self,
         point: &Point<S>,
@@ -168,7 +168,7 @@ impl Lumped {
         emit(const { reference("limit_reached") }, S::from(f64::from(state.limits & 7)));
     }
 
-    /// Outputs that only the states give.
+    /// Outputs that depend on the states only.
     fn on_states(&self, emit: &mut impl FnMut(ValueReference, f64)) {
         let (operators, scene, state) = (&self.operators, &self.operators.scene, &self.state);
         let faces = scene.faces;
@@ -223,7 +223,8 @@ impl Lumped {
         })
     }
 
-    /// Of a straight one-way path: over the track swept so far, above the material's initial temperature.
+    /// Mean temperature of a strip in unidirectional sliding on a straight path: over the track swept so far, above the
+    /// material's initial temperature.
     fn strip_mean_temperature(&self) -> f64 {
         let operators = &self.operators;
         if operators.strip_remembers {
@@ -234,7 +235,7 @@ impl Lumped {
         self.mean_temperature(&operators.strip, &self.state.strip, share) + point::strip_entry(operators, &self.state)
     }
 
-    /// Where the heat of punch and strip went since initialisation, J, all faces.
+    /// Heat accounts of punch and strip since initialisation, J, all faces.
     pub fn heat_accounts(&self) -> [conduction::line::Account; 2] {
         [(&self.operators.punch, &self.state.punch), (&self.operators.strip, &self.state.strip)].map(|(body, state)| {
             let Account { received, ambient, far, stored } = self.flows(body, state);
@@ -272,7 +273,7 @@ impl Lumped {
             ambient += heat.ambient_flow.direct[port] * state.received[port];
             far += heat.base_flow.direct[port] * state.received[port];
         }
-        // What the stationary field of the far face holds beyond the states came and went through that face.
+        // The heat of the quasi-static field of the far face, which is not in the states, entered through that face.
         let side = usize::from(!std::ptr::eq(body, &self.operators.punch));
         let beyond = heat.stored.direct[3] * (self.state.far[side] - self.state.far_start[side]);
         stored += beyond;
@@ -284,7 +285,7 @@ impl Lumped {
         account
     }
 
-    /// Reduction of both bodies, and the time step's share of the tolerance.
+    /// Estimated relative error of the reduction of both bodies and of the time steps.
     fn estimated_step_error(&self) -> f64 {
         let reduction = [&self.operators.punch, &self.operators.strip]
             .iter()

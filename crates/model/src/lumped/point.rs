@@ -1,4 +1,4 @@
-//! The contact at one instant with all states held: what outputs and directional derivatives come from.
+//! Contact at one instant at frozen states: basis of the outputs and directional derivatives.
 
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
@@ -11,20 +11,20 @@ use conduction::reduced::{Observation, Port, ReducedBody};
 use contact::friction::FrictionLaw;
 use numerics::scalar::Scalar;
 
-/// Sums over the states that do not change while the states are held.
+/// Free responses of the observations: sums over the states.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Frozen {
     punch: FrozenBody,
     strip: FrozenBody,
     flash: f64,
-    /// Worn and thermal approach that a caliper feels, m.
+    /// Approach by wear and thermal expansion that a caliper compensates, m.
     closed: f64,
 }
 
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 struct FrozenBody {
     contact: f64,
-    /// Of the faces that the air cools.
+    /// Cooled faces.
     cooled: [f64; FACES],
     ambient_flow: f64,
     base_flow: f64,
@@ -44,7 +44,7 @@ impl FrozenBody {
 }
 
 impl Frozen {
-    /// Sums over `state`.
+    /// Free responses of `state`.
     pub fn new(operators: &LumpedOperators, state: &LumpedState) -> Frozen {
         let closed = if operators.series_stiffness > 0.0 {
             let rise = |body: &BodyOperators, state: &BodyState| match &body.heat {
@@ -66,30 +66,30 @@ impl Frozen {
     }
 }
 
-/// The contact at one instant. Temperatures in K above the reference.
+/// Contact at one instant. Temperatures in K above the reference.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Point<S = f64> {
-    /// Load per face that reaches the contact, N.
+    /// Load per face carried by the contact, N.
     pub load: S,
     /// Mean pressure, Pa.
     pub pressure: S,
     /// Friction coefficient with Stribeck factor.
     pub friction_coefficient: S,
-    /// Friction coefficient without it.
+    /// Kinetic friction coefficient (without Stribeck factor).
     pub kinetic_coefficient: S,
     /// Friction force of all faces, N, signed.
     pub force: S,
     /// Friction heat flux, W/m2.
     pub flux: S,
-    /// Its split.
+    /// Heat partition and surface temperatures.
     pub partition: HeatPartition<S>,
     /// Mean of both surfaces.
     pub contact_temperature: S,
-    /// Heat flows to ambient and out of the far faces, all faces, W: punch, strip.
+    /// Heat flow to ambient, all faces, W: punch, strip.
     pub ambient_flow: [S; 2],
-    /// See `ambient_flow`.
+    /// Heat flow out of the far faces, all faces, W: punch, strip.
     pub far_flow: [S; 2],
-    /// Speed that wears, m/s.
+    /// Sliding speed in the wear law, m/s.
     pub wearing_speed: S,
     /// Wear rates of punch and strip under the contact, m/s.
     pub wear_rate: [S; 2],
@@ -100,8 +100,8 @@ pub struct Point<S = f64> {
 pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let mut flux = (ambient - t) * forced * air.forced;
     if air.emissivity > 0.0 {
-        // Nothing radiates below 0 K, where only an iteration goes: the flux then falls with the temperature everywhere,
-        // and [`cooling_slope`] is its derivative.
+        // Below 0 K, which only an iterate can reach, radiation is 0: the flux then decreases with temperature everywhere, and
+        // [`cooling_slope`] is its derivative.
         let fourth = |t: S| {
             let absolute = (t + S::from(reference)).positive();
             (absolute * absolute) * (absolute * absolute)
@@ -111,24 +111,25 @@ pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forc
     flux
 }
 
-/// Derivative of the outgoing cooling flux by the surface temperature, W/(m2 K), for implicit solves.
+/// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
 #[inline]
 pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
     forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3)
 }
 
-/// Levels that prescribed temperatures add to an observation.
+/// Contribution of prescribed temperatures to an observation.
 #[inline]
 fn prescribed<S: Scalar>(observation: &Observation, ambient: S, far: S) -> S {
     ambient * observation.direct[Port::Ambient as usize] + far * observation.direct[Port::Base as usize]
 }
 
-/// Temperatures of the faces that the air cools.
+/// Observations of the cooled faces.
 fn cooled_faces(heat: &ReducedBody) -> [&Observation; FACES] {
     [&heat.cooled_temperature, &heat.base_temperature]
 }
 
-/// Cooling fluxes of a body with its states held: a face follows the fluxes only by its static remainders.
+/// Cooling fluxes of a body at frozen states: the direct feedthrough from flux to face temperature is the static correction of
+/// truncated modes.
 fn held_cooling<S: Scalar>(
     body: &BodyOperators,
     heat: &ReducedBody,
@@ -148,7 +149,8 @@ fn held_cooling<S: Scalar>(
             + into * faces[face].direct[Port::Contact as usize]
             + S::from(frozen.cooled[face])
     });
-    // The remainders are tiny against the resistance of the air: the iteration contracts by their ratio.
+    // The static corrections are small against the resistance of the convection: the fixed-point iteration contracts by their
+    // ratio.
     for _ in 0..5 {
         for face in 0..FACES {
             if body.air[face].acts() {
@@ -160,14 +162,14 @@ fn held_cooling<S: Scalar>(
     flux
 }
 
-/// What cooling fluxes add to an observation at once.
+/// Direct feedthrough of the cooling fluxes to an observation.
 #[inline]
 fn raised<S: Scalar>(observation: &Observation, cooling: &[S; FACES]) -> S {
     cooling[BESIDE] * observation.direct[PORTS_OF_FACES[BESIDE]]
         + cooling[FAR] * observation.direct[PORTS_OF_FACES[FAR]]
 }
 
-/// Evaluates the contact with the states held.
+/// Evaluates the contact at frozen states.
 pub fn evaluate<S: Scalar>(
     operators: &LumpedOperators,
     friction: &FrictionLaw,
@@ -200,7 +202,7 @@ pub fn evaluate<S: Scalar>(
     let sides = (punch, strip);
     let bristle = operators.bristle();
     let faces = scene.faces;
-    // Heat per unit of the faded friction coefficient.
+    // Friction heat per unit of the kinetic friction coefficient at temperature.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
         if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
@@ -219,7 +221,7 @@ pub fn evaluate<S: Scalar>(
     let kinetic_at = |temperature: S| {
         friction.kinetic_coefficient(temperature) * conditions.stribeck * load * (faces * operators.power_factor)
     };
-    // Sliding heats the contact, sticking does not: a bristle sticks where it is below the limit of its sliding.
+    // Only slip generates heat: a bristle sticks where it is below its sliding limit.
     if let Some(bristle) = bristle
         && !bristle.force(state.bristle, conditions.velocity.value(), kinetic_at(temperature).value()).1
     {
@@ -244,13 +246,13 @@ pub fn evaluate<S: Scalar>(
             (false, _) => v,
         };
         wearing_speed = if slips { (v - deflecting).abs() } else { S::from(0.0) };
-        // Heat: the slider's work and the damper's.
+        // Heat: the work of the slider and of the damper.
         let power = force * v - deflecting * (bristle.stiffness * state.bristle);
         flux = if closed { power.positive() * (1.0 / (faces * operators.area)) } else { S::from(0.0) };
     }
     let partition = solve(flux);
-    // The cooled surface feels the contact's heat; what its flux then changes at the contact, through a static
-    // remainder once more, is left out.
+    // The contact's heat changes the temperature of the cooled surface; the feedback of its flux on the contact, by another
+    // static correction, is neglected.
     let recool =
         |operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], far: S, into: S| match &operators.heat {
             Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
@@ -297,7 +299,7 @@ pub fn evaluate<S: Scalar>(
     }
 }
 
-/// Temperature (K above the reference) at which fresh material arrives on a straight one-way path.
+/// Temperature (K above the reference) at which fresh material arrives in unidirectional sliding on a straight path.
 pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
     let initial = operators.strip.initial_temperature;
     if operators.strip_remembers || initial == 0.0 { 0.0 } else { initial - state.reference }

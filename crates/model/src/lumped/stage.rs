@@ -7,8 +7,8 @@
 //! a(c h) = exp(-r c h) a(0) + input (w_1 u_1 + w_2 u_2),   w_j = integral_0^{ch} exp(-r (ch - t)) L_j(t/h) dt
 //! ```
 //!
-//! without error at any r h. [`Propagator`] holds these weights for one step size at the three points
-//! at which the contact is solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
+//! without error at any r h. [`Propagator`] holds these weights for one step size at the three points at which the contact is
+//! solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
 
 use super::air::{BESIDE, FACES, FAR};
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
@@ -22,7 +22,7 @@ pub const BASIS: [[f64; 2]; 3] = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]];
 /// Weights of the two stages in the integral over the step.
 pub const QUADRATURE: [f64; 2] = [0.75, 0.25];
 
-/// (1 - exp(-z))/z and (1 - that)/z, given `decay` = exp(-z).
+/// (1 - exp(-z))/z and one minus that, over z, given `decay` = exp(-z).
 #[inline]
 pub fn averages(z: f64, decay: f64) -> (f64, f64) {
     if z < 0.06 {
@@ -47,8 +47,8 @@ pub fn weights(rate: f64, decay: f64, c: f64, length: f64) -> [f64; 2] {
     [1.5 * (flat - ramp), 0.5 * (3.0 * ramp - flat)]
 }
 
-/// Sum of products of the first `count` entries. Entries beyond are zero, so whole groups of four are
-/// added: the compiler makes vector instructions of them, in an order that is the same everywhere.
+/// Dot product of the first `count` entries. Later entries are zero, so whole groups of four are added, which the compiler
+/// vectorises in an order that does not depend on the machine.
 #[inline]
 fn dot(left: &[f64; MAX_STATES], right: &[f64; MAX_STATES], count: usize) -> f64 {
     let mut sum = [0.0; LANES];
@@ -60,7 +60,7 @@ fn dot(left: &[f64; MAX_STATES], right: &[f64; MAX_STATES], count: usize) -> f64
     total(sum)
 }
 
-/// An observed temperature over a step: what the initial states give, and what the stage fluxes add.
+/// Observed temperature over a step: free response of the initial states, and gains from the stage fluxes.
 #[derive(Clone, Debug)]
 pub struct Observed {
     /// Weight of the initial states at every point.
@@ -102,7 +102,7 @@ impl Observed {
         dot(&self.homogeneous[point], states, count)
     }
 
-    /// What the stage fluxes `u` of `port` add at `point`.
+    /// Response to the stage fluxes `u` of `port` at `point`.
     #[inline]
     pub fn of_flux(&self, port: usize, point: usize, u: [f64; 2]) -> f64 {
         self.gain[port][point][0] * u[0] + self.gain[port][point][1] * u[1]
@@ -111,12 +111,12 @@ impl Observed {
 
 type Decay = [[f64; MAX_STATES]; 3];
 
-/// A reduced body over one step size.
+/// Exact propagator of a reduced body over one step size.
 #[derive(Clone, Debug)]
 pub struct Propagator {
     /// Temperature of the contact surface.
     pub contact: Observed,
-    /// Temperatures of the faces that the air cools: beside the contact, far face.
+    /// Temperatures of the cooled faces: beside the contact, far face.
     pub cooled: [Observed; FACES],
     /// Mean temperature of the body.
     pub mean: Observed,
@@ -125,10 +125,10 @@ pub struct Propagator {
     surface: [Group; MAX_STATES / LANES],
 }
 
-/// States that a vector unit treats together.
+/// Number of states per vector.
 const LANES: usize = 4;
 
-/// What the plain step needs of some neighbouring states, side by side in memory: the same numbers as in the rows above.
+/// Entries of the fast path for some neighbouring states, contiguous in memory: the same numbers as in the rows above.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 struct Group {
@@ -148,14 +148,14 @@ fn accumulate(sum: &mut [f64; LANES], left: &[f64; LANES], right: &[f64; LANES])
     }
 }
 
-/// Sum over the lanes, in an order that is the same everywhere.
+/// Sum over the lanes, in an order that does not depend on the machine.
 #[inline(always)]
 fn total(sum: [f64; LANES]) -> f64 {
     (sum[0] + sum[2]) + (sum[1] + sum[3])
 }
 
 impl Propagator {
-    /// The propagator of `body` over the step `step` (s); `cools`: the faces whose temperature is asked for.
+    /// Propagator of `body` over the step `step` (s); `cools`: the faces whose temperature is observed.
     pub fn new(body: &ReducedBody, step: f64, cools: [bool; FACES]) -> Propagator {
         let mut decay = [[1.0; MAX_STATES]; 3];
         for (point, row) in decay.iter_mut().enumerate() {
@@ -210,7 +210,7 @@ impl Propagator {
         [total(first), total(last)]
     }
 
-    /// The same at the point 2/3.
+    /// Temperature of the contact surface at the point 2/3 from the initial states alone.
     #[inline(always)]
     pub fn contact_at_middle(&self, states: &[f64; MAX_STATES], count: usize) -> f64 {
         let mut sum = [0.0; LANES];
@@ -231,7 +231,7 @@ impl Propagator {
     ) {
         for (weights, states) in self.surface.iter().zip(states.as_chunks_mut::<LANES>().0).take(count.div_ceil(LANES))
         {
-            // In numbers of its own, stored at the end: the compiler then needs no proof that nothing overlaps.
+            // In a local copy, stored at the end: the compiler then need not prove that nothing overlaps.
             let mut new = *states;
             for lane in 0..LANES {
                 new[lane] = weights.decay[lane] * new[lane]
@@ -246,7 +246,7 @@ impl Propagator {
         }
     }
 
-    /// Carries `states` over the step under the stage fluxes of every port.
+    /// Advances `states` over the step under the stage fluxes of every port.
     #[inline]
     pub fn advance(
         &self,
@@ -255,7 +255,7 @@ impl Propagator {
         fluxes: &[[f64; 2]; PORTS],
         active: [bool; PORTS],
     ) {
-        // Whole groups of four, as in `dot`: what is beyond the last state stays 0.
+        // Whole groups of four, as in `dot`: entries beyond the last state stay 0.
         let count = 4 * count.div_ceil(4);
         let states = &mut states[..count];
         let row = |port: usize, stage: usize| &self.update[port][stage][..count];
@@ -284,7 +284,7 @@ mod tests {
                 let step = 0.7;
                 let decay = (-rate * c * step).exp();
                 let computed = weights(rate, decay, c, c * step);
-                // Midpoint rule in the stretched variable of the decay is accurate enough at this number of points.
+                // The midpoint rule in a stretched variable is accurate enough at this number of points.
                 let points = 200_000;
                 let mut exact = [0.0; 2];
                 for i in 0..points {

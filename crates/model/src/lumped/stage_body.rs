@@ -1,4 +1,4 @@
-//! What one body contributes to the equations of a step.
+//! Contribution of one body to the stage equations of a step.
 
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::operators::BodyOperators;
@@ -8,18 +8,18 @@ use super::state::{BodyState, NewHeat};
 use conduction::reduced::{PORTS, Port};
 use numerics::maximum::maximum;
 
-/// What one body contributes to the stage equations.
+/// Contribution of one body to the stage equations.
 pub struct StageBody<'a> {
     pub body: &'a BodyOperators,
     pub propagator: Option<&'a Propagator>,
     /// Contact temperature at the three points without contact and cooling flux.
     pub level: [f64; 3],
-    /// Temperatures of the cooled faces at both stages likewise.
+    /// Temperatures of the cooled faces at both stages without contact and cooling flux.
     pub cooled: [[f64; 2]; FACES],
     /// Stage fluxes through every port.
     pub flux: [[f64; 2]; PORTS],
     pub active: [bool; PORTS],
-    /// Faces whose flux follows from their temperature.
+    /// Faces with cooling that depends on their temperature.
     cools: [bool; FACES],
 }
 
@@ -62,7 +62,7 @@ impl<'a> StageBody<'a> {
         stage
     }
 
-    /// What states and prescribed temperatures give at `point`.
+    /// Free response at `point`: by states and prescribed temperatures.
     #[inline]
     fn observe(&self, observed: &Observed, point: usize, state: &BodyState, count: usize) -> f64 {
         let mut sum = observed.of_states(point, &state.heat, count);
@@ -74,7 +74,7 @@ impl<'a> StageBody<'a> {
         sum
     }
 
-    /// Contact temperature at the point 2/3 without contact flux and cooling: only the error estimate needs it.
+    /// Contact temperature at the point 2/3 without contact flux and cooling, for the error estimate only.
     pub fn middle_level(&self, state: &BodyState) -> f64 {
         match (self.propagator, &self.body.heat) {
             (Some(propagator), Some(heat)) => self.observe(&propagator.contact, 1, state, heat.count),
@@ -82,7 +82,7 @@ impl<'a> StageBody<'a> {
         }
     }
 
-    /// Contact temperature at `point` under the present stage fluxes.
+    /// Contact temperature at `point` under the current stage fluxes.
     pub fn contact(&self, point: usize) -> f64 {
         self.level[point] + self.add(|propagator| &propagator.contact, point)
     }
@@ -95,12 +95,12 @@ impl<'a> StageBody<'a> {
         }
     }
 
-    /// Whether the air takes heat that follows from temperatures still to be found.
+    /// Whether any cooling depends on temperatures still to be solved for.
     pub fn cools(&self) -> bool {
         self.cools.contains(&true)
     }
 
-    /// What contact and cooling add to an observation at `point`.
+    /// Response of an observation to contact and cooling fluxes at `point`.
     pub fn add(&self, of: impl Fn(&Propagator) -> &Observed, point: usize) -> f64 {
         self.propagator.map_or(0.0, |propagator| self.add_to(of(propagator), point))
     }
@@ -122,14 +122,14 @@ impl<'a> StageBody<'a> {
         self.propagator.map_or([0.0; 2], |propagator| propagator.contact.gain[0][point])
     }
 
-    /// Updates the cooling fluxes from the present temperatures, linearised in the fluxes of both faces at the same stage;
-    /// returns the largest change of temperature that this makes.
+    /// Newton step of the cooling fluxes at the current temperatures, linearised in the fluxes of both faces at the same stage;
+    /// returns the largest change of temperature by it.
     pub fn cool(&mut self, reference: f64, ambient: [f64; 2], forced: [f64; 2]) -> f64 {
         let Some(propagator) = self.propagator else { return 0.0 };
         let mut change: f64 = 0.0;
         for stage in 0..2 {
             let point = 2 * stage;
-            // What the law asks for more at each face, and by how much each face's loss rises with either flux.
+            // Residual of the cooling law at each face, and Jacobian with respect to the fluxes of both faces.
             let (mut lack, mut matrix) = ([0.0; FACES], [[1.0, 0.0], [0.0, 1.0]]);
             for face in 0..FACES {
                 if !self.cools[face] {
@@ -146,7 +146,7 @@ impl<'a> StageBody<'a> {
             }
             let step = solve(&matrix, lack);
             for (port, step) in PORTS_OF_FACES.into_iter().zip(step) {
-                // Also what is no number.
+                // NaN passes this test too.
                 if step != 0.0 {
                     self.flux[port][stage] += step;
                     change = maximum(change, (step * propagator.contact.gain[port][2][stage]).abs());
@@ -156,7 +156,7 @@ impl<'a> StageBody<'a> {
         change
     }
 
-    /// Heat at the end of the step, and what the ports have received by then.
+    /// Thermal states and received heat of the ports at the end of the step.
     pub fn advanced(&self, state: &BodyState, step: f64) -> NewHeat {
         let mut new = NewHeat { heat: state.heat, received: state.received };
         if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
@@ -172,7 +172,7 @@ impl<'a> StageBody<'a> {
     }
 }
 
-/// Solves two equations.
+/// Solves a system of two equations.
 fn solve(matrix: &[[f64; 2]; 2], right: [f64; 2]) -> [f64; 2] {
     let determinant = matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0];
     [

@@ -1,4 +1,4 @@
-//! The unknowns of both stages of a step: heat, its split, friction, pressure and wear.
+//! Unknowns of both stages of a step: heat, its partition, friction, pressure and wear.
 
 use super::bristle::{Bristle, Line, Moved};
 use super::conditions::Conditions;
@@ -22,16 +22,16 @@ pub struct Stages {
     pub kinetic_coefficient: [f64; 2],
     /// Wear rates of punch and strip at the stages.
     pub rates: [[f64; 2]; 2],
-    /// Gain of the strip including its moving source.
+    /// Gain of the strip's contact temperature including its moving source.
     strip_gain: [[f64; 2]; 3],
     partition: Splitting,
-    /// s v Stribeck at the stages: heat per faded friction and pressure.
+    /// s v Stribeck at the stages: heat per kinetic friction coefficient and pressure.
     driver: [f64; 2],
-    /// Speed that wears.
+    /// Sliding speed in the wear law.
     speed: [f64; 2],
     pub bristle: Option<Bristle>,
     deflection_at_start: f64,
-    /// What the bristle did.
+    /// Result of the bristle over the step.
     pub moved: Moved,
     velocity: Line,
     stribeck: [f64; 2],
@@ -57,7 +57,7 @@ impl Stages {
             }
         }
         let (first, last) = (&conditions[1], &conditions[3]);
-        // A piece has no sign change of the load inside: its middle says whether the contact is closed.
+        // The load does not change its sign within a piece: its middle determines whether the contact is closed.
         let closed = conditions[2].load > 0.0;
         let partition = Splitting::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
         let loads = [first.load, last.load];
@@ -85,14 +85,14 @@ impl Stages {
         }
     }
 
-    /// Contact load behind a caliper: wear relaxes it, expansion raises it.
+    /// Contact load behind a caliper: wear reduces it, expansion increases it.
     pub fn loads(&mut self, stepper: &Stepper, state: &LumpedState, punch: &StageBody, strip: &StageBody) {
         let operators = stepper.operators;
         if operators.series_stiffness == 0.0 {
             return;
         }
         let step = stepper.propagators.step;
-        // Radau IIA: what each stage rate adds up to the stage points.
+        // Radau IIA coefficients: integrals of the stage rates up to the stage points.
         const STAGE: [[f64; 2]; 2] = [[5.0 / 12.0, -1.0 / 12.0], [0.75, 0.25]];
         let coverage = operators.scene.coverage();
         for stage in 0..2 {
@@ -118,8 +118,8 @@ impl Stages {
         }
     }
 
-    /// Solves heat, split and friction at both stages for the present cooling and pressure; returns the
-    /// largest change of temperature, 0 where nothing needs another pass.
+    /// One iteration of heat, its partition and friction at both stages for the current cooling and pressure; returns the largest
+    /// change of temperature, 0 where no further iteration is needed.
     pub fn solve(&mut self, stepper: &Stepper, punch: &mut StageBody, strip: &mut StageBody) -> f64 {
         let conductance = stepper.operators.scene.conductance;
         let closed = if stepper.operators.series_stiffness > 0.0 {
@@ -140,7 +140,7 @@ impl Stages {
             }
         } else {
             let none = self.partition.temperatures(&self.partition.fluxes([0.0; 2]));
-            // The temperature is affine in the heats: columns of its gain, then one agreement per stage in turn.
+            // The temperature is affine in the heats: columns of its gain, then the consistent friction stage by stage.
             let columns =
                 [[1.0, 0.0], [0.0, 1.0]].map(|unit| self.partition.temperatures(&self.partition.fluxes(unit)));
             for _ in 0..60 {
@@ -172,7 +172,7 @@ impl Stages {
         if caliper {
             self.wear(stepper);
         }
-        // Cooling reports its own change; caliper and bristle feed back through what is solved here.
+        // The change by cooling is returned separately; caliper and bristle depend on this solution.
         let feeds_back = caliper || self.bristle.is_some() && fades;
         if !feeds_back {
             return 0.0;
@@ -180,9 +180,9 @@ impl Stages {
         maximum((self.temperature[0] - before[0]).abs(), (self.temperature[1] - before[1]).abs())
     }
 
-    /// The bristle over the whole step, with its limit on the line through both stages: sliding all along, it then
-    /// heats as the law without a bristle does. Heat and slip at the stages are those of their moments, scaled so that
-    /// they add up to what the bristle has done.
+    /// Advances the bristle over the whole step, with its limit linear through both stages: in continuous sliding its heat equals
+    /// that of the friction law without a bristle. Heat and slip speed at the stages are those of the instants, scaled to the
+    /// heat and the slip over the step.
     fn slide_bristle(&mut self, stepper: &Stepper) {
         let Some(bristle) = self.bristle else { return };
         let (operators, step) = (stepper.operators, stepper.propagators.step);
@@ -200,14 +200,14 @@ impl Stages {
         self.speed = scaled([self.moved.speed[0], self.moved.speed[2]], self.moved.slipped / step);
     }
 
-    /// The most that the bristle carries, N, all faces together.
+    /// Limit force of the bristle, N, all faces together.
     fn limit(&self, stepper: &Stepper, kinetic_coefficient: f64, stribeck: f64, pressure: f64) -> f64 {
         let operators = stepper.operators;
         kinetic_coefficient * stribeck * pressure * operators.power_factor * operators.scene.faces * operators.area
     }
 
-    /// How far the bristle's heat is from a line through its stages, as a flux (W/m2), where it changes between
-    /// sticking and slipping: what it gave in all against its powers at the stages.
+    /// Deviation of the bristle's heat from the quadrature of its powers at the stages, as a flux (W/m2); it is nonzero at
+    /// transitions between sticking and slipping.
     fn unevenness(&self, stepper: &Stepper) -> f64 {
         if self.bristle.is_none() || self.pressure == [0.0; 2] {
             return 0.0;
@@ -220,7 +220,7 @@ impl Stages {
     /// Wear rates at the stages.
     pub fn wear(&mut self, stepper: &Stepper) {
         let operators = stepper.operators;
-        // Where nothing differs between the stages one rate serves both.
+        // Where all arguments agree one rate is valid for both stages.
         let same = self.pressure[0] == self.pressure[1]
             && self.speed[0] == self.speed[1]
             && self.kinetic_coefficient[0] == self.kinetic_coefficient[1]
@@ -249,9 +249,8 @@ impl Stages {
         self.strip_gain[1] = [own[0] + flash.gain[1][0], own[1] + flash.gain[1][1]];
     }
 
-    /// Upper bound of [`Stages::error`] that needs no third point: at constant conditions the fluxes relax, and
-    /// a relaxing flux is nowhere further from its line through both stages than half their difference.
-    /// Infinite where that does not hold.
+    /// Upper bound of [`Stages::error`] without a third point: at constant conditions the fluxes relax, and the deviation of a
+    /// relaxing flux from the line through both stages is at most half their difference. Infinite where that does not hold.
     pub fn bound(&self, stepper: &Stepper, state: &LumpedState, constant: bool, punch: &StageBody) -> f64 {
         let operators = stepper.operators;
         if !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature {
@@ -261,7 +260,7 @@ impl Stages {
         let heat = (self.heat[1] - self.heat[0]).abs() + 2.0 * self.unevenness(stepper);
         let scale = self.flux_scale(stepper, state, punch);
         let exchange = if self.partition.closed && operators.scene.conductance > 0.0 {
-            // The resistance grows during the step: at its end it bounds that at the point 2/3.
+            // The resistance increases during the step: at its end it bounds that at the point 2/3.
             let (gain, strip_gain) = (punch.gain(2), self.strip_gain[2]);
             partition
                 / layer_allowance(
@@ -276,14 +275,14 @@ impl Stages {
         defect / (2.0 * operators.scene.tolerance * scale)
     }
 
-    /// Flux that errors are measured against, W/m2.
+    /// Scale of errors of the flux, W/m2.
     fn flux_scale(&self, stepper: &Stepper, state: &LumpedState, punch: &StageBody) -> f64 {
         let heat = maximum(self.heat[0].abs(), self.heat[1].abs());
         let exchanged = 0.1 * maximum(punch.flux[0][0].abs(), punch.flux[0][1].abs());
         maximum(heat, exchanged).max(0.02 * state.peak_flux).max(stepper.operators.least_flux)
     }
 
-    /// Error of the step in units of the tolerance, from the contact conditions at the point 2/3.
+    /// Error of the step in units of the tolerance, from the residual of the contact conditions at the point 2/3.
     pub fn error(
         &self,
         stepper: &Stepper,
@@ -320,7 +319,7 @@ impl Stages {
             let strip_gain = self.strip_gain[1];
             let resistance = 1.0 / conductance + gain[0] + gain[1] + strip_gain[0] + strip_gain[1];
             let jump = punch_temperature - strip_temperature - 0.5 * (into_strip - into_punch) / conductance;
-            // Between sticking and slipping the heat has layers of its own in the midst of a step.
+            // Transitions between sticking and slipping cause thermal layers in the middle of a step.
             let is_layer = constant || self.bristle.is_none() && !stepper.touches_down();
             let allowance = if is_layer { layer_allowance(resistance, scale, state) } else { 0.5 };
             exchange = jump.abs() / (resistance * allowance);
@@ -337,21 +336,21 @@ impl Stages {
             let power = self.moved.power;
             let bent = power[1] + excess - between([power[0], power[2]]);
             let bent = if self.partition.closed { bent / (operators.scene.faces * operators.area) } else { 0.0 };
-            // A change between sticking and slipping is over when its part is: beside the heat of the whole piece,
-            // it counts by its time.
+            // A transition between sticking and slipping only affects its own part: relative to the heat of the whole piece, it
+            // is weighted by duration.
             defect += (bent.abs() + self.unevenness(stepper)) / stepper.cut;
         } else {
             let heat = kinetic_coefficient * middle.stribeck * middle.slip * operators.power_factor * pressure;
             defect += (heat - heats).abs();
         }
-        // The residual overestimates the error of the mean flux, which the Radau points integrate two orders better.
-        // What changes during the step is not over when the step is.
+        // The residual overestimates the error of the mean flux, for which the Radau quadrature has two orders more. Changes
+        // during the step persist after it, hence the larger factor.
         let defect = if constant { exchange + defect } else { 2.0 * exchange + 4.0 * defect };
         let mut error = defect / (2.0 * tolerance * scale);
         if !constant && operators.flash.is_some() {
             error = maximum(error, stepper.flash.error(strip.flux[0], tolerance, state.peak_rise));
         }
-        // At constant conditions only the temperature can make the wear rate change.
+        // At constant conditions only the temperature can change the wear rate.
         let changes = !constant || operators.series_stiffness > 0.0 || operators.wear_follows_temperature;
         if self.bristle.is_some() || changes {
             for (body, rates) in [&operators.punch, &operators.strip].into_iter().zip(&self.rates) {
@@ -363,7 +362,7 @@ impl Stages {
         error
     }
 
-    /// Third difference of the wear rate, which the quadrature leaves, in units of the tolerance.
+    /// Third difference of the wear rate, which is the quadrature error, in units of the tolerance.
     fn wear_error(
         &self,
         stepper: &Stepper,
@@ -399,7 +398,7 @@ impl Stages {
                 if self.partition.closed { conditions[index].load / operators.area } else { 0.0 }
             }
         };
-        // Linear continuation of what the stages found to the start and to the point 2/3.
+        // Linear extrapolation of the stage values to the start and to the point 2/3.
         let (start, middle) = ([1.5, -0.5], BASIS[1]);
         let others = [rate(0, pressure(0, start), start), rate(2, pressure(2, middle), middle)];
         let end = (self.kinetic_coefficient[1], self.temperature[1] + self.reference);
@@ -417,13 +416,13 @@ impl Stages {
     }
 }
 
-/// Values at both stages in proportion to `values`, with the mean `mean` over the step.
+/// Stage values proportional to `values`, with the mean `mean` over the step.
 fn scaled(values: [f64; 2], mean: f64) -> [f64; 2] {
     let own = QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
     if own > 0.0 { values.map(|value| value * (mean / own)) } else { [mean; 2] }
 }
 
-/// The linear map from the friction heats of both stages to the fluxes and the contact temperatures.
+/// Linear map from the friction heats of both stages to the fluxes and the contact temperatures.
 #[derive(Clone, Copy)]
 struct Splitting {
     punch_level: [f64; 2],
@@ -449,7 +448,7 @@ impl Splitting {
                 matrix[i][j] = if closed {
                     punch_gain[i][j] + strip_gain[i][j] + own
                 } else {
-                    // No exchange where the contact is open: the flux into the punch is 0.
+                    // Open contact: no exchange, the flux into the punch is 0.
                     f64::from(u8::from(i == j))
                 };
             }
@@ -472,7 +471,7 @@ impl Splitting {
         }
     }
 
-    /// Takes the temperatures without contact flux, which the cooling changes from pass to pass.
+    /// Sets the temperatures without contact flux, which change with the cooling from iteration to iteration.
     fn levels(&mut self, punch: &StageBody, strip: &StageBody) {
         self.punch_level = [punch.contact_level(0), punch.contact_level(2)];
         self.strip_level = [strip.contact_level(0), strip.contact_level(2)];
@@ -518,7 +517,7 @@ impl Splitting {
         self.beside_insulator([punch, strip], fluxes[i])
     }
 
-    /// An insulator has no temperature of its own: that of the other surface, and the jump that the contact's resistance makes.
+    /// Surface temperature of an insulator: that of the other surface and the jump across the contact resistance.
     fn beside_insulator(&self, [punch, strip]: [f64; 2], into: (f64, f64)) -> [f64; 2] {
         match self.conducts {
             (true, false) => [punch, punch + self.half_resistance * into.0],

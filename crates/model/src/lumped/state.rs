@@ -1,4 +1,4 @@
-//! What changes at the lumped level; everything a saved state needs.
+//! State of the lumped level, as it is saved.
 
 use super::operators::LumpedOperators;
 use conduction::flash::MAX_FLASH_STATES;
@@ -6,33 +6,31 @@ use conduction::reduced::MAX_STATES;
 use contact::wear::track::Track;
 use numerics::maximum::all_finite;
 
-/// Heat and wear of one body.
+/// Thermal state and wear of one body.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyState {
     /// States of the reduced conduction problem.
     pub heat: [f64; MAX_STATES],
-    /// Integrals of the fluxes through the ports since initialisation, by port.
+    /// Time integrals of the fluxes through the ports since initialisation, by port.
     pub received: [f64; 4],
-    /// Worn depth under a contact that stays on its material, m: punch, or strip of a closed path.
+    /// Worn depth under a contact that stays on its material, m: of the punch, or of the strip on a closed path.
     pub depth: f64,
     /// Worn volume per face over `worn_area`, m.
     pub worn: f64,
 }
 
+/// State of the lumped level.
 impl BodyState {
-    /// All zero.
     pub const EMPTY: BodyState =
         BodyState { heat: [0.0; conduction::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
 }
-
-/// See the module.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LumpedState {
     pub punch: BodyState,
     pub strip: BodyState,
     /// States of the moving source, K.
     pub flash: [f64; MAX_FLASH_STATES],
-    /// Worn track of a straight path; absent where nothing is tracked.
+    /// Worn track of a straight path; `None` without a track.
     pub track: Option<Track>,
     /// Position of the punch on the strip, m.
     pub position: f64,
@@ -53,9 +51,9 @@ pub struct LumpedState {
     pub peak_wear: f64,
     /// Bits of limit_reached seen so far.
     pub limits: u8,
-    /// log2 of the number of parts the last communication step was cut into.
+    /// log2 of the number of parts of the last communication step.
     pub refinement: u8,
-    /// Ambient temperature that heat is counted from, K.
+    /// Reference temperature: ambient temperature at initialisation, K.
     pub reference: f64,
     /// Contact temperature (K above the reference) and friction force (N) at the end of the last step.
     pub end_temperature: f64,
@@ -68,18 +66,18 @@ pub struct LumpedState {
     pub rejected: u64,
 }
 
-/// Heat of a body at the end of a step, before the step is accepted: see [`BodyState`].
+/// Thermal state of a body at the end of a step, before the step is accepted: see [`BodyState`].
 pub struct NewHeat {
     pub heat: [f64; MAX_STATES],
     pub received: [f64; 4],
 }
 
-/// What a step makes of a [`LumpedState`], before it is accepted.
+/// Result of a step from a [`LumpedState`], before it is accepted.
 pub struct NewState {
     pub punch: NewHeat,
     pub strip: NewHeat,
     pub flash: [f64; MAX_FLASH_STATES],
-    /// Way of the punch, m.
+    /// Travel of the punch, m.
     pub travel: f64,
     pub dissipated: f64,
     pub distance: f64,
@@ -94,7 +92,7 @@ impl NewState {
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
         let NewState { punch, strip, flash, travel, dissipated, distance, worn, end_temperature, end_force } = self;
-        // What is beyond the last state is 0.
+        // Entries beyond the last state are 0.
         let numbers = [*travel, *dissipated, *distance, worn[0], worn[1], *end_temperature, *end_force, 0.0];
         all_finite(&punch.heat)
             & all_finite(&strip.heat)
@@ -104,7 +102,7 @@ impl NewState {
             & all_finite(&numbers)
     }
 
-    /// Carries `state` over.
+    /// Writes the accepted step into `state`.
     #[inline(always)]
     pub fn commit(self, operators: &LumpedOperators, state: &mut LumpedState) {
         (state.punch.heat, state.punch.received) = (self.punch.heat, self.punch.received);
@@ -117,7 +115,7 @@ impl NewState {
 }
 
 impl LumpedState {
-    /// At initialisation: bodies at their initial temperatures, nothing worn. `ambient` in K.
+    /// Initial state: bodies at their initial temperatures, unworn. `ambient` in K.
     pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
         let start = |body: &super::operators::BodyOperators| {
@@ -141,7 +139,7 @@ impl LumpedState {
         LumpedState { punch, strip, track, reference, ..LumpedState::empty() }
     }
 
-    /// All zero, no track.
+    /// Zero state without a track.
     pub fn empty() -> LumpedState {
         LumpedState {
             punch: BodyState::EMPTY,
@@ -168,7 +166,7 @@ impl LumpedState {
         }
     }
 
-    /// Takes the depths `worn` (m; punch, strip) off under a contact that moves on by `travel` (m).
+    /// Adds the worn depths `worn` (m; punch, strip) under a contact that moves by `travel` (m).
     #[inline]
     pub fn wear(&mut self, operators: &LumpedOperators, worn: [f64; 2], travel: f64) {
         self.punch.worn += worn[0];

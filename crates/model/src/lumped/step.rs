@@ -1,10 +1,9 @@
-//! One implicit step of the lumped level: pressure, heat split, cooling, friction and wear together.
+//! One implicit step of the lumped level: pressure, heat partition, cooling, friction and wear together.
 //!
-//! Fluxes are linear between the Radau points 1/3 and 1 of the step; both stages are solved at once
-//! (two-stage Radau IIA in the fluxes, L-stable, third order on smooth histories), the states follow
-//! exactly ([`super::stage`]). The start of the step does not enter, so the layer that a jump of the inputs
-//! leaves in the fast states does not spoil it. The residual of the contact conditions at the point 2/3
-//! is the error estimate.
+//! Fluxes are linear between the Radau points 1/3 and 1 of the step; both stages are solved as one system (two-stage Radau IIA in
+//! the fluxes, L-stable, third order on smooth histories), the states are propagated exactly ([`super::stage`]). The fluxes at
+//! the start of the step do not enter, so the thermal layer after a jump of the inputs in the fast states does not reduce the
+//! accuracy. The residual of the contact conditions at the point 2/3 is the error estimate.
 
 use super::air::Air;
 use super::conditions::{Conditions, Tunables};
@@ -19,19 +18,19 @@ use conduction::flash::MAX_FLASH_STATES;
 use contact::friction::FrictionLaw;
 use numerics::maximum::{all_finite, maximum};
 
-/// Both bodies over one step size.
+/// Propagators of both bodies over one step size.
 #[derive(Clone, Debug)]
 pub struct Propagators {
     /// The step size, s.
     pub step: f64,
     pub(super) punch: Option<Propagator>,
     pub(super) strip: Option<Propagator>,
-    /// Decays of the moving source at rest up to the point 1/3.
+    /// Decay factors of the moving source at rest up to the point 1/3.
     pub(super) flash: [f64; MAX_FLASH_STATES],
 }
 
 impl Propagators {
-    /// Weights for the step `step` (s).
+    /// Propagators for the step `step` (s).
     pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
         let of = |body: &BodyOperators| {
             let cools = body.air.each_ref().map(Air::acts);
@@ -42,38 +41,37 @@ impl Propagators {
     }
 }
 
-/// What an attempted step found.
+/// Outcome of an attempted step.
 pub struct Attempt {
-    /// Error in units of the tolerance; the step is good if at most 1.
+    /// Error in units of the tolerance; the step is accepted if at most 1.
     pub error: f64,
     /// Highest temperature seen, K above the reference.
     pub hottest: f64,
 }
 
-/// Everything a step needs that does not change during it.
+/// Data of a step that are constant during it.
 pub struct Stepper<'a> {
     pub operators: &'a LumpedOperators,
     pub friction: &'a FrictionLaw,
     pub tunables: &'a Tunables,
     pub propagators: &'a Propagators,
-    /// Number of parts that the piece without events is cut into, and the conditions at its ends where they
-    /// change: what a part's error of wear is measured against.
+    /// Number of parts of the piece without events, and the conditions at its ends where they change: scale of the wear error of
+    /// a part.
     pub cut: f64,
-    /// See `cut`.
+    /// Conditions at the ends of the piece; see `cut`.
     pub ends: Option<&'a [Conditions; 2]>,
     /// The moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
 }
 
 impl Stepper<'_> {
-    /// The same for a shorter time.
+    /// The same data, borrowed for a shorter time.
     pub fn reborrow(&mut self) -> Stepper<'_> {
         Stepper { flash: &mut *self.flash, ..*self }
     }
 
-    /// Tries the step from `state`; `conditions` at the start and at the three points,
-    /// all the same where `constant`. On success
-    /// (error at most 1) `state` is carried over, otherwise it is left as it was.
+    /// Tries the step from `state`; `conditions` at the start and at the three points, all the same where `constant`. An accepted
+    /// step (error at most 1) is written to `state`, otherwise the state is unchanged.
     pub fn attempt(&mut self, state: &mut LumpedState, conditions: &[Conditions; 4], constant: bool) -> Attempt {
         let operators = self.operators;
         let scene = &operators.scene;
@@ -103,7 +101,7 @@ impl Stepper<'_> {
             }
         }
         let mut stages = Stages::new(self, state, conditions, &punch, &strip);
-        // Far below what the error estimate must see across the thin resistance of the interface.
+        // Far below the resolution of the error estimate across the small resistance of the interface.
         let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
         for body in [&mut punch, &mut strip] {
@@ -169,7 +167,7 @@ impl Stepper<'_> {
         if !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far]) {
             return Attempt { error: f64::INFINITY, hottest };
         }
-        // Accepted: carry everything over.
+        // Accepted: update the state.
         new.commit(operators, state);
         state.bristle = stages.moved.deflection;
         state.far = [last.punch_far, last.strip_far];

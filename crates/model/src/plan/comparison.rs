@@ -1,22 +1,23 @@
-//! Errors of the levels, measured: every level takes the whole nominal course, and so does a finer one.
+//! Estimated errors of the model levels: every level is run over the whole nominal trajectory and compared with a finer one.
 //!
-//! The contact line is run on 9, 17, 33, ... cells as it would be run for the user: with its own bodies, steps and tolerance. With d the
-//! largest difference of an output between two runs, over the largest value of the finer one, and r the ratio by which the differences of
-//! successive refinements fall, the finest cells n are off by about
+//! The contact line is run on 9, 17, 33, ... cells with the bodies, steps and tolerance of the user's run. With d the largest
+//! difference of an output between two runs, relative to the largest value of the finer one, and r the ratio of the differences
+//! of successive refinements, the error on the finest cells n is about
 //!
 //! ```text
 //! e(n) = d(n/2, n)/(r - 1),
 //! ```
 //!
-//! and every other level c by `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cells. What reduction and
-//! time steps do is measured on the lumped level and on the coarsest line, by a run at half of the tolerance: their errors are
-//! proportional to it, so twice the difference. It is told as a part of `estimated_step_error`, which is a bound for the steps of the course
-//! as it is one for those of the user's run. No finer level cures it, so it does not decide. Cells are doubled until a level meets the tolerance or another doubling would
-//! cost more than [`BUDGET`]; one more doubling than was run is extrapolated with r.
+//! and that of every other level c is `e(c) = d(c, n) + e(n)`. With two lines only, r is taken as 2: first order in the cell
+//! size. The errors of model reduction and time steps are measured on the lumped level and on the coarsest line, by a run at half
+//! of the tolerance: they are proportional to it, so the error is twice the difference. It is stated as a fraction of
+//! `estimated_step_error`, which is a bound for the steps of this trajectory as for those of the user's run. A finer level does
+//! not reduce it, so it does not enter the choice. Cells are doubled until a level meets the tolerance or another doubling would
+//! cost more than [`BUDGET`]; one more doubling is extrapolated with r.
 //!
-//! A reciprocating course is shorter than the nominal duration, and a run may end early where it needs more steps than the budget has.
-//! Errors of temperature and force are then carried on with the power of the time with which they grew over the last half of the run, to
-//! four times the time at most: slower heating of thick bodies is common to all levels.
+//! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
+//! budget permits. Errors of temperature and force are then extrapolated with the power of time by which they grew over the last
+//! half of the run, to four times its length at most: slower heating of thick bodies is the same at all levels.
 
 use super::Candidate;
 use super::cost::{self, build_cost};
@@ -28,88 +29,88 @@ use crate::line::operators::RunIn;
 use numerics::maximum::maximum;
 use scene::{HeatAlongContact, Scene};
 
-/// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which hold a step whose
-/// operators are made anew: some 100 ms.
+/// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which assume new
+/// operators in every step: some 100 ms.
 const BUDGET: f64 = 400e3;
 
-/// Part of the budget that one run may take, and the least steps that every run may take.
+/// Fraction of the budget for one run, and the least number of steps permitted to every run.
 const RUN_PART: f64 = 0.4;
 const LEAST_STEPS: f64 = 200.0;
 
-/// Expected cost of the next doubling over that of the last.
+/// Expected cost of the next doubling relative to the last.
 const DEARER: f64 = 2.5;
 
-/// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower bound is
-/// that of a temperature under a pressure that is singular at the edge.
+/// Ratio by which the error falls when the cells are doubled, before it is measured, and bounds of the measured one. The lower
+/// bound is that of a temperature under a pressure that is singular at the edge.
 const ASSUMED_RATIO: f64 = 2.0;
 const RATIO: (f64, f64) = (1.5, 4.0);
 
-/// Ratio of successive differences below which cells are taken not to converge, where the last difference is above this.
+/// Ratio of successive differences below which cells do not converge, where the last difference is above the second number.
 const CONVERGING: (f64, f64) = (1.1, 0.05);
 
-/// Least part of a unidirectional course that a line has to cover, so that the end can be told from it.
+/// Least fraction of a unidirectional trajectory that a line has to cover for an extrapolation to its end.
 const TELLING: f64 = 0.2;
 
-/// Bounds of the power of the time with which an error is carried on, and the longest time to which it is, over what was run.
+/// Bounds of the power of time by which an error is extrapolated, and largest extrapolation in lengths of the run.
 const GROWTH: (f64, f64) = (0.0, 0.5);
 const CARRIED_ON: f64 = 4.0;
 
-/// Tolerance of the runs that reduction and time steps are judged by, over that of the scene.
+/// Tolerance of the runs for the error of reduction and time steps, relative to that of the scene.
 const STRICTER: f64 = 0.5;
 
-/// What was found.
+/// Result of a comparison.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// Every level with its error, by cost.
     pub candidates: Vec<Candidate>,
-    /// The levels that were run, as they are for the scene.
+    /// Levels that were run, with the operators for the scene.
     pub operators: Vec<(ModelLevel, ModelOperators)>,
     /// The finest contact line that was run.
     pub finest: ModelLevel,
-    /// Its operators.
+    /// Operators of the finest contact line.
     pub line: ModelOperators,
-    /// Whether the error is known: the cells converge, and enough of the course was run.
+    /// Whether the error is known: the cells converge, and enough of the trajectory was run.
     pub is_known: bool,
     /// Peak rise of the contact temperature, K.
     pub rise: f64,
     /// Internal steps of all runs.
     pub steps: u64,
-    /// Part of the nominal duration that the finest line covers.
+    /// Fraction of the nominal duration that the finest line covers.
     pub covered: f64,
     /// Cost of the comparison, counted microseconds.
     pub cost: f64,
 }
 
-/// A level that was run.
+/// Model level that was run.
 struct Level {
     model_level: ModelLevel,
     operators: ModelOperators,
     run: Run,
 }
 
-/// Runs of a comparison so far.
+/// State of a comparison.
 struct Progress<'a> {
     /// Finds the shape of a run-in punch.
     run_in: RunIn,
     course: &'a NominalTrajectory,
-    /// Heat of the contact line, where it is resolved as far as it feeds back.
+    /// Lumped or resolved heat of the contact line, as it feeds back.
     heat: HeatAlongContact,
     levels: Vec<Level>,
-    /// Error by reduction and time steps over `estimated_step_error`: of the lumped level, of a line with its heat by the mean, and of one
-    /// with heat on its cells.
+    /// Error of reduction and time steps over `estimated_step_error`: of the lumped level, of a line with lumped heat, and of one
+    /// with resolved heat.
     step_ratios: [f64; 3],
-    /// Even coarse lines cover too little of the course.
+    /// Even coarse lines cover too little of the trajectory.
     falls_short: bool,
     cost: f64,
     steps: u64,
 }
 
-/// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: heat is on the cells where the
-/// contact line has it there. `may_grow`: cells that neither agree to `enough` nor show a ratio
-/// of convergence are taken not to converge.
+/// Compares the levels of `scene` over `course` until one has an error of at most `enough`. `by_cells`: with resolved heat where
+/// the contact line resolves it. `may_grow`: cells that neither agree to `enough` nor show a ratio of convergence are taken not
+/// to converge.
 ///
 /// # Errors
-/// What a level or a step of it refuses.
+/// Error of a level, or of a step of it.
 pub fn compare(
     scene: &Scene,
     course: &NominalTrajectory,
@@ -119,7 +120,7 @@ pub fn compare(
     run_in: RunIn,
 ) -> Result<Comparison, String> {
     let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
-    // Strokes are run with the wear of the whole duration: what they are run on is not what the user runs.
+    // Strokes are run with the wear of the whole duration, so their operators are not those of the user's run.
     let run_scene = &course.scene(scene);
     let whole = ModelLevel::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(run_scene);
     let heat = match by_cells && on_the_cells(&whole) {
@@ -165,7 +166,7 @@ pub fn compare(
     let finest = progress.lines().next_back().ok_or("no contact line could be compared")?;
     let rise = finest.run.history.iter().map(|main| main[1].abs()).fold(0.0, maximum);
     let (line, covered) = (finest.operators.clone(), course.part(finest.run.history.len()));
-    // Where the user has fixed the cells, the finer ones are there to compare with only.
+    // With a number of cells set by the user, finer ones serve for comparison only.
     let finest = if scene.cells > 0 { ModelLevel::Line { cells: scene.cells, heat } } else { finest.model_level };
     let (steps, cost) = (progress.steps, progress.cost);
     let operators = match course.repeats > 1.0 {
@@ -175,7 +176,7 @@ pub fn compare(
     Ok(Comparison { candidates, operators, finest, line, is_known, rise, steps, covered, cost })
 }
 
-/// Errors of the levels so far.
+/// Estimated errors of the levels.
 struct Judgement {
     candidates: Vec<Candidate>,
     /// Ratio by which the error falls when the cells are doubled.
@@ -183,13 +184,13 @@ struct Judgement {
     is_known: bool,
 }
 
-/// About twice as many cells: the entries of [`CELLS`] one after the other.
+/// About twice the number of cells: the next entry of [`CELLS`].
 fn doubled(cells: usize) -> usize {
     (2 * cells).saturating_sub(1).clamp(2, CELLS[CELLS.len() - 1])
 }
 
 impl Progress<'_> {
-    /// Runs the course on `operators`.
+    /// Runs the trajectory on `operators`.
     fn run(&mut self, operators: &ModelOperators) -> Result<Run, String> {
         let per_step = cost::per_step(operators);
         let most = (RUN_PART * BUDGET / per_step).max(LEAST_STEPS);
@@ -215,7 +216,7 @@ impl Progress<'_> {
         Ok(operators)
     }
 
-    /// The contact line on `cells` cells beside the lumped level `mean`, and the same with its heat by the mean.
+    /// Runs the contact line on `cells` cells beside the lumped level `mean`, and the same line with lumped heat.
     fn line(&mut self, scene: &Scene, cells: usize, mean: &ModelOperators) -> Result<(), String> {
         let model_level = ModelLevel::Line { cells, heat: self.heat };
         let line = mean.line_beside(&model_level.apply(scene), self.run_in)?;
@@ -239,7 +240,7 @@ impl Progress<'_> {
         Ok(())
     }
 
-    /// Measures what reduction and time steps add to the error.
+    /// Measures the errors of reduction and time steps.
     fn measure_steps(&mut self, scene: &Scene, cells: usize) -> Result<(), String> {
         let mut stricter = scene.clone();
         stricter.tolerance *= STRICTER;
@@ -256,12 +257,12 @@ impl Progress<'_> {
         Ok(())
     }
 
-    /// Contact lines with their heat resolved, from coarse to fine.
+    /// Contact lines with resolved heat, from coarse to fine.
     fn lines(&self) -> impl DoubleEndedIterator<Item = &Level> {
         self.levels.iter().filter(|level| level.model_level.heat() == Some(self.heat))
     }
 
-    /// Errors of all levels. `agreed`: the difference that the finest lines may have where their ratio is not known.
+    /// Estimates the errors of all levels. `agreed`: the difference of the finest lines accepted where their ratio is not known.
     fn judge(&self, agreed: Option<f64>) -> Result<Judgement, String> {
         let mut lines = self.lines().rev();
         let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
@@ -272,7 +273,7 @@ impl Progress<'_> {
             let earlier = self.carried_on(&earlier.run, &before.run);
             largest(earlier) / largest(between)
         });
-        // Equal to the last bit: as good as it gets.
+        // Equality to the last bit counts as the best ratio.
         let measured = measured.map(|ratio| if ratio.is_nan() { RATIO.1 } else { ratio });
         let ratio = measured.unwrap_or(ASSUMED_RATIO).clamp(RATIO.0, RATIO.1);
         let own = between.map(|apart| apart / (ratio - 1.0));
@@ -298,7 +299,7 @@ impl Progress<'_> {
         run.steps as f64 / self.course.part(run.history.len())
     }
 
-    /// Difference of two runs over what both cover, that of temperature and force carried on to the nominal duration.
+    /// Difference of two runs over their common part, for temperature and force extrapolated to the nominal duration.
     fn carried_on(&self, run: &Run, finer: &Run) -> [f64; 3] {
         let count = run.history.len().min(finer.history.len());
         let apart = distance(&run.history[..count], &finer.history[..count]);
@@ -309,7 +310,7 @@ impl Progress<'_> {
         let before = distance(&run.history[..half], &finer.history[..half]);
         let doublings = (part / self.course.part(half)).log2();
         std::array::from_fn(|output| {
-            // Wear is accelerated: its end has been seen.
+            // Wear is accelerated: the run covers its final value.
             if output == 0 || apart[output] == 0.0 {
                 return apart[output];
             }
@@ -318,12 +319,13 @@ impl Progress<'_> {
         })
     }
 
-    /// Adds finer cells than were run. Heat by the mean beside cells that carry it has an error that finer cells leave.
+    /// Adds levels with finer cells than were run. The error of lumped heat, where heat feeds back, does not decrease with finer
+    /// cells.
     fn extrapolate(&self, candidates: &mut Vec<Candidate>, ratio: f64) {
         let finest = candidates.iter().rev().find(|candidate| candidate.model_level.heat() == Some(self.heat)).copied();
         let (Some(finest), Some(level)) = (finest, self.lines().next_back()) else { return };
         let cells = finest.model_level.cells();
-        // One doubling: beyond, the measured ratio tells little.
+        // One doubling: further extrapolation by the measured ratio is unreliable.
         for count in CELLS.into_iter().filter(|&count| count > cells).take(1) {
             let factor = (cells as f64 / count as f64).powf(ratio.log2());
             let cost = cost::per_step_of(count, cost::states(&level.operators));
@@ -338,7 +340,7 @@ impl Progress<'_> {
     }
 }
 
-/// Place of a level's step ratio.
+/// Index of a level's step ratio.
 fn kind(model_level: ModelLevel) -> usize {
     match model_level.heat() {
         None => 0,
@@ -347,7 +349,7 @@ fn kind(model_level: ModelLevel) -> usize {
     }
 }
 
-/// The largest; infinite where one is no number.
+/// Largest error; infinite where one is NaN.
 pub fn largest(errors: [f64; 3]) -> f64 {
     errors.into_iter().fold(0.0, |most, error| if error.is_nan() { f64::INFINITY } else { error.max(most) })
 }

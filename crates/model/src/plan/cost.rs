@@ -1,4 +1,5 @@
-//! What levels cost, counted: with constants calibrated once, in microseconds of a core of 3 GHz, so that no plan depends on a clock.
+//! Counted cost of the levels: with constants calibrated once, in microseconds of a core of 3 GHz, so that no plan depends on a
+//! clock.
 
 use crate::levels::ModelOperators;
 use scene::Geometry;
@@ -11,11 +12,12 @@ const HEAT_CELL_PAIR: f64 = 0.07;
 const HEAT_STATE: f64 = 0.1;
 const HEAT_STATE_CELLS: f64 = 600.0;
 
-/// Costs of building a lumped level, a contact line, heat along it, more for rings; of a thermal state of punch and strip.
+/// Costs of building a lumped level, a contact line, its resolved heat, and rings in addition; of a thermal state of punch and
+/// strip.
 const BUILD: [f64; 4] = [300.0, 1500.0, 500.0, 1200.0];
 const BUILD_STATE: [f64; 2] = [5.0, 1.7];
 
-/// Thermal states of both bodies where heat is on the cells.
+/// Thermal states of both bodies with resolved heat.
 pub fn states(operators: &ModelOperators) -> Option<usize> {
     match operators {
         ModelOperators::Lumped(_) => None,
@@ -23,10 +25,10 @@ pub fn states(operators: &ModelOperators) -> Option<usize> {
     }
 }
 
-/// What one internal step costs.
+/// Cost of one internal step.
 ///
-/// Lumped: a constant. The line adds its pressure, c N^2 while factors are kept, and with heat on the cells c (1 + N^2/n^2)
-/// per thermal state, for the weights of the step and the influence matrices, and c N^2 for the heat partition.
+/// Lumped: a constant. The line adds its pressure, c N^2 with cached factors, and with resolved heat c (1 + N^2/n^2) per thermal
+/// state, for the weights of the step and the influence matrices, and c N^2 for the heat partition.
 pub fn per_step(operators: &ModelOperators) -> f64 {
     match operators {
         ModelOperators::Lumped(_) => per_step_of(1, None),
@@ -34,7 +36,7 @@ pub fn per_step(operators: &ModelOperators) -> f64 {
     }
 }
 
-/// The same from the counts: `cells`, and thermal states where heat is on them.
+/// Cost of one internal step by the counts: `cells`, and thermal states with resolved heat.
 pub fn per_step_of(cells: usize, states: Option<usize>) -> f64 {
     if cells <= 1 {
         return LUMPED_STEP;
@@ -46,7 +48,7 @@ pub fn per_step_of(cells: usize, states: Option<usize>) -> f64 {
     LUMPED_STEP + LINE_STEP + LINE_CELL_PAIR * pairs + heat
 }
 
-/// What it costs to build the operators of a level.
+/// Cost of building the operators of a level.
 pub fn build_cost(operators: &ModelOperators) -> f64 {
     let ModelOperators::Line(line) = operators else { return BUILD[0] };
     let heat = line.heat.as_ref().map_or(0.0, |bodies| {

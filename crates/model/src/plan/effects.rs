@@ -1,4 +1,4 @@
-//! The effects that a level keeps or drops, each with the number that speaks for it.
+//! Effects that a level includes or neglects, each with the quantity on which this is based.
 
 use super::Candidate;
 use super::groups::Groups;
@@ -6,25 +6,25 @@ use super::model_level::ModelLevel;
 use crate::levels::ModelOperators;
 use scene::{HeatAlongContact, Scene};
 
-/// An effect.
+/// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Effect {
     /// Its name.
     pub name: &'static str,
-    /// What the number is.
+    /// Definition of the number.
     pub measure: &'static str,
-    /// The number.
+    /// Value of the number.
     pub number: f64,
-    /// Whether the chosen rung has it.
+    /// Whether the chosen model level includes it.
     pub kept: bool,
-    /// Relative error of the main outputs by dropping it; 0 where it is kept.
+    /// Relative error of the main outputs by neglecting it; 0 where it is included.
     ///
-    /// What a uniform pressure costs is measured as a whole and shared among the effects that make the pressure uneven,
-    /// in proportion to how uneven each makes it.
+    /// The error of a uniform pressure is measured as a whole and divided among the effects that make the pressure nonuniform, in
+    /// proportion to the nonuniformity by each.
     pub error: f64,
 }
 
-/// Judges the effects of a scene; `fine` is a contact line of it.
+/// Evaluates the effects of a scene; `fine` is a contact line of it.
 pub fn judge(
     scene: &Scene,
     groups: &Groups,

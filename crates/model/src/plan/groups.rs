@@ -17,26 +17,26 @@ pub struct Groups {
     pub biot: [f64; 2],
     /// (1/E2* - 1/E1*)/(1/E1* + 1/E2*): 1 for a rigid punch, -1 for a rigid strip.
     pub dundurs: f64,
-    /// Part of the mean compliance that the strip has.
+    /// Fraction of the mean compliance in the strip.
     pub strip_compliance: f64,
     /// alpha (1 + nu) T min(h, W) of both bodies over C p.
     pub distortion_over_approach: f64,
     /// Wear of both bodies at the end over C p.
     pub wear_over_approach: f64,
-    /// Strip's part of the worn depth.
+    /// Fraction of the worn depth in the strip.
     pub strip_wear: f64,
-    /// V over the critical speed of thermoelastic instability; 0 where nothing expands.
+    /// V over the critical speed of thermoelastic instability; 0 without thermal expansion.
     pub speed_over_critical: f64,
-    /// mu H/a: the friction force's lever over the half-width; 0 where the punch cannot turn.
+    /// mu H/a: lever of the friction force over the half-width; 0 where the punch cannot rotate.
     pub lever: f64,
-    /// Larger of |b - 1| of the bodies that wear.
+    /// Larger |b - 1| of the bodies that wear.
     pub exponent: f64,
     /// Largest change of a fade table's factor between ambient temperature and T, of friction and of wear.
     pub fade: [f64; 2],
 }
 
 impl Groups {
-    /// Groups of `scene` whose contact gets `rise` (K) warmer.
+    /// Groups of `scene` for a rise `rise` (K) of the contact temperature.
     pub fn new(scene: &Scene, rise: f64) -> Groups {
         let bodies = [&scene.punch, &scene.strip];
         let pressure = scene.nominal_load / (scene.contact_area() * scene.count);

@@ -1,24 +1,24 @@
-//! What `solver.fidelity = auto` chooses: the cheapest level whose error is below the tolerance.
+//! Model selection of `solver.fidelity = auto`: the cheapest level whose error is below the tolerance.
 //!
-//! # How
+//! # Method
 //!
-//! Every level takes the whole nominal course ([`course`]) as it would be run: with its own bodies, steps and tolerance. Its error is
-//! measured against finer cells and a stricter tolerance ([`comparison`]), and holds the level, the cells, the reduction of the bodies
-//! and the time steps together. Levels are judged by the contact line as `solver.fidelity = line` runs it: with heat on its cells where that feeds back on
-//! the pressure, and by its mean elsewhere.
+//! Every level is run over the whole nominal trajectory ([`course`]) with the bodies, steps and tolerance of the user's run. Its
+//! error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the model
+//! reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
+//! resolved heat where its distribution feeds back on the pressure, and lumped heat elsewhere.
 //!
 //! The plan depends on computed numbers alone, never on timings: the same scene has the same plan on every machine.
 //!
-//! # What it costs
+//! # Cost
 //!
-//! Nothing where groups decide: two rigid bodies have a uniform pressure. Else some runs of the nominal course, at most about 100 ms in
-//! counted work ([`cost`]). A level that was run as the user runs it is not built again.
+//! None where dimensionless groups are sufficient: two rigid bodies have a uniform pressure. Otherwise some runs of the nominal
+//! trajectory, at most about 100 ms in counted work ([`cost`]). A level whose run was that of the user is not built again.
 //!
 //! # Limits
 //!
-//! - The course is that of `nominal.*`. A run beyond it is no longer planned for: [`prepared::Prepared::is_beyond`].
-//! - The error is unknown, and stated as 1, where nothing can be compared (nominal values of 0, no solution on the cells), and where the
-//!   cells do not converge, as above the critical speed of thermoelastic instability.
+//! - The trajectory is that of `nominal.*`. The plan is not valid for a run beyond it: [`prepared::Prepared::is_beyond`].
+//! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
+//!   and where the cells do not converge, as above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.
 
 pub mod comparison;
@@ -40,74 +40,74 @@ use numerics::maximum::maximum;
 use scene::Scene;
 use trajectory::NominalTrajectory;
 
-/// Part of the tolerance that the error of the level and its cells may take.
+/// Part of the tolerance for the error of the level and its cells.
 const SAFETY: f64 = 0.9;
 
-/// Error that is not known.
+/// Stated error where it is unknown.
 pub const UNKNOWN: f64 = 1.0;
 
-/// Most cells that are taken where no level is expected to meet the tolerance.
+/// Largest number of cells chosen where no level is expected to meet the tolerance.
 const MOST_IN_VAIN: usize = 65;
 
-/// A level with its error.
+/// Model level with its error.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Candidate {
     /// The level.
     pub model_level: ModelLevel,
     /// Relative errors of wear depth, contact temperature and friction force by the level and its cells.
     pub errors: [f64; 3],
-    /// Error by the reduction of its bodies and its time steps over `estimated_step_error`.
+    /// Error of model reduction and time steps over `estimated_step_error`.
     pub step_ratio: f64,
-    /// Expected cost of an internal step, and of the nominal duration, microseconds; see [`cost`].
+    /// Expected cost of an internal step, microseconds; see [`cost`].
     pub cost: f64,
-    /// See `cost`.
+    /// Expected cost of the nominal duration, microseconds; see [`cost`].
     pub run_cost: f64,
 }
 
 impl Candidate {
-    /// The largest of the errors by the level and its cells.
+    /// Largest error of the level and its cells.
     pub fn error(&self) -> f64 {
         comparison::largest(self.errors)
     }
 }
 
-/// What was chosen, and why.
+/// Chosen level, and the basis of the choice.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Plan {
-    /// The tolerance it was made for.
+    /// Tolerance of the plan.
     pub tolerance: f64,
-    /// The level.
+    /// Chosen level.
     pub model_level: ModelLevel,
     /// Whether its estimated error is below the tolerance.
     pub meets: bool,
-    /// Why it is this level.
+    /// Reason for the choice.
     pub reason: String,
-    /// Effects, what decided on them, and what they cost.
+    /// Effects, the quantities on which they are included or neglected, and their errors.
     pub effects: Vec<Effect>,
     /// Dimensionless groups at nominal conditions.
     pub groups: Groups,
-    /// Every level that was looked at, by cost; empty where there was nothing to choose.
+    /// Levels considered, by cost; empty without a choice.
     pub candidates: Vec<Candidate>,
     /// Thermal states of punch, strip and moving source.
     pub states: [usize; 3],
     /// Order of the time steps.
     pub order: u8,
-    /// Relative error of the level and its cells over the nominal course, the largest of the three main outputs; [`UNKNOWN`] where it is
-    /// not known. `None` where the level has no error but that of its reduction and its steps: both bodies are rigid.
+    /// Relative error of the level and its cells over the nominal trajectory, the largest of the three main outputs; [`UNKNOWN`]
+    /// where it is not known. `None` where the only errors are those of model reduction and steps: both bodies are rigid.
     pub estimated_error: Option<f64>,
     /// See [`Candidate::step_ratio`].
     pub step_ratio: f64,
     /// Relative error of the reduced thermal bodies.
     pub reduction_error: f64,
-    /// Expected cost of an internal step and of the nominal duration, microseconds.
+    /// Expected cost of an internal step, microseconds.
     pub cost_per_step: f64,
-    /// See `cost_per_step`.
+    /// Expected cost of the nominal duration, microseconds.
     pub run_cost: f64,
-    /// Internal steps of the comparison, the part of the nominal duration that it covers, and its cost, microseconds.
+    /// Internal steps of the comparison.
     pub compared_steps: u64,
-    /// See `compared_steps`.
+    /// Fraction of the nominal duration covered by the comparison.
     pub covered: f64,
-    /// See `compared_steps`.
+    /// Cost of the comparison, microseconds.
     pub planning_cost: f64,
     /// Peak rise of the contact temperature at nominal conditions, K; 0 where nothing was compared.
     pub rise: f64,
@@ -118,7 +118,7 @@ pub struct Plan {
 pub struct Planned {
     /// The plan.
     pub plan: Plan,
-    /// Of the chosen level.
+    /// Operators of the chosen level.
     pub operators: ModelOperators,
 }
 
@@ -144,16 +144,16 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
         Ok(comparison) => return decide(scene, comparison, None, run_in),
         Err(reason) => reason,
     };
-    // Where heat on the cells has no solution (friction that runs away, instability), its mean still has one.
+    // Where resolved heat has no solution (thermal runaway by friction, instability), lumped heat still has one.
     if let Ok(comparison) = compare(scene, &course, enough, false, may_grow, run_in) {
         return decide(scene, comparison, Some(format!("nothing to compare the mean heat with: {reason}")), run_in);
     }
-    // The lumped level knows nothing of what the contact line refuses.
     only_lumped(scene, format!("no contact line to compare with: {reason}"), Some(UNKNOWN), run_in)
 }
-
-/// Chooses a level. `doubt`: why its error is not known.
 fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: RunIn) -> Result<Planned, String> {
+    // The lumped level does not reproduce the failure of the contact line.
+
+/// Chooses a level. `doubt`: reason for which its error is not known.
     let enough = SAFETY * scene.tolerance;
     let candidates = &comparison.candidates;
     let known = doubt.is_none() && comparison.is_known;
@@ -163,7 +163,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
             let within = candidates.iter().filter(|candidate| candidate.model_level.cells() <= MOST_IN_VAIN);
             within.min_by(|one, other| one.error().total_cmp(&other.error()))
         }
-        // Nothing tells the levels apart: the one that leaves out least.
+        // Without known errors: the level that neglects least.
         false => {
             let alike = candidates.iter().filter(|candidate| candidate.model_level.heat() == comparison.finest.heat());
             let within = alike.filter(|candidate| candidate.model_level.cells() <= MOST_IN_VAIN.max(scene.cells));

@@ -1,27 +1,27 @@
-//! The levels that a scene can run at, with their cells.
+//! Model hierarchy: the levels at which a scene can run, with their cells.
 
 use scene::{Fidelity, HeatAlongContact, Scene};
 use std::fmt;
 
-/// Cells of the rungs of the line level.
+/// Numbers of cells of the line level.
 pub const CELLS: [usize; 6] = [9, 17, 33, 65, 129, 257];
 
-/// A level with its discretisation.
+/// Model level with its discretisation.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ModelLevel {
     /// Uniform pressure.
     Lumped,
     /// A contact line.
     Line {
-        /// N.
+        /// Number of cells N.
         cells: usize,
-        /// Whether its heat is on the cells.
+        /// Lumped or resolved heat.
         heat: HeatAlongContact,
     },
 }
 
 impl ModelLevel {
-    /// `scene` on this rung.
+    /// `scene` at this level.
     pub fn apply(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         match self {
@@ -42,7 +42,7 @@ impl ModelLevel {
         }
     }
 
-    /// Heat of a contact line.
+    /// Lumped or resolved heat of a contact line.
     pub fn heat(self) -> Option<HeatAlongContact> {
         match self {
             ModelLevel::Lumped => None,

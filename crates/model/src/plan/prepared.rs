@@ -1,26 +1,27 @@
-//! A scene made ready to run: its level, chosen by the user or by a plan, and what is known of its error.
+//! Prepared scene: its level, chosen by the user or by a plan, and its error.
 
 use super::{Plan, UNKNOWN};
 use crate::levels::ModelOperators;
 use crate::line::operators::RunIn;
 use scene::{Fidelity, Scene};
 
-/// Load, speed and friction work over the nominal ones up to which a plan holds: more than the largest speed of a sinusoid over its mean.
+/// Ratio of load, speed and friction work to the nominal ones up to which a plan is valid: more than the largest speed of a
+/// sinusoid over its mean.
 const PLANNED: f64 = 2.0;
 
-/// See the module. Built when initialisation ends.
+/// Prepared scene, built at the end of initialisation.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// The scene as the parameters describe it.
+    /// Scene as given by the parameters.
     pub requested: Scene,
-    /// Where the level was chosen for the user.
+    /// Plan, where the level was chosen automatically.
     pub plan: Option<Plan>,
-    /// Of the level.
+    /// Operators of the level.
     pub operators: ModelOperators,
 }
 
 impl Prepared {
-    /// Builds what `scene` asks for.
+    /// Builds the level of `scene`, by a plan if `auto`.
     ///
     /// # Errors
     /// A text with the numbers where a body, or the run-in state, does not exist.
@@ -45,8 +46,8 @@ impl Prepared {
         force * scene.nominal_velocity * scene.nominal_duration
     }
 
-    /// Whether a speed (m/s), a load (N) or the friction work (J) so far is beyond twice the nominal one, so that the plan does not
-    /// hold. The work stands for a run longer than planned: what an uneven temperature changes adds up with the heat.
+    /// Whether a speed (m/s), a load (N) or the friction work (J) so far exceeds twice the nominal one, so that the plan is not
+    /// valid. The work represents a run longer than planned: the effects of a nonuniform temperature accumulate with the heat.
     pub fn is_beyond(&self, speed: f64, load: f64, work: f64) -> bool {
         let scene = &self.requested;
         speed.abs() > PLANNED * scene.nominal_velocity
@@ -54,11 +55,11 @@ impl Prepared {
             || work > PLANNED * self.planned_work()
     }
 
-    /// The whole relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`]; `step_error` is that of reduction
-    /// and time steps. `beyond`: the run has left what was planned for.
+    /// Total relative error of wear depth, temperature rise and friction force, or [`UNKNOWN`]; `step_error` is that of model
+    /// reduction and time steps. `beyond`: the run has left the validity of the plan.
     pub fn estimated_error(&self, step_error: f64, beyond: bool) -> f64 {
         match &self.plan {
-            // A uniform pressure is exact.
+            // Between rigid bodies a uniform pressure is exact.
             _ if self.requested.has_rigid_bodies() => step_error,
             Some(plan) if !beyond => {
                 let level = plan.estimated_error.unwrap_or(0.0);
@@ -68,7 +69,7 @@ impl Prepared {
         }
     }
 
-    /// What was chosen, for the log: one line each.
+    /// Description of the choice for the log, line by line.
     pub fn lines(&self) -> Vec<String> {
         match &self.plan {
             Some(plan) => plan.lines(),

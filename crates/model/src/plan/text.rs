@@ -1,4 +1,4 @@
-//! A plan as lines that people can read: what the command prints and the log says.
+//! Plan as readable lines, for the command line and the log.
 
 use super::Plan;
 use super::model_level::ModelLevel;
@@ -18,7 +18,7 @@ impl Plan {
         )
     }
 
-    /// Every line: the summary, effects, groups and the levels that were looked at.
+    /// All lines: the summary, effects, groups and the levels considered.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![self.summary()];
         lines.push(format!(

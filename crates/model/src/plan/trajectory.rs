@@ -1,4 +1,4 @@
-//! The nominal course of a scene: the inputs that `nominal.*` describe, over the whole nominal duration.
+//! Nominal trajectory of a scene: the inputs described by `nominal.*`, over the nominal duration.
 
 use crate::INPUTS;
 use crate::levels::{Model, ModelOperators};
@@ -8,40 +8,40 @@ use scene::Scene;
 use scene::variables::{COUNT, reference};
 use std::f64::consts::PI;
 
-/// Ends of the segments of unidirectional sliding, in parts of the nominal duration: close together at the beginning, where the
+/// Ends of the segments of unidirectional sliding, as fractions of the nominal duration: dense at the beginning, where the
 /// temperatures rise fastest.
 const UNIDIRECTIONAL: [f64; 17] =
     [0.0, 1e-3, 3e-3, 0.01, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
-/// Ends of the segments of a half-stroke, in parts of it. The first is short: just behind the reversal the contact meets its own hot
-/// track, and the temperature of few cells is further off there than a quarter of a stroke later.
+/// Ends of the segments of a half-stroke, as fractions of it. The first is short: just after the reversal the contact runs over
+/// its own hot track, and the temperature on few cells is less accurate there than a quarter of a stroke later.
 const HALF_STROKE: [f64; 6] = [0.0, 0.1, 0.3, 0.5, 0.75, 1.0];
 
-/// Most half-strokes of a reciprocating course. What comes later is extrapolated from their second half.
+/// Largest number of half-strokes of a reciprocating trajectory. Later ones are extrapolated from their second half.
 const HALF_STROKES: f64 = 24.0;
 
 /// Velocity (m/s) at both ends of a segment, and its length (s).
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Segment {
-    /// At the start and the end.
+    /// Velocity at the start and at the end, m/s.
     pub velocity: [f64; 2],
-    /// s.
+    /// Duration, s.
     pub duration: f64,
 }
 
-/// See the module.
+/// Nominal trajectory.
 #[derive(Clone, PartialEq, Debug)]
 pub struct NominalTrajectory {
-    /// Communication steps.
+    /// Segments, one communication step each.
     pub segments: Vec<Segment>,
     /// Load, N.
     pub load: f64,
-    /// Nominal duration over that of the segments, at least 1: the factor by which the segments' wear is accelerated, so that they end
-    /// with the worn depth of the whole.
+    /// Nominal duration over that of the segments, at least 1: the factor of wear acceleration by which the segments end with the
+    /// worn depth of the whole duration.
     pub repeats: f64,
 }
 
-/// What a level gave over a course.
+/// Results of a level over a trajectory.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Run {
     /// Wear depth (m), rise of the contact temperature (K) and friction force (N) at the ends of the segments that were completed.
@@ -50,12 +50,12 @@ pub struct Run {
     pub step_bound: f64,
     /// Internal steps, accepted and rejected.
     pub steps: u64,
-    /// Part of the segments that was completed.
+    /// Fraction of the segments that was completed.
     pub covered: f64,
 }
 
 impl NominalTrajectory {
-    /// The nominal course; `None` where nominal load or velocity is 0.
+    /// Nominal trajectory; `None` where nominal load or velocity is 0.
     pub fn new(scene: &Scene) -> Option<NominalTrajectory> {
         let (speed, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         if !(speed > 0.0 && load > 0.0 && duration > 0.0) {
@@ -70,8 +70,8 @@ impl NominalTrajectory {
         let count = (duration / half).clamp(1.0, HALF_STROKES).round();
         let mut segments = Vec::with_capacity(count as usize * (HALF_STROKE.len() - 1));
         for n in 0..count as usize {
-            // Sinusoidal, with the nominal speed as its mean. The strokes of one direction are equal to the last bit, so that operators
-            // prepared for one serve the next.
+            // Sinusoidal, with the nominal speed as its mean. The strokes of one direction are equal to the last bit, so that
+            // operators prepared for one are valid for the next.
             let direction = if n % 2 == 0 { 1.0 } else { -1.0 };
             let at = |part: f64| {
                 let sine = (PI * part).sin();
@@ -86,8 +86,8 @@ impl NominalTrajectory {
         Some(NominalTrajectory { segments, load, repeats: (duration / (half * count)).max(1.0) })
     }
 
-    /// The scene that the course is run with: its wear is that of the nominal duration. Not by `wear_acceleration`, which is refused where it
-    /// hides growth: levels are compared only.
+    /// The scene with the wear of the nominal duration, by its wear coefficients: `wear_acceleration` would be rejected where it
+    /// suppresses thermoelastic growth, which does not matter for a comparison of levels.
     pub fn scene(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         scene.punch.wear_coefficient *= self.repeats;
@@ -95,10 +95,11 @@ impl NominalTrajectory {
         scene
     }
 
-    /// Runs the course on operators of [`NominalTrajectory::scene`]. It ends early where it needs more than `most` internal steps.
+    /// Runs the trajectory on operators of [`NominalTrajectory::scene`]. It ends early where it requires more than `most`
+    /// internal steps.
     ///
     /// # Errors
-    /// What a step refuses.
+    /// Error of a step.
     pub fn run(&self, operators: &ModelOperators, most: u32) -> Result<Run, String> {
         let scene = operators.scene();
         let tunables = Tunables {
@@ -141,15 +142,15 @@ impl NominalTrajectory {
         Ok(run)
     }
 
-    /// Part of the nominal duration that the first `count` segments take.
+    /// Fraction of the nominal duration in the first `count` segments.
     pub fn part(&self, count: usize) -> f64 {
         let duration = |segments: &[Segment]| segments.iter().map(|segment| segment.duration).sum::<f64>();
         duration(&self.segments[..count]) / (duration(&self.segments) * self.repeats)
     }
 }
 
-/// Largest difference of two histories over their common beginning in each of the three outputs, relative to the largest value of the
-/// second there. A value that is not finite makes the difference infinite.
+/// Largest difference of two histories over their common beginning, for each of the three outputs, relative to the largest value
+/// of the second there. A value that is not finite makes the difference infinite.
 pub fn distance(one: &[[f64; 3]], other: &[[f64; 3]]) -> [f64; 3] {
     std::array::from_fn(|output| {
         let scale = one.iter().zip(other).map(|(_, main)| main[output].abs()).fold(0.0, maximum);

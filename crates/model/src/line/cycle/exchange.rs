@@ -1,8 +1,9 @@
-//! How the heat of a cycle follows what it starts with: fading, and the heat that the two surfaces exchange.
+//! Derivative of the heat after a cycle with respect to the heat before it: decay, and heat exchange between the surfaces.
 //!
-//! The surfaces of two conductors keep to nearly one temperature, and the less heat a cycle brings against what the bodies
-//! hold, the more of it goes from one body to the other for the smallest difference. A change `dx` of the heat at the start of a
-//! cycle therefore changes the flux into the punch by `dq`, that into the strip by `-dq`, constant over the cycle:
+//! The surfaces of two conductors have nearly the same temperature, and the smaller the heat of a cycle relative to the heat
+//! stored in the bodies, the larger the exchange between the bodies for a small temperature difference. A change `dx` of the heat
+//! at the start of a cycle therefore changes the flux into the punch by `dq`, that into the strip by `-dq`, constant over the
+//! cycle:
 //!
 //! ```text
 //! change of the heat over the cycle      -(1 - exp(-rate P)) dx_i +- b_i dq
@@ -10,14 +11,14 @@
 //! Theta_1 dx_1 - Theta_2 dx_2 + (g_1 + g_2 + 1/h_c) dq = 0      on cells in contact
 //! ```
 //!
-//! b and g come from a cycle of the bodies alone under a unit of flux into every cell.
+//! b and g are computed by a cycle of the bodies alone under a unit flux into each cell.
 
 use crate::line::Line;
 use conduction::line::Surroundings;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
 
-/// b and g of both bodies.
+/// Response matrices b and g of both bodies.
 #[derive(Clone, Debug)]
 pub struct Exchange {
     /// Rows: entries of the heat; columns: heated cells.
@@ -28,7 +29,7 @@ pub struct Exchange {
     resistance: f64,
 }
 
-/// Solver for dq, given how much of a change over a cycle an equation makes of it.
+/// Solver for dq, for an equation with given factors of the changes over a cycle.
 #[derive(Clone, Debug)]
 pub struct ExchangeSolver {
     factors: LU<f64, Dyn, Dyn>,
@@ -36,7 +37,7 @@ pub struct ExchangeSolver {
 }
 
 impl Exchange {
-    /// Of the bodies of a line; `None` where one does not conduct, or the surfaces do not exchange heat.
+    /// Response matrices of the bodies of a line; `None` where one does not conduct, or the surfaces do not exchange heat.
     pub fn new(line: &mut Line, strokes: &[(f64, Vec<f64>); 2], sizes: [usize; 2]) -> Option<Exchange> {
         let count = line.operators.count();
         let conductance = line.operators.scene.conductance;
@@ -72,8 +73,8 @@ impl Exchange {
         Some(Exchange { entering, within, resistance: 1.0 / conductance })
     }
 
-    /// For an equation in which a change over the cycle by `c_k` moves entry k of the heat by `made[k] c_k`, with the
-    /// temperatures `surface(side, entries)` of a body's entries.
+    /// Solver for an equation in which a change over the cycle by `c_k` moves entry k of the heat by `made[k] c_k`;
+    /// `surface(side, entries)` is the surface temperature of a body by its entries.
     pub fn solver(
         &self,
         made: &[f64],
@@ -103,8 +104,8 @@ impl Exchange {
         factors.is_invertible().then_some(ExchangeSolver { factors, cells })
     }
 
-    /// Adds to the step of the heat what the surfaces exchange for it; `difference` is the temperature of the punch's
-    /// surface less that of the strip's that the step makes by itself.
+    /// Adds the exchange between the surfaces to the step of the heat; `difference` is the surface temperature of the punch less
+    /// that of the strip by the step without exchange.
     pub fn complete(&self, solver: &ExchangeSolver, difference: &[f64], made: &[f64], step: &mut [f64]) {
         let mut right = DVector::from_iterator(solver.cells.len(), solver.cells.iter().map(|&i| -difference[i]));
         solver.factors.solve_mut(&mut right);

@@ -1,11 +1,10 @@
-//! Jumps over many cycles with an error estimate each.
+//! Cycle jumps with error estimate.
 //!
-//! What the contact remembers changes by `F(z)` in a cycle. Between the starts of the cycles n and n + 1 lies n + 1/2, at which
-//! the memory is about `z + F(z)/2` and its slope over the number of cycles F(z): taken there, the slope's error is of third
-//! order in the rate per cycle. The slope is stiff - an edge settles within a few cycles, a heavy body warms up in a million -
-//! so that extrapolation by it is stable only over jumps that hardly pass the fastest of these times. The jumps here are
-//! implicit, L-stable and of second order (SDIRK2, `gamma = 1 - 1/sqrt 2`): with J cycles and
-//! `h = gamma J - 1/2`
+//! The state changes by `F(z)` in a cycle. At n + 1/2, between the starts of the cycles n and n + 1, the state is about `z +
+//! F(z)/2` and its slope over the number of cycles F(z): attributed to that point, the slope has an error of third order in the
+//! rate per cycle. The slope is stiff - an edge settles within a few cycles, a heavy body warms up in a million - so that
+//! explicit extrapolation is stable only over jumps hardly longer than the shortest of these times. The jumps here are implicit,
+//! L-stable and of second order (SDIRK2, `gamma = 1 - 1/sqrt 2`): with J cycles and `h = gamma J - 1/2`
 //!
 //! ```text
 //! y_1 - h F(y_1) = z,                              k_1 = F(y_1)
@@ -13,29 +12,29 @@
 //! z(n + J) = y_2 + k_2/2,                          estimate (1/2 - gamma) J (k_1 - k_2)
 //! ```
 //!
-//! y are memories at the start of a cycle; F is one cycle of the stepped model, and a stage takes a few. The estimate is the
-//! distance from the embedded solution of first order, which for smooth and for settled parts is larger than the error of the
-//! second-order one. The contact settles: errors of earlier jumps fade, and the sum of the estimates bounds the error.
-//! Where a jump would pass only a few cycles, they are computed one by one.
+//! y are states at the start of a cycle; F is one cycle of the stepped model, and a stage requires a few. The estimate is the
+//! distance from the embedded first-order solution, which for smooth and for settled components is larger than the error of the
+//! second-order one. The contact settles: errors of earlier jumps decay, and the sum of the estimates bounds the error. Where a
+//! jump would cover only a few cycles, they are computed one by one.
 
 use super::map::{CycleError, CycleMap, Passage, Totals};
 use super::solve::{Equation, SolveOptions};
 use conduction::line::GAMMA;
 use numerics::maximum::maximum;
 
-/// Shorter jumps are computed cycle by cycle.
+/// Length below which jumps are computed cycle by cycle.
 const SHORTEST: f64 = 6.0;
 
-/// Largest factor from jump to jump.
+/// Largest ratio of successive jump lengths.
 const GROWTH: f64 = 4.0;
 
 /// Part of a jump's tolerance to which its stages are solved.
 const STAGES: f64 = 0.02;
 
-/// Most cycles for one stage.
+/// Largest number of cycles for one stage.
 const MOST_CYCLES: usize = 40;
 
-/// How jumps are made.
+/// Options of cycle jumps.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct JumpOptions {
     /// Largest estimate of a jump: error of the shape over the elastic displacement under the mean pressure, of the heat over
@@ -51,29 +50,29 @@ impl Default for JumpOptions {
     }
 }
 
-/// A jump that was made.
+/// Result of a jump.
 #[derive(Clone, Debug)]
 pub struct Jump {
-    /// Cycles passed since the start.
+    /// Cycles since the start.
     pub cycles: f64,
-    /// Cycles passed by this jump; 1: computed as it is.
+    /// Length of this jump in cycles; 1: computed directly.
     pub length: f64,
-    /// Estimate of its error, as in [`JumpOptions::tolerance`]; 0 for a computed cycle.
+    /// Its error estimate, as in [`JumpOptions::tolerance`]; 0 for a computed cycle.
     pub estimate: f64,
     /// Sum of all estimates.
     pub accumulated: f64,
     /// Cycles computed since the start.
     pub computed: usize,
-    /// Memory at its end.
+    /// State at its end.
     pub memory: Vec<f64>,
-    /// Amounts since the start.
+    /// Totals since the start.
     pub totals: Totals,
-    /// The last cycle that was computed for it: ends half a cycle after the end of the jump, or with it where the cycle was
-    /// computed as it is.
+    /// The last cycle computed for it: it ends half a cycle after the end of the jump, or at its end where the cycle was computed
+    /// directly.
     pub passage: Passage,
 }
 
-/// A contact on its way through many cycles.
+/// Integrator of a contact over many cycles.
 #[derive(Debug)]
 pub struct Jumps<'a> {
     map: &'a mut CycleMap,
@@ -83,14 +82,14 @@ pub struct Jumps<'a> {
     cycles: f64,
     computed: usize,
     accumulated: f64,
-    /// Proposed length.
+    /// Proposed length of the next jump.
     length: f64,
-    /// Change of the memory in the cycle computed last.
+    /// Change of the state in the last computed cycle.
     slope: Option<Vec<f64>>,
 }
 
 impl<'a> Jumps<'a> {
-    /// Begins with `memory`, see [`CycleMap::start`].
+    /// Starts from the state `memory`, see [`CycleMap::start`].
     pub fn new(map: &'a mut CycleMap, memory: Vec<f64>, options: JumpOptions) -> Jumps<'a> {
         Jumps {
             map,
@@ -105,12 +104,12 @@ impl<'a> Jumps<'a> {
         }
     }
 
-    /// The map that the jumps are made of.
+    /// Cycle map of the jumps.
     pub fn map(&self) -> &CycleMap {
         self.map
     }
 
-    /// Carries on to `cycles` (a whole number) since the start, and tells `watch` of every jump. The last one ends there.
+    /// Advances to `cycles` (a whole number) since the start, where the last jump ends, and calls `watch` after every jump.
     ///
     /// # Errors
     /// A cycle that has no solution.
@@ -122,7 +121,7 @@ impl<'a> Jumps<'a> {
         Ok(())
     }
 
-    /// One jump of at most `most` cycles (at least 1).
+    /// Advances by one jump of at most `most` cycles (at least 1).
     ///
     /// # Errors
     /// A cycle that has no solution.
@@ -139,12 +138,12 @@ impl<'a> Jumps<'a> {
         }
     }
 
-    /// A cycle as it is.
+    /// Computes one cycle directly.
     fn cycle(&mut self) -> Result<Jump, CycleError> {
         let passage = self.map.pass(&self.memory)?;
         self.computed += 1;
         if let Some(earlier) = self.slope.replace(passage.change.clone()) {
-            // The slope's slope gives the estimate of a jump.
+            // The second difference gives the estimate of a jump.
             let bend: Vec<f64> = passage.change.iter().zip(&earlier).map(|(new, old)| new - old).collect();
             let next: Vec<f64> = self.memory.iter().zip(&passage.change).map(|(z, change)| z + change).collect();
             let per_square = (0.5 - GAMMA) * (1.0 - GAMMA) * self.error_of(&bend, &next, &passage.change, 1.0);
@@ -170,7 +169,7 @@ impl<'a> Jumps<'a> {
         }
     }
 
-    /// An implicit jump; `None`: it was too long.
+    /// Implicit jump; `None`: its error is too large.
     fn implicit(&mut self, length: f64) -> Result<Option<Jump>, CycleError> {
         let cycles = GAMMA * length - 0.5;
         let slope = self.slope.clone().unwrap_or_else(|| vec![0.0; self.memory.len()]);
@@ -193,7 +192,7 @@ impl<'a> Jumps<'a> {
         let factor = (0.8 * self.options.tolerance / estimate).sqrt();
         self.length = length * factor.clamp(0.2, GROWTH);
         if estimate.is_nan() || estimate > self.options.tolerance {
-            // What the stages have learnt of the slope holds at the start as well as before.
+            // The slope at the start remains valid after a rejected jump.
             self.slope = Some(slope);
             return Ok(None);
         }
@@ -218,7 +217,7 @@ impl<'a> Jumps<'a> {
                 self.length = 0.25 * cycles / GAMMA;
                 Ok(None)
             }
-            // Far from a solution there may be none for a cycle.
+            // Far from a solution a cycle may have none.
             Err(CycleError::Step(_)) if cycles > SHORTEST => {
                 self.length = 0.25 * cycles / GAMMA;
                 Ok(None)
@@ -227,8 +226,8 @@ impl<'a> Jumps<'a> {
         }
     }
 
-    /// Size of an error of the memory: of the gap without its mean over the elastic displacement, of the heat over the heat,
-    /// of the mean wear over that of `length` cycles.
+    /// Size of an error of the state: of the gap without its mean over the elastic displacement, of the heat over the heat, of
+    /// the mean wear over that of `length` cycles.
     fn error_of(&self, error: &[f64], memory: &[f64], slope: &[f64], length: f64) -> f64 {
         let [shape, heat] = self.map.size_of(error, memory);
         let widths = self.map.operators().cells.widths();

@@ -1,4 +1,4 @@
-//! One cycle of the stepped model as a map.
+//! Cycle map: one cycle of the stepped model.
 
 use super::exchange::Exchange;
 use super::tangent::Tangent;
@@ -14,13 +14,13 @@ use scene::{Body, Scene, Scheme, ThermalBoundary};
 use std::fmt;
 use std::sync::Arc;
 
-/// Tolerance under which the step control of the line level takes every step as it is given.
+/// Tolerance at which the step control of the line level accepts every step.
 const ANY_STEP: f64 = 1e6;
 
-/// Why a cycle cannot be computed.
+/// Reason for which a cycle cannot be computed.
 #[derive(Clone, PartialEq, Debug)]
 pub enum CycleError {
-    /// What the scene has and cycles are not made for.
+    /// The scene has a property that cycles do not support.
     Unsuitable(String),
     /// A step of the cycle failed.
     Step(StepFailure),
@@ -39,7 +39,7 @@ pub enum CycleError {
         speed: f64,
         /// Critical speed of thermoelastic instability, m/s.
         critical_speed: f64,
-        /// How the iteration ended.
+        /// Error at the end of the iteration.
         reason: Box<CycleError>,
     },
 }
@@ -75,8 +75,8 @@ impl From<StepFailure> for CycleError {
     }
 }
 
-/// Steps of a half-stroke: one from its start to `2^-levels` of its duration and one from there to each doubling, each in
-/// `parts` equal ones. What a reversal sets off begins like the square root of time.
+/// Steps of a half-stroke: one interval from its start to `2^-levels` of its duration and one from there to each doubling, each
+/// in `parts` equal steps. The transient after a reversal begins like the square root of time.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Resolution {
     /// Number of doublings.
@@ -86,9 +86,9 @@ pub struct Resolution {
 }
 
 impl Resolution {
-    /// Heat along the line: errors of the half-strokes' mean pressures of about 1e-4 of the mean pressure.
+    /// With resolved heat: errors of the half-strokes' mean pressures of about 1e-4 of the mean pressure.
     pub const WITH_HEAT: Resolution = Resolution { levels: 4, parts: 3 };
-    /// Wear alone changes little in a half-stroke.
+    /// Without heat: wear changes little in a half-stroke.
     pub const COLD: Resolution = Resolution { levels: 0, parts: 1 };
 
     fn steps(self, duration: f64) -> Vec<f64> {
@@ -98,34 +98,34 @@ impl Resolution {
     }
 }
 
-/// A half-stroke of a cycle. Vectors have N values.
+/// Results of a half-stroke of a cycle. Vectors have N values.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StrokePassage {
     /// Sliding velocity, m/s, signed.
     pub velocity: f64,
-    /// s.
+    /// Duration, s.
     pub duration: f64,
     /// Friction coefficient with the sign of the velocity at the end.
     pub signed_friction: f64,
-    /// Mean of the pressure over the half-stroke, Pa, with the weights of the wear.
+    /// Time mean of the pressure over the half-stroke, Pa, with the quadrature weights of the wear.
     pub pressure: Vec<f64>,
     /// Pressure at the end of the first step after the reversal, and at the end.
     pub pressure_at: [Vec<f64>; 2],
-    /// Means of the temperatures of punch and strip, K above the reference; empty without heat.
+    /// Time means of the temperatures of punch and strip, K above the reference; empty without heat.
     pub temperature: [Vec<f64>; 2],
     /// Mean fluxes into punch and strip, W/m2; empty without heat.
     pub flux: [Vec<f64>; 2],
-    /// Depth that punch and strip have worn, m.
+    /// Depth worn off punch and strip, m.
     pub worn: [Vec<f64>; 2],
     /// Work of wear, `integral p dw` of both bodies, J/m.
     pub wear_dissipation: f64,
-    /// Means of approach (m) and tilt (rad).
+    /// Time mean of the approach, m.
     pub approach: f64,
-    /// See `approach`.
+    /// Time mean of the tilt, rad.
     pub tilt: f64,
 }
 
-/// Amounts that grow from cycle to cycle, per depth and punch.
+/// Totals that increase from cycle to cycle, per depth and punch.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct Totals {
     /// Worn volumes of punch and strip, m2.
@@ -134,7 +134,7 @@ pub struct Totals {
     pub wear_dissipation: f64,
     /// Friction heat, J/m.
     pub dissipated: f64,
-    /// Heat through the punch's top, the strip's base and to the air, counted out of the bodies, J/m.
+    /// Heat out of the bodies through the punch's top, the strip's base and to the ambient, J/m.
     pub lost: [f64; 3],
     /// Heat received by punch and strip, J/m.
     pub received: [f64; 2],
@@ -163,10 +163,10 @@ impl Totals {
     }
 }
 
-/// A computed cycle.
+/// Results of a computed cycle.
 #[derive(Clone, Debug)]
 pub struct Passage {
-    /// F: change of the memory over the cycle.
+    /// F: change of the state over the cycle.
     pub change: Vec<f64>,
     /// Forward and backward.
     pub strokes: [StrokePassage; 2],
@@ -174,33 +174,33 @@ pub struct Passage {
     pub range: [[Vec<f64>; 2]; 2],
     /// Least, mean and largest value in the cycle of the contact's mean temperature.
     pub contact_temperature: [f64; 3],
-    /// Largest highest temperature in the cycle, see [`Hottest`]; K above the reference.
+    /// Maximum over the cycle of the highest temperature, see [`Hottest`]; K above the reference.
     pub highest: f64,
-    /// What the cycle adds.
+    /// Totals of the cycle.
     pub totals: Totals,
-    /// How the wear of the cycle follows the gap.
+    /// Derivative of the wear of the cycle with respect to the gap.
     pub(super) tangent: Tangent,
 }
 
-/// See the module. The memory is one vector: heat in the punch, heat in the strip, worn depth of the punch and of the strip
+/// Cycle map. The state ("memory") is one vector: heat in the punch, heat in the strip, worn depth of the punch and of the strip
 /// (N values each, m).
 #[derive(Debug)]
 pub struct CycleMap {
     pub(super) line: Line,
     load: f64,
     strokes: [(f64, Vec<f64>); 2],
-    /// Decay rates of the heat's entries, 1/s.
+    /// Decay rates of the entries of heat, 1/s.
     pub(super) decay_rates: Vec<f64>,
-    /// Entries of punch and strip.
+    /// Numbers of entries of punch and strip.
     sizes: [usize; 2],
-    /// Of two conductors.
+    /// Heat exchange between two conductors.
     pub(super) exchange: Option<Exchange>,
-    /// Least rate at which a body's heat fades, 1/s: by radiation and moving air, which act from step to step.
+    /// Least decay rate of the heat of a body, 1/s: by radiation and forced convection, which act from step to step.
     pub(super) least_rate: [f64; 2],
     start: Vec<f64>,
 }
 
-/// The scene as cycles are computed of it: sliding all the time, and stepped by the monolithic scheme.
+/// The scene for cycles: sliding throughout, with the monolithic scheme.
 pub fn sliding_scene(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.stick_stiffness = 0.0;
@@ -209,11 +209,11 @@ pub fn sliding_scene(scene: &Scene) -> Scene {
 }
 
 impl CycleMap {
-    /// Cycles of the nominal load with half-strokes of these velocities (forward > 0, backward < 0, m/s) and durations (s).
+    /// Cycle map at the nominal load, with half-strokes of these velocities (forward > 0, backward < 0, m/s) and durations (s).
     ///
     /// # Errors
-    /// A strip that wears on a straight track, whose shape is not one of the cells; friction or wear that follow a
-    /// temperature which the contact line does not carry.
+    /// A strip that wears on a straight track, whose shape is not one per cell; friction or wear that depend on a temperature
+    /// which the contact line does not resolve.
     pub fn new(
         mut operators: LineOperators,
         sliding: [(f64, f64); 2],
@@ -229,7 +229,7 @@ impl CycleMap {
                 "cycles: friction or wear follow the mean temperature, which is not carried from cycle to cycle".into(),
             ));
         }
-        // Every step counts as it is given, so that a cycle is a smooth function of its start.
+        // Every step is accepted, so that the cycle is a smooth function of its start.
         operators.scene.tolerance = ANY_STEP;
         let scene = &operators.scene;
         let tunables = Tunables {
@@ -272,7 +272,7 @@ impl CycleMap {
         self.line.operators()
     }
 
-    /// Temperature that everything is counted from, K.
+    /// Reference temperature, K.
     pub fn reference(&self) -> f64 {
         self.line.mean.state().reference
     }
@@ -287,23 +287,23 @@ impl CycleMap {
         self.strokes.iter().map(|(velocity, steps)| velocity.abs() * steps.iter().sum::<f64>()).sum()
     }
 
-    /// Number of entries of the memory that are heat.
+    /// Number of entries of heat in the state.
     pub fn heat_entries(&self) -> usize {
         self.decay_rates.len()
     }
 
-    /// Entries of the memory that are heat of the punch and of the strip.
+    /// Ranges of the heat of the punch and of the strip in the state.
     pub fn heat_ranges(&self) -> [std::ops::Range<usize>; 2] {
         [0..self.sizes[0], self.sizes[0]..self.sizes[0] + self.sizes[1]]
     }
 
-    /// Entries of the memory that are the worn depth of the punch and of the strip.
+    /// Ranges of the worn depth of the punch and of the strip in the state.
     pub fn worn_ranges(&self) -> [std::ops::Range<usize>; 2] {
         let (first, count) = (self.decay_rates.len(), self.operators().count());
         [first..first + count, first + count..first + 2 * count]
     }
 
-    /// Memory of the unworn bodies at their initial temperatures.
+    /// State of the unworn bodies at their initial temperatures.
     pub fn start(&self) -> Vec<f64> {
         self.start.clone()
     }
@@ -336,7 +336,7 @@ impl CycleMap {
         self.line.forget_shown();
     }
 
-    /// Displacement of both surfaces (m into the bodies, N values) by the heat in a memory, or a change of one.
+    /// Displacement of both surfaces (m into the bodies, N values) by the heat in a state, or in a change of one.
     pub(super) fn displacement(&self, heat: &[f64], target: &mut [f64]) {
         target.fill(0.0);
         let mut part = vec![0.0; target.len()];
@@ -347,7 +347,7 @@ impl CycleMap {
         }
     }
 
-    /// Temperature of a surface (N values, K) by the entries of its body.
+    /// Surface temperature (N values, K) by the entries of a body.
     pub(super) fn surface(&self, side: usize, entries: &[f64]) -> Vec<f64> {
         let mut temperature = vec![0.0; self.operators().count()];
         if let (Some(body), Some(state)) = (self.body(side), self.full(side, entries)) {
@@ -361,7 +361,7 @@ impl CycleMap {
         self.line.heat.as_ref()?.bodies[side].as_deref()
     }
 
-    /// A body's state with these entries and no account.
+    /// Body state with these entries and a heat account of zero.
     fn full(&self, side: usize, entries: &[f64]) -> Option<Vec<f64>> {
         let mut state = vec![0.0; self.line.state.heat.as_ref()?.bodies[side].len()];
         state[..entries.len()].copy_from_slice(entries);
@@ -384,7 +384,7 @@ impl CycleMap {
         totals
     }
 
-    /// Carries the memory over one cycle.
+    /// Advances the state over one cycle.
     ///
     /// # Errors
     /// [`CycleError::Step`].
@@ -475,10 +475,10 @@ impl CycleMap {
     }
 }
 
-/// Temperatures over a cycle.
+/// Range of the temperatures over a cycle.
 struct Watch {
     range: [[Vec<f64>; 2]; 2],
-    /// Least, integral over time and largest of the contact's mean.
+    /// Minimum, time integral and maximum of the mean contact temperature.
     contact: [f64; 3],
     highest: f64,
     last: Option<f64>,
@@ -517,14 +517,14 @@ impl Watch {
     }
 }
 
-/// Heat transfer by radiation and moving air over the heat capacity per area, 1/s.
+/// Heat transfer coefficient of radiation and forced convection over the heat capacity per area, 1/s.
 fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
     let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
     let faces = if body.far_thermal == ThermalBoundary::Convecting { 2.0 } else { 1.0 };
     faces * (body.convection_forced * speed.powf(0.8) + radiation) / (body.capacity() * body.height)
 }
 
-/// Inputs of steady sliding: air and faces with a temperature from outside are at the ambient temperature.
+/// Inputs of steady sliding: ambient and external temperatures are the ambient temperature.
 fn inputs(scene: &Scene, velocity: f64, load: f64) -> [f64; INPUTS] {
     let external = |boundary: ThermalBoundary| match boundary {
         ThermalBoundary::External => scene.ambient_temperature,

@@ -1,16 +1,16 @@
-//! The steady cycle by Newton's method with the whole derivative of a cycle.
+//! The steady cycle by a Newton-Krylov method with the full derivative of the cycle.
 //!
-//! What [`super::solve`] accelerates is one step after the other of a derivative without the pressure's feedback on the heat, each
-//! taken in full. Cells at the edges carry load in one direction only. Where the heat of a long cycle decides which, a step in
-//! full opens and closes too many of them, and what was learnt over one set of cells is wrong on the next. Here
+//! The iteration of [`super::solve`] accelerates full steps of an incomplete derivative, without the feedback of the pressure on
+//! the heat. Edge cells carry load in one sliding direction only. Where the heat of a long cycle decides which direction, a full
+//! step opens and closes too many of them, and differences from one active set are wrong on the next. Here
 //!
-//! - the derivative is that of the cycle as it is, with its feedback and on its own set of cells: products by differences of
-//!   cycles, and GMRES, which needs two to five of them since the incomplete derivative is taken as preconditioner;
-//! - a step is halved until what is left, measured through the same preconditioner, has become shorter (the natural
-//!   monotonicity test; P. Deuflhard, Newton Methods for Nonlinear Problems, Springer 2004, section 3.3).
+//! - the derivative is that of the whole cycle, with its feedback and on its own active set: products by differences of cycles,
+//!   and GMRES, which requires two to five of them with the incomplete derivative as preconditioner;
+//! - a step is halved until the preconditioned residual decreases (the natural monotonicity test; P. Deuflhard, Newton Methods
+//!   for Nonlinear Problems, Springer 2004, section 3.3).
 //!
-//! A cell that opens between two steps of a cycle stops exchanging heat at once, so that the cycle jumps by a little as a function of its
-//! start. Where a jump stands in the way of the steady cycle, the iteration ends beside it.
+//! A cell that opens between two steps of a cycle stops exchanging heat within that step, so that the cycle is a slightly
+//! discontinuous function of its start. Where such a jump prevents an exact solution, the iteration ends beside it.
 
 use super::map::{CycleError, CycleMap, Passage};
 use super::solve::{Equation, Newton, Solution, SolveOptions};
@@ -18,33 +18,34 @@ use crate::line::state::LineState;
 use numerics::krylov::gmres;
 use numerics::maximum::maximum;
 
-/// Change of the memory, in the units of [`CycleMap::weights_of_both`], by which a derivative is taken: pressures are repeated to 1e-8.
+/// Change of the state, in the units of [`CycleMap::weights_of_both`], for the difference quotient: pressures are reproducible to
+/// 1e-8.
 const DIFFERENCE: f64 = 1e-4;
 
-/// Part of a step that its equation is solved to, and most products for it.
+/// Relative tolerance of the linear solution for a step, and the largest number of products for it.
 const EQUATION: f64 = 1e-2;
 const MOST_PRODUCTS: usize = 60;
 
-/// Shortest part of a step.
+/// Shortest damping factor of a step.
 const SHORTEST: f64 = 1.0 / 64.0;
 
-/// What is left at which a jump of the cycle is taken for what it is, as in [`SolveOptions::tolerance`], and steps that do not halve it
-/// before. The steps of a cycle have errors of this size.
+/// Residual at which a discontinuity of the cycle is accepted, as in [`SolveOptions::tolerance`], and number of steps that fail
+/// to halve the residual before. The time-stepping errors of a cycle are of this size.
 const JUMP: f64 = 1e-4;
 const MOST_BESIDE: usize = 4;
 
-/// What is left over the least so far at which there is no way back.
+/// Ratio of the residual to the least one so far at which the iteration has diverged.
 const ASTRAY: f64 = 1e4;
 
-/// An iterate.
+/// Iterate of the Newton method.
 struct Iterate {
     memory: Vec<f64>,
-    /// State of the contact line from which the cycle starts: what it remembers besides decides where its iterations begin.
+    /// State of the contact line at the start of the cycle: beyond the cycle state it holds the warm starts of its iterations.
     before: LineState,
 }
 
 impl CycleMap {
-    /// The steady cycle from `start`; see the module.
+    /// The steady cycle, iterated from `start`.
     pub(super) fn newton_krylov(&mut self, start: &[f64], options: &SolveOptions) -> Result<Solution, CycleError> {
         let equation = Equation::Steady;
         let tilts = self.operators().rotates;
@@ -85,8 +86,8 @@ impl CycleMap {
         }
     }
 
-    /// The iterate after one step of the incomplete derivative, which brings the heat, where a cycle can be computed from there, and the
-    /// cycles that this took.
+    /// Iterate after one step of the incomplete derivative, which sets the heat, or `start` where no cycle can be computed from
+    /// there; and the number of cycles used.
     fn warmed(&mut self, start: &[f64]) -> Result<(Iterate, usize), CycleError> {
         let passage = self.pass(start)?;
         let before = self.line.state.clone();
@@ -98,7 +99,7 @@ impl CycleMap {
         })
     }
 
-    /// Solves for the step of the whole derivative; `step` is that of the incomplete one.
+    /// Newton step of the full derivative by GMRES; `step` is that of the incomplete one.
     fn whole_step(
         &mut self,
         here: &Iterate,
@@ -120,8 +121,8 @@ impl CycleMap {
         Ok(solved.solution)
     }
 
-    /// The iterate after the largest part of the step that leaves less than before, or after the part that leaves least.
-    /// `None`: no part of it can be computed.
+    /// Damped Newton step: the iterate after the largest part of the step that reduces the residual, or after the part with the
+    /// least residual. `None`: no cycle can be computed after any part.
     fn part_of(
         &mut self,
         here: &Iterate,
@@ -151,8 +152,9 @@ impl CycleMap {
         best.map(|(_, next)| next)
     }
 
-    /// Lets cells that touch at the end of neither half-stroke, whose wear hardly follows the gap, wear with it as the preconditioner
-    /// has it: the equation stays regular, and a step brings them nearer without throwing them.
+    /// Regularises cells that are not in contact at the end of either half-stroke, whose wear hardly depends on the gap: they
+    /// wear with the gap as in the preconditioner, so that the equation stays regular and a step moves them moderately towards
+    /// contact.
     fn attract(&self, newton: &Newton, moved: &[f64], passage: &mut Passage) {
         let count = self.operators().count();
         let mut gap = vec![0.0; count];

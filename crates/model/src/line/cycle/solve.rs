@@ -1,14 +1,15 @@
-//! Equations over the memory of a cycle: the steady cycle, and the stage of an implicit jump.
+//! Equations for the state of a cycle: the steady cycle, and the stage of an implicit jump.
 //!
 //! ```text
 //! F(z) = a rigid motion of the shape, no change of the heat          the steady cycle
 //! z - h F(z) = base                                                  an implicit stage of h cycles
 //! ```
 //!
-//! One evaluation of F is one cycle of the stepped model. A Newton step takes its derivative without the feedback of the
-//! pressure on the heat: the heat fades and is exchanged as [`super::exchange`] has it, and with the gap that it distorts, the
-//! wear follows the gap by the matrix J of [`super::tangent`]. What this leaves out - the pressure's feedback on the heat, cells that open or close - is found by
-//! [acceleration](numerics::acceleration), and for the steady cycle, where that does not find it, by [`super::newton`].
+//! One evaluation of F is one cycle of the stepped model. A quasi-Newton step neglects the feedback of the pressure on the heat:
+//! the heat decays and is exchanged as in [`super::exchange`], and the wear follows the gap, which the heat distorts, by the
+//! matrix J of [`super::tangent`]. The neglected effects - the pressure's feedback on the heat, cells that open or close - are
+//! resolved by [acceleration](numerics::acceleration), and for the steady cycle, where that does not converge, by
+//! [`super::newton`].
 
 use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};
@@ -17,26 +18,26 @@ use nalgebra::{DVector, Dyn, LU};
 use numerics::acceleration::Acceleration;
 use numerics::maximum::maximum;
 
-/// Least part of an entry of the heat that counts as lost in a cycle: heat that leaves through the other body alone does not
-/// fade by itself.
+/// Least fraction of an entry of heat that counts as lost in a cycle: heat that leaves through the other body alone does not
+/// decay by itself.
 const LEAST_LOSS: f64 = 1e-7;
 
-/// Growth of the step over the smallest one so far at which the iteration starts again from there.
+/// Ratio of the step to the smallest one so far at which the iteration restarts from there.
 const ASTRAY: f64 = 100.0;
 
-/// Cycles after which the steady cycle is looked for by the whole derivative: where acceleration finds it, it takes about ten.
+/// Cycles after which the full derivative is used for the steady cycle: where acceleration converges, it requires about ten.
 const MOST_ACCELERATED: usize = 30;
 
-/// Speed over the critical speed above which that may be why there is no steady cycle.
+/// Ratio of speed to critical speed above which instability is reported as a possible reason for the absence of a steady cycle.
 const CLOSE: f64 = 0.5;
 
-/// When to stop.
+/// Convergence criterion and limit of an iteration.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct SolveOptions {
-    /// Change of shape, over the elastic displacement under the mean pressure, and of heat, over the heat, at which an
-    /// iteration has converged.
+    /// Relative tolerance: change of shape over the elastic displacement under the mean pressure, and of heat over the heat, at
+    /// which an iteration has converged.
     pub tolerance: f64,
-    /// Most cycles computed.
+    /// Largest number of cycles computed.
     pub most_cycles: usize,
 }
 
@@ -46,12 +47,12 @@ impl Default for SolveOptions {
     }
 }
 
-/// A solution.
+/// Converged solution.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// Memory at the start of the cycle.
+    /// State at the start of the cycle.
     pub memory: Vec<f64>,
-    /// The cycle from there.
+    /// The cycle from this state.
     pub passage: Passage,
     /// Cycles computed.
     pub cycles: usize,
@@ -59,32 +60,33 @@ pub struct Solution {
     pub residual: [f64; 2],
 }
 
-/// The two equations.
+/// Equation to be solved.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Equation<'a> {
     Steady,
     Stage { base: &'a [f64], cycles: f64 },
 }
 
-/// The derivative's inverse.
+/// Factors of the incomplete derivative.
 pub(super) struct Newton {
     pub(super) tangent: Tangent,
     factors: LU<f64, Dyn, Dyn>,
     pub(super) touching: Vec<bool>,
-    /// Equations of force and moment behind those of the cells.
+    /// Number of force and moment equations, which follow those of the cells.
     balances: usize,
-    /// What a change of the heat over a cycle by 1 makes of the heat.
+    /// Change of the heat in a step per change of it over a cycle.
     made: Vec<f64>,
     exchange: Option<ExchangeSolver>,
 }
 
 impl CycleMap {
-    /// The steady cycle: the heat comes back, and the shape wears like a rigid motion. `start` is where the iteration begins,
-    /// best with the shape of the steady cycle without heat.
+    /// The steady cycle: the heat is periodic, and the wear is a rigid motion. `start` is the initial iterate, best with the
+    /// shape of the steady cycle without heat.
     ///
-    /// The solution is the fixed point that time stepping with the same steps ends in. Above the critical speed of
-    /// thermoelastic instability it may be one from which time stepping departs, and where cycles are long enough for hot spots
-    /// to grow in a half-stroke there is none. Where [the cycle jumps](super::newton) beside it, the residual says by how much.
+    /// The solution is the fixed point to which time stepping with the same steps converges. Above the critical speed of
+    /// thermoelastic instability it may be an unstable fixed point, and where cycles are long enough for hot spots to grow in a
+    /// half-stroke there is none. Where [the cycle is discontinuous](super::newton) beside it, the residual is the size of the
+    /// discontinuity.
     ///
     /// # Errors
     /// [`CycleError`].
@@ -122,7 +124,7 @@ impl CycleMap {
             };
             let current = newton.take();
             if current.as_ref().is_none_or(|newton| changed(newton) > self.operators().count() / 8) {
-                // Another contact: what was learnt about the old one is of no use.
+                // Another active set invalidates the earlier differences.
                 acceleration.forget();
             }
             let current = current.filter(|newton| changed(newton) == 0);
@@ -135,7 +137,7 @@ impl CycleMap {
             residual = self.sizes(&step, &memory, tilts);
             if residual[0] <= options.tolerance && residual[1] <= options.tolerance {
                 if let Equation::Stage { .. } = equation {
-                    // The depth that all cells wear alike is not part of the residual: this step makes it right.
+                    // Uniform wear of all cells is not part of the residual: this step corrects it.
                     memory.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
                 }
                 return Ok(Solution { memory, passage, cycles, residual });
@@ -148,7 +150,7 @@ impl CycleMap {
             if size < best.0 {
                 best = (size, memory.iter().zip(&step).map(|(value, step)| value + step).collect());
             } else if size > ASTRAY * best.0 {
-                // The fit has led away: once more from the best iterate, without it.
+                // Extrapolation has diverged: restart from the best iterate without it.
                 acceleration.forget();
                 memory.clone_from(&best.1);
                 continue;
@@ -188,7 +190,7 @@ impl CycleMap {
         Ok(Newton { touching, balances, tangent, factors, made, exchange })
     }
 
-    /// Mean over a cycle of what is left of entry k of the heat.
+    /// Mean over a cycle of the decay factor of entry k of the heat.
     fn mean_left(&self, k: usize) -> f64 {
         let turns = self.decay_rates[k] * self.period();
         if turns > 1e-8 { -(-turns).exp_m1() / turns } else { 1.0 }
@@ -221,7 +223,7 @@ impl CycleMap {
             let difference: Vec<f64> = punch.iter().zip(&strip).map(|(punch, strip)| punch - strip).collect();
             exchange.complete(solver, &difference, &newton.made, &mut step[..heat]);
         }
-        // Its mean over the cycle distorts.
+        // Distortion by the mean of the heat over the cycle.
         let mut moved = vec![0.0; count];
         self.displacement(&decayed(&step), &mut moved);
         let moved = DVector::from_vec(moved);
@@ -236,7 +238,7 @@ impl CycleMap {
                     }
                 }
                 newton.factors.solve_mut(&mut right);
-                // All of it is given to a body that wears.
+                // The whole change is assigned to one wearing body.
                 let body = usize::from(!reshapes[0]);
                 for (i, k) in worn[body].clone().enumerate() {
                     step[k] = right[i] - moved[i];
@@ -262,14 +264,14 @@ impl CycleMap {
         step
     }
 
-    /// Elastic displacement under the mean pressure, m: what shapes are measured against.
+    /// Elastic displacement under the mean pressure, m: scale of shapes.
     pub(super) fn shape_scale(&self) -> f64 {
         let operators = self.operators();
         let mean = operators.scene.nominal_load / (operators.scene.count * operators.scene.contact_area());
         operators.displacement_scale * mean
     }
 
-    /// Weights under which entries of the memory count alike: heat by its size, depths by the elastic displacement.
+    /// Weights for entries of the state: of heat by its size, of depths by the elastic displacement.
     fn weights(&self, memory: &[f64]) -> Vec<f64> {
         let mut weights = vec![1.0 / self.shape_scale(); memory.len()];
         for range in self.heat_ranges() {
@@ -279,7 +281,7 @@ impl CycleMap {
         weights
     }
 
-    /// The same by the larger of the heat in a memory and in a change of it: what begins without heat has none.
+    /// Weights by the larger of the heat in a state and in a change of it, since the initial heat may be zero.
     pub(super) fn weights_of_both(&self, memory: &[f64], change: &[f64]) -> Vec<f64> {
         let mut weights = self.weights(memory);
         for range in self.heat_ranges() {
@@ -289,8 +291,8 @@ impl CycleMap {
         weights
     }
 
-    /// Size of a change of the memory: of the gap without its rigid motion (the tilt where `tilts`) over the elastic displacement, and
-    /// of the heat over the heat of `memory`.
+    /// Size of a change of the state: of the gap without its rigid motion (the tilt where `tilts`) over the elastic displacement,
+    /// and of the heat over the heat of `memory`.
     pub(super) fn sizes(&self, change: &[f64], memory: &[f64], tilts: bool) -> [f64; 2] {
         let cells = &self.operators().cells;
         let mut gap = vec![0.0; cells.count()];
@@ -311,7 +313,7 @@ impl CycleMap {
         [shape, heat]
     }
 
-    /// Size of an error of the memory: of the gap without its mean over the elastic displacement under the mean pressure, and of
+    /// Size of an error of the state: of the gap without its mean over the elastic displacement under the mean pressure, and of
     /// the heat over that of `memory`.
     pub fn size_of(&self, error: &[f64], memory: &[f64]) -> [f64; 2] {
         self.sizes(error, memory, false)
@@ -330,7 +332,7 @@ fn norm(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum::<f64>().sqrt()
 }
 
-/// Root mean square of values on cells without their mean, or without the straight line through them.
+/// Root mean square of values on cells after removal of their mean, or of the straight line through them.
 pub(super) fn uneven(values: &[f64], x: &[f64], widths: &[f64], rotates: bool) -> f64 {
     let total: f64 = widths.iter().sum();
     let mean = values.iter().zip(widths).map(|(v, c)| v * c).sum::<f64>() / total;

@@ -1,7 +1,7 @@
-//! How the wear of a cycle follows the gap, and what solves with it.
+//! Wear Jacobian of a cycle: derivative of the wear with respect to the gap.
 //!
-//! With the temperatures held, a change `dg` of the gap changes the pressure of a half-stroke by `K dg`, where K is the
-//! response of the cells in contact under the balance of the holder. The wear of a cycle changes by `-J dg`,
+//! At frozen temperatures, a change `dg` of the gap changes the pressure of a half-stroke by `K dg`, where K is the response of
+//! the cells in contact under the equilibrium of the holder. The wear of a cycle changes by `-J dg`,
 //!
 //! ```text
 //! J = - sum over the half-strokes of (duration) diag(df/dp) K
@@ -13,13 +13,13 @@ use contact::{Normal, Tilt};
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
 
-/// J of both bodies, and the cells in contact in either half-stroke.
+/// Wear Jacobian J of both bodies, and the cells in contact in either half-stroke.
 #[derive(Clone, Debug)]
 pub struct Tangent {
     /// Punch and strip; dimensionless.
     bodies: [DMatrix<f64>; 2],
     pub(super) touching: Vec<bool>,
-    /// A cell that never touches is moved towards contact as if it wore like this per gap.
+    /// Regularisation of cells that are never in contact: their wear per gap, dimensionless.
     least: f64,
     rotates: bool,
 }
@@ -30,7 +30,7 @@ impl Tangent {
         Tangent { bodies: [zeros(), zeros()], touching: Vec::new(), least: 0.0, rotates: false }
     }
 
-    /// Adds a half-stroke of `duration` (s) that the line has just finished.
+    /// Adds a half-stroke of `duration` (s), at whose end the line is.
     pub fn add(&mut self, line: &mut Line, duration: f64) -> Result<(), StepFailure> {
         let operators = line.operators.clone();
         let count = operators.count();
@@ -67,7 +67,7 @@ impl Tangent {
                 system[(m + 1, a)] = weights[i] * (x[i] - lever) / operators.cells.half_width();
             }
         }
-        // Displacements in units of the scale: a spring gives way by its stiffness times them.
+        // Displacements are in units of the scale, so the load of a spring is its stiffness times the scale.
         system[(m, m)] = stiffness * scale;
         let inverse = factorization::inverse(system).map_err(|reason| {
             StepFailure(format!("cycle: the {m} cells in contact do not determine the pressure: {reason}"))
@@ -98,22 +98,22 @@ impl Tangent {
         total
     }
 
-    /// What a cell that never touches wears per gap in [`Self::implicit`] and [`Self::steady`], dimensionless.
+    /// Wear per gap of a cell that is never in contact, in [`Self::implicit`] and [`Self::steady`]; dimensionless.
     pub fn least(&self) -> f64 {
         self.least
     }
 
-    /// Number of rigid motions that the holder leaves free.
+    /// Number of rigid motions that the holder permits.
     pub fn balances(&self) -> usize {
         1 + usize::from(self.rotates)
     }
 
-    /// `-J dg` of a body.
+    /// Change of the wear `-J dg` of a body.
     pub fn wear_by_gap(&self, body: usize, gap: &DVector<f64>) -> DVector<f64> {
         -(&self.bodies[body] * gap)
     }
 
-    /// Solver of `(I + h J) g = r`.
+    /// Factors of `I + h J`.
     ///
     /// # Errors
     /// A wear Jacobian that is not finite.
@@ -122,7 +122,8 @@ impl Tangent {
         factors(DMatrix::identity(total.nrows(), total.nrows()) + total * jump)
     }
 
-    /// Solver of `J g + lambda0 (+ lambda1 x) = r`, g without a rigid motion: the unknowns and r are followed by lambda.
+    /// Factors of `J g + lambda0 (+ lambda1 x) = r`, g without a rigid motion: lambda follows the unknowns, its constraints
+    /// follow r.
     ///
     /// # Errors
     /// A wear Jacobian that is not finite.

@@ -1,35 +1,36 @@
-//! A repetition that goes on along what its last steps have in common.
+//! Anderson acceleration of the fixed-point iteration of a stage.
 //!
-//! A stage whose operators are those of another velocity is repeated: `x <- G(x)`, x the pressure and the flux into the punch. What
-//! remains falls by `(1 - M)^-1 (M' - M)`, M what the contact makes of its own heat at the reference and M' at the stage. Near the
-//! critical speed a mode or two of M are close to 1, and the repetition crawls along these or runs away. With the last residuals
-//! `f = G(x) - x` and their differences the next x is the one whose residual would be least if G were affine (Anderson 1965, of small
-//! depth): the few modes are solved for, the others fall as before.
+//! A stage whose operators were built at another velocity is iterated: `x <- G(x)`, x the pressure and the flux into the punch.
+//! The error is multiplied by `(1 - M)^-1 (M' - M)` in each iteration, M the feedback of pressure through its own friction heat
+//! at the linearization point and M' at the stage. Near the critical speed one or two eigenvalues of M are close to 1, and the
+//! iteration converges slowly along their modes or diverges. From the last residuals `f = G(x) - x` and their differences the
+//! next x is the one that would minimise the residual if G were affine (Anderson 1965, of small depth): the few slow modes are
+//! solved for, the others converge as before.
 
 use numerics::dense;
 use numerics::maximum::maximum;
 
-/// Differences that are kept.
+/// Depth: number of differences stored.
 const DEPTH: usize = 4;
 
-/// Part of a difference, squared, that has to be new for it to count.
+/// Least part of a difference, squared, that must be linearly independent of the others for it to be used.
 const INDEPENDENT: f64 = 1e-12;
 
-/// See the module. The two parts of x stand one behind the other, both in units of their size.
+/// Anderson acceleration. The two parts of x are stored one behind the other, each scaled by its own magnitude.
 #[derive(Clone, Debug)]
 pub(super) struct Acceleration {
-    /// Numbers of either part.
+    /// Length of either part.
     count: usize,
-    /// Units of both parts, 1/Pa and m2/W; 0: nothing has been seen yet.
+    /// Scale factors of both parts, 1/Pa and m2/W; 0: no iterate stored yet.
     units: [f64; 2],
     start: Vec<f64>,
     value: Vec<f64>,
     residual: Vec<f64>,
-    /// Differences of residual and of value, from the newest on.
+    /// Differences of residuals and of values, newest first.
     residuals: [Vec<f64>; DEPTH],
     values: [Vec<f64>; DEPTH],
     kept: usize,
-    /// The last residual and value can be compared with.
+    /// The last residual and value are valid for a difference with the next ones.
     compares: bool,
 }
 
@@ -49,20 +50,20 @@ impl Acceleration {
         }
     }
 
-    /// Forgets everything: G is another one.
+    /// Discards all differences because G has changed.
     pub fn forget(&mut self) {
         (self.units, self.kept, self.compares) = ([0.0; 2], 0, false);
     }
 
-    /// Notes x before it is repeated.
+    /// Stores x before an iteration.
     pub fn begin(&mut self, pressure: &[f64], flux: &[f64]) {
         let (own_pressure, own_flux) = self.start.split_at_mut(self.count);
         own_pressure.copy_from_slice(pressure);
         own_flux.copy_from_slice(flux);
     }
 
-    /// Takes G(x) and puts the next x in its place. Returns by how much the pressure has moved, in Pa; `None` where there was nothing
-    /// to compare with.
+    /// Replaces G(x) by the accelerated next x. Returns the largest change of the pressure by this, in Pa; `None` where no
+    /// difference is available yet.
     pub fn improve(&mut self, pressure: &mut [f64], flux: &mut [f64]) -> Option<f64> {
         let count = self.count;
         if self.units[0] == 0.0 {
@@ -82,7 +83,7 @@ impl Acceleration {
             (self.residual[i], self.value[i]) = (residual, *value);
         }
         if !std::mem::replace(&mut self.compares, true) {
-            // What was rotated to the front is no difference.
+            // Without a previous residual the newest entry is no difference: the rotation is undone.
             self.residuals.rotate_left(1);
             self.values.rotate_left(1);
             return None;
@@ -100,7 +101,7 @@ impl Acceleration {
         Some(most)
     }
 
-    /// Factors of the differences that bring the residual to its least, by Gram and Schmidt from the newest on.
+    /// Coefficients of the differences that minimise the residual, by Gram-Schmidt orthogonalisation, newest first.
     fn least(&self) -> [f64; DEPTH] {
         let mut products = [[0.0; DEPTH]; DEPTH];
         let mut parts = [0.0; DEPTH];
@@ -115,12 +116,12 @@ impl Acceleration {
             one.iter().zip(&products).map(|(factor, row)| factor * multiply(row, other)).sum()
         };
         let mut factors = [0.0; DEPTH];
-        // Directions by their factors of the differences.
+        // Orthonormal directions as coefficients of the differences.
         let mut directions = [[0.0; DEPTH]; DEPTH];
         for k in 0..self.kept {
             let mut own = [0.0; DEPTH];
             own[k] = 1.0;
-            // What rounding leaves of the other directions goes the second time.
+            // A second pass removes what rounding leaves of the other directions.
             for _ in 0..2 {
                 for direction in &directions[..k] {
                     let shared = product(&own, direction);
@@ -147,12 +148,12 @@ fn multiply(a: &[f64; DEPTH], b: &[f64; DEPTH]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Repetitions until x = Ax + b is met to 1e-9, at most 60; A has the given eigenvalues.
+    /// Number of iterations until x = Ax + b is satisfied to 1e-9, at most 60; A has the given eigenvalues.
     fn iterations(eigenvalues: &[f64], accelerated: bool) -> usize {
         let count = eigenvalues.len() / 2;
         let mut acceleration = Acceleration::new(count);
         let mut x = vec![0.0; 2 * count];
-        // A reflection turns the eigenvectors away from the entries.
+        // A Householder reflection makes A a full matrix.
         let normal: Vec<f64> = (0..2 * count).map(|i| (1.0 + i as f64).sin()).collect();
         let square = dense::dot(&normal, &normal);
         let reflect = |x: &[f64]| -> Vec<f64> {

@@ -1,4 +1,4 @@
-//! The error of a step with heat, and what the state takes from one that is accepted.
+//! Error estimate of a step with resolved heat, and update of the state by an accepted step.
 
 use super::evaluation::largest;
 use super::stage::weighted;
@@ -8,17 +8,18 @@ use numerics::dense;
 use numerics::maximum::maximum;
 use scene::ThermalBoundary;
 
-/// Part by which the fade may differ from the reference.
+/// Relative change of the temperature-dependent factor of the friction coefficient beyond which its linearization point is
+/// updated.
 const ZONE: f64 = 0.1;
 
-/// Error, in units of the tolerance, below which it need not be known but only bounded.
+/// Error, in units of the tolerance, below which a bound suffices.
 const SMALL: f64 = 0.15;
 
-/// How much more a body may answer than at the velocity of the reference, where it has another.
+/// Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
 const ALLOWANCE: f64 = 2.0;
 
 impl Line {
-    /// A bound of [`Line::heat_error`] that costs hardly anything.
+    /// Inexpensive upper bound of [`Line::heat_error`].
     fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
         let Some(heat) = &mut self.heat else { return 0.0 };
         let cells = &self.operators.cells;
@@ -41,8 +42,8 @@ impl Line {
         maximum(share * moved / bound, share * warmed / (self.operators.scene.tolerance * rise))
     }
 
-    /// Error of temperature and distortion by fluxes that are not linear over the step, in units of the tolerance; `bound` in
-    /// m. Where it is small, a bound of it.
+    /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
+    /// the tolerance of the displacement, in m. Where the error is small, an upper bound of it.
     pub(in crate::line) fn heat_error(&mut self, bound: f64) -> f64 {
         let most = self.bound_of_heat_error(bound);
         if most < SMALL {
@@ -71,7 +72,7 @@ impl Line {
             warmed = maximum(warmed, (square / width).sqrt());
             rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
         }
-        // A uniform displacement changes no pressure under a given load.
+        // Under a given load a uniform displacement does not change the pressure.
         let mean = operators.cells.integral(&heat.sums[1]) / width;
         for (moved, c) in heat.sums[1].iter().zip(widths) {
             moved_square += c * (moved - mean) * (moved - mean);
@@ -81,14 +82,14 @@ impl Line {
         (moved / bound).max(share * warmed / (operators.scene.tolerance * rise))
     }
 
-    /// Takes the heat of the part that was tried, of `step` s, with the sliding velocity at its end.
+    /// Updates the thermal state by the accepted part of `step` s; `velocity` is the sliding velocity at its end, m/s.
     pub(in crate::line) fn accept_heat(&mut self, step: f64, velocity: f64) {
         let (Some(heat), Some(state)) = (&self.heat, &mut self.state.heat) else { return };
         let operators = &self.operators;
         let entered = |stage: usize| dense::dot(&heat.friction[stage], &operators.weights);
         let (per_rise, per_change) = (1.0 / (GAMMA * step), 1.0 / ((1.0 - GAMMA) * step));
         state.dissipated += step * ((1.0 - GAMMA) * entered(0) + GAMMA * entered(1));
-        // The first part of a step leaves the state that it starts from where it can be taken back.
+        // The first part of a step leaves its initial body states in the backup, from which they can be restored.
         let before = self.backup.1.heat.as_mut().filter(|_| !std::mem::replace(&mut self.bodies_kept, true));
         let before = before.map(|kept| {
             std::mem::swap(&mut kept.bodies, &mut state.bodies);
@@ -111,7 +112,7 @@ impl Line {
             }
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(&state.flux[side]);
             for (slope, ((first, end), before)) in state.slope[side].iter_mut().zip(fluxes) {
-                // No rate where the cell exchanges no heat, or has just begun to.
+                // The rate is 0 where a cell exchanges no heat, or has just begun to.
                 let lasting = (*before != 0.0) & (*end != 0.0);
                 let rates = [(first - before) * per_rise, (end - first) * per_change];
                 *slope = if lasting { slope_limited(*slope, rates) } else { 0.0 };
@@ -141,21 +142,21 @@ impl Line {
     }
 }
 
-/// Largest ratio of successive rates of a flux that is taken for smooth. They differ by the order of the step; of one that decays like
-/// an exponential this is a step over three times its time.
+/// Largest ratio of successive rates of a flux that counts as smooth. For a smooth flux successive rates differ by O(h); for an
+/// exponentially decaying one this ratio is reached at a step of over three time constants.
 const SMOOTH: f64 = 3.0;
 
-/// Least part of a foreseen rate that counts: a rate of 0 would stand for none.
+/// Least ratio of found to predicted rate: a rate of 0 is reserved for "none".
 const LEAST: f64 = 1e-3;
 
-/// The rate at which a flux is foreseen to go on behind a step, from the one that was foreseen for that step (0: none) and the rates
-/// found in its first stage and behind it.
+/// Slope limiter: the rate by which the predictor extrapolates a flux beyond a step, from the rate predicted for that step (0:
+/// none) and the rates found in its first stage and behind it.
 ///
-/// A flux that settles within a step does not go on at its last rate: a first stage that takes it for linear starts from a flux that
-/// was over long before, and the next rate is what this made of it. What settles by itself then fades as `.06^n` instead of
-/// `.0008^n` in steps of ten times the wave's time. Two things tell it: its rate falls to a fraction within the step, or the rate
-/// foreseen is not met. Where neither is the case the rate is what was found, to the last bit, so the order of smooth fluxes is not
-/// touched; beyond it falls with the fourth power.
+/// A flux that settles within a step does not continue at its last rate: a first stage linear at that rate would start from a
+/// transient that has long decayed, and the next rate would be an artefact of this start. The error of a settled flux then decays
+/// as `.06^n` instead of `.0008^n` in steps of ten times the mode's time constant. There are two indicators: the rate drops to a
+/// fraction within the step, or the predicted rate is not met. Where neither holds the rate is returned unchanged, to the last
+/// bit, so the order of convergence for smooth fluxes is preserved; beyond, the rate is reduced with the fourth power.
 fn slope_limited(predicted: f64, [early, late]: [f64; 2]) -> f64 {
     let lasting = (SMOOTH * late / early).abs().min(1.0);
     let met = if predicted == 0.0 { 1.0 } else { (SMOOTH * early / predicted).clamp(LEAST, 1.0) };
@@ -167,7 +168,7 @@ fn slope_limited(predicted: f64, [early, late]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Rates in the first stage of a step of 1 and behind it.
+    /// Rates in the first stage of a step of length 1, and behind it.
     fn rates(flux: impl Fn(f64) -> f64) -> [f64; 2] {
         [(flux(GAMMA) - flux(0.0)) / GAMMA, (flux(1.0) - flux(GAMMA)) / (1.0 - GAMMA)]
     }
@@ -182,7 +183,7 @@ mod tests {
         let now = rates(|t| (-6.0 * t).exp());
         assert!(slope_limited(0.0, now).abs() < 0.01 * now[1].abs());
         assert!(slope_limited(now[1], now).abs() < 0.01 * now[1].abs());
-        // What a wrong start has left: the flux hardly changes in the first stage, whatever was foreseen.
+        // Remainder of a wrong start: the flux hardly changes in the first stage, whatever was predicted.
         let left = slope_limited(-1.0, [-0.02, -0.06]);
         assert!(left != 0.0 && left.abs() < 1e-5, "{left}");
         // Steady to rounding, and steady to the last bit.

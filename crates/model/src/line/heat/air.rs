@@ -1,16 +1,17 @@
-//! What the air takes from the faces of a body beyond their constant heat transfer: forced convection and radiation.
+//! Cooling of the faces of a body beyond their constant heat transfer: forced convection and radiation.
 
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::FACES;
 use scene::Body;
 
-/// Iterations of Newton's method for the fluxes into the cooled faces, whose law is convex, and the change at which they end.
+/// Newton's method for the fluxes into the cooled faces, whose law is convex: largest number of iterations, and the relative
+/// change at which they end.
 const MOST_ITERATIONS: usize = 20;
 const AGREEMENT: f64 = 1e-12;
 
-/// The fluxes into the cooled faces that follow from the temperatures that they have with these fluxes: `t` with the fluxes
-/// `guess`, and by `rise` (rows: faces, columns: fluxes) more with a unit more. `law` is the flux into a face by its temperature,
-/// and how it falls with that.
+/// Fluxes into the cooled faces in equilibrium with the face temperatures that they cause: `t` at the fluxes `guess`, plus `rise`
+/// (rows: faces, columns: fluxes) per unit of additional flux. `law` is the flux into a face as a function of its temperature,
+/// and the negative derivative.
 pub fn balance(
     guess: [f64; FACES],
     t: [f64; FACES],
@@ -39,10 +40,10 @@ pub fn balance(
     flux
 }
 
-/// Flux (W/m2 of cooled area) into a face of the temperature `t` by moving air and radiation, and how it falls with t; K above the
-/// reference. `forced` is (v_c/v_0)^0.8.
+/// Flux (W/m2 of cooled area) into a face of the temperature `t` by forced convection and radiation, and its decrease with t;
+/// temperatures in K above the reference. `forced` is (v_c/v_0)^0.8.
 pub fn cooling(body: &Body, reference: f64, t: f64, ambient: f64, forced: f64) -> [f64; 2] {
-    // Nothing radiates below 0 K, where only an iteration goes; what is no number stays none.
+    // Below 0 K, which only an iterate can reach, radiation is 0; NaN stays NaN.
     let absolute = t + reference;
     let (hot, air) = (if absolute < 0.0 { 0.0 } else { absolute }, ambient + reference);
     let (moving, radiation) = (forced * body.convection_forced, STEFAN_BOLTZMANN * body.emissivity);

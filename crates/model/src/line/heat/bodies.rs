@@ -1,4 +1,4 @@
-//! The conducting bodies of a scene, and whether the contact line carries their heat.
+//! Conducting bodies of a scene, and the choice between lumped and resolved heat.
 
 use crate::lumped::error_weights::{ErrorWeight, error_weights};
 use crate::lumped::operators::moving_source;
@@ -14,32 +14,32 @@ use numerics::maximum::maximum;
 use scene::{self, Body, Fidelity, Geometry, HeatAlongContact, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 
-/// Most states of a strip: with everything else a saved state stays below 256 KB.
+/// Largest number of states of a strip: with everything else a saved state stays below 256 KB.
 const MOST_STATES: usize = 16_000;
 
-/// Most doublings of the shortest step that a strip resolves until its states are few enough.
+/// Most doublings of the shortest resolved step until the strip's number of states is within its limit.
 const MOST_DOUBLINGS: usize = 100;
 
 /// Finest tolerance of a reduction.
 const FINEST: f64 = 2e-5;
 
-/// Part of the tolerance that the mean temperature of the punch may take, for fluxes of every frequency. The strip judges all waves at
-/// once and has its own part.
+/// Part of the tolerance for the error of the punch's mean temperature, at fluxes of every frequency. The strip has an error
+/// measure of its own, for all Fourier modes together.
 const PUNCH_PART: f64 = 0.25;
 
-/// Velocity, in units of the nominal one, up to which the strip's answers are found at initialisation.
+/// Velocity, in units of the nominal one, up to which the strip's response is tabulated at initialisation.
 const EXPECTED: f64 = 1.5;
 
-/// Whether heat is carried along the contact line, or by its mean alone.
+/// Whether heat is resolved along the contact line, instead of lumped.
 ///
-/// It is where its distribution feeds back: it distorts the shape, or friction or wear follow the local temperature. Where
-/// it does not, pressure and wear are the same either way, and the mean costs a few states instead of thousands. The
-/// reference level carries it in any case.
+/// Heat is resolved where its distribution feeds back: by thermal distortion of the shape, or because friction or wear depend on
+/// the local temperature. Elsewhere pressure and wear are the same either way, and lumped heat costs a few states instead of
+/// thousands. At the reference level heat is always resolved.
 ///
-/// The explicit scheme steps the shape alone and keeps the mean in any case.
+/// The explicit scheme steps the shape alone, with lumped heat.
 ///
-/// [`HeatAlongContact`] overrules the first of these reasons: by its mean also where it feeds back, on the cells also where
-/// only the contact temperature would notice.
+/// [`HeatAlongContact`] overrides the first of these criteria: lumped also where heat feeds back, or resolved also where only the
+/// contact temperature is affected.
 pub fn on_the_cells(scene: &Scene) -> bool {
     let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
@@ -52,26 +52,26 @@ pub fn on_the_cells(scene: &Scene) -> bool {
     wanted && possible_on_the_cells(scene)
 }
 
-/// Whether the contact line of this scene can carry heat on its cells.
+/// Whether this scene permits resolved heat.
 pub fn possible_on_the_cells(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
     conducts && scene.scheme != Scheme::Explicit
 }
 
-/// Punch and strip as every copy of a scene begins with them.
+/// Prototypes of punch and strip, copied for every instance of a scene.
 #[derive(Debug)]
 pub struct Bodies {
-    // Bodies own memory that they work in, so they are not shared between threads: only copied.
+    // Bodies own their workspace, so threads copy them instead of sharing them.
     prototypes: [Option<Mutex<Box<dyn ThermalBody>>>; 2],
     /// Lengths of their states.
     pub states: [usize; 2],
-    /// Rates at which their temperatures fade, 1/s: bodies with the same rates have the same states.
+    /// Decay rates of their modes, 1/s: bodies with the same rates have the same state layout.
     pub rates: [Vec<f64>; 2],
-    /// Fourier waves of the strip.
+    /// Number of Fourier modes of the strip.
     pub waves: usize,
     /// Cooled lengths across the line (area per depth and punch), m.
     pub cooled_length: [f64; 2],
-    /// Larger error of the contact temperature by the reductions, relative to its rise.
+    /// Larger error of the contact temperature by the model reductions, relative to its rise.
     pub error: f64,
 }
 
@@ -79,7 +79,7 @@ impl Bodies {
     /// Builds both bodies under the given cells.
     ///
     /// # Errors
-    /// What a body refuses, as a text with the numbers.
+    /// The reason for which a body cannot be built, as a text with the numbers.
     pub fn new(scene: &Scene, cells: &Cells) -> Result<Bodies, String> {
         let error_weights = error_weights(scene);
         let whole = scene.tolerance.max(FINEST);
@@ -104,7 +104,7 @@ impl Bodies {
         Ok(Bodies::made(scene, [punch, strip], error_weights, free.max(0.0), waves))
     }
 
-    /// With the [`error_weights`] of both bodies, the cooled length of the strip (m) and the number of its waves.
+    /// Builds both bodies from their [`error_weights`], the cooled length of the strip (m) and the number of its Fourier modes.
     fn made(
         scene: &Scene,
         bodies: [Option<Box<dyn ThermalBody>>; 2],
@@ -131,7 +131,7 @@ impl Bodies {
         }
     }
 
-    /// Bodies with memory of their own.
+    /// Independent copies of the bodies, each with its own workspace.
     pub fn copies(&self) -> [Option<Box<dyn ThermalBody>>; 2] {
         self.prototypes.each_ref().map(|body| {
             body.as_ref().map(|body| match body.lock() {
@@ -143,7 +143,7 @@ impl Bodies {
     }
 }
 
-/// The mate of an annular contact.
+/// Mating ring of an annular contact.
 fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn ThermalBody>>, String> {
     let ring = punch::mate::reduce_mate(scene, cells, tolerance, scene.nominal_duration)
         .map_err(|error| format!("strip: {error}"))?;
@@ -154,7 +154,7 @@ fn mate(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<Box<dyn T
     }))
 }
 
-/// Path of the contact as the strip's heat sees it.
+/// Path of the contact over the strip, as the strip's conduction model takes it.
 fn path_of(scene: &Scene) -> SlidingPath {
     match scene.path {
         scene::Path::Closed => SlidingPath::Closed(scene.length / scene.count),
@@ -165,7 +165,7 @@ fn path_of(scene: &Scene) -> SlidingPath {
     }
 }
 
-/// Shortest step that is to be resolved, s: a 60th of a cycle of to-and-fro sliding, a thousandth of everything else.
+/// Shortest time to be resolved, s: a 60th of the cycle in reciprocating sliding, a thousandth of the duration otherwise.
 pub fn shortest(scene: &Scene) -> f64 {
     let cycle = match path_of(scene) {
         SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {
@@ -211,14 +211,14 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
             strip.expect(EXPECTED * scene.nominal_velocity);
             return Ok(Some(strip));
         }
-        // What decays faster answers at once.
+        // Modes that decay faster become quasi-static.
         resolution.shortest *= 2.0;
     }
     Err(format!("strip: more than {MOST_STATES} thermal states, however long the shortest step that they resolve"))
 }
 
-/// Cooled area of the strip over its area beside the contact on a closed path; 1 where it is not given, or the path open.
-/// The mate of an annulus has its cooled area itself.
+/// Cooled area of the strip over its area beside the contact on a closed path; 1 where the area is not given, or the path open.
+/// The mating ring of an annular contact includes its cooled area.
 pub fn cooled_part(scene: &Scene) -> f64 {
     if scene.geometry == Geometry::Annular {
         return 1.0;

@@ -1,4 +1,4 @@
-//! What one repetition of a stage evaluates: friction heat and its split, temperatures of both surfaces, the gap.
+//! Evaluations of one stage iteration: friction heat and its partition, temperatures of both surfaces, the gap.
 
 use super::ThermalCoupling;
 use conduction::line::{GAMMA, Stage};
@@ -7,7 +7,7 @@ use contact::wear::line::StageError;
 use numerics::dense;
 
 impl ThermalCoupling {
-    /// Temperature and distortion of both bodies at the stage if no heat came in it.
+    /// Free response of both bodies at the stage: temperature and distortion without flux in it.
     pub(super) fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
         for side in 0..2 {
             let (free_response, distortion) = (&mut self.free_response[side], &mut self.free_distortion[side]);
@@ -38,7 +38,7 @@ impl ThermalCoupling {
         self.bodies.each_ref().map(Option::is_some)
     }
 
-    /// Puts the distortion by the stage's own heat, at the reference, on the contact's compliance, and finds whether that is
+    /// Adds the thermal compliance at the linearization point to the compliance of the contact, and determines whether it is
     /// exact.
     pub(super) fn operator(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
         let s = stage as usize;
@@ -63,7 +63,8 @@ impl ThermalCoupling {
         Ok(())
     }
 
-    /// Makes the operators of the stage's own gains and friction, where those of the reference do not converge.
+    /// Refactors: builds the operators from the stage's own surface influence matrices and friction, where the iteration with the
+    /// frozen ones does not converge.
     pub(super) fn refactor(&mut self, stage: Stage, slip: f64) {
         let s = stage as usize;
         let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
@@ -74,12 +75,12 @@ impl ThermalCoupling {
         let mean = self.kinetic_coefficient.iter().sum::<f64>() / self.kinetic_coefficient.len() as f64;
         self.partitions[s].thermal_compliance(mean * slip);
         self.taken[s] = self.partitions.place(s);
-        // Gains are finite, and so is their product with a velocity.
+        // The influence matrices are finite, and so is their product with a velocity.
         let _ = self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()));
         self.refactored[s] = true;
     }
 
-    /// Takes into the operators of the stage that friction follows the temperature.
+    /// Includes the friction-temperature Jacobian in the operators of the stage.
     pub(super) fn linearize(&mut self, stage: Stage, slip: f64, friction: &FrictionLaw) -> Result<(), StageError> {
         let s = stage as usize;
         let Some(friction_jacobian) = &mut self.friction_jacobian else { return Ok(()) };
@@ -95,18 +96,18 @@ impl ThermalCoupling {
         Ok(())
     }
 
-    /// Whether the operators of the reference are exact while `open` cells exchange no heat, as long as friction is that of the
-    /// reference.
+    /// Whether the frozen operators are exact while `open` cells exchange no heat, provided that friction is that of the
+    /// linearization point.
     pub(super) fn is_solved_directly(&self, open: usize) -> bool {
         let partition = self.conducts() != [true, true] || self.partitions[0].is_exact_with(open);
         self.reference.exact && !self.staggered && partition
     }
 
-    /// Friction heat of the stage with the pressure known so far, and the split of it in which both surfaces agree; returns
-    /// how far they were from that, see [`ThermalCoupling::residual_norm`].
+    /// Friction heat of the stage at the current pressure, and its partition by which the surface temperatures satisfy the
+    /// interface law; returns the residual before this correction, see [`ThermalCoupling::residual_norm`].
     ///
-    /// Where the operators of the stage are exact nothing has to be known: the pressure is taken to be 0, and the split that of
-    /// no friction heat.
+    /// Where the operators of the stage are exact no iterate is needed: the pressure is set to 0, and the partition is that
+    /// without friction heat.
     pub(super) fn assemble_fluxes(&mut self, stage: Stage, slip: f64) -> f64 {
         let s = stage as usize;
         let conducts = self.conducts();
@@ -135,8 +136,9 @@ impl ThermalCoupling {
             return 0.0;
         }
         match &self.friction_jacobian {
-            // What the heat lacks of the law at the temperature that it makes, with the temperature that follows: where a
-            // rise by all of the heat changes friction by more than itself, the law alone alternates however short the step is.
+            // Newton step of the friction heat for the residual of the friction law at the current temperature: where a
+            // temperature rise by all of the heat changes friction by more than 100%, fixed-point iteration alternates at any
+            // step size.
             Some(friction_jacobian) if self.linearized => {
                 let known = friction.iter().zip(&self.pressure).zip(&self.per_pressure);
                 for (residual, ((heat, pressure), per_pressure)) in self.difference.iter_mut().zip(known) {
@@ -174,7 +176,7 @@ impl ThermalCoupling {
         residual_norm
     }
 
-    /// Temperature by which the punch's surface is too cold for its flux, cell by cell, in `difference`.
+    /// Residual of the interface law: deficit of the punch's surface temperature for its flux, cell by cell, in `difference`.
     fn residual(&mut self, stage: Stage) {
         let s = stage as usize;
         let ([punch, strip], [punch_flux, strip_flux]) = (&self.temperature[s], &self.flux[s]);
@@ -185,8 +187,8 @@ impl ThermalCoupling {
         self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
     }
 
-    /// How far the surfaces are from the law of the interface, relative to the largest rise and jump of temperature; cell by
-    /// cell, in K, in `difference`.
+    /// Largest residual of the interface law, relative to the largest rise and jump of temperature; the residuals of the cells,
+    /// in K, are left in `difference`.
     fn residual_norm(&mut self, stage: Stage) -> f64 {
         let s = stage as usize;
         self.residual(stage);
@@ -195,15 +197,15 @@ impl ThermalCoupling {
         if scale > 0.0 { largest(&self.difference) / scale } else { 0.0 }
     }
 
-    /// The gap with everything that moves it, less what the pressure known so far does through the contact's extra
-    /// compliance. The part that is distortion by heat stands in `distortion`.
+    /// Gap before the deformation by the pressure: with wear and distortion, less the displacement of the current pressure
+    /// through the thermal compliance. The part that is thermal distortion is left in `distortion`.
     pub(super) fn undeformed(&mut self, stage: Stage, gap: &[f64]) {
         let s = stage as usize;
         let moved = &mut self.distortion;
         let [punch, strip] = &self.free_distortion;
         moved.iter_mut().zip(punch.iter().zip(strip)).for_each(|(moved, (punch, strip))| *moved = punch + strip);
         if self.exact[s] {
-            // What the strip gives the punch gets.
+            // The fluxes into strip and punch are opposite.
             if self.bodies.iter().all(Option::is_some) && self.expands.contains(&true) {
                 self.partitions[s].distort_relatively(&self.flux[s][0], moved);
             }
@@ -219,8 +221,8 @@ impl ThermalCoupling {
         self.gap.iter_mut().zip(gap.iter().zip(&*moved)).for_each(|(target, (gap, moved))| *target = gap + moved);
     }
 
-    /// Takes the pressure found, with its share of heat; returns how much it differs from the one known before, relative to
-    /// the largest. A difference of no more than `enough` leaves the split as it is.
+    /// Sets the pressure found and updates the friction heat; returns the change of the pressure, relative to the largest. At a
+    /// change of at most `enough` the heat partition stays as it is.
     pub(super) fn update_pressure(&mut self, stage: Stage, pressure: &[f64], enough: f64) -> f64 {
         let s = stage as usize;
         if self.exact[s] {
@@ -238,10 +240,10 @@ impl ThermalCoupling {
         {
             *difference = per_pressure * pressure - own;
         }
-        // An open cell had none and gets none.
+        // Open cells have no friction heat.
         self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
         if let (Some(friction_jacobian), true) = (&self.friction_jacobian, self.linearized) {
-            // The temperature that follows is that of the friction at that temperature.
+            // Friction heat consistent with the temperature that it causes.
             self.difference.fill(0.0);
             friction_jacobian.add_heat(&self.gap, &mut self.difference);
         }
@@ -262,7 +264,7 @@ impl ThermalCoupling {
         change
     }
 
-    /// [`ThermalCoupling::update_pressure`] where nothing was known before, and nothing is left to repeat.
+    /// [`ThermalCoupling::update_pressure`] with exact operators: from zero pressure, without iteration.
     fn update_pressure_exactly(&mut self, stage: Stage, pressure: &[f64]) -> f64 {
         let s = stage as usize;
         self.pressure.copy_from_slice(pressure);
@@ -285,7 +287,7 @@ impl ThermalCoupling {
         let s = stage as usize;
         self.temperatures_current = true;
         if self.exact[s] && self.half_resistance > 0.0 && self.bodies.iter().all(Option::is_some) {
-            // The strip's surface follows from the law of the interface.
+            // The temperature of the strip's surface follows from the interface law.
             let [punch, strip] = &mut self.temperature[s];
             punch.copy_from_slice(&self.free_response[0]);
             if let Some(own) = &self.bodies[0] {
@@ -295,7 +297,7 @@ impl ThermalCoupling {
             for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
                 *strip = punch - self.half_resistance * (given - taken);
             }
-            // It does not hold on open cells, whose surfaces are apart.
+            // The law does not hold on open cells, whose surfaces are separated.
             let open = self.partitions[s].open();
             if open.len() == strip.len() {
                 strip.copy_from_slice(&self.free_response[1]);
@@ -311,8 +313,8 @@ impl ThermalCoupling {
                 dense::multiply_add(own.influence(stage).temperature.as_slice(), &self.flux[s][side], temperature);
             }
         }
-        // An insulator's surface follows from the second law of the interface; where it touches nothing it has no temperature of its
-        // own, and shows the other's.
+        // The surface temperature of an insulator follows from the second interface law; a cell without contact is given the
+        // temperature of the other body.
         let conducts = self.conducts();
         if let [true, false] | [false, true] = conducts {
             let own = usize::from(!conducts[1]);
@@ -323,7 +325,7 @@ impl ThermalCoupling {
         }
     }
 
-    /// Whether all cells that carry pressure exchange heat; if not, they do from now on.
+    /// Adds the cells that carry pressure to the active set of heat exchange; returns whether it already contained them.
     pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
         let mut settled = true;
         for (closed, p) in self.closed.iter_mut().zip(pressure) {
@@ -336,13 +338,13 @@ impl ThermalCoupling {
         settled
     }
 
-    /// Displacement of both surfaces by heat at the end of the step, from what the last repetition knew of it and what the
-    /// pressure found does through the contact's extra compliance.
+    /// Thermal distortion of both surfaces at the end of the step: that of the last iteration plus the displacement of the
+    /// pressure found through the thermal compliance.
     pub(super) fn distort_by_contact(&mut self) {
         self.partitions[1].add_displacement(self.exact[1], &self.pressure, &mut self.distortion);
     }
 
-    /// Displacement of both surfaces by heat at the end of the step.
+    /// Thermal distortion of both surfaces at the end of the step.
     pub(super) fn distort(&mut self) {
         for (i, moved) in self.distortion.iter_mut().enumerate() {
             *moved = self.free_distortion[0][i] + self.free_distortion[1][i];
@@ -359,10 +361,10 @@ impl ThermalCoupling {
     }
 }
 
-/// Numbers that [`largest`] looks at together.
+/// Number of lanes of [`largest`].
 const ABREAST: usize = 8;
 
-/// Largest absolute value; what is not a number does not count.
+/// Largest absolute value; NaN is ignored.
 pub(super) fn largest(values: &[f64]) -> f64 {
     let more = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
     let (groups, rest) = values.as_chunks::<ABREAST>();
@@ -375,7 +377,7 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     most.into_iter().chain(rest.iter().copied()).fold(0.0, more)
 }
 
-/// What of the friction heat the strip takes, if it conducts.
+/// Flux into the strip: the friction heat less the flux into the punch; 0 for an insulator.
 fn rest(strip: &mut [f64], friction: &[f64], punch: &[f64], conducts: bool) {
     if conducts {
         strip.iter_mut().zip(friction.iter().zip(punch)).for_each(|(strip, (heat, punch))| *strip = heat - punch);

@@ -1,21 +1,23 @@
-//! Friction that follows the temperature, as a derivative in the stage's Newton step.
+//! Friction-temperature Jacobian in the Newton step of a stage.
 //!
-//! Friction heat `Q_i = mu(T_i) s v p_i` warms the contact by `T = b + H Q`, H the mean rise of both surfaces, and that changes
-//! the friction. A small change of the pressure therefore changes the heat by
+//! Friction heat `Q_i = mu(T_i) s v p_i` heats the contact by `T = b + H Q`, H the mean of both surface influence matrices of
+//! temperature with their heat partition, and the temperature changes the friction. A small change of the pressure therefore
+//! changes the heat by
 //!
 //! ```text
 //! (I - diag(s v p mu') H) dQ = diag(s v mu) dp
 //! ```
 //!
-//! and the surface by `E_0 dQ`. Repeating the stage with the friction of the repetition before instead alternates, because less
-//! friction is less heat; the nearer a pressure wave is to growing at once, the more pressure follows from that difference, and
-//! beyond some speed the repetition runs away however short the step is.
+//! and the surface by `E_0 dQ`. Fixed-point iteration, with the friction coefficient of the previous iterate, alternates instead,
+//! because less friction is less heat; the closer a pressure wave is to instantaneous growth, the larger the change of pressure
+//! from that difference, and beyond some speed the iteration diverges at any step size.
 
 use super::partition::HeatPartition;
 use conduction::line::SurfaceInfluence;
 use numerics::dense;
 
-/// The derivative at the pressure and temperature of the repetition before. Nothing is allocated after construction.
+/// Friction-temperature Jacobian at the pressure and temperature of the previous iterate. Nothing is allocated after
+/// construction.
 #[derive(Clone, Debug)]
 pub struct FrictionJacobian {
     /// H, by columns, K per W/m2.
@@ -29,7 +31,7 @@ pub struct FrictionJacobian {
 }
 
 impl FrictionJacobian {
-    /// For `count` cells.
+    /// Jacobian for `count` cells.
     pub fn new(count: usize) -> FrictionJacobian {
         let square = || vec![0.0; count * count];
         FrictionJacobian {
@@ -41,8 +43,8 @@ impl FrictionJacobian {
         }
     }
 
-    /// H of bodies with the given gains (`None`: an insulator) that share heat as `partition` says; `half_resistance`: 1/(2 h_c), 0
-    /// without exchange.
+    /// Builds H from the surface influence matrices (`None`: an insulator) and the heat partition; `half_resistance`: 1/(2 h_c),
+    /// 0 without exchange.
     pub fn build(
         &mut self,
         partition: &HeatPartition,
@@ -66,7 +68,7 @@ impl FrictionJacobian {
                 }
             }
             [Some(only), None] | [None, Some(only)] => {
-                // The insulator is warmer by Q/(2 h_c); without exchange it stays as it is.
+                // The insulator is warmer by Q/(2 h_c); without exchange its temperature does not change.
                 let part = if half_resistance > 0.0 { 1.0 } else { 0.5 };
                 for (entry, own) in self.rise.iter_mut().zip(only.temperature.as_slice()) {
                     *entry = part * own;
@@ -77,8 +79,8 @@ impl FrictionJacobian {
         }
     }
 
-    /// dQ/dp (by columns, m/s) of cells with friction heat `per_pressure` (m/s) that changes by `slope` (W/(m2 K)) with the
-    /// temperature; both are 0 on cells that exchange none.
+    /// dQ/dp (by columns, m/s) of cells with friction heat per pressure `per_pressure` (m/s) and derivative `slope` (W/(m2 K)) of
+    /// the friction heat with temperature; both are 0 on cells without friction heat.
     pub fn linearize(&mut self, per_pressure: impl Fn(usize) -> f64, slope: impl Fn(usize) -> f64) -> &[f64] {
         let count = self.column.len();
         for (i, slope) in (0..count).map(|i| (i, slope(i))) {
@@ -112,7 +114,7 @@ mod tests {
     #[test]
     fn heat_changes_as_the_law_of_friction_says() {
         let count = 6;
-        // As of a moving source: heat upstream is felt downstream more than the other way.
+        // Asymmetric as for a moving source: the influence is stronger downstream than upstream.
         let influence = |scale: f64| SurfaceInfluence {
             temperature: DMatrix::from_fn(count, count, |i, j| {
                 scale * (1.0 + 0.1 * j as f64) / (1.0 + i.abs_diff(j) as f64)
@@ -129,7 +131,7 @@ mod tests {
             partition.close(&[true; 6]);
             let mut friction_jacobian = FrictionJacobian::new(count);
             friction_jacobian.build(&partition, pair, 0.125);
-            // Temperatures of both surfaces by the laws of the split alone.
+            // Temperatures of both surfaces by the laws of the heat partition alone.
             let contact_temperature = |heat: &[f64]| -> Vec<f64> {
                 let mut own = vec![0.0; count];
                 match pair {

@@ -1,11 +1,11 @@
-//! Whether a step is short enough for what grows.
+//! Growth guard: rejects steps too long to resolve thermoelastic growth.
 //!
-//! Above the critical speed friction heat makes pressure waves grow. An L-stable step that is too long damps them instead,
-//! and says nothing. So the step h must follow the fastest growth b, `b h <= 0.3`.
+//! Above the critical speed pressure waves grow by friction heat. An L-stable step that is too long damps them instead, without
+//! any indication. So the step h is limited by the fastest growth rate b, `b h <= 0.3`.
 //!
-//! Where [`FastestGrowth`] bounds b well enough for that, there is nothing to do. It knows layers without wear; where it
-//! does not let the step pass, the matrix of a stage tells more. Let the pressure at t follow from the distortion by what was
-//! heated before, `p(t) = integral k(s) p(t - s) ds`, k >= 0 and falling, as heat fades. Growth at b means
+//! The bound of b by [`FastestGrowth`], for layers without wear, accepts most steps. Where it does not, the matrix of a stage
+//! gives a sharper criterion. Let the pressure at t follow from the distortion by earlier heating, `p(t) = integral k(s) p(t - s)
+//! ds`, k >= 0 and decreasing, as heat diffuses. Growth at the rate b means
 //!
 //! ```text
 //! 1 = integral_0^inf k(s) exp(-b s) ds = integral_0^inf b exp(-b s) g(s) ds,    g(s) = integral_0^s k
@@ -17,9 +17,9 @@
 //! C + s mu S + (wear and distortion of a stage),
 //! ```
 //!
-//! is not positive definite. Turned round, where that of the length h/0.3 is, on the pressures that load and contact allow, b is
-//! below 0.3/h. This is about what rests in the punch; waves that rest in the strip pass by in a stage's matrix, and are bounded
-//! by the first rule alone.
+//! is not positive definite. Conversely, where the matrix of a stage of the length h/0.3 is positive definite on the pressures
+//! that load and contact admit, b is below 0.3/h. This holds for waves at rest in the punch; waves at rest in the strip slide
+//! past the contact, are not represented in the matrix of a stage, and are bounded by the first criterion alone.
 
 use super::ThermalCoupling;
 use crate::instability::driving_body;
@@ -35,21 +35,21 @@ use std::fmt::{self, Write};
 /// Largest b h.
 const GROWTH: f64 = 0.3;
 
-/// Largest w by accelerated wear that goes without a warning, and that is accepted.
+/// Largest w by accelerated wear that is accepted without a warning, and that is accepted at all.
 const UNNOTICED_WEAR: f64 = 0.05;
 const LARGEST_WEAR: f64 = 0.5;
 
-/// Part of the critical speed of what the line models below which nothing grows, whatever the layers of its formula leave out: a
-/// factor of two for edges.
+/// Fraction of the critical speed of the layers that the line resolves below which nothing grows, whatever the layer formula
+/// neglects: a factor of two for edges.
 const SURELY_STABLE: f64 = 0.5;
 
-/// Penalty on a change of the load against the largest diagonal entry.
+/// Penalty on a change of the load, relative to the largest diagonal entry.
 const PENALTY: f64 = 1e4;
 
 impl LineOperators {
-    /// w = k K/(mu alpha (1 + nu) kd): what wear takes off a growing pressure wave against what heat adds to it, k the depth
-    /// that both bodies lose per pressure and distance at nominal load and speed, `acceleration` times as fast as in truth. Of
-    /// the body whose waves grow first. 0 where nothing grows.
+    /// w = k K/(mu alpha (1 + nu) kd): ratio of the decay of a pressure wave by wear to its growth by heat, k the wear depth of
+    /// both bodies per pressure and distance at nominal load and speed, times `acceleration`. For the body whose waves become
+    /// unstable first. 0 where nothing grows.
     pub fn wear_against_growth(&self, friction: f64, acceleration: f64) -> f64 {
         let scene = &self.scene;
         let Some(body) = driving_body(scene).filter(|_| self.heat.is_some() && friction > 0.0) else { return 0.0 };
@@ -66,7 +66,7 @@ impl LineOperators {
         depth * body.capacity() / (friction * body.thermal_expansion * (1.0 + body.poissons_ratio))
     }
 
-    /// Refuses wear that is accelerated until it hides what grows.
+    /// Rejects a wear acceleration by which wear would suppress thermoelastic growth.
     ///
     /// # Errors
     /// A text with variable, value and limit.
@@ -83,7 +83,7 @@ impl LineOperators {
 }
 
 impl Line {
-    /// Writes what a bit of [`limit`] that depends on numbers says.
+    /// Writes the message of a bit of [`limit`] that contains numbers.
     ///
     /// # Errors
     /// Those of `text`.
@@ -107,7 +107,7 @@ impl Line {
         }
     }
 
-    /// Sliding speed and the critical one, m/s; 0: nothing grows.
+    /// Sliding speed and critical speed, m/s; 0: nothing grows.
     fn speeds(&self, inputs: &[f64; INPUTS]) -> (f64, f64) {
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         (velocity.abs(), self.operators.mean.critical_speed.at(self.friction_at(inputs)))
@@ -120,7 +120,7 @@ impl Line {
         kinetic_coefficient * self.friction.stribeck(velocity)
     }
 
-    /// Notes what a user should know about the step that begins at `inputs`.
+    /// Sets the warning bits of [`limit`] for the step that begins at `inputs`.
     ///
     /// # Errors
     /// Wear accelerated too much.
@@ -137,14 +137,14 @@ impl Line {
             }
         }
         let (speed, critical) = self.speeds(inputs);
-        // A scene that is made for such speeds has said so from the start.
+        // Not set where the nominal velocity itself is above the critical speed: that is reported at initialisation.
         if critical > 0.0 && speed > critical && inputs[1] > 0.0 && self.operators.scene.nominal_velocity <= critical {
             self.state.limits |= limit::UNSTABLE;
         }
         Ok(())
     }
 
-    /// Whether the part just tried, of `step` s at the speed `speed` (m/s), follows what grows.
+    /// Growth guard of the part just tried, of `step` s at the speed `speed` (m/s): whether its length resolves the growth.
     pub(in crate::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
         let critical = &self.operators.mean.critical_speed;
@@ -159,7 +159,7 @@ impl Line {
         if heat.growth.of_body(0, friction, speed) * step <= GROWTH {
             return true;
         }
-        // The unreduced punch would have to be factored for the other step.
+        // With the unreduced punch this would require a factorisation for the other step.
         if self.operators.scene.fidelity == Fidelity::Field {
             return false;
         }
@@ -169,18 +169,18 @@ impl Line {
     }
 }
 
-/// What was last asked of a matrix of a stage, and the answer: contact, friction and wear change less often than a step is taken.
+/// Memo of the last definiteness test of a stage matrix: contact, friction and wear change less often than a step is taken.
 #[derive(Clone, Debug)]
 pub(super) struct GrowthGuard {
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s).
     asked: [f64; 4],
     closed: Vec<bool>,
-    /// Wear per pressure, m/Pa, rounded down: wear only holds growth back.
+    /// Slope of wear depth with pressure, m/Pa, rounded down: wear only reduces growth, so this is conservative.
     slopes: Vec<f64>,
     answer: bool,
 }
 
-/// Bits of a slope's mantissa that are dropped: what is left is a sixteenth apart.
+/// Bits of a slope's mantissa that are dropped, which leaves a relative resolution of a sixteenth.
 const DROPPED: u64 = (1 << 48) - 1;
 
 impl GrowthGuard {
@@ -188,7 +188,7 @@ impl GrowthGuard {
         GrowthGuard { asked: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
     }
 
-    /// Takes a question; whether it is the one that has been answered.
+    /// Stores the arguments of a test; returns whether they equal those of the stored result.
     fn ask(&mut self, asked: [f64; 4], closed: &[bool], slope: impl Fn(usize) -> f64) -> bool {
         let mut same = self.asked == asked && self.closed == closed;
         self.asked = asked;
@@ -203,8 +203,8 @@ impl GrowthGuard {
 }
 
 impl ThermalCoupling {
-    /// Whether the matrix of a stage of the length `step`/0.3 is positive definite on the cells in contact; `slope`: its wear per
-    /// pressure, m/Pa.
+    /// Whether the matrix of a stage of the length `step`/0.3 is positive definite on the cells in contact; `slope`: wear depth
+    /// per pressure, m/Pa.
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let key = (step, self.reference.velocity);
         let asked = [step, self.reference.velocity, friction, self.reference.per_pressure];
@@ -217,7 +217,8 @@ impl ThermalCoupling {
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
         if !self.watched.is_for(key) {
-            // The first stage of a longer step is of that length. What slides under the waves hardly depends on it.
+            // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
+            // waves, hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step / (GAMMA * GROWTH), self.velocity);
             }
@@ -231,7 +232,7 @@ impl ThermalCoupling {
                 punch.prepare(step, self.velocity);
             }
         }
-        // Friction that falls with the temperature only holds growth back.
+        // Friction that decreases with temperature only reduces growth.
         self.watched.thermal_compliance(self.reference.per_pressure);
         self.contacts[1].set_low_rank_update(None);
         let compliance = self.contacts[1].compliance_values(friction);
@@ -252,7 +253,7 @@ impl ThermalCoupling {
                 self.matrix[j * count + i] = value;
             }
         }
-        // Pressures that change the load are made stiff; what is left has to be definite by itself.
+        // Changes of the load are penalised; the matrix has to be definite on the remaining pressures.
         for j in 0..count {
             if !self.closed[j] {
                 self.matrix[j * count + j] = 1.0;
@@ -266,7 +267,7 @@ impl ThermalCoupling {
     }
 }
 
-/// Factors the lower triangle in place, by columns; false where the matrix is not positive definite.
+/// Cholesky factorisation of the lower triangle in place, by columns; false where the matrix is not positive definite.
 fn cholesky(matrix: &mut [f64], count: usize) -> bool {
     for k in 0..count {
         let (done, rest) = matrix.split_at_mut((k + 1) * count);

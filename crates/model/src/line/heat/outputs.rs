@@ -1,5 +1,5 @@
-//! Outputs of heat along the contact line, by value reference. They are those of the end of the last step: the bodies'
-//! states are held in between.
+//! Outputs of the resolved heat, by value reference. They are those at the end of the last step: the thermal states are frozen
+//! between steps.
 
 use crate::line::Line;
 use crate::lumped::conditions::Conditions;
@@ -10,7 +10,7 @@ use scene::variables::{COUNT, reference};
 use scene::{STATIONS, ThermalBoundary, value};
 
 impl Line {
-    /// What acts on both bodies at `inputs` besides the contact.
+    /// Ambient, far-face temperatures and cooling of both bodies at `inputs`.
     pub(in crate::line) fn around(&self, inputs: &[f64; INPUTS]) -> [Surroundings; 2] {
         let reference = self.mean.state().reference;
         let inputs = Inputs::from_array(*inputs);
@@ -92,7 +92,8 @@ impl Line {
         self.operators.profile.fill(&heat.contact_temperature, &mut values[first..first + STATIONS]);
     }
 
-    /// Derivatives along `seed`: with the states held, only air and far faces change heat flows, and no temperature.
+    /// Derivatives along `seed`: at frozen states only ambient and far-face temperatures change heat flows, and no output
+    /// temperature changes.
     pub(in crate::line) fn write_heat_rates(
         &self,
         inputs: &[f64; INPUTS],
@@ -118,7 +119,7 @@ impl Line {
         let (mut ambient, mut faces) = (0.0, [0.0; 2]);
         for (side, around) in self.around(inputs).iter().enumerate() {
             let Some(own) = &heat.bodies[side] else { continue };
-            // Linear in what acts: a difference is the derivative.
+            // Heat flows are affine in these temperatures: a difference is the exact derivative.
             let moved = Surroundings {
                 ambient: around.ambient + conditions.ambient.derivative,
                 far: around.far + far[side],

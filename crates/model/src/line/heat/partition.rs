@@ -1,4 +1,5 @@
-//! The split of the friction heat between the bodies, and the distortion by it, as operators on the pressure.
+//! Heat partition: the division of the friction heat between the bodies, and the thermal distortion by it, as operators on the
+//! pressure.
 //!
 //! On the cells in contact
 //!
@@ -7,18 +8,19 @@
 //! q_1 = y + Y Q,    u_T = d_1 + d_2 + (D_1 - D_2) y + E_0 Q,    E_0 = (D_1 - D_2) Y + D_2
 //! ```
 //!
-//! Cells that do not exchange heat keep their fluxes at 0 by differences of temperature of their own, so with the inverse P of
-//! the first matrix and o these cells
+//! Cells that do not exchange heat have zero flux, with a jump of temperature as its multiplier. With the inverse P of the first
+//! matrix and o the set of these cells
 //!
 //! ```text
 //! q_1 = (I - P_:o P_oo^-1 I_o:) (y + Y Q),    E_0 less (D_1 - D_2) P_:o P_oo^-1 Y_o:
 //! ```
 //!
-//! An insulator takes nothing. At h_c = 0 the surfaces do not exchange heat and share that of friction equally.
+//! An insulator receives no heat. At h_c = 0 the surfaces do not exchange heat, and each receives half of the friction heat.
 //!
-//! These operators cost N^3, and the strip's gains change with the velocity. So they are made at a reference velocity and
-//! kept while the velocity stays near it; a stage repeats their solution on the residual of its own gains, at N^2 each.
-//! From a hundred cells these products wait for memory, and may run in single precision ([`HeatPartition::in_single_precision`]).
+//! Building these operators costs N^3, and the strip's influence matrices change with the velocity. So they are built at a
+//! linearization point and reused within its validity radius; a stage iterates with them on the residual of its own influence
+//! matrices, at N^2 per iteration. From a hundred cells on these products are limited by memory bandwidth, and may run in single
+//! precision ([`HeatPartition::in_single_precision`]).
 
 #[cfg(test)]
 mod tests;
@@ -28,31 +30,31 @@ use contact::{LowRankUpdate, largest_reduction};
 use nalgebra::DMatrix;
 use numerics::dense::{self, SingleMatrix};
 
-/// See the module. Nothing is allocated after construction.
+/// Heat partition operators of a stage. Nothing is allocated after construction.
 #[derive(Clone, Debug)]
 pub struct HeatPartition {
     resistance: Option<f64>,
-    /// Step and velocity that the operators were made for.
+    /// Step (s) and velocity (m/s) for which the operators were built.
     key: Option<(f64, f64)>,
-    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product instead of two substitutions that wait for their
-    /// own results. What it lacks in precision the repetition makes up for.
+    /// Inverse of G_1 + G_2 + I/h_c on all cells, by columns: one product is faster than two substitutions, whose operations
+    /// depend on each other. Iteration removes the error from its rounding.
     inverse: Vec<f64>,
-    /// Cells that exchange heat; those that do not, and the factors of their part of the inverse.
+    /// Cells that exchange heat; the others, and the factors of their block of the inverse.
     closed: Vec<bool>,
     open: Vec<usize>,
     known: bool,
     factors: Vec<f64>,
-    /// P_:o P_oo^-1 by columns, of no more open cells than a [`LowRankUpdate`] holds.
+    /// P_:o P_oo^-1 by columns, for up to as many open cells as a [`LowRankUpdate`] holds.
     held: Vec<f64>,
     exchanged: Vec<usize>,
-    /// Y on all cells, by columns.
+    /// Partition matrix Y on all cells, by columns.
     shares: Vec<f64>,
-    /// D_1 - D_2 on all cells, by columns, m per W/m2.
+    /// Relative distortion D_1 - D_2 on all cells, by columns, m per W/m2.
     across: Vec<f64>,
     /// E_0 of all cells, m per W/m2.
     distortion: DMatrix<f64>,
-    /// E_0 dQ/dp, m/Pa: what the contact has on top of its compliance, and dQ/dp = mu s v at the mean radius where mu is that of all
-    /// cells.
+    /// Thermal compliance E_0 dQ/dp, m/Pa, added to the compliance of the contact, and dQ/dp = mu s v at the mean radius where mu
+    /// is the same for all cells.
     thermal_compliance: DMatrix<f64>,
     per_pressure: f64,
     /// Sliding velocity of the cells over that at the mean radius.
@@ -61,7 +63,7 @@ pub struct HeatPartition {
     widths: Vec<f64>,
     /// See [`HeatPartition::norms`].
     norms: [[f64; 2]; 2],
-    /// What open cells take off the extra compliance, for the heat per pressure `reduced_by`; see [`LowRankUpdate`].
+    /// Low-rank update of the thermal compliance by open cells, for the heat per pressure `reduced_by`; see [`LowRankUpdate`].
     left: Vec<f64>,
     right: Vec<f64>,
     reduced_by: f64,
@@ -73,22 +75,22 @@ pub struct HeatPartition {
     single: Option<Box<Single>>,
 }
 
-/// The operators that every stage takes a product with, in single precision.
+/// Operators of the products in every stage, in single precision.
 #[derive(Clone, Debug)]
 struct Single {
     inverse: SingleMatrix,
     shares: SingleMatrix,
     across: SingleMatrix,
-    /// Rise of the punch's temperature by its flux.
+    /// Influence matrix of the punch's temperature.
     punch: SingleMatrix,
-    /// The extra compliance, for the heat per pressure `of`.
+    /// Thermal compliance for the heat per pressure `of`.
     thermal_compliance: SingleMatrix,
     of: f64,
 }
 
 impl HeatPartition {
-    /// For cells of these widths (m) that slide at `ratio` times the velocity at the mean radius, with the contact conductance
-    /// `conductance` (W/(m2 K)).
+    /// Workspace for cells of these widths (m) that slide at `ratio` times the velocity at the mean radius, with the contact
+    /// conductance `conductance` (W/(m2 K)).
     pub fn new(widths: &[f64], ratio: &[f64], conductance: f64) -> HeatPartition {
         let count = ratio.len();
         let square = || vec![0.0; count * count];
@@ -120,7 +122,7 @@ impl HeatPartition {
         }
     }
 
-    /// Memory for another split of these cells.
+    /// Workspace for another heat partition of these cells.
     pub fn like(&self) -> HeatPartition {
         let conductance = self.resistance.map_or(0.0, f64::recip);
         let partition = HeatPartition::new(&self.widths, &self.ratio, conductance);
@@ -128,9 +130,9 @@ impl HeatPartition {
         if self.single.is_some() { own.in_single_precision() } else { own }
     }
 
-    /// Takes products with inverse, shares and what lies across in single precision: at a hundred cells they are as fast as
-    /// memory hands out the matrices. Split of the heat and distortion lose 1e-7 of themselves; that nothing of the heat is lost
-    /// does not depend on it, nor what a repetition comes to.
+    /// Uses single precision in products with the inverse, the partition matrix and the relative distortion, which from a hundred
+    /// cells on are limited by memory bandwidth. Heat partition and distortion have relative errors of 1e-7; conservation of heat
+    /// is not affected, nor is the limit of the iteration.
     pub fn in_single_precision(mut self) -> HeatPartition {
         let count = self.closed.len();
         let zeros = || SingleMatrix::zeros(count, count);
@@ -139,12 +141,12 @@ impl HeatPartition {
         self
     }
 
-    /// Whether the operators are those of this step (s) and reference velocity (m/s).
+    /// Whether the operators were built for this step (s) and reference velocity (m/s).
     pub fn is_for(&self, key: (f64, f64)) -> bool {
         self.key == Some(key)
     }
 
-    /// Makes the operators of the given gains (`None`: an insulator).
+    /// Builds the operators from the surface influence matrices (`None`: an insulator).
     pub fn build(&mut self, key: (f64, f64), influence: [Option<&SurfaceInfluence>; 2]) {
         let count = self.closed.len();
         self.key = Some(key);
@@ -207,7 +209,7 @@ impl HeatPartition {
         }
     }
 
-    /// Takes the cells `closed` for those that exchange heat.
+    /// Sets the active set of cells that exchange heat, and factors the block of the others.
     pub fn close(&mut self, closed: &[bool]) {
         if self.known && self.closed == closed {
             return;
@@ -242,11 +244,11 @@ impl HeatPartition {
         }
     }
 
-    /// Adds to the punch's flux what takes the temperature difference `residual` (strip above punch, resistance of the
-    /// interface included, K) away on the cells that exchange heat; on the others it is 0.
+    /// Adds to the punch's flux the correction that removes the temperature difference `residual` (strip above punch, interface
+    /// resistance included, K) on the cells that exchange heat; on the others it is 0.
     ///
-    /// Differences `y` on the open cells that keep their fluxes at 0, `P_oo y = (P residual)_o` with the inverse P, solve the
-    /// equations of the closed ones: as long as few cells are open that is hardly more than the product.
+    /// Multipliers `y` on the open cells that keep their fluxes at 0, `P_oo y = (P residual)_o` with the inverse P, solve the
+    /// equations of the closed ones: for few open cells this costs hardly more than the product.
     pub fn exchange(&mut self, residual: &[f64], flux: &mut [f64]) {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == count {
@@ -262,7 +264,7 @@ impl HeatPartition {
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
-    /// Takes from the fluxes in `column` what the differences of temperature take that keep those of open cells at 0.
+    /// Constrains the fluxes in `column` to zero on open cells, by jumps of temperature there.
     fn keep_from_open(&mut self) {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == 0 {
@@ -284,13 +286,13 @@ impl HeatPartition {
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
     }
 
-    /// Whether the extra compliance of bodies that both conduct is exact with `open` open cells: with its reduction, which does
-    /// not hold many.
+    /// Whether the thermal compliance of two conducting bodies is exact at `open` open cells: with its low-rank update, whose
+    /// rank is limited.
     pub fn is_exact_with(&self, open: usize) -> bool {
         open <= largest_reduction(self.closed.len()) || open == self.closed.len() || self.resistance.is_none()
     }
 
-    /// What open cells take off the extra compliance last made, of bodies that both conduct.
+    /// Low-rank update by open cells of the current thermal compliance, for two conducting bodies.
     pub fn low_rank_update(&mut self) -> Option<LowRankUpdate<'_>> {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == 0 || m > largest_reduction(count) || m == count || self.resistance.is_none() {
@@ -313,7 +315,8 @@ impl HeatPartition {
         Some(LowRankUpdate { acting: &self.closed, left, right })
     }
 
-    /// Adds the displacement by `pressure` through the extra compliance last made, less its reduction where it is `reduced`.
+    /// Adds the displacement by `pressure` through the current thermal compliance, with the low-rank update where it is
+    /// `reduced`.
     pub fn add_displacement(&mut self, reduced: bool, pressure: &[f64], moved: &mut [f64]) {
         match &mut self.single {
             Some(single) if !self.per_pressure.is_nan() => {
@@ -340,7 +343,8 @@ impl HeatPartition {
     }
 
     /// Temperature of the punch above the strip (K) on the cells that do not exchange heat, in their order, by the fluxes of the
-    /// last [`HeatPartition::exchange`] and what [`HeatPartition::share_all`] has added since; while others do.
+    /// last [`HeatPartition::exchange`] and later additions of [`HeatPartition::share_all`]; valid while other cells exchange
+    /// heat.
     pub fn apart(&self) -> &[f64] {
         &self.apart[..self.open.len()]
     }
@@ -350,7 +354,7 @@ impl HeatPartition {
         &self.open
     }
 
-    /// Puts the punch's share of friction heat (W/m2) in `column`, as if all cells exchanged heat.
+    /// Leaves the punch's part of the friction heat (W/m2) in `column`, for all cells in contact.
     fn share_on_all(&mut self, heat: &[f64]) {
         self.column.fill(0.0);
         match &self.single {
@@ -359,15 +363,15 @@ impl HeatPartition {
         }
     }
 
-    /// Adds to the punch's flux its share of additional friction heat (W/m2), which is 0 on open cells.
+    /// Adds to the punch's flux its part of additional friction heat (W/m2), which is 0 on open cells.
     pub fn share(&mut self, heat: &[f64], flux: &mut [f64]) {
         self.share_on_all(heat);
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
-    /// Adds to the punch's flux its share of all friction heat (W/m2), which is 0 on open cells as it is, and what keeps it at 0
-    /// there.
+    /// Adds to the punch's flux its part of all friction heat (W/m2), which is 0 on open cells, with the multipliers that keep
+    /// the flux at 0 there.
     pub fn share_all(&mut self, heat: &[f64], flux: &mut [f64]) {
         if self.resistance.is_none() || self.open.len() == self.closed.len() {
             return self.share(heat, flux);
@@ -377,8 +381,8 @@ impl HeatPartition {
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
-    /// Adds the rise of the punch's temperature, K, by the flux into it (W/m2), where both bodies conduct; `influence` are those that
-    /// the operators were made of.
+    /// Adds the temperature rise of the punch's surface, K, by the flux into it (W/m2), where both bodies conduct; `influence`
+    /// are the matrices from which the operators were built.
     pub fn update_punch_temperature(&self, influence: &SurfaceInfluence, flux: &[f64], temperature: &mut [f64]) {
         match &self.single {
             Some(single) => single.punch.multiply_add(flux, temperature),
@@ -386,7 +390,7 @@ impl HeatPartition {
         }
     }
 
-    /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) that the strip gives the punch.
+    /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) from the strip into the punch.
     pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
         match &self.single {
             Some(single) => single.across.multiply_add(flux, moved),
@@ -394,23 +398,23 @@ impl HeatPartition {
         }
     }
 
-    /// Bounds of the rise of temperature (K) and of the displacement (m) of each body by a flux of 1 W/m2, all in the root mean
-    /// square over the contact.
+    /// Norms of the surface influence matrices of each body, K and m per W/m2: bounds in the root mean square over the contact.
     pub fn norms(&self) -> &[[f64; 2]; 2] {
         &self.norms
     }
 
-    /// The extra compliance last made, by columns, m/Pa.
+    /// Current thermal compliance, by columns, m/Pa.
     pub fn thermal_compliance_values(&self) -> &[f64] {
         self.thermal_compliance.as_slice()
     }
 
-    /// Y on all cells, by columns: part of the friction heat that enters the punch where both bodies conduct.
+    /// Partition matrix Y on all cells, by columns: fraction of the friction heat that enters the punch where both bodies
+    /// conduct.
     pub fn shares(&self) -> &[f64] {
         &self.shares
     }
 
-    /// The extra compliance for pressures that change the heat by `heat` (N x N by columns, m/s).
+    /// Builds the thermal compliance for the friction-heat Jacobian `heat` = dQ/dp (N x N by columns, m/s).
     pub fn thermal_compliance_by(&mut self, heat: &[f64]) -> &DMatrix<f64> {
         let count = self.closed.len();
         self.per_pressure = f64::NAN;
@@ -423,12 +427,13 @@ impl HeatPartition {
         &self.thermal_compliance
     }
 
-    /// The extra compliance last made, m/Pa.
+    /// Current thermal compliance, m/Pa.
     pub fn thermal_compliance_matrix(&self) -> &DMatrix<f64> {
         &self.thermal_compliance
     }
 
-    /// Makes the extra compliance for the heat `per_pressure` (m/s: mu s v at the mean radius); false where it is the last one.
+    /// Builds the thermal compliance for the friction heat `per_pressure` (m/s: mu s v at the mean radius); false where it is the
+    /// current one.
     pub fn thermal_compliance(&mut self, per_pressure: f64) -> bool {
         if self.per_pressure == per_pressure {
             return false;
@@ -442,9 +447,8 @@ impl HeatPartition {
     }
 }
 
-/// Bound of the root mean square over cells of these widths that a flux of root mean square 1 leaves, by Schur's test: the
-/// geometric mean of the largest sum over a row and the largest over a column, which counts by width. `sums` is room for a
-/// number per cell.
+/// Bound of the operator norm of a matrix, in the root mean square over cells of these widths, by Schur's test: the geometric
+/// mean of the largest row sum and the largest column sum weighted by width. `sums` is workspace for one number per cell.
 fn norm(matrix: &DMatrix<f64>, widths: &[f64], sums: &mut [f64]) -> f64 {
     sums.fill(0.0);
     let mut column_sum: f64 = 0.0;

@@ -1,25 +1,25 @@
-//! Splits for the steps that a step control goes back and forth between.
+//! Cache of heat partitions, for a step-size control that alternates between step sizes.
 //!
-//! A [`HeatPartition`] is a function of the step and of the reference velocity, so one that is kept is that which would be made, to the
-//! bit.
+//! A [`HeatPartition`] is a function of step size and reference velocity, so a cached one is identical, to the bit, to one built
+//! anew.
 
 use super::partition::HeatPartition;
 use conduction::line::cache_capacity;
 use std::ops::{Index, IndexMut};
 
-/// Place of the splits that no other step asks for.
+/// Slot of uncached heat partitions, built for one step only.
 const PASSING: usize = 0;
 
-/// Splits of both stages, each as an element of this. Nothing is allocated after construction.
+/// LRU cache of the heat partitions of both stages; indexed by stage. Nothing is allocated after construction.
 #[derive(Debug)]
 pub struct PartitionCache {
     sets: Vec<Set>,
-    /// Those of either stage.
+    /// Current slot of either stage.
     current: [usize; 2],
     clock: u64,
 }
 
-/// Splits of both stages, and when they were asked for (0: never).
+/// Heat partitions of both stages, and the time of their last use (0: never).
 #[derive(Clone, Debug)]
 struct Set {
     used: u64,
@@ -27,20 +27,20 @@ struct Set {
 }
 
 impl Set {
-    /// Memory for such splits.
+    /// Empty slot.
     fn like(partition: &HeatPartition) -> Set {
         Set { used: 0, partitions: [partition.like(), partition.like()] }
     }
 }
 
 impl PartitionCache {
-    /// Memory for splits like the one of a stage on `count` cells.
+    /// Empty cache of heat partitions on `count` cells.
     pub fn new(partition: &HeatPartition, count: usize) -> PartitionCache {
         let most = 1 + cache_capacity(count);
         PartitionCache { sets: (0..most).map(|_| Set::like(partition)).collect(), current: [PASSING; 2], clock: 0 }
     }
 
-    /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.
+    /// Makes the slot of a step (s) and reference velocity (m/s) current; false: a cache miss, its partitions have to be built.
     pub fn take(&mut self, key: (f64, f64)) -> bool {
         self.clock += 1;
         let known = (PASSING + 1..self.sets.len()).find(|&place| self.sets[place].partitions[1].is_for(key));
@@ -52,14 +52,14 @@ impl PartitionCache {
         known.is_some()
     }
 
-    /// Takes memory for the split of a stage that no other step asks for.
+    /// Makes the uncached slot current for a stage.
     pub fn take_passing(&mut self, stage: usize) -> &mut HeatPartition {
         self.current[stage] = PASSING;
         self.sets[PASSING].used = self.clock;
         &mut self.sets[PASSING].partitions[stage]
     }
 
-    /// Where the split of a stage stands among all.
+    /// Current slot of a stage.
     pub fn place(&self, stage: usize) -> usize {
         self.current[stage]
     }
@@ -81,7 +81,7 @@ impl IndexMut<usize> for PartitionCache {
 
 impl Clone for PartitionCache {
     fn clone(&self) -> PartitionCache {
-        // Zeros that the system hands out are not touched until they are used.
+        // Zeroed memory from the system is not touched until it is used.
         let copy = |set: &Set| if set.used == 0 { Set::like(&set.partitions[0]) } else { set.clone() };
         PartitionCache { sets: self.sets.iter().map(copy).collect(), ..*self }
     }
@@ -129,7 +129,7 @@ mod tests {
             build(partitions.take_passing(turn % 2), 0.5);
             assert_eq!(partitions.place(turn % 2), PASSING);
         }
-        // One more takes the place of the one that was asked for longest ago.
+        // One more evicts the least recently used one.
         take(&mut partitions, 1 + most);
         (2..=most).for_each(|step| take(&mut partitions, step));
         let mut copy = partitions.clone();

@@ -1,4 +1,4 @@
-//! Bodies and operators made ready for a step with heat.
+//! Preparation of bodies and operators for a step with resolved heat.
 
 use super::air::{balance, cooling};
 use super::bodies::cooled_part;
@@ -11,15 +11,15 @@ use crate::lumped::operators::BodyOperators;
 use conduction::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
 use scene::{Body, Scheme, ThermalBoundary};
 
-/// Lengths of the last step over which what changed in it is taken to go on: step control doubles a step at most. Where the importer
-/// takes one that is longer by more, after microseconds behind a reversal perhaps, the rate of the last says nothing of its end.
+/// Longest extrapolation, in lengths of the last step: step control doubles a step at most. Where the importer increases the step
+/// by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of the next.
 const FORESEEN: f64 = 2.0;
 
-/// Travel within which heat under the contact answers as at the reference, in lengths of diffusion over the step.
+/// Travel within which the frozen operators remain valid, in diffusion lengths over the step.
 const REACH: f64 = 0.25;
 
 impl Line {
-    /// Makes the bodies ready for a part of `step` (s) that begins at `start` (s from the start of the piece).
+    /// Prepares bodies and heat partitions for a part of `step` (s) that begins at `start` (s from the start of the piece).
     pub(in crate::line) fn prepare_heat(&mut self, path: &InputTrajectory, start: f64, step: f64) {
         let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
         let velocity = [path.velocity(start), path.velocity(start + step)];
@@ -85,7 +85,7 @@ impl Line {
                     };
                     let last = state.cooling[side];
                     let now = with(last);
-                    // What jumps with the inputs is felt at once, in part.
+                    // Part of the surface temperature is direct feedthrough of the cooling, which jumps with the inputs.
                     let mut velocity_radius = [[0.0; FACES]; FACES];
                     for face in (0..FACES).filter(|&face| mean.air[face].acts()) {
                         let mut more = last;
@@ -94,7 +94,7 @@ impl Line {
                         (0..FACES).for_each(|other| velocity_radius[other][face] = then[other] - now[other]);
                     }
                     let begin = balance(last, now, velocity_radius, |face, t| law(face, t, &from));
-                    // The contact's fluxes as they have changed so far.
+                    // The contact's fluxes, extrapolated at their last rates.
                     let [first, end] = &mut heat.flux;
                     let slopes = state.flux[side].iter().zip(&state.slope[side]);
                     let expected = first[side].iter_mut().zip(&mut end[side]).zip(slopes);
@@ -123,7 +123,7 @@ impl Line {
 }
 
 impl ThermalCoupling {
-    /// Difference of velocity (m/s) that hardly changes how a step of `step` s answers heat.
+    /// Validity radius of the frozen operators in velocity (m/s), for a step of `step` s.
     fn validity_radius(&self, step: f64) -> f64 {
         let velocity_radius =
             self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);

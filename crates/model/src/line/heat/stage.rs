@@ -1,4 +1,4 @@
-//! A stage of the step with heat: pressure, heat split, wear and rigid motion at once.
+//! Nonlinear solver of a stage with resolved heat: pressure, heat partition, wear and rigid motion together.
 
 use super::ThermalCoupling;
 use super::evaluation::largest;
@@ -8,33 +8,33 @@ use conduction::line::Stage;
 use contact::wear::line::{Coefficient, StageError, WearTerm};
 use numerics::maximum::maximum;
 
-/// Repetitions until contact and temperature agree; then a shorter step has to help.
+/// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
 const MAXIMUM_ITERATIONS: usize = 80;
 
-/// Difference (relative) at which the friction coefficient agrees with the temperature.
+/// Relative difference of temperature at which the friction coefficient is consistent with it.
 const AGREEMENT: f64 = 1e-10;
 
-/// Error that the repetition may leave in the pressure, relative to the largest: as a part of the step's tolerance, and its
-/// bounds. Fluxes and heat balance are exact whatever is left.
+/// Remaining error of the pressure, relative to the largest, at which the iteration ends: as a part of the step's tolerance, and
+/// its bounds. Fluxes and heat balance are exact at any remaining error.
 const PART: f64 = 1e-3;
 const LEAST: f64 = 1e-9;
 const MOST: f64 = 1e-6;
 
-/// Error of the temperatures of both surfaces, relative to the largest, over that of the pressure.
+/// Admissible relative error of the temperatures of both surfaces over that of the pressure.
 const TEMPERATURE: f64 = 10.0;
 
-/// Repetition from which on the operators are those of the stage instead of the reference.
+/// Iteration from which on the Jacobian is refactored at the stage.
 const REFACTOR_FROM: usize = 12;
 
-/// Ratio of successive changes, and repetition, from which on friction that follows the temperature takes its derivative along
-/// instead of going on like a geometric series.
+/// Ratio of successive changes that counts as slow convergence, and iteration from which on slow convergence with
+/// temperature-dependent friction switches from fixed-point iteration to Newton with the friction-temperature Jacobian.
 const SLOW: f64 = 0.4;
 const SLOW_FROM: usize = 3;
 
-/// Repetition from which on the others are compared, and the next one goes on along what they have in common.
+/// Iteration from which on Anderson acceleration is used.
 const COMPARED_FROM: usize = 1;
 
-/// What a repetition still changes, from one to the next.
+/// Convergence history of a stage iteration.
 #[derive(Clone, Copy, Debug, Default)]
 struct Convergence {
     last: Option<f64>,
@@ -42,7 +42,7 @@ struct Convergence {
 }
 
 impl Convergence {
-    /// What is left once `change` is made up for: changes fall like a geometric series.
+    /// Remaining error after a `change`, for changes that decrease as a geometric series.
     fn remaining_error(&mut self, change: f64) -> f64 {
         let last = self.last.replace(change);
         self.slow = last.is_some_and(|last| change > SLOW * last);
@@ -54,7 +54,7 @@ impl Convergence {
 }
 
 impl Line {
-    /// Solves a stage of length `tau` (s) on the gap in `work`; `moment` takes the friction coefficient over.
+    /// Solves a stage of length `tau` (s) on the gap in `work`; the friction coefficient is written to `moment`.
     pub(in crate::line) fn solve_with_heat(
         &mut self,
         stage: Stage,
@@ -89,9 +89,9 @@ impl Line {
         }
         let Some(state) = &self.state.heat else { unreachable!("a scene with heat along the line has its state") };
         heat.begin(stage, state);
-        // A cell that was in contact at the start of the step exchanges heat throughout it, one that closes within it from
-        // then on. So the repetition only closes cells, and ends; and a cell that opens when it gets heat and closes when
-        // it does not, which has no state of its own, changes from step to step instead of stopping them.
+        // A cell in contact at the start of the step exchanges heat throughout it, one that closes within the step from then on.
+        // So the iteration only enlarges the active set, and ends; a cell that opens with heat and closes without it, which has
+        // no consistent state, changes from step to step instead of preventing convergence.
         let follows = operators.wears_by_cell() || !operators.scene.friction_fade.flat;
         let earlier = match stage {
             Stage::First => {
@@ -104,7 +104,7 @@ impl Line {
             }
             Stage::End => {
                 heat.predict_end(state, [&self.state.pressure, &self.work.first.pressure]);
-                // Where nothing follows the temperature it is not known at the first stage.
+                // Where nothing depends on the temperature it is not evaluated at the first stage.
                 if follows { &heat.temperature[0] } else { &state.temperature }
             }
         };
@@ -141,7 +141,7 @@ impl Line {
         let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
         heat.temperatures_current = false;
         heat.acceleration.forget();
-        // What an accelerated repetition lacks over what it changes.
+        // Ratio of residual to change of an accelerated iteration.
         let mut residual_norm: Option<f64> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
             if fades {
@@ -176,7 +176,8 @@ impl Line {
                 self.wear_at_reference(heat, moment, tau);
             }
             if !heat.exact[s] && self.conditions.signed_friction != 0.0 && heat.reference.friction != 0.0 {
-                // The contact's matrix has the friction coefficient of the reference, every cell its own.
+                // The matrix of the contact holds the friction coefficient of the linearization point; the difference to that of
+                // each cell is moved to the gap.
                 let known = heat.reference.friction.copysign(self.conditions.signed_friction);
                 let cells = heat.difference.iter_mut().zip(heat.kinetic_coefficient.iter().zip(&heat.pressure));
                 for (difference, (kinetic_coefficient, pressure)) in cells {
@@ -209,7 +210,7 @@ impl Line {
             }
             let active_set_settled = heat.update_active_set(&found.pressure);
             let of_series = [pressures.remaining_error(change), temperatures.remaining_error(residual)];
-            // What an accelerated repetition changes follows no series.
+            // Changes under acceleration do not form a geometric series.
             let [remaining_error, unlike_surfaces] =
                 residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
             let remaining_error = maximum(remaining_error, unlike_surfaces / TEMPERATURE);
@@ -230,7 +231,7 @@ impl Line {
         Err(StageError::NotConverged { stage: tau, iterations: MAXIMUM_ITERATIONS })
     }
 
-    /// Gives the contact the wear of the reference, whose factors are kept, and the gap what it lacks.
+    /// Uses the frozen wear Jacobian (its factors are cached) and moves the difference to the gap.
     fn wear_at_reference(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, tau: f64) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
@@ -250,7 +251,7 @@ impl Line {
         }
     }
 
-    /// Depth rates at the reference pressure, with the temperature and the friction of every cell.
+    /// Wear depth rates at the reference pressure, by temperature and friction of each cell.
     pub(super) fn set_laws(&mut self, heat: &mut ThermalCoupling, moment: &StageConditions, by_cell: bool) {
         let operators = &self.operators;
         let acceleration = self.tunables.wear_acceleration;
@@ -282,7 +283,7 @@ impl Line {
         }
     }
 
-    /// Depth rates of the stage, and the way on.
+    /// Evaluates wear depth rates, temperatures and distortion of the converged stage.
     fn finish_stage(&mut self, heat: &mut ThermalCoupling, stage: Stage) {
         let s = stage as usize;
         let pressure = match stage {
@@ -306,7 +307,7 @@ impl Line {
     }
 }
 
-/// Mean of `values` weighted with the pressure, or over the contact where there is none.
+/// Mean of `values` weighted by pressure, or over the contact where the pressure is zero.
 pub(super) fn weighted(values: &[f64], pressure: &[f64], weights: &[f64]) -> f64 {
     let (mut sum, mut load, mut plain, mut total) = (0.0, 0.0, 0.0, 0.0);
     for i in 0..values.len() {

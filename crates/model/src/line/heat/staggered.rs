@@ -1,35 +1,35 @@
-//! The operator split between contact and heat: what a step costs when it does not solve both together.
+//! Operator split between contact and heat, for comparison with the monolithic step.
 //!
-//! A step of h takes pressure, wear and rigid motion first, with the distortion and the temperatures of its start, then
-//! heats the bodies with the pressure found, both by implicit Euler:
+//! A step of h first solves for pressure, wear and rigid motion, with the distortion and the temperatures at its start, then
+//! heats the bodies by the pressure found, both by implicit Euler:
 //!
 //! ```text
 //! g0 + w + h f(p) + A p + u_T - delta - theta x >= 0,  p >= 0,  ...     u_T, mu, k at the start of the step
 //! w <- w + h f(p),    T <- implicit Euler step of both bodies with q_1 + q_2 = mu s v p
 //! ```
 //!
-//! It is consistent and of first order: the distortion comes one step late. A pressure wave of the number m, growing at
-//! the rate b, grows by g = exp(b h) with
+//! The scheme is consistent and of first order: the distortion is one step old. A pressure wave of wave number m with the growth
+//! rate b is amplified in a step by g = exp(b h), where
 //!
 //! ```text
 //! z (1 + z) = 2 R/g,    z^2 = 1 + (1 - 1/g)/(h kd m^2)
 //! ```
 //!
-//! on one conducting half-plane, more slowly than in truth.
+//! on one conducting half-plane, which is slower than the exact growth.
 //!
-//! # Where it fails
+//! # Stability limit
 //!
-//! The heat of one step changes friction heat in the next: a linear map of the flux to a flux, by distortion and pressure
-//! and by temperature and friction coefficient (its steepest change over the step per kelvin). An eigenvalue of it on the positive
-//! axis above 1 is an instability of the scene itself. Elsewhere it is made by the delay: friction that fades returns less
-//! heat one step too late, so steps alternate between hot and cold. A change that alternates, g = -1, sees implicit Euler
-//! steps of half the length, wear included:
+//! The heat of one step changes the friction heat of the next: a linear map from flux to flux, by distortion and pressure and by
+//! temperature and friction coefficient (its steepest change per kelvin over the step). An eigenvalue of this map on the positive
+//! axis above 1 is an instability of the scene itself. Any other eigenvalue of modulus above 1 is caused by the splitting: where
+//! friction decreases with temperature, less heat is returned one step too late, so that steps alternate between hot and cold. An
+//! alternating perturbation, g = -1, corresponds to implicit Euler steps of half the length, wear included:
 //!
 //! ```text
 //! x = x/g + h (b q - lambda x)  =>  x = b q/(lambda + 2/h)
 //! ```
 //!
-//! so it grows where the map of half the step has an eigenvalue below -1. There the step is refused.
+//! so it grows where the map of half the step has an eigenvalue below -1. Such a step is rejected.
 
 use super::ThermalCoupling;
 use super::stage::weighted;
@@ -44,17 +44,18 @@ use contact::wear::line::{Disturbance, StageError};
 use numerics::dense;
 use numerics::scalar::Dual;
 
-/// Applications of the map until its largest eigenvalue stands out, and those over which it is taken.
+/// Number of power iterations, and of the last ones over which the growth factor is averaged.
 const APPLICATIONS: usize = 32;
 const OBSERVED: usize = 8;
 
-/// Largest angle between the map's largest direction and its image, as a cosine, at which the scene itself grows.
+/// Cosine between the dominant direction and its image above which the dominant eigenvalue is taken as positive: the scene itself
+/// is unstable.
 const SAME_DIRECTION: f64 = 0.5;
 
-/// Halvings of the interval (in the logarithm) in which the bound of a refused step is looked for.
+/// Bisections, in the logarithm, for the stability limit of a rejected step.
 const BISECTIONS: u32 = 30;
 
-/// What a failed part of the step says.
+/// Reason for which a part of the step fails.
 enum Refusal {
     Stage(StageError),
     Diverges(f64),
@@ -67,11 +68,12 @@ impl From<StageError> for Refusal {
 }
 
 impl Line {
-    /// Carries contact and heat over a piece one after the other, in one step, or as many as a track in the strip asks.
+    /// Advances contact and heat over a piece by the operator split, in one step, or in as many as the worn track in the strip
+    /// requires.
     pub(in crate::line) fn staggered(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let mut parts: u32 = 1;
         let far = |line: &Line, step: f64| line.too_far(path, 0.0, step) || line.too_far(path, length - step, step);
-        // More parts than a communication step may try end below.
+        // The step budget ends the loop below for more parts.
         while parts < MOST_STEPS && far(self, length / f64::from(parts)) {
             parts *= 2;
         }
@@ -103,7 +105,7 @@ impl Line {
         Ok(())
     }
 
-    /// Pressure and wear, then heat; left in `work` and `heat`.
+    /// One step of the operator split: pressure and wear, then heat; results are left in `work` and `heat`.
     fn split_step(
         &mut self,
         heat: &mut ThermalCoupling,
@@ -137,12 +139,12 @@ impl Line {
         }
         self.leave_first_stage((1.0 - GAMMA) * travel, (1.0 - GAMMA) * step);
         if operators.strip_wear == StripWear::Even {
-            // The stage stood on the strip as it was before all of its wear; the last part is added where it is accepted.
+            // The contact was solved on the strip without the last part of its wear, which is added where the step is accepted.
             let mean = operators.cells.integral(&self.work.rates[1][1]) / (2.0 * operators.cells.half_width());
             self.work.end.approach += (1.0 - GAMMA) * step * mean;
         }
         heat.take_pressure(self.state.heat.as_ref(), &self.work.end.pressure, slip);
-        // What does not return in full in one step does not grow; only where it does the exact question is worth its cost.
+        // A factor below 1 in one step excludes growth; the exact criterion is only evaluated otherwise.
         if self.delay_grows(heat, step, slip) {
             heat.change_step(0.5 * step);
             if self.delay_grows(heat, 0.5 * step, slip) {
@@ -153,13 +155,13 @@ impl Line {
         Ok(())
     }
 
-    /// Whether the map of a step of `step` s has an eigenvalue of modulus 1 or more off the positive axis.
+    /// Whether the map of a step of `step` s has a dominant eigenvalue of modulus 1 or more off the positive axis.
     fn delay_grows(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> bool {
         let (growth, along) = self.lag(heat, step, slip);
         growth >= 1.0 && along < SAME_DIRECTION
     }
 
-    /// Friction and wear coefficients of the cells at the temperatures of the start; returns s v with the Stribeck factor.
+    /// Kinetic friction coefficient of the cells at the initial temperatures; returns s v with the Stribeck factor.
     fn friction_at_start(&self, heat: &mut ThermalCoupling, moment: &mut StageConditions, velocity: f64) -> f64 {
         let operators = &self.operators;
         let Some(state) = &self.state.heat else { return 0.0 };
@@ -177,14 +179,14 @@ impl Line {
         moment.slip(stribeck)
     }
 
-    /// Largest factor by which the heat of one step of `step` s returns in the next, and the cosine between what went out
-    /// and what came back.
+    /// Dominant growth factor of the map from the heat of one step of `step` s to that of the next, by power iteration, and the
+    /// cosine between the last flux and its image.
     fn lag(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> (f64, f64) {
         let count = heat.gap.len();
         let fades = !self.operators.scene.friction_fade.flat;
         let reference = self.mean.state().reference;
         let (mut product, mut along) = (1.0, 1.0);
-        // Any start that is not orthogonal to what grows.
+        // Start vector not orthogonal to the dominant direction.
         for (i, flux) in heat.gap.iter_mut().enumerate() {
             let closed = if heat.closed[i] { 1.0 } else { 0.0 };
             *flux = closed * ((0.618_033_988_75 * i as f64).fract() - 0.4);
@@ -222,7 +224,7 @@ impl Line {
         (product.powf(1.0 / OBSERVED as f64), along)
     }
 
-    /// Longest step (s) below `step` in which the delay does not make anything grow, at the pressure of the step tried.
+    /// Longest step (s) below `step` at which the splitting is stable, at the pressure of the step tried.
     fn longest_stable(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> f64 {
         let (mut stable, mut unstable) = ((1e-9 * step).ln(), step.ln());
         for _ in 0..BISECTIONS {
@@ -236,7 +238,7 @@ impl Line {
 }
 
 impl ThermalCoupling {
-    /// Gains and split of an implicit Euler step of another length.
+    /// Surface influence matrices and heat partition of an implicit Euler step of another length.
     fn change_step(&mut self, step: f64) {
         let velocity = self.velocity;
         self.bodies.iter_mut().flatten().for_each(|body| body.prepare_euler(step, velocity));
@@ -244,7 +246,7 @@ impl ThermalCoupling {
         self.split_end();
     }
 
-    /// Makes the split of the end for the cells in contact.
+    /// Builds the heat partition at the end of the step for the cells in contact.
     fn split_end(&mut self) {
         let key = (self.step, self.velocity[1]);
         let steady = self.velocity[0] == self.velocity[1];
@@ -259,14 +261,14 @@ impl ThermalCoupling {
         self.partitions[1].close(&self.closed);
     }
 
-    /// Heats both bodies over the step with the friction of `pressure`.
+    /// Heats both bodies over the step by the friction heat of `pressure`.
     fn take_pressure(&mut self, state: Option<&super::state::HeatState>, pressure: &[f64], slip: f64) {
         let Some(state) = state else { return };
         for (closed, p) in self.closed.iter_mut().zip(pressure) {
             *closed = *p > 0.0;
         }
         self.pressure.copy_from_slice(pressure);
-        // The split starts from what the state knows, so that a replay gives the same bits.
+        // Warm start from the saved state, so that a replay is identical to the bit.
         self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
         self.split_end();
@@ -282,7 +284,8 @@ impl ThermalCoupling {
         self.distort();
     }
 
-    /// Mean temperature of both surfaces, in `free_response[0]`, and displacement, in `free_response[1]`, by the friction heat in `gap` alone.
+    /// Mean temperature of both surfaces, in `free_response[0]`, and displacement, in `free_response[1]`, by the friction heat in
+    /// `gap` alone.
     fn respond(&mut self) {
         let conducts = self.conducts();
         let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
@@ -320,15 +323,15 @@ impl ThermalCoupling {
     }
 }
 
-/// Change of the friction coefficient per K at the first temperature, or on the way to the other where that is steeper:
-/// tables have corners, over which a tangent does not see.
+/// Derivative of the friction coefficient at the first temperature, 1/K, or the secant to the other where that is steeper: a
+/// tangent misses the corners of tables.
 fn slope_over(friction: &FrictionLaw, start: f64, end: f64) -> f64 {
     let tangent = friction.kinetic_coefficient(Dual { value: start, derivative: 1.0 }).derivative;
     let chord = (friction.kinetic_coefficient(end) - friction.kinetic_coefficient(start)) / (end - start);
     if chord.abs() > tangent.abs() { chord } else { tangent }
 }
 
-/// Scales to the length 1; returns the length it had.
+/// Normalises to length 1; returns the previous length.
 fn normalise(values: &mut [f64]) -> f64 {
     let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
     if length > 0.0 && length.is_finite() {

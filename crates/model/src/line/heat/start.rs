@@ -1,19 +1,20 @@
-//! Where the repetition of a stage starts: fluxes and pressure go on as they have changed so far.
+//! Predictor of a stage iteration: extrapolation of fluxes and pressure.
 //!
-//! In the first stage a value is expected on the line through the last two stages, at the end on the parabola through these
-//! and the first stage; where it has jumped (its slope is 0) it is expected to stay. A start closer to the solution saves
-//! repetitions and changes nothing else.
+//! At the first stage a value is extrapolated linearly through the last two stages, at the end by the parabola through these and
+//! the first stage; after a jump (slope 0) it is kept constant. A better initial iterate saves iterations and does not affect the
+//! result otherwise.
 
 use super::ThermalCoupling;
 use super::state::HeatState;
 use conduction::line::GAMMA;
 
-/// A value at gamma h from its value and slope at 0.
+/// Linear extrapolation to gamma h from value and slope at 0.
 fn on_the_line(start: f64, slope: f64, step: f64) -> f64 {
     start + GAMMA * step * slope
 }
 
-/// A value at h: from those at 0 and gamma h, and the slope to that at 0 from (1 - gamma) `last` before.
+/// Quadratic extrapolation to h from the values at 0 and gamma h, and the slope of the secant to the value at 0 from (1 - gamma)
+/// `last` before.
 fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> f64 {
     if slope == 0.0 {
         return first;
@@ -24,18 +25,18 @@ fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> 
 }
 
 impl ThermalCoupling {
-    /// Whether the first repetition will be the last whatever it starts from.
+    /// Whether the stage is solved directly, without iteration, so that the initial iterate does not matter.
     fn needs_no_start(&self) -> bool {
         self.is_solved_directly(self.closed.iter().filter(|closed| !**closed).count())
     }
 
-    /// A start that depends on nothing, for what turns out to need one after all.
+    /// Zero initial iterate, independent of history, in case an iteration turns out to be needed after all.
     fn begin_at_nothing(&mut self, s: usize) {
         self.flux[s][0].fill(0.0);
         self.pressure.fill(0.0);
     }
 
-    /// Puts what is expected of the first stage into the punch's flux and the pressure.
+    /// Predicts the punch's flux and the pressure at the first stage.
     pub(super) fn predict_first(&mut self, state: &HeatState, pressure: &[f64]) {
         if self.needs_no_start() {
             return self.begin_at_nothing(0);
@@ -46,7 +47,7 @@ impl ThermalCoupling {
         }
     }
 
-    /// The same for the end; `pressure` is that of the start and of the first stage.
+    /// Predicts the punch's flux and the pressure at the end; `pressure` is that of the start and of the first stage.
     pub(super) fn predict_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
         if self.needs_no_start() {
             return self.begin_at_nothing(1);

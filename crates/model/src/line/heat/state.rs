@@ -1,80 +1,83 @@
-//! What heat along the contact line leaves behind; part of a saved state.
+//! Thermal state of the contact line; part of a saved state.
 
 use super::bodies::Bodies;
 use conduction::line::{Account, FACES, ThermalBody};
 use numerics::maximum::all_finite;
 
-/// Temperatures in K above the reference, at which nothing is distorted. Pairs: punch, strip.
+/// Thermal state. Temperatures in K above the reference temperature, at which there is no distortion. Pairs: punch, strip.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HeatState {
     /// States of the bodies; empty for an insulator.
     pub bodies: [Vec<f64>; 2],
     /// Fluxes into the cells at the end of the last step, W/m2.
     pub flux: [Vec<f64>; 2],
-    /// Rates of these fluxes over the last step, W/(m2 s); 0 behind a jump.
+    /// Rates of these fluxes over the last step, W/(m2 s); 0 after a jump.
     pub slope: [Vec<f64>; 2],
-    /// Rate of the pressure over the last step, Pa/s; 0 behind a jump and behind a reversal.
+    /// Rate of the pressure over the last step, Pa/s; 0 after a jump and after a reversal.
     pub pressure_slope: Vec<f64>,
-    /// Temperatures of the cells there.
+    /// Temperatures of the cells at the end of the last step.
     pub temperature: [Vec<f64>; 2],
-    /// Displacement of both surfaces there, m into the bodies.
+    /// Displacement of both surfaces at the end of the last step, m into the bodies.
     pub distortion: Vec<f64>,
-    /// Where the operators kept from step to step were made.
+    /// Linearization point of the operators reused from step to step.
     pub reference: LinearizationPoint,
-    /// Friction coefficient without Stribeck factor there, weighted with the pressure.
+    /// Kinetic friction coefficient (without Stribeck factor) at the end of the last step, weighted by pressure.
     pub kinetic_coefficient: f64,
     /// Friction heat of all steps, J per m of depth.
     pub dissipated: f64,
     /// Heat fluxes into the cooled faces of both bodies beyond the constant heat transfer at the end of the last step, W/m2.
     pub cooling: [[f64; FACES]; 2],
-    /// Part of the temperature of the cooled surfaces that bodies do not look ahead for, at the start of the last step, K.
+    /// Part of the temperature of the cooled surfaces that bodies do not predict to the end of the step, at the start of the last
+    /// step, K.
     pub lagging: [f64; 2],
     /// Length of the last step, s (0: none yet).
     pub last_step: f64,
-    /// Length of the last step that was too long for what grows, s, and the number of steps for which none as long is tried.
+    /// Length of the last step rejected by the growth guard, s, and the number of steps before one as long is tried again.
     pub rejected_by_growth: [f64; 2],
-    /// Accounts of the bodies at initialisation: entries of [`Account`] in their order.
+    /// Heat accounts of the bodies at initialisation: entries of [`Account`] in their order.
     pub start: [[f64; 4]; 2],
 }
 
-/// Temperatures that are looked at together.
+/// Number of lanes of [`HeatState::lowest`].
 const ABREAST: usize = 8;
 
-/// Relative difference of equal lengths of steps.
+/// Relative difference below which step lengths are equal.
 const ROUNDING: f64 = 1e-9;
 
-/// Where the operators kept from step to step were made.
+/// Linearization point of the operators reused from step to step, with its validity radius.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LinearizationPoint {
     /// Sliding velocity, m/s.
     pub velocity: f64,
     /// Sliding velocity at the end of the last step, m/s.
     pub last: f64,
-    /// Friction coefficient over that without fade.
+    /// Friction coefficient over that at the temperature without fade.
     pub fade: f64,
-    /// Part of the zone within which stages agree in few repetitions.
+    /// Factor of the validity radius by which stages converge in few iterations.
     pub radius_factor: f64,
 }
 
-/// Part by which the velocity may differ from that of the reference in any case.
+/// Relative validity radius: change of velocity for which the operators are reused in any case.
 const RELATIVE_RADIUS: f64 = 0.1;
 
-/// Repetitions of a stage above which the zone is halved, down to this part, and up to which a new reference widens it again.
+/// Numbers of iterations of a stage above which the validity radius is halved, and up to which a new linearization point enlarges
+/// it; least factor, and factor of enlargement.
 const MANY: usize = 6;
 const FEW: usize = 3;
 const LEAST_RADIUS_FACTOR: f64 = 0.01;
 const RADIUS_GROWTH: f64 = 1.25;
 
 impl LinearizationPoint {
-    /// No reference yet.
+    /// No linearization point yet.
     pub fn none() -> LinearizationPoint {
         LinearizationPoint { velocity: f64::NAN, last: f64::NAN, fade: 1.0, radius_factor: 1.0 }
     }
 
-    /// Takes over the reference and the last velocity of a step whose stages were repeated up to `iterations` times.
+    /// Stores the linearization point and the final velocity of a step whose stages took up to `iterations` iterations, and
+    /// adapts the validity radius.
     ///
-    /// How far a reference serves depends on how strongly the contact answers its own heat, near the critical speed without bound.
-    /// It is what repetition tells.
+    /// The range of validity depends on the feedback of pressure through its own heat, which is unbounded near the critical
+    /// speed; the number of iterations measures it.
     pub fn follow(&mut self, velocity: f64, last: f64, iterations: usize) {
         if iterations > MANY && last != velocity {
             self.radius_factor = (0.5 * self.radius_factor).max(LEAST_RADIUS_FACTOR);
@@ -84,8 +87,8 @@ impl LinearizationPoint {
         (self.velocity, self.last) = (velocity, last);
     }
 
-    /// Reference velocity for a step between two velocities: the last one within the zone (m/s) around it, the velocity itself
-    /// where it stays, and otherwise one ahead.
+    /// Reference velocity (m/s) for a step between two velocities: the last one within its validity radius (m/s), the velocity
+    /// itself where it is constant, and otherwise one ahead of it.
     pub fn choose(&self, velocity: [f64; 2], validity_radius: f64) -> f64 {
         let [from, to] = velocity;
         if from == to && from == self.last {
@@ -100,13 +103,13 @@ impl LinearizationPoint {
     }
 }
 
-/// The entries of an account in their order.
+/// Entries of an account in their order.
 pub fn entries(account: Account) -> [f64; 4] {
     [account.received, account.stored, account.ambient, account.far]
 }
 
 impl HeatState {
-    /// Bodies that are `rise` (K; punch, strip) above the reference everywhere.
+    /// State of bodies at the uniform temperature `rise` (K; punch, strip) above the reference.
     pub fn new(bodies: &Bodies, count: usize, rise: [f64; 2], kinetic_coefficient: f64) -> HeatState {
         let zeros = || vec![0.0; count];
         let copies = bodies.copies();
@@ -144,33 +147,33 @@ impl HeatState {
         state
     }
 
-    /// Forgets how the fluxes changed: what they follow has jumped.
+    /// Sets the rates of flux and pressure to 0 after a jump.
     pub fn jump(&mut self) {
         self.slope.iter_mut().for_each(|slope| slope.fill(0.0));
         self.pressure_slope.fill(0.0);
     }
 
-    /// Sliding has turned round: friction heat rises as fast as it fell, and friction loads the other edge.
+    /// Reversal of the sliding direction: friction heat rises as fast as it fell, and the shear coupling loads the other edge.
     pub fn reverse(&mut self) {
         self.pressure_slope.fill(0.0);
         self.slope.iter_mut().flatten().for_each(|slope| *slope = -*slope);
     }
 
-    /// Where the heat of a body went since initialisation, J per m of depth.
+    /// Heat balance of a body since initialisation, J per m of depth.
     pub fn account(&self, body: usize, heat: &dyn ThermalBody) -> Account {
         let now = entries(heat.account(&self.bodies[body]));
         let since = |entry: usize| now[entry] - self.start[body][entry];
         Account { received: since(0), stored: since(1), ambient: since(2), far: since(3) }
     }
 
-    /// Mean over the contact, of cells of the areas `areas` (per depth, m), of the mean of both surfaces.
+    /// Mean over the contact of the mean temperature of both surfaces, for cells of the areas `areas` (per depth, m).
     pub fn mean(&self, areas: &[f64]) -> f64 {
         let total: f64 = areas.iter().sum();
         let [punch, strip] = &self.temperature;
         (0..areas.len()).map(|i| 0.5 * areas[i] * (punch[i] + strip[i])).sum::<f64>() / total
     }
 
-    /// Lowest temperature of either surface; not a number where one is not.
+    /// Lowest temperature of either surface; NaN where one is NaN.
     pub fn lowest(&self) -> f64 {
         let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
         let mut found = [f64::INFINITY; ABREAST];
@@ -186,7 +189,7 @@ impl HeatState {
         found.into_iter().fold(f64::INFINITY, lower)
     }
 
-    /// What is not all finite numbers, if anything.
+    /// Name of a quantity that is not finite, if any.
     pub fn not_finite(&self) -> Option<&'static str> {
         let [[a, b], [c, d]] = self.cooling;
         let others = [self.kinetic_coefficient, self.dissipated, a, b, c, d];
@@ -231,25 +234,25 @@ impl HeatState {
             .chain(start.iter_mut().flatten())
     }
 
-    /// Whether a step of this length (s) was just too long for what grows; counts a step that was not.
+    /// Whether the growth guard recently rejected a step of this length (s); counts down the retry delay.
     pub fn was_rejected_by_growth(&mut self, step: f64) -> bool {
         let [refused, retry_delay] = &mut self.rejected_by_growth;
         *retry_delay = (*retry_delay - 1.0).max(0.0);
         *retry_delay > 0.0 && step >= *refused * (1.0 - ROUNDING)
     }
 
-    /// Takes over `other`, of the same scene, without allocating.
+    /// Copies `other`, of the same scene, without allocating.
     pub fn copy_from(&mut self, other: &HeatState) {
         self.copy_bodies_from(other);
         self.copy_contact_from(other);
     }
 
-    /// Takes over the states of the bodies alone.
+    /// Copies the states of the bodies alone.
     pub fn copy_bodies_from(&mut self, other: &HeatState) {
         self.bodies.iter_mut().zip(&other.bodies).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
-    /// Takes over everything else.
+    /// Copies everything except the states of the bodies.
     pub fn copy_contact_from(&mut self, other: &HeatState) {
         for body in 0..2 {
             self.flux[body].copy_from_slice(&other.flux[body]);
@@ -290,19 +293,19 @@ mod tests {
         let chosen = place.choose([1.0, 1.01], 0.4);
         assert_eq!(chosen, 1.005 + 0.8 * 0.4);
         place.follow(chosen, 1.01, MANY);
-        // Within the zone it stays, beyond it goes ahead of the velocity.
+        // Within the validity radius the linearization point stays, beyond it is set ahead of the velocity.
         assert_eq!(place.choose([1.01, 1.02], 0.4), chosen);
         assert_eq!(place.choose([1.74, 1.76], 0.4), 1.75 + 0.8 * 0.4);
         assert_eq!(place.choose([0.92, 0.90], 0.4), 0.91 - 0.8 * 0.4);
         place.follow(chosen, 1.02, MANY + 1);
         assert_eq!(place.radius_factor, 0.5);
         assert_eq!(place.choose([1.02, 1.04], 0.4), 1.03 + 0.8 * 0.2);
-        // Few repetitions by a new reference widen it again, by an old one they do not.
+        // Few iterations at a new linearization point enlarge the radius again, at an old one they do not.
         place.follow(chosen, 1.03, FEW);
         assert_eq!(place.radius_factor, 0.5);
         place.follow(1.19, 1.04, FEW);
         assert_eq!(place.radius_factor, 0.5 * RADIUS_GROWTH);
-        // Operators of the velocity itself are as near as can be.
+        // Operators at the velocity itself cannot be closer.
         place.follow(1.04, 1.04, MANY + 1);
         assert_eq!(place.radius_factor, 0.5 * RADIUS_GROWTH);
         (0..40).for_each(|_| place.follow(1.19, 1.04, MANY + 1));

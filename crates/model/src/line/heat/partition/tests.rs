@@ -1,6 +1,6 @@
 use super::*;
 
-/// Punch and strip, the second with a direction of sliding.
+/// Influence matrices of a punch and of a strip, the latter asymmetric with the direction of sliding.
 fn bodies(count: usize) -> [SurfaceInfluence; 2] {
     [(2.0, 0.0), (1.0, 0.05)].map(|(scale, skew)| SurfaceInfluence {
         temperature: DMatrix::from_fn(count, count, |i, j| {
@@ -25,7 +25,7 @@ fn both_laws_hold_on_the_cells_in_contact() {
             let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
             partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
             partition.close(&closed);
-            // From any guess the laws' residual leads to the solution at once.
+            // From any initial flux one correction by the residual gives the solution.
             let mut q1: Vec<f64> = (0..7).map(|i| if closed[i] { 1.0 - i as f64 } else { 0.0 }).collect();
             let residual = |q1: &[f64]| -> Vec<f64> {
                 let q2: Vec<f64> = (0..7).map(|i| heat[i] - q1[i]).collect();
@@ -64,7 +64,7 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
             assert!(partition.thermal_compliance(per_pressure));
             let mut q1 = vec![0.0; count];
             partition.share_all(&heat, &mut q1);
-            // Both laws of the interface, and no flux elsewhere.
+            // Both interface laws, and zero flux on open cells.
             let sum = |influence: &DMatrix<f64>, q: &[f64], i: usize| {
                 (0..count).map(|j| influence[(i, j)] * q[j]).sum::<f64>()
             };
@@ -130,7 +130,7 @@ fn no_flux_answers_more_than_the_norm() {
     let mut sums = vec![0.0; count];
     for influence in [&punch.temperature, &punch.distortion, &strip.temperature, &strip.distortion] {
         let bound = norm(influence, &widths, &mut sums);
-        // The largest answer of all, by iteration with the matrix and its adjoint.
+        // Operator norm by power iteration with the matrix and its adjoint.
         let (mut flux, mut answer) = (vec![1.0; count], vec![0.0; count]);
         let mut largest = 0.0;
         for _ in 0..200 {
