@@ -561,10 +561,12 @@ impl Component {
         self.model.as_ref().map_or((0, 0), Model::work)
     }
 
-    /// Operators of the current level; `None` before initialisation.
+    /// Work counters of the contact solver since initialisation; zero at the lumped level.
     pub fn contact_work(&self) -> WorkCounter {
         self.model.as_ref().map_or_else(WorkCounter::default, Model::contact_work)
     }
+
+    /// Operators of the current level; `None` before initialisation.
     pub fn operators(&self) -> Option<ModelOperators> {
         self.model.as_ref().map(Model::operators)
     }

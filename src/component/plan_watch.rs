@@ -1,5 +1,7 @@
 //! Validity of the plan during a run: once it is left, the level is unchanged, the log receives one message, and the error is
 //! unknown from then on.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::{Component, Subject, inputs_of};
 use model::INPUTS;

@@ -1,4 +1,6 @@
 //! Time derivatives of the outputs at a communication point.
+//!
+//! Theory: docs/theory.md, section 1.3.
 
 use super::{Component, FIRST_OUTPUT, FIRST_PARAMETER, GROUPS, group, inputs_of};
 use model::levels::Model;

@@ -226,11 +226,3 @@ impl Snapshot {
         numbers.next().is_none().then_some(snapshot)
     }
 }
-
-    /// All numbers of the state, in an order that [`ModelState::from_numbers`] reads.
-
-
-/// Appends a row without its trailing zeros.
-
-
-    /// Zero state.

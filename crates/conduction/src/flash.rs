@@ -13,6 +13,8 @@
 //!
 //! The poles and residues follow from H at a few real frequencies by the symmetric Loewner pencil (a rational Krylov
 //! reduction that needs values of H only), so both are positive.
+//!
+//! Theory: docs/theory.md, section 4.3.
 
 use super::moving_source::{MovingSource, Part};
 use nalgebra::{Complex, DMatrix, DVector};

@@ -28,6 +28,8 @@
 //! Quadrature: two Gauss nodes in x on each of the intervals between 0, .1, .4, 1.5, 5 and 20, and the rest at 20 sqrt 3.
 //! Error of the mean temperature of a square, and of rectangles half and four times as deep as wide, against the integral:
 //! 2.4e-3 for Peclet numbers from .1 (V a/(2 kd)), 6e-3 from .01.
+//!
+//! Theory: docs/theory.md, section 4.4.
 
 use nalgebra::Complex;
 use scene::{Geometry, Scene};

@@ -4,6 +4,8 @@
 //! conduction problem through the height and its reduction to a few states, [`moving_source`] the exact kernel of the
 //! strip's local (flash) heating under the sliding contact, [`flash`] its reduction to a few states whose decay rates depend
 //! on the velocity.
+//!
+//! Theory: docs/theory.md, section 4.1.
 
 pub mod flash;
 pub mod lateral;

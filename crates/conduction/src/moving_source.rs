@@ -14,6 +14,8 @@
 //!
 //! Source: J. C. Jaeger, "Moving sources of heat and the temperature at sliding contacts" (1942); checked against the band
 //! on a half-plane. Error of the sums below 1e-6 of the value.
+//!
+//! Theory: docs/theory.md, section 4.3.
 
 use super::lateral::{Lateral, spread};
 use super::slab::{Base, Slab};

@@ -9,6 +9,8 @@
 //!
 //! All fluxes are per reference area of the body, temperatures relative to a common reference. The static correction of
 //! modes faster than the resolved ones is the direct feedthrough `direct`.
+//!
+//! Theory: docs/theory.md, section 4.2.
 
 /// Largest number of states of a reduced slab.
 pub const MAX_SLAB_STATES: usize = 24;

@@ -19,6 +19,8 @@
 //!
 //! Validity: uniform temperature over the cross-section (small transverse Biot number) for the
 //! loss by volume; any slab otherwise.
+//!
+//! Theory: docs/theory.md, section 4.2.
 
 mod projection;
 

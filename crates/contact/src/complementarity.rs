@@ -1,4 +1,6 @@
 //! Unilateral contact on the cells: complementarity problem in pressure and gap, with approach and tilt.
+//!
+//! Theory: docs/theory.md, section 6.6.
 
 mod active_set;
 mod balance;

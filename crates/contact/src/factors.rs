@@ -1,4 +1,6 @@
 //! Compliance of the pair with wear on its diagonal, and a cache of its factors.
+//!
+//! Theory: docs/theory.md, sections 6.4, 6.5.
 
 use super::problem::ContactError;
 use elasticity::{Cells, MAXIMUM_CELLS};

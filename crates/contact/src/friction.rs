@@ -1,4 +1,6 @@
 //! Friction law: coefficient as a function of temperature and velocity, and the sign of the velocity.
+//!
+//! Theory: docs/theory.md, section 2.2.
 
 use numerics::scalar::Scalar;
 use scene::{FadeTable, Scene};

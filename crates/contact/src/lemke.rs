@@ -1,4 +1,6 @@
 //! Lemke's complementary pivoting with the lexicographic rule.
+//!
+//! Theory: docs/theory.md, section 6.6.
 
 use nalgebra::{DMatrix, DVector};
 use numerics::dense;

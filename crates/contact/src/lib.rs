@@ -1,4 +1,6 @@
 //! Contact: friction law, and the unilateral contact problem of the contact line in pressure, gap, approach and tilt.
+//!
+//! Theory: docs/theory.md, sections 2.1, 6.6.
 
 pub mod complementarity;
 mod factors;

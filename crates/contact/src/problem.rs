@@ -1,4 +1,6 @@
 //! Statement of a contact problem: prescribed quantities, solution, errors.
+//!
+//! Theory: docs/theory.md, sections 2.1, 2.5.
 
 use std::fmt;
 

@@ -10,6 +10,8 @@
 //! ```
 //!
 //! Limits: the half-plane for u -> infinity; a plate in bending, Phi = 3/(2 u^3), for u -> 0. Relative error about 1e-15.
+//!
+//! Theory: docs/theory.md, section 3.6.
 
 use super::strip_kernel::sinh_less_argument;
 

@@ -1,4 +1,6 @@
 //! Cells of the contact line; pressure is one mean value per cell.
+//!
+//! Theory: docs/theory.md, section 3.1.
 
 use super::OutOfRange;
 use std::f64::consts::PI;

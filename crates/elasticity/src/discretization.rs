@@ -1,4 +1,6 @@
 //! Elastic bodies of a scene on the cells of its contact line.
+//!
+//! Theory: docs/theory.md, section 3.1.
 
 use super::block::{Block, BlockError, BlockProperties, Discretization};
 use super::half_plane::scale_columns;

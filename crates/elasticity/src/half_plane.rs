@@ -1,4 +1,6 @@
 //! Elastic half-plane.
+//!
+//! Theory: docs/theory.md, section 3.2.
 
 use super::{Cells, Compliance, ElasticBody, Material, fill, mean_logarithm};
 use std::f64::consts::PI;

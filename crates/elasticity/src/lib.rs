@@ -3,6 +3,8 @@
 //! A body is represented by its [`Compliance`], the displacement of every cell of its surface under a unit traction on every
 //! cell. Plane strain; displacement *into* the body counts positive; tractions are forces per area, `x` runs along the
 //! sliding direction from the -x to the +x edge.
+//!
+//! Theory: docs/theory.md, section 3.1.
 
 pub mod antisymmetric;
 pub mod block;

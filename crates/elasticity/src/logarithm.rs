@@ -4,6 +4,8 @@
 //! `1/(c_i c_j) integral_i integral_j -ln |x - s| ds dx`, has a closed form as a second difference of
 //! `-r^2 ln|r|/2 + 3 r^2/4`. That difference cancels for small cells far apart (cells graded to the edges are 1e-4 of the
 //! contact width wide), so for distant pairs the series in the moments of the distance is used instead.
+//!
+//! Theory: docs/theory.md, section 3.2.
 
 /// Below this ratio of summed half-widths to distance the moment series is used; it then needs at most 36 terms.
 const SERIES_RATIO: f64 = 0.6;

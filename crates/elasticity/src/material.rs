@@ -1,4 +1,6 @@
 //! Isotropic linear elasticity and the error for a value outside its range.
+//!
+//! Theory: docs/theory.md, section 1.4.
 
 use std::fmt;
 

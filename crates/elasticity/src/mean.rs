@@ -1,4 +1,6 @@
 //! Mean compliance of a body under uniform pressure, for the lumped level.
+//!
+//! Theory: docs/theory.md, section 3.7.
 
 use scene::{Body, MechanicalBody};
 use std::f64::consts::PI;

@@ -1,4 +1,6 @@
 //! Elastic strip of finite height.
+//!
+//! Theory: docs/theory.md, section 3.3.
 
 use super::half_plane::scale_columns;
 use super::{Base, Cells, Compliance, ElasticBody, Material, OutOfRange, StripKernel, fill, mean_logarithm};

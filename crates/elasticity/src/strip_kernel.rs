@@ -1,4 +1,6 @@
 //! Surface displacement of an elastic layer under sinusoidal tractions.
+//!
+//! Theory: docs/theory.md, section 3.3.
 
 /// Boundary condition at the base of the strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,6 @@
 //! Tangential compliance: displacement of the surfaces of a scene's bodies along the contact.
+//!
+//! Theory: docs/theory.md, section 3.8.
 
 use super::block::{Block, BlockProperties, Discretization};
 use super::discretization::{BodyError, BodyReason, compliances};

@@ -1,4 +1,6 @@
 //! Bodies without interaction between cells: the Winkler foundation and the rigid body.
+//!
+//! Theory: docs/theory.md, section 3.5.
 
 use super::{Cells, Compliance, ElasticBody, OutOfRange};
 use nalgebra::DMatrix;

@@ -1,4 +1,6 @@
 //! Steady reciprocating sliding on the half-plane.
+//!
+//! Theory: docs/theory.md, sections 10, 9.2.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,6 @@
 //! Flat rigid punch on the half-plane, at rest and sliding.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use super::special::incomplete_beta_half;
 use std::f64::consts::PI;

@@ -1,4 +1,6 @@
 //! Relaxation of the pressure under a wearing flat punch on the half-plane.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use nalgebra::{DMatrix, DVector};
 use numerics::factorization;

@@ -1,4 +1,6 @@
 //! Hertz line contact.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use std::f64::consts::PI;
 

@@ -16,6 +16,8 @@
 //!
 //! without wear `z (1 + z) (1 + i eps) = 2 R`, because z = 1 is then not a wave. `eps = mu (1-2nu)/(2(1-nu))` is the shear
 //! coupling; its sign is the direction in which the wave travels.
+//!
+//! Theory: docs/theory.md, sections 10, 7.4.
 
 use nalgebra::Complex;
 

@@ -2,6 +2,8 @@
 //!
 //! Each is independent - none uses the cells, compliances or solvers it is compared with - and has tests of its own. Plane
 //! strain, `E* = E/(1 - nu^2)`, loads per depth, contact zone `-a <= x <= a`, `s = sign(v)`.
+//!
+//! Theory: docs/theory.md, section 10.
 
 mod cyclic;
 mod flat_punch;

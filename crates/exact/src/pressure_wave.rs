@@ -1,4 +1,6 @@
 //! Wave of pressure in full contact with heat, distortion and wear.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use super::special::complementary_error;
 use std::f64::consts::PI;

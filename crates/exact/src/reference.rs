@@ -1,4 +1,6 @@
 //! Exact and independently converged values: quadratures and sums that share no code with the model.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use crate::special::complementary_error;
 use nalgebra::Complex;

@@ -1,4 +1,6 @@
 //! Rings: steady conduction along the radius, and thermoelastic instability of radial pressure bands.
+//!
+//! Theory: docs/theory.md, sections 10, 4.7.
 
 /// Steady rise of the mean temperature through the height between two radii, in K, of a ring insulated except for a flux
 /// `flux` (W/m2) into its face inside of the radius `parting` and the balancing flux outside.

@@ -1,4 +1,6 @@
 //! Special functions of the exact solutions.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,6 @@
 //! Heat in the punch by unreduced finite elements: the reference of its reduction.
+//!
+//! Theory: docs/theory.md, section 4.8.
 
 use elasticity::Cells;
 use elasticity::block::{Block, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition};

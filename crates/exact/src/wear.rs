@@ -1,4 +1,6 @@
 //! Closed forms of wearing contacts.
+//!
+//! Theory: docs/theory.md, section 10.
 
 /// Decay rate per sliding distance, in 1/m, of a pressure deviation on a Winkler foundation of stiffness `k_w` (Pa/m).
 ///

@@ -1,4 +1,6 @@
 //! Work budget of a communication step, by counts instead of time, so that it ends identically on every machine.
+//!
+//! Theory: docs/theory.md, section 7.3.
 
 use super::StepFailure;
 

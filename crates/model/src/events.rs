@@ -1,4 +1,6 @@
 //! Events inside a communication step: sign changes of velocity and load.
+//!
+//! Theory: docs/theory.md, section 5.1.
 
 use super::INPUTS;
 

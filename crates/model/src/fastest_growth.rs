@@ -22,6 +22,8 @@
 //!
 //! A step that is short against the fastest growth of the waves between the contact's width and its smallest cell is therefore
 //! short enough for every wave of the mesh. Wear and friction that decreases with temperature only reduce growth.
+//!
+//! Theory: docs/theory.md, section 7.5.
 
 //!
 //! # Layers

@@ -33,6 +33,8 @@
 //! contact, which hold the longest waves back: a punch of a wave's or half a wave's width may be stable up to twice the speed. Sources: R. A. Burton, V. Nerlikar, S. R. Kilaparti, Thermoelastic instability in a seal-like configuration, Wear 24
 //! (1973) 177-188; K. Lee, J. R. Barber, Frictionally excited thermoelastic instability in automotive disk brakes, J.
 //! Tribology 115 (1993) 607-614.
+//!
+//! Theory: docs/theory.md, section 7.4.
 
 pub mod layer;
 mod waves;

@@ -1,4 +1,6 @@
 //! The levels behind one face: what the component talks to.
+//!
+//! Theory: docs/theory.md, section 8.1.
 
 use super::line::operators::RunIn;
 use super::line::{self, Line};

@@ -1,4 +1,6 @@
 //! The coupled problem of contact, wear and heat, level by level.
+//!
+//! Theory: docs/theory.md, sections 1.3, 8.1.
 
 pub mod budget;
 pub mod events;

@@ -3,6 +3,8 @@
 //! D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547, in the form without
 //! damping (type II): the next iterate is the combination of the last ones whose step d, taken linear in between, is
 //! shortest, and that step. For linear d it is as good as GMRES.
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use crate::factorization;
 use nalgebra::{DMatrix, DVector};

@@ -9,6 +9,8 @@
 //! ```
 //!
 //! and the binomial series of the last factor is truncated below rounding.
+//!
+//! Theory: docs/theory.md, section 4.11.
 
 /// Pieces per octave, by the leading bits of the fraction.
 const PIECES: usize = 32;

@@ -2,6 +2,8 @@
 //!
 //! Directional derivatives come from evaluating the same formulas once more in [`Dual`], so they are
 //! exact and cannot drift from the outputs.
+//!
+//! Theory: docs/theory.md, section 6.8.
 
 use crate::four_fifths::four_fifths;
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,4 +1,6 @@
 //! Fade tables: a factor over temperature.
+//!
+//! Theory: docs/theory.md, sections 2.2, 2.3.
 
 /// Piecewise linear factor over temperature, constant outside the table.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -1,4 +1,6 @@
 //! A scene: the parameters as the physics reads them, made from the values of the variable table.
+//!
+//! Theory: docs/theory.md, sections 1.2, 1.4.
 
 mod fade;
 mod rules;

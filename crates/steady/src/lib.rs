@@ -3,6 +3,8 @@
 //! A contact is run in when wear no longer changes the pressure: the worn depth then grows like a rigid motion of the
 //! punch. That fixes the pressure, and elasticity the shape. To-and-fro sliding has two pressures, one per direction,
 //! over one common shape.
+//!
+//! Theory: docs/theory.md, section 9.
 
 mod box_programme;
 mod cycle;

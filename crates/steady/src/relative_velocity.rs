@@ -1,4 +1,6 @@
 //! What is neglected when wear and sliding velocity are taken from rigid motion alone.
+//!
+//! Theory: docs/theory.md, section 3.8.
 
 use super::states::{SteadyState, SteadyStroke};
 use contact::pair_compliance;

@@ -1,4 +1,6 @@
 //! From a scene to its steady state.
+//!
+//! Theory: docs/theory.md, section 9.
 
 use super::{
     CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, groove_operator, positive,

@@ -4,6 +4,8 @@
 //! and elasticity with the distortion the shape. To and fro, the pressure changes while a half-stroke lasts, since the heat
 //! of one direction distorts the contact of the other; there the steady cycle of the contact line's own steps is found
 //! ([`model::line::cycle`]).
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 mod bodies;
 mod cycle;

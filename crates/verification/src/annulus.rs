@@ -1,5 +1,7 @@
 //! Heat on the cells of an annular contact: conduction along the radius, growth of pressure bands, and agreement with the
 //! lumped level in cases that are independent of the radius.
+//!
+//! Theory: docs/theory.md, section 4.7.
 
 use super::driver::Driven;
 use super::{Problem, known};

@@ -3,6 +3,8 @@
 //! Each family is a scene file, a table with a row of numbers for every scene, and an input trajectory. The numbers are
 //! written out: rank-1 lattices over the ranges of data sheets and test benches, rounded, so that no two rows are
 //! neighbours. `nominal.*` are typical data-sheet values: some trajectories stay below, some exceed them.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 mod blocks;
 mod brakes;

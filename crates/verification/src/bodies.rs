@@ -1,4 +1,6 @@
 //! Conduction through one body: the reduced slab against closed forms.
+//!
+//! Theory: docs/theory.md, section 4.2.
 
 use super::{Problem, known};
 use conduction::reduced::{Port, ReducedBody};

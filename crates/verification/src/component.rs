@@ -1,4 +1,6 @@
 //! The whole component against closed forms, with variables set by name as in the FMU.
+//!
+//! Theory: docs/theory.md, section 10.
 
 use super::driver::Driven;
 use super::{Problem, known};

@@ -1,4 +1,6 @@
 //! The contact line without wear: surface kernels, indenting and sliding punches, the elastic block.
+//!
+//! Theory: docs/theory.md, sections 3, 6.6.
 
 use super::{Problem, Value, known};
 use contact::{ContactSolver, Normal, Tilt, pair_compliance};

@@ -1,4 +1,6 @@
 //! The strip along the contact line: moving bands resolved on the cells against Jaeger, image sums and plain Fourier sums.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::{Problem, known};
 use conduction::lateral::Lateral;

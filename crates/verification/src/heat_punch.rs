@@ -1,4 +1,6 @@
 //! The reduced punch against its unreduced finite elements: a step, a ramp and a flux of 10 Hz.
+//!
+//! Theory: docs/theory.md, sections 4.6, 4.8.
 
 use super::{Problem, known};
 use conduction::line::punch::reduce;

@@ -1,4 +1,6 @@
 //! Direct solutions for steady states with heat, and cycle jumps, against Fourier sums, time stepping and Galin's relaxation.
+//!
+//! Theory: docs/theory.md, sections 9.4, 9.6.
 
 use super::driver::Driven;
 use super::{Problem, known};

@@ -1,4 +1,6 @@
 //! Growth of pressure waves and of the mean pressure by friction heat: the line level against closed forms.
+//!
+//! Theory: docs/theory.md, sections 7.4, 10.
 
 use super::driver::Driven;
 use super::stability::wear_speed;

@@ -1,4 +1,6 @@
 //! Time integration of the worn shape.
+//!
+//! Theory: docs/theory.md, section 5.2.
 
 use contact::wear::line::{CellRate, Conditions, StageError, WearingContact, explicit_limit};
 use contact::{ContactState, Normal, Tilt};
@@ -66,7 +68,6 @@ pub struct Report {
     /// Steps rejected and repeated shorter.
     pub rejected: usize,
 }
-
 
 /// Callback that overwrites the conditions with those of a time.
 pub type ConditionsAt<'a> = &'a mut dyn FnMut(f64, &mut Conditions);

@@ -3,6 +3,8 @@
 //! Each [`Problem`] has its exact value with the derivation or the source, the computation, a bound of the error and the
 //! reason for that bound. Exact values are independent of the code under test: closed forms are here, the others are
 //! computed in [`reference`] by another method.
+//!
+//! Theory: docs/theory.md, section 10.
 
 mod annulus;
 pub mod applications;

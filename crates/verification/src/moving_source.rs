@@ -1,4 +1,6 @@
 //! Local heating of the strip: exact kernels against the quadrature in real space and the plain Fourier sum.
+//!
+//! Theory: docs/theory.md, section 4.3.
 
 use super::{Problem, known};
 use conduction::flash::Flash;

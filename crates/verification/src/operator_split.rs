@@ -4,6 +4,8 @@
 //! With the distortion delayed by one step of tau, a pressure wave of wave number m grows by `g = exp(b tau)` per step with
 //! `z (1 + z) = 2 R/g`, `z^2 = 1 + (1 - 1/g)/(tau kd m^2)`, R the speed over `2 K m (1 - nu)/(mu E alpha)`: more slowly than
 //! the exact `z (1 + z) = 2 R`, `z^2 = 1 + b/(kd m^2)`, at first order in tau.
+//!
+//! Theory: docs/theory.md, section 5.6.
 
 use super::wave::{WaveScene, unit};
 use super::{Problem, known};

@@ -9,6 +9,8 @@
 //!
 //! with the weights `(2a/L) 2/(h rho c)` for n = 0 and `(4a/L) (sin(qa)/(qa))^2 2/(h rho c)` for the others. A one-step
 //! scheme multiplies a mode by R(lambda h) per step and has the same steady state.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use exact::reference::{ClosedPath, LayerBase};
 use nalgebra::Complex;

@@ -1,4 +1,6 @@
 //! Heat in the punch: the reduced body of the contact line against the plain sum over all modes of the rectangle.
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 use super::Problem;
 use conduction::line::punch;

@@ -2,6 +2,8 @@
 //! with the theoretical bound. Drawn by `cargo fmu stability`.
 //!
 //! A map is data: panels of judged points and curves. A new map is a module beside this file and a line in [`maps`].
+//!
+//! Theory: docs/theory.md, section 7.
 
 pub mod conductance;
 pub mod conductivity;

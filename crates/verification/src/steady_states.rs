@@ -1,4 +1,6 @@
 //! Steady states of the wearing contact line, without time integration.
+//!
+//! Theory: docs/theory.md, section 9.
 
 use super::contact_line::deviation;
 use super::wear_line::half_plane;

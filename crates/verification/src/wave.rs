@@ -4,6 +4,8 @@
 //! The punch is a conducting half-plane, the strip a rigid insulator. The contact is one wavelength long and begins with a
 //! gap of 1e-14 m in a cosine, so that the problem is linear until the wave has grown a million times. Exact rates:
 //! [`exact::instability`].
+//!
+//! Theory: docs/theory.md, sections 7.4, 10.
 
 use conduction::line::{Stage, Surroundings, ThermalBody};
 use elasticity::discretization::compliances;

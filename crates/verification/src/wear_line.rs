@@ -1,4 +1,6 @@
 //! The wearing contact line: relaxation, stability bound of explicit steps, order in time.
+//!
+//! Theory: docs/theory.md, sections 5.2, 5.6, 10.
 
 use super::contact_line::deviation;
 use super::{Problem, known};

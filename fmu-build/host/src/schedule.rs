@@ -31,7 +31,7 @@ pub struct Schedule<'a> {
 }
 
 impl<'a> Schedule<'a> {
-    /// `times` [s], increasing; `values`: `times.len()` rows of `columns`.
+    /// `times` in s, increasing; `values`: `times.len()` rows of `columns`.
     ///
     /// # Errors
     /// Where there is no row, a length does not fit, a number is not finite or time does not increase.

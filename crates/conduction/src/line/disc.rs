@@ -17,6 +17,8 @@
 //!
 //! The excess temperature does not distort the surface: along the circumference the material expands where it is heated and
 //! contracts where it is not, and the mean of that over the contact is the mean over the circle.
+//!
+//! Theory: docs/theory.md, section 4.7.
 
 use super::reduced::{ReducedHeat, first_moment, mean_decay};
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};

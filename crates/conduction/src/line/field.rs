@@ -20,6 +20,8 @@
 //! Cost: sparse solutions with thousands of unknowns per step, a factorisation and N more solutions per new step size. This
 //! is a reference, not a level for long runs. All memory is allocated when the body is made (the matrix product has buffers
 //! of its own per thread, allocated when it first runs there).
+//!
+//! Theory: docs/theory.md, section 4.8.
 
 mod operators;
 

@@ -21,6 +21,8 @@
 //! Temperatures are K above the reference at which nothing is distorted and stored heat is zero. Fluxes are W/m2 of contact
 //! zone, positive into the body. Distortion is the displacement of the surface *into* the body in m, so heating gives
 //! negative values. Energies are per depth, J/m, flows W/m. Cells run from the -x to the +x edge.
+//!
+//! Theory: docs/theory.md, sections 4.1, 5.3.
 
 pub mod disc;
 pub mod field;

@@ -20,6 +20,8 @@
 //!
 //! On an annulus x runs along the radius, the body is a ring, and the transverse modes are those of the radius ([`radial`]).
 //! The mate is then a ring too ([`mate`]), cooled on its face instead of its sides.
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 mod across;
 mod assembly;

@@ -10,6 +10,8 @@
 //! with the fluxes q, the surroundings u (cooling, ambient, far) and the static corrections D and d. Distortions, flows and
 //! the stored heat are sums over the same states. The propagation of each state is exact for its fluxes at any rate and step
 //! size, so the response of a stage is one weight per state: N^2 products per transverse mode for a new step size.
+//!
+//! Theory: docs/theory.md, sections 4.1, 4.6.
 
 mod modes;
 mod weights;

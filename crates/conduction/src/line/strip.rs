@@ -20,6 +20,8 @@
 //!
 //! Heat transfer on the top acts on the whole surface in the waves; the contact zone gets it back through fluxes
 //! ([`robin_correction`]).
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 mod account;
 mod amplitudes;

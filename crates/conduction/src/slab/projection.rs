@@ -1,4 +1,6 @@
 //! Galerkin projection of the slab: trial functions, their products, and the resulting modes.
+//!
+//! Theory: docs/theory.md, section 4.2.
 
 use super::{Base, CoolingPort, Slab};
 use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};

@@ -1,4 +1,6 @@
 //! Linear equations of one active set.
+//!
+//! Theory: docs/theory.md, section 6.6.
 
 use super::balance::Balance;
 use super::{ContactProblem, ContactSolver, Memory};

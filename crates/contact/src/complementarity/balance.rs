@@ -1,4 +1,6 @@
 //! Validated balance equations of a contact problem, and the problems with zero pressure.
+//!
+//! Theory: docs/theory.md, section 2.5.
 
 use super::{ContactProblem, ContactSolver};
 use crate::problem::{ContactError, ContactState, Normal, Tilt};

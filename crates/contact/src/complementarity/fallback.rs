@@ -1,4 +1,6 @@
 //! Complementary pivoting where active sets cycle: the problem scaled for [`lemke`](crate::lemke).
+//!
+//! Theory: docs/theory.md, section 6.6.
 
 use super::balance::Balance;
 use super::{ContactProblem, ContactSolver, Memory};

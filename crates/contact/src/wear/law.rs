@@ -6,6 +6,8 @@
 //!
 //! k in m2/N: worn depth per pressure and sliding distance for a = b = 1. mu is the friction coefficient
 //! without its Stribeck factor: the driver is the shear traction mu p.
+//!
+//! Theory: docs/theory.md, section 2.3.
 
 use numerics::scalar::Scalar;
 use scene::{Body, FadeTable};

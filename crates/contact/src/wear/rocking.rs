@@ -1,4 +1,6 @@
 //! The lever at which a punch that slides to and fro rocks itself round.
+//!
+//! Theory: docs/theory.md, section 9.2.
 
 /// Largest lever mu H, in half-widths, that pressures of a steady to-and-fro cycle can balance, for wear with the
 /// pressure exponent b and equal half-strokes: 1/2 for b >= 1, and for b < 1

@@ -10,6 +10,8 @@
 //! in closed form. The sum over the cells telescopes, so the worn volume is the integral of the law to rounding, whatever
 //! the cell length. The window has a fixed number of cells: those far behind a contact that slides on are discarded (their
 //! volume remains counted), and a return to them is reported.
+//!
+//! Theory: docs/theory.md, section 5.5.
 
 /// Number of cells of the window.
 pub const CELLS: usize = 64;

@@ -1,4 +1,6 @@
 //! Loads and prescribed values on the boundary of the block, for fields of C components per scalar degree of freedom.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 use super::BlockError;
 use super::lobatto::{gauss_legendre, shape_derivatives, shape_values};

@@ -2,6 +2,8 @@
 //!
 //! The pattern depends on the mesh alone: a [`Pattern`] is built once, with the symbolic factorisation, and serves every
 //! matrix on that mesh. Columns follow the mesh's nested-dissection numbers, so no further ordering is needed.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 use super::element::CondensedElement;
 use super::mesh::{ENTITIES_PER_ELEMENT, Mesh};

@@ -8,6 +8,8 @@
 //!
 //! Normal displacements count positive into the body (+z), so heating gives negative ones: the surface moves towards
 //! the partner and closes the gap.
+//!
+//! Theory: docs/theory.md, section 4.9.
 
 use super::boundary::{are_symmetric, contact_cells, contact_integrals};
 use super::element::{Shape, dilatation, local_functions};

@@ -3,6 +3,8 @@
 //! The shape functions are products N_a(x) N_b(z), so every element matrix is a short sum of Kronecker products of
 //! exact one-dimensional matrices. Local order: the skeleton functions entity by entity (see `mesh`), then the interior
 //! ones (a, b >= 2); the components of a vector field alternate.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 use super::lobatto::ReferenceMatrices;
 use faer::linalg::matmul::matmul;

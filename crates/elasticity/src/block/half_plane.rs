@@ -4,6 +4,8 @@
 //! represent the logarithm of a discontinuous pressure. Plane strain, displacements times the shear modulus, unit pressure
 //! pushing into +z, stresses positive in tension. Source: K. L. Johnson, Contact Mechanics, Cambridge 1985, sections 2.2 and
 //! 2.5; the constant of the displacement is fixed by the length scale of the logarithm.
+//!
+//! Theory: docs/theory.md, sections 3.4, 3.2.
 
 use std::f64::consts::PI;
 

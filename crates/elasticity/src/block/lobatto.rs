@@ -10,6 +10,8 @@
 //! N_k vanishes at both ends for k >= 2, and the N_k' with k >= 2 are orthonormal. A space of higher order contains
 //! every function of a lower one, so the matrices of a lower order are the leading blocks of those of a higher one.
 //! Source: B. Szabo, I. Babuska, Finite Element Analysis, Wiley 1991, chapter 6.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 use nalgebra::DMatrix;
 

@@ -1,4 +1,6 @@
 //! Elasticity of the block: stiffness, compliance of the contact line, strain energy.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 use super::boundary::{are_symmetric, contact_cells, contact_integrals, side_loads, top_values};
 use super::condense::{Factor, FactorizationError, Pattern};

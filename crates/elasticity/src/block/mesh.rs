@@ -9,6 +9,8 @@
 //! Vertices, edges and interiors are called entities. Interiors are condensed out element by element, so only vertices
 //! and edges (the skeleton) are numbered: by nested dissection of the grid, which keeps the Cholesky factor sparse
 //! without a general ordering algorithm.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 use super::element::Shape;
 

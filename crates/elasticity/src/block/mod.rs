@@ -22,6 +22,8 @@
 //! Normal displacement into the body (+z) and pressure (pushing into +z) count positive. A shear traction counts
 //! positive in +x on this body. On the punch friction acts in -x for s = +1: its shear compliance enters the gap
 //! with -s.
+//!
+//! Theory: docs/theory.md, section 3.4.
 
 pub mod boundary;
 pub mod condense;

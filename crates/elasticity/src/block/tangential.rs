@@ -1,4 +1,6 @@
 //! Tangential displacement of the block's contact line by shear.
+//!
+//! Theory: docs/theory.md, section 3.8.
 
 use super::boundary::{contact_cells, contact_integrals};
 use super::{Block, BlockError};

@@ -13,6 +13,8 @@
 //! temperature relative to it as well, and its rate enters as -`uniform_capacity` dT_top/dt.
 //!
 //! Vectors hold the free skeleton's degrees of freedom (vertices and edges), then the interior modes element by element.
+//!
+//! Theory: docs/theory.md, section 4.8.
 
 use super::boundary::{contact_cells, contact_integrals, side_loads, top_values};
 use super::condense::Pattern;

@@ -1,4 +1,6 @@
 //! Factor of K + shift M and solutions with it, also in reusable memory.
+//!
+//! Theory: docs/theory.md, section 4.8.
 
 use super::BlockError;
 use super::condense::{Factor, FactorizationError, Workspace};

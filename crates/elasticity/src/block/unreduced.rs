@@ -1,4 +1,6 @@
 //! Operators of the block for unreduced temperature fields: distortion by any field, and the heat flow through its faces.
+//!
+//! Theory: docs/theory.md, sections 4.8, 4.9.
 
 use super::boundary::{contact_cells, contact_integrals, side_loads};
 use super::element::{Shape, dilatation};

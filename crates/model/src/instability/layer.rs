@@ -9,6 +9,8 @@
 //! ```text
 //! mu V = Z = (C_1 + C_2) [Y_1 (1 + r Y_2) + Y_2 (1 + r Y_1)]/[L_1 (1 + r Y_2) + L_2 (1 + r Y_1)].
 //! ```
+//!
+//! Theory: docs/theory.md, sections 7.4, 3.6.
 
 use conduction::line::strip::{Depth, dilatation};
 use conduction::slab::{self, CoolingPort, Slab};

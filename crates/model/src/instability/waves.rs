@@ -1,4 +1,6 @@
 //! The waves that a scene has room for, and the one that grows first.
+//!
+//! Theory: docs/theory.md, section 7.4.
 
 use super::layer::{FarFace, Layers};
 use elasticity::Base;

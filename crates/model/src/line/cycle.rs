@@ -4,6 +4,8 @@
 //! shape and the heat in its bodies. A cycle of the stepped model maps it, `z -> z + F(z)` ([`map`]). The cycle is steady where
 //! wear is a rigid motion and the heat is periodic ([`solve`]); before that, F is the slope of a stiff initial value problem over
 //! the number of cycles, which is integrated in jumps ([`jump`]).
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 mod exchange;
 pub mod jump;

@@ -1,4 +1,6 @@
 //! Explicit Euler scheme, for comparison: its step is limited by stability.
+//!
+//! Theory: docs/theory.md, section 5.6.
 
 use super::Line;
 use super::trajectory::InputTrajectory;

@@ -11,6 +11,8 @@
 //! `b_i`, `d_i` are the free response, `G_i`, `D_i` the surface influence matrices. For a given active set both temperature and
 //! distortion are linear in the pressure, so heat is a thermal compliance added to that of the contact and the stage remains one
 //! contact problem ([`partition`]); the cells that exchange heat are found by iteration ([`stage`]).
+//!
+//! Theory: docs/theory.md, sections 6.1, 6.2.
 
 mod acceleration;
 mod accept;

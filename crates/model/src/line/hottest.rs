@@ -10,6 +10,8 @@
 //!
 //! Temperatures are constant on the cells, so the mean is piecewise linear in x, with breakpoints where either end of the
 //! interval is a cell boundary: its maximum is at one of these. On a closed line intervals cross the seam.
+//!
+//! Theory: docs/theory.md, section 8.4.
 
 use elasticity::{Cells, MAXIMUM_CELLS};
 use scene::STATIONS;

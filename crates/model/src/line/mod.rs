@@ -4,6 +4,8 @@
 //! level ([`Lumped`], without wear and holder); the contact line adds the quantities that vary along the contact. The two are
 //! coupled once per piece of a communication step: the contact line takes the temperature where tables or the bristle depend on
 //! it, the lumped level takes the load where a caliper or an annulus lets the contact determine it.
+//!
+//! Theory: docs/theory.md, sections 8.1, 5.1.
 
 pub mod cycle;
 mod explicit;

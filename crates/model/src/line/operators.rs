@@ -1,4 +1,6 @@
 //! Operators of the contact line, built once from the scene and shared by all its states.
+//!
+//! Theory: docs/theory.md, sections 2.5, 3.1, 8.1.
 
 use super::heat::bodies::{Bodies, on_the_cells};
 use super::hottest::Hottest;

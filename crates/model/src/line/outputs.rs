@@ -1,5 +1,7 @@
 //! Outputs and profiles of the line level, by value reference: those of the lumped level, replaced where the contact line
 //! resolves more.
+//!
+//! Theory: docs/theory.md, sections 2.7, 8.4.
 
 use super::Line;
 use super::operators::LineOperators;

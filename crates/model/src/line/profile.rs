@@ -5,6 +5,8 @@
 //! where the cumulative integral is known exactly, it is interpolated by monotone cubics (Fritsch and Carlson, SIAM
 //! Journal on Numerical Analysis 17, 1980): third order where the quantity is smooth, and never below 0 where the cells
 //! are not.
+//!
+//! Theory: docs/theory.md, section 8.4.
 
 use elasticity::Cells;
 use scene::STATIONS;

@@ -1,4 +1,6 @@
 //! State of the contact line, as it is saved.
+//!
+//! Theory: docs/theory.md, section 1.3.
 
 use super::heat::state::HeatState;
 use super::operators::{LineOperators, StripWear};

@@ -10,6 +10,8 @@
 //! ```
 //!
 //! The embedded first-order solution gives the error estimate; the piece is divided into 2^n equal parts accordingly.
+//!
+//! Theory: docs/theory.md, sections 5.2, 7.1, 7.3.
 
 use super::Line;
 use super::operators::{LineOperators, StripWear};

@@ -1,4 +1,6 @@
 //! Input trajectory of the contact line over a piece of a communication step.
+//!
+//! Theory: docs/theory.md, sections 5.1, 2.2.
 
 use super::Line;
 use crate::INPUTS;

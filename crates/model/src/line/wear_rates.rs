@@ -1,4 +1,6 @@
 //! Wear depth rates of both bodies on the cells.
+//!
+//! Theory: docs/theory.md, section 2.3.
 
 use super::operators::{LineOperators, StripWear};
 use super::trajectory::StageConditions;

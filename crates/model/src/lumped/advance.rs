@@ -1,5 +1,7 @@
 //! One communication step of the lumped level: a single-step attempt on the fast path where possible, otherwise pieces between
 //! events, subdivided by error control.
+//!
+//! Theory: docs/theory.md, sections 5.1, 7.3.
 
 use super::conditions::Conditions;
 use super::operators::BodyOperators;

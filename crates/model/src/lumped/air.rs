@@ -1,4 +1,6 @@
 //! Cooled faces of a body: forced convection and radiation beyond the constant heat transfer.
+//!
+//! Theory: docs/theory.md, section 4.11.
 
 pub use conduction::line::{BESIDE, FACES, FAR};
 use conduction::reduced::Port;

@@ -12,6 +12,8 @@
 //! sticking ends at a root of a quadratic; the slip speed is a linear function plus an exponential, with at most two zeros.
 //!
 //! An explicit time stepping of step h and mass m outside this component is stable in stick for h k < c < 2 m/h - h k/2.
+//!
+//! Theory: docs/theory.md, section 2.6.
 
 use super::stage::{POINTS, averages};
 

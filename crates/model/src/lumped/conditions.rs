@@ -1,4 +1,6 @@
 //! Conditions of the contact at one instant, as functions of the inputs.
+//!
+//! Theory: docs/theory.md, sections 1.3, 2.2.
 
 use super::operators::{BodyOperators, LumpedOperators};
 use crate::Inputs;

@@ -23,6 +23,8 @@
 //! A block with little heat loss beside a strip with large heat loss reaches the strip's temperature and receives next to no heat
 //! from then on. Its own rise by a constant flux would be a hundred times as high, and an error small relative to that need not
 //! be small relative to the contact temperature.
+//!
+//! Theory: docs/theory.md, section 4.12.
 
 use super::operators::{path_of, punch_slab, strip_slab};
 use conduction::lateral::Lateral;

@@ -1,4 +1,6 @@
 //! Parts of the error estimate shared by the fast path and the general form of the step.
+//!
+//! Theory: docs/theory.md, section 7.2.
 
 use super::operators::BodyOperators;
 use super::state::LumpedState;

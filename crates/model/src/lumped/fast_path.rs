@@ -3,6 +3,8 @@
 //!
 //! The equations are those of [`super::stages`], whose general form takes three times as long here; their solution is the same. A
 //! test compares both.
+//!
+//! Theory: docs/theory.md, sections 6.8, 5.4.
 
 use super::air::{Air, BESIDE, FAR};
 use super::conditions::Conditions;

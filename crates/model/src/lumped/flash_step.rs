@@ -1,4 +1,6 @@
 //! Propagation of the moving source over one step, at a velocity that may change during it.
+//!
+//! Theory: docs/theory.md, sections 4.3, 5.3.
 
 use super::operators::LumpedOperators;
 use super::stage::{POINTS, averages};

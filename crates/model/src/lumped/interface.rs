@@ -1,4 +1,6 @@
 //! Laws of the interface: heat partition, and consistency of friction and temperature.
+//!
+//! Theory: docs/theory.md, sections 2.4, 6.8.
 
 use contact::friction::FrictionLaw;
 use numerics::scalar::Scalar;

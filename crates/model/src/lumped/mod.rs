@@ -1,4 +1,6 @@
 //! The lumped level: uniform pressure, a few thermal states per body, a moving source.
+//!
+//! Theory: docs/theory.md, section 8.1.
 
 mod advance;
 pub mod air;

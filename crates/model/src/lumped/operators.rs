@@ -1,4 +1,6 @@
 //! Operators of the lumped level, built once from the scene and shared by all its states.
+//!
+//! Theory: docs/theory.md, sections 3.7, 4.2, 4.3, 8.1.
 
 use super::air::{Air, FACES};
 use crate::instability::CriticalSpeed;

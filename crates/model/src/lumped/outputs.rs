@@ -1,4 +1,6 @@
 //! Outputs and profiles of the lumped level, by value reference.
+//!
+//! Theory: docs/theory.md, sections 2.7, 7.3.
 
 use super::Lumped;
 use super::conditions::Conditions;

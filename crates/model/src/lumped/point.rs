@@ -1,4 +1,6 @@
 //! Contact at one instant at frozen states: basis of the outputs and directional derivatives.
+//!
+//! Theory: docs/theory.md, section 6.8.
 
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;

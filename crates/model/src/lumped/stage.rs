@@ -9,6 +9,8 @@
 //!
 //! without error at any r h. [`Propagator`] holds these weights for one step size at the three points at which the contact is
 //! solved (1/3, 1) or checked (2/3), and the gains from fluxes to observed temperatures.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use super::air::{BESIDE, FACES, FAR};
 use conduction::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};

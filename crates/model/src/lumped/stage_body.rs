@@ -1,4 +1,6 @@
 //! Contribution of one body to the stage equations of a step.
+//!
+//! Theory: docs/theory.md, sections 6.8, 4.11.
 
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::operators::BodyOperators;

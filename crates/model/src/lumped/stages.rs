@@ -1,4 +1,6 @@
 //! Unknowns of both stages of a step: heat, its partition, friction, pressure and wear.
+//!
+//! Theory: docs/theory.md, sections 6.8, 7.2.
 
 use super::bristle::{Bristle, Line, Moved};
 use super::conditions::Conditions;

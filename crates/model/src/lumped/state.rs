@@ -1,4 +1,6 @@
 //! State of the lumped level, as it is saved.
+//!
+//! Theory: docs/theory.md, section 1.3.
 
 use super::operators::LumpedOperators;
 use conduction::flash::MAX_FLASH_STATES;
@@ -19,11 +21,13 @@ pub struct BodyState {
     pub worn: f64,
 }
 
-/// State of the lumped level.
 impl BodyState {
+    /// The zero state.
     pub const EMPTY: BodyState =
         BodyState { heat: [0.0; conduction::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
 }
+
+/// State of the lumped level.
 #[derive(Clone, PartialEq, Debug)]
 pub struct LumpedState {
     pub punch: BodyState,

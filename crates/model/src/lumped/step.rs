@@ -4,6 +4,8 @@
 //! the fluxes, L-stable, third order on smooth histories), the states are propagated exactly ([`super::stage`]). The fluxes at
 //! the start of the step do not enter, so the thermal layer after a jump of the inputs in the fast states does not reduce the
 //! accuracy. The residual of the contact conditions at the point 2/3 is the error estimate.
+//!
+//! Theory: docs/theory.md, sections 5.4, 7.2.
 
 use super::air::Air;
 use super::conditions::{Conditions, Tunables};

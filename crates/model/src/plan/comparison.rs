@@ -18,6 +18,8 @@
 //! A reciprocating trajectory is shorter than the nominal duration, and a run may end early where it requires more steps than the
 //! budget permits. Errors of temperature and force are then extrapolated with the power of time by which they grew over the last
 //! half of the run, to four times its length at most: slower heating of thick bodies is the same at all levels.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::Candidate;
 use super::cost::{self, build_cost};

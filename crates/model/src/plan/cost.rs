@@ -1,5 +1,7 @@
 //! Counted cost of the levels: with constants calibrated once, in microseconds of a core of 3 GHz, so that no plan depends on a
 //! clock.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use crate::levels::ModelOperators;
 use scene::Geometry;

@@ -1,4 +1,6 @@
 //! Effects that a level includes or neglects, each with the quantity on which this is based.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::Candidate;
 use super::groups::Groups;

@@ -1,4 +1,6 @@
 //! Dimensionless groups of a scene at its nominal conditions.
+//!
+//! Theory: docs/theory.md, section 8.3.
 
 use crate::instability::CriticalSpeed;
 use contact::wear::law::WearLaw;

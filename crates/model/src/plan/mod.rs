@@ -2,7 +2,7 @@
 //!
 //! # Method
 //!
-//! Every level is run over the whole nominal trajectory ([`course`]) with the bodies, steps and tolerance of the user's run. Its
+//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run. Its
 //! error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the model
 //! reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
 //! resolved heat where its distribution feeds back on the pressure, and lumped heat elsewhere.
@@ -20,6 +20,8 @@
 //! - The error is unknown, and stated as 1, where there is nothing to compare (nominal values of 0, no solution on the cells),
 //!   and where the cells do not converge, as above the critical speed of thermoelastic instability.
 //! - Reciprocating sliding is run over at most 24 half-strokes, with the wear of the whole duration.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 pub mod comparison;
 pub mod cost;
@@ -148,12 +150,12 @@ pub fn make(scene: &Scene, run_in: RunIn) -> Result<Planned, String> {
     if let Ok(comparison) = compare(scene, &course, enough, false, may_grow, run_in) {
         return decide(scene, comparison, Some(format!("nothing to compare the mean heat with: {reason}")), run_in);
     }
+    // The lumped level does not reproduce the failure of the contact line.
     only_lumped(scene, format!("no contact line to compare with: {reason}"), Some(UNKNOWN), run_in)
 }
-fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: RunIn) -> Result<Planned, String> {
-    // The lumped level does not reproduce the failure of the contact line.
 
 /// Chooses a level. `doubt`: reason for which its error is not known.
+fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: RunIn) -> Result<Planned, String> {
     let enough = SAFETY * scene.tolerance;
     let candidates = &comparison.candidates;
     let known = doubt.is_none() && comparison.is_known;

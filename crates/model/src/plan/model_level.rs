@@ -1,4 +1,6 @@
 //! Model hierarchy: the levels at which a scene can run, with their cells.
+//!
+//! Theory: docs/theory.md, section 8.1.
 
 use scene::{Fidelity, HeatAlongContact, Scene};
 use std::fmt;

@@ -1,4 +1,6 @@
 //! Prepared scene: its level, chosen by the user or by a plan, and its error.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::{Plan, UNKNOWN};
 use crate::levels::ModelOperators;

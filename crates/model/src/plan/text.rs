@@ -1,4 +1,6 @@
 //! Plan as readable lines, for the command line and the log.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::Plan;
 use super::model_level::ModelLevel;

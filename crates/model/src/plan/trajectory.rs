@@ -1,4 +1,6 @@
 //! Nominal trajectory of a scene: the inputs described by `nominal.*`, over the nominal duration.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use crate::INPUTS;
 use crate::levels::{Model, ModelOperators};

@@ -1,4 +1,6 @@
 //! Matrix in single precision, stored in the order in which a product reads it: half of the memory traffic.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 use pulp::{Arch, Simd, WithSimd};
 

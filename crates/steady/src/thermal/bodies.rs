@@ -1,4 +1,6 @@
 //! Whether heat can leave the bodies, and bodies that are good for as long as they take to become steady.
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 use crate::SteadyError;
 use conduction::STEFAN_BOLTZMANN;

@@ -1,4 +1,6 @@
 //! The steady cycle of to-and-fro sliding with heat.
+//!
+//! Theory: docs/theory.md, sections 9.4, 9.5.
 
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::SteadyError;

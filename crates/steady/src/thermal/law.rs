@@ -25,6 +25,8 @@
 //! proportion to the stroke over the width, however short the cycle, and leaves their means alone. For r >> 1 every
 //! half-stroke reaches a steady state of its own, and the difference is a constant: that of a contact whose compliance has the
 //! steady distortion `mu v E0` on top.
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;

@@ -11,6 +11,8 @@
 //!
 //! Exact on whatever cells are in contact, at N^3 for each such set: a steady state is found once. The step, which goes on
 //! with what it has, keeps operators of its own ([`model::line::heat::partition`]).
+//!
+//! Theory: docs/theory.md, section 6.2.
 
 use conduction::line::SurfaceInfluence;
 use nalgebra::{DMatrix, DVector, Dyn, LU};

@@ -5,6 +5,8 @@
 //! is one linear system ([`HeatPartition`]), and the distortion one more compliance. Wear fixes the pressure where the punch wears;
 //! under a punch that does not, the pressure is that of the contact with this compliance. Tables over the temperature,
 //! radiation and moving air make it an iteration over the cells' temperatures.
+//!
+//! Theory: docs/theory.md, section 9.4.
 
 use super::partition::HeatPartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};

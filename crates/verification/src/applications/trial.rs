@@ -2,6 +2,8 @@
 //!
 //! Errors of wear depth, contact temperature and friction force are maxima over the communication points, relative to the
 //! largest wear, the peak temperature rise and the peak force.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::Application;
 use model::INPUTS;

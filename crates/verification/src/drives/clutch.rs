@@ -1,4 +1,6 @@
 //! A clutch engaged above its critical speed: hot spots of the pressure plate grow, then decay.
+//!
+//! Theory: docs/theory.md, section 7.4.
 
 use super::{DriveProblem, Sample, Truth, every, starts};
 use exact::PressureWave;

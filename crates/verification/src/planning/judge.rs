@@ -1,4 +1,6 @@
 //! Comparison of a plan's choice with every fixed setting, with a far finer run as the truth.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::runs::{Record, distance, processor_seconds, run, run_with};
 use super::scenes::Generated;

@@ -1,4 +1,6 @@
 //! Runs of generated scenes at given settings, and the distance of two runs.
+//!
+//! Theory: docs/theory.md, section 8.2.
 
 use super::scenes::Generated;
 use model::INPUTS;

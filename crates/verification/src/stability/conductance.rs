@@ -3,6 +3,8 @@
 //! Two half-spaces heated by friction, against the closed form ([`super::half_spaces`]). The interface has the time constant
 //! `(E/h_c)^2` with `E = e1 e2/(e1 + e2)`: before it each body receives half of the heat, after it the heat partition is
 //! that of the effusivities. The result of a step far above that time must not depend on the stiffness of the interface.
+//!
+//! Theory: docs/theory.md, section 2.4.
 
 use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};

@@ -4,6 +4,8 @@
 //! fraction `sqrt r/(1 + sqrt r)` of the heat enters the body of the conductivity ratio r, from the first moment on. Its
 //! heated layer is `sqrt r` times as deep, so at 10^-6 both bodies have to be resolved on depths that differ by a factor of
 //! a thousand. An insulator receives no heat.
+//!
+//! Theory: docs/theory.md, section 2.4.
 
 use super::conductance::{AGREEMENT, run};
 use super::half_spaces::HalfSpaces;

@@ -27,6 +27,8 @@
 //! [`OPENING`]: from 7e-7 of the mean pressure it takes 13 e-foldings, during which they take up to 69, and 35 lead from
 //! rounding to an open contact. Therefore the wave starts at 7e-4, where a contact can open, and every run is dominated by
 //! the wave that it judges.
+//!
+//! Theory: docs/theory.md, section 7.6.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::wave::{LinearWave, Wave, WaveContact, WaveScene, amplification};

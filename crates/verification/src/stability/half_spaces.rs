@@ -1,5 +1,7 @@
 //! Two half-spaces in contact through a conductance, heated by friction at constant speed: closed form, and the component's
 //! line level.
+//!
+//! Theory: docs/theory.md, section 2.4.
 
 use crate::driver::Driven;
 use exact::reference::integral_from_singularity;

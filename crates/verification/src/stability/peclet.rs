@@ -5,6 +5,8 @@
 //! hardly decays: it still needs a state. The exact temperature is the plain sum over the modes
 //! ([`crate::path_modes`]); implicit Euler on the same modes damps rotation as if it were decay, and
 //! Crank-Nicolson does not damp fast decays.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::reversal::{AGREEMENT, PATH, steps, strip};
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};

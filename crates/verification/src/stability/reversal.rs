@@ -7,6 +7,8 @@
 //! The trapezoidal rule (Crank and Nicolson) multiplies a mode of the decay rate lambda by
 //! `(1 - lambda h/2)/(1 + lambda h/2)`: modes with `lambda h` far above the number of steps still alternate. The default
 //! propagates every mode exactly.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};

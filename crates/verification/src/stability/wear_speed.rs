@@ -3,6 +3,8 @@
 //! In full periodic contact of a conducting half-plane that wears on a rigid insulator, waves grow beyond
 //! `R_cr = [q^2 + 1 + sqrt(1 + 2 q^2)]/q^3`, q = 2 - w, `w = k K/(mu alpha (1+nu) kd)`, and oscillate there with
 //! `Omega = kd m^2 sqrt(c^2 - 2c)`, c = q R_cr ([`exact::instability`]). From w = 2 on no wave grows at any speed.
+//!
+//! Theory: docs/theory.md, sections 7.4, 10.
 
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::wave::{WaveContact, WaveScene, amplification};

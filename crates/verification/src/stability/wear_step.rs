@@ -18,6 +18,8 @@
 //!
 //! Explicit Euler multiplies a mode by `1 - h/Lambda` per step: stable while `h < 2 Lambda_min`, and Lambda_min is
 //! proportional to the width of the edge cells, like 1/N^2.
+//!
+//! Theory: docs/theory.md, sections 5.2, 5.6.
 
 use super::{Axis, Curve, Grid, Map, Panel, Point, Verdict};
 use crate::integrator::{Integrator, Scheme, StepError};

@@ -1,4 +1,6 @@
 //! Finite-element operators of a punch: loads, solutions of both stages, and observations of a field.
+//!
+//! Theory: docs/theory.md, section 4.8.
 
 use crate::line::{FACES, GAMMA, Stage, SurfaceInfluence, Surroundings};
 use elasticity::block::{BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition};

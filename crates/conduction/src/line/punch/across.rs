@@ -9,6 +9,8 @@
 //! `Bi = h a/k`. Both are `xi a = m pi/2 + delta`, `xi a tan delta = Bi`, `0 <= delta < pi/2`. On the ring
 //! `xi a = pi, pi, 2 pi, 2 pi ...`. All modes have `integral X^2 dx = 1`, so that they are orthonormal over the contact.
 //! Across the width of an annulus, its radius, they are Bessel functions ([`super::radial`]).
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 use super::radial::{RadialMode, Radii};
 use elasticity::Cells;

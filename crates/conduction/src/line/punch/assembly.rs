@@ -1,4 +1,6 @@
 //! Assembly of the operators of a body from its selected modes.
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 use super::across::{Across, Sides, Wave};
 use super::depth::{Depth, Points, Shape, Top};

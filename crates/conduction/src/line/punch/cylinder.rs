@@ -9,6 +9,8 @@
 //!
 //! whose terms fall below rounding there before they grow: one sine and one cosine serve all four. Below, by the
 //! approximations of the C library. Source: NIST Digital Library of Mathematical Functions, 10.17.
+//!
+//! Theory: docs/theory.md, section 4.7.
 
 use std::f64::consts::FRAC_1_PI;
 

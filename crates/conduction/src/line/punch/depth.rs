@@ -8,6 +8,8 @@
 //!
 //! At the real rate s its response to q decays with `kappa = sqrt(kappa_0^2 + s C/k)`. A face that also loses H Z(0)
 //! receives `q - H Z(0)`: its response is that without loss over `1 + H Z(0)`.
+//!
+//! Theory: docs/theory.md, sections 4.6, 4.2.
 
 use nalgebra::{Complex, DMatrix};
 use numerics::factorization;

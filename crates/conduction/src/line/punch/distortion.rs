@@ -6,6 +6,8 @@
 //! integral of the temperature over the height, as in the mean of a block with free sides. The ring is a layer bonded at its
 //! top, and for `half_plane` a half-plane. The mate of an annulus is a layer on its base; its modes along the radius are
 //! Bessel functions, for which the response of a layer is that for plane waves of the same wave number.
+//!
+//! Theory: docs/theory.md, section 4.9.
 
 use super::across::Across;
 use super::assembly::{Assembly, Mode};

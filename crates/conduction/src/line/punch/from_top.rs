@@ -6,6 +6,8 @@
 //!
 //! By reciprocity it also gives the temperature of the top per unit flux into the contact (Z(0)) and per uniform source (its
 //! integral).
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 use super::depth::Depth;
 

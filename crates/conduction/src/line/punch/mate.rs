@@ -6,6 +6,8 @@
 //!
 //! Per length of the contact's mean arc the ring is equivalent to a body of 1/c times the conductivity, capacity and heat
 //! transfer under the whole flux: the temperatures are the same, heat flows and stored heat are in the units of the contact.
+//!
+//! Theory: docs/theory.md, section 4.7.
 
 use super::across::{Across, Sides};
 use super::depth::{Depth, Top};

@@ -19,6 +19,8 @@
 //! .29 of the steady response at most. One third as a direct feedthrough and the rest through the shapes would have the
 //! exact first moment, but differs by .33, and the feedthrough part would exclude the long modes, whose states follow with
 //! their own time constants: after a jump of the flux on few cells, the other cells would cool below their surroundings.
+//!
+//! Theory: docs/theory.md, section 4.10.
 
 use super::SUMMED_MODES;
 use super::across::Wave;

@@ -11,6 +11,8 @@
 //! Wave number m lies between that of insulated sides, `m pi < xi (r_o - r_i) < (m + 1/2) pi`, and `(m + 1) pi`, an upper
 //! bound of that of sides at a prescribed temperature. Source: H. S. Carslaw, J. C. Jaeger, Conduction of Heat in Solids
 //! (1959), 7.10 and 13.4.
+//!
+//! Theory: docs/theory.md, section 4.7.
 
 use super::cylinder::Cylinder;
 

@@ -11,6 +11,8 @@
 //! so that the norm of the operator from such fluxes to temperatures needs no matrix. It is relative to the impedance to a
 //! uniform flux at 1/duration, the temperature rise over the whole duration. The mode with the largest error gets one more
 //! response at a real rate (rational Krylov shift) until the tolerance is met.
+//!
+//! Theory: docs/theory.md, sections 4.6, 4.12.
 
 use super::across::{Across, Sides, Wave};
 use super::depth::{Basis, Depth, Points};

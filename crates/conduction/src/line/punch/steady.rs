@@ -1,4 +1,6 @@
 //! Steady response of the contact by the modes without states: that of the whole punch less the modes with states.
+//!
+//! Theory: docs/theory.md, section 4.10.
 
 use super::across::{Across, Sides};
 use super::depth::Depth;

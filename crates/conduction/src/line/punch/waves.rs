@@ -1,4 +1,6 @@
 //! Transverse modes with their integrals over the cells, computed once for all sums over them.
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 use super::across::{Across, Wave};
 use elasticity::Cells;

@@ -3,6 +3,8 @@
 //! Where the cells are symmetric about the middle and every mode is even or odd, its values on one half of them suffice:
 //! even modes are projected from and observed as the sums of opposite cells, odd ones as their differences, at half of the
 //! work.
+//!
+//! Theory: docs/theory.md, section 4.6.
 
 use super::{PORTS, ReducedOperators, StageWeights};
 use nalgebra::DMatrix;

@@ -1,4 +1,6 @@
 //! Weights of the states for one step size: exact propagation for fluxes that are linear over a stage.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use super::modes::{Modes, Scratch};
 use super::{COOLING, FAR, ReducedOperators};

@@ -2,6 +2,8 @@
 //!
 //! Only the mean wave holds heat. What enters over the step is known from the fluxes, what is stored from its states, what
 //! leaves to the air from their integrals; the base takes what the balance leaves.
+//!
+//! Theory: docs/theory.md, section 2.7.
 
 use super::scratch::Scratch;
 use super::{AMBIENT, BASE, CONTACT, StripHeat, TAIL};

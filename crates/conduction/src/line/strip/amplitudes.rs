@@ -1,4 +1,6 @@
 //! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::robin_correction::RANK;
 use super::scratch::Scratch;

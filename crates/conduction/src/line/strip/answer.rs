@@ -1,5 +1,7 @@
 //! What a stage's answer to fluxes is made of, as far as it depends on the velocity: linear in everything, so that answers
 //! at neighbouring velocities can be interpolated.
+//!
+//! Theory: docs/theory.md, sections 4.5, 4.1.
 
 use super::operators::StripOperators;
 use super::robin_correction::RANK;

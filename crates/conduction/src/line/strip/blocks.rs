@@ -1,4 +1,6 @@
 //! Responses that depend on the distance of two cells alone, split by parity.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::passive::Passive;
 use super::waves::Shapes;

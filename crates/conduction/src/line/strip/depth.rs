@@ -14,6 +14,8 @@
 //! The exact fields at a few real frequencies span the reduced space. Mass, load and observations follow from values
 //! of Z and D alone (symmetric Loewner pencil), so the reduced rates are real, positive and bounded below by those of the
 //! layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use crate::lateral::{Lateral, spread};
 use crate::slab::{Base, Slab, principal_root};

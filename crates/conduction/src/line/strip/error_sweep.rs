@@ -1,4 +1,6 @@
 //! Exact answers of every wave at some frequencies, against which reductions are judged.
+//!
+//! Theory: docs/theory.md, sections 4.5, 4.12.
 
 use super::depth::{Depth, DepthModes};
 use super::operators::Resolution;

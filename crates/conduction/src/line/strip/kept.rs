@@ -2,6 +2,8 @@
 //!
 //! An answer is a function of the step and of the velocities alone, so a kept one is that which would be found, to the bit. Kept
 //! are those of sliding forwards; the way back has them mirrored.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 use super::answer::Answer;
 use std::collections::HashMap;

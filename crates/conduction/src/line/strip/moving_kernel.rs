@@ -16,6 +16,8 @@
 //!
 //! so that means over cells are second differences of g. Where these cancel, for cells much shorter than 1/c, the
 //! logarithm is integrated in closed form and the rest by quadrature.
+//!
+//! Theory: docs/theory.md, sections 4.3, 4.5.
 
 use elasticity::{Cells, mean_logarithm};
 

@@ -3,6 +3,8 @@
 //! From one knot to the next the shortest wave turns by a quarter of a radian in the interval. On fresh material the rate of
 //! forgetting bends near rest however short the interval, and there the knots lie closer. The answer is the cubic through four
 //! knots: a function of the arguments alone, whatever knots are kept.
+//!
+//! Theory: docs/theory.md, sections 4.5, 6.4.
 
 use super::answer::{Answer, AtOnce, Layout};
 use super::operators::{ImageDamping, StripOperators};

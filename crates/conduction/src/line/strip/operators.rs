@@ -1,4 +1,6 @@
 //! What a strip's conduction is made of, built once and shared by every copy.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::depth::{Depth, DepthModes, Expansion};
 use super::error_sweep::ErrorSweep;

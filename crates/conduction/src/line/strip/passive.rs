@@ -1,4 +1,6 @@
 //! Symmetric matrices without their negative eigenvalues.
+//!
+//! Theory: docs/theory.md, section 4.10.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};

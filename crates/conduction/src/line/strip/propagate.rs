@@ -21,6 +21,8 @@
 //! (modified spherical Bessel functions of z/2). The recurrence runs downwards from values that are to a factor (J. C. P. Miller;
 //! W. Gautschi, SIAM Review 9 (1967) 24-82), which T_0 or T_1 gives in closed form, or upwards where |z| is large, as is stable.
 //! Where eta/4 = q dv h/8 is large they are differences of complex error functions ([`chirp`]). No loop depends on how fast the wave turns.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 mod chirp;
 

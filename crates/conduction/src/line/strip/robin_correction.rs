@@ -8,6 +8,8 @@
 //! ```text
 //! y = H0 V'W (T - T_ambient),   T = B + G (q + V y)   =>   (1 - H0 V'W G V) y = H0 V'W (B + G q - T_ambient)
 //! ```
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::answer::{Answer, Parts};
 use super::operators::StripOperators;

@@ -3,6 +3,8 @@
 //! A wave has as many states as it needs, one on each of its levels, and states of one level stand side by side in the order
 //! of the waves. Every operation then runs over waves that do not know of each other. Nothing is fused, so every machine gives
 //! the same bits.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;

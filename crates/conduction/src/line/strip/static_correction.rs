@@ -4,6 +4,8 @@
 //! frequency -i q v with which a wave at rest in the punch's frame turns over the material. Shorter waves have no states: on them
 //! the layer is a half-plane, whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less
 //! the integral up to the wave number (n + 1/2) 2 pi/L, with the first correction of Euler and Maclaurin.
+//!
+//! Theory: docs/theory.md, sections 4.5, 4.10.
 
 use super::blocks::Blocks;
 use super::depth::{Depth, DepthModes, Expansion};

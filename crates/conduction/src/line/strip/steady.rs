@@ -1,5 +1,7 @@
 //! Which steps at a constant velocity have their answers kept: a step control goes back and forth between lengths, while a velocity
 //! that changes is hardly met again.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 /// Length (s) and velocity (m/s) of a step, and when it was asked for.
 #[derive(Clone, Copy, Debug)]

@@ -1,4 +1,6 @@
 //! Weights and gains of one step.
+//!
+//! Theory: docs/theory.md, sections 5.3, 4.1.
 
 mod interval;
 pub mod stage;

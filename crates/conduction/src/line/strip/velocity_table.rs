@@ -3,6 +3,8 @@
 //! A knot costs as much as many steps, a scene needs few of them, and nothing is known of the velocities to come but the
 //! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
 //! of its number alone, whoever asks first.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use super::blocks::Blocks;
 use super::static_correction::{Integrals, StaticCorrection, Workspace};

@@ -5,6 +5,8 @@
 //! shorter than L enter only through `exp(i q r)`, a smooth function of n over many harmonics: such a range of the sum is
 //! taken by the Gauss rule of the counting measure (its orthogonal polynomials are those of Gram), which is exact
 //! for polynomials of twice its order and equals the plain sum when it has as many nodes as there are harmonics.
+//!
+//! Theory: docs/theory.md, section 4.5.
 
 use elasticity::Cells;
 use nalgebra::DMatrix;

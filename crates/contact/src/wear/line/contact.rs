@@ -1,4 +1,6 @@
 //! Contact with wearing cells: the implicit stage equation.
+//!
+//! Theory: docs/theory.md, sections 6.1, 6.7.
 
 use super::rate::{CellRate, LocalState};
 use super::status::Status;

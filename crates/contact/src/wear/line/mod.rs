@@ -3,6 +3,8 @@
 //! The worn depth `w` of every cell grows with a rate `f(p)` of the local pressure, and the pressure follows from the worn
 //! shape by the contact problem: a differential-algebraic system of index 1 whose stiffness is inversely proportional to the
 //! smallest eigenvalue of the compliance.
+//!
+//! Theory: docs/theory.md, sections 5.2, 6.7.
 
 mod contact;
 mod newton;

@@ -14,6 +14,8 @@
 //! with the frozen diagonal D. It converges at a rate of about `|D - tau f'|/(A + D)`, and its error is bounded by the last
 //! change and that rate. D is part of the [`Status`](super::Status), so that the result never depends on which factors
 //! happen to be cached.
+//!
+//! Theory: docs/theory.md, section 6.7.
 
 use super::contact::stroke;
 use super::{Conditions, StageError, WearingContact};

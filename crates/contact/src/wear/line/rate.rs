@@ -1,4 +1,6 @@
 //! Depth rate of wear as a function of the local pressure, in a variable that is regular for every exponent.
+//!
+//! Theory: docs/theory.md, sections 2.3, 6.7.
 
 /// Depth rate at the reference pressure, in m/s (or m per m of sliding, if time is counted in sliding distance), >= 0,
 /// including speed, friction and temperature factors.

@@ -1,4 +1,6 @@
 //! Stability bound of explicit wear steps.
+//!
+//! Theory: docs/theory.md, section 5.6.
 
 use super::{Conditions, WearingContact};
 use crate::Tilt;

@@ -1,4 +1,6 @@
 //! Warm start of a contact: data carried from one solution to the next.
+//!
+//! Theory: docs/theory.md, sections 6.6, 6.7.
 
 /// Active sets and starting pressures: all that a solution depends on besides its own problem.
 ///

@@ -51,6 +51,8 @@
 //! pressure over a cycle is at most 0.4 % of the mean pressure on a half-plane at |x| < .8 a (0.06 % on a Winkler
 //! foundation); within a stroke of the edges, where the contact rides up the ends of its own groove, tens of percent of the
 //! local peak. [`LineTrack::resolved`] never averages.
+//!
+//! Theory: docs/theory.md, section 5.5.
 
 mod averaged;
 mod operator;

@@ -12,6 +12,8 @@
 //! ```
 //!
 //! b and g are computed by a cycle of the bodies alone under a unit flux into each cell.
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use crate::line::Line;
 use conduction::line::Surroundings;

@@ -16,6 +16,8 @@
 //! distance from the embedded first-order solution, which for smooth and for settled components is larger than the error of the
 //! second-order one. The contact settles: errors of earlier jumps decay, and the sum of the estimates bounds the error. Where a
 //! jump would cover only a few cycles, they are computed one by one.
+//!
+//! Theory: docs/theory.md, section 9.6.
 
 use super::map::{CycleError, CycleMap, Passage, Totals};
 use super::solve::{Equation, SolveOptions};

@@ -1,4 +1,6 @@
 //! Cycle map: one cycle of the stepped model.
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use super::exchange::Exchange;
 use super::tangent::Tangent;

@@ -11,6 +11,8 @@
 //!
 //! A cell that opens between two steps of a cycle stops exchanging heat within that step, so that the cycle is a slightly
 //! discontinuous function of its start. Where such a jump prevents an exact solution, the iteration ends beside it.
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use super::map::{CycleError, CycleMap, Passage};
 use super::solve::{Equation, Newton, Solution, SolveOptions};

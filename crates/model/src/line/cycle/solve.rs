@@ -10,6 +10,8 @@
 //! matrix J of [`super::tangent`]. The neglected effects - the pressure's feedback on the heat, cells that open or close - are
 //! resolved by [acceleration](numerics::acceleration), and for the steady cycle, where that does not converge, by
 //! [`super::newton`].
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};

@@ -6,6 +6,8 @@
 //! ```text
 //! J = - sum over the half-strokes of (duration) diag(df/dp) K
 //! ```
+//!
+//! Theory: docs/theory.md, section 9.5.
 
 use crate::StepFailure;
 use crate::line::Line;

@@ -6,6 +6,8 @@
 //! iteration converges slowly along their modes or diverges. From the last residuals `f = G(x) - x` and their differences the
 //! next x is the one that would minimise the residual if G were affine (Anderson 1965, of small depth): the few slow modes are
 //! solved for, the others converge as before.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 use numerics::dense;
 use numerics::maximum::maximum;

@@ -1,4 +1,6 @@
 //! Error estimate of a step with resolved heat, and update of the state by an accepted step.
+//!
+//! Theory: docs/theory.md, sections 7.1, 5.3.
 
 use super::evaluation::largest;
 use super::stage::weighted;

@@ -1,4 +1,6 @@
 //! Cooling of the faces of a body beyond their constant heat transfer: forced convection and radiation.
+//!
+//! Theory: docs/theory.md, section 4.11.
 
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::FACES;

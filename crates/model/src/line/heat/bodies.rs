@@ -1,4 +1,6 @@
 //! Conducting bodies of a scene, and the choice between lumped and resolved heat.
+//!
+//! Theory: docs/theory.md, section 8.1.
 
 use crate::lumped::error_weights::{ErrorWeight, error_weights};
 use crate::lumped::operators::moving_source;

@@ -1,4 +1,6 @@
 //! Evaluations of one stage iteration: friction heat and its partition, temperatures of both surfaces, the gap.
+//!
+//! Theory: docs/theory.md, sections 6.1, 6.4.
 
 use super::ThermalCoupling;
 use conduction::line::{GAMMA, Stage};

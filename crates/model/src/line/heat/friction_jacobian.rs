@@ -11,6 +11,8 @@
 //! and the surface by `E_0 dQ`. Fixed-point iteration, with the friction coefficient of the previous iterate, alternates instead,
 //! because less friction is less heat; the closer a pressure wave is to instantaneous growth, the larger the change of pressure
 //! from that difference, and beyond some speed the iteration diverges at any step size.
+//!
+//! Theory: docs/theory.md, section 6.3.
 
 use super::partition::HeatPartition;
 use conduction::line::SurfaceInfluence;

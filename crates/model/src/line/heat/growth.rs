@@ -3,7 +3,7 @@
 //! Above the critical speed pressure waves grow by friction heat. An L-stable step that is too long damps them instead, without
 //! any indication. So the step h is limited by the fastest growth rate b, `b h <= 0.3`.
 //!
-//! The bound of b by [`FastestGrowth`], for layers without wear, accepts most steps. Where it does not, the matrix of a stage
+//! The bound of b by [`FastestGrowth`](crate::fastest_growth::FastestGrowth), for layers without wear, accepts most steps. Where it does not, the matrix of a stage
 //! gives a sharper criterion. Let the pressure at t follow from the distortion by earlier heating, `p(t) = integral k(s) p(t - s)
 //! ds`, k >= 0 and decreasing, as heat diffuses. Growth at the rate b means
 //!
@@ -20,6 +20,8 @@
 //! is not positive definite. Conversely, where the matrix of a stage of the length h/0.3 is positive definite on the pressures
 //! that load and contact admit, b is below 0.3/h. This holds for waves at rest in the punch; waves at rest in the strip slide
 //! past the contact, are not represented in the matrix of a stage, and are bounded by the first criterion alone.
+//!
+//! Theory: docs/theory.md, section 7.6.
 
 use super::ThermalCoupling;
 use crate::instability::driving_body;

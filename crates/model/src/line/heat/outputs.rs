@@ -1,5 +1,7 @@
 //! Outputs of the resolved heat, by value reference. They are those at the end of the last step: the thermal states are frozen
 //! between steps.
+//!
+//! Theory: docs/theory.md, section 2.7.
 
 use crate::line::Line;
 use crate::lumped::conditions::Conditions;

@@ -21,6 +21,8 @@
 //! linearization point and reused within its validity radius; a stage iterates with them on the residual of its own influence
 //! matrices, at N^2 per iteration. From a hundred cells on these products are limited by memory bandwidth, and may run in single
 //! precision ([`HeatPartition::in_single_precision`]).
+//!
+//! Theory: docs/theory.md, sections 6.2, 6.5.
 
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,8 @@
 //!
 //! A [`HeatPartition`] is a function of step size and reference velocity, so a cached one is identical, to the bit, to one built
 //! anew.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 use super::partition::HeatPartition;
 use conduction::line::cache_capacity;

@@ -1,4 +1,6 @@
 //! Preparation of bodies and operators for a step with resolved heat.
+//!
+//! Theory: docs/theory.md, sections 5.3, 6.4, 4.11.
 
 use super::air::{balance, cooling};
 use super::bodies::cooled_part;

@@ -1,4 +1,6 @@
 //! Nonlinear solver of a stage with resolved heat: pressure, heat partition, wear and rigid motion together.
+//!
+//! Theory: docs/theory.md, sections 6.1, 6.4.
 
 use super::ThermalCoupling;
 use super::evaluation::largest;

@@ -30,6 +30,8 @@
 //! ```
 //!
 //! so it grows where the map of half the step has an eigenvalue below -1. Such a step is rejected.
+//!
+//! Theory: docs/theory.md, section 5.6.
 
 use super::ThermalCoupling;
 use super::stage::weighted;

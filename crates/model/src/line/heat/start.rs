@@ -3,6 +3,8 @@
 //! At the first stage a value is extrapolated linearly through the last two stages, at the end by the parabola through these and
 //! the first stage; after a jump (slope 0) it is kept constant. A better initial iterate saves iterations and does not affect the
 //! result otherwise.
+//!
+//! Theory: docs/theory.md, section 6.4.
 
 use super::ThermalCoupling;
 use super::state::HeatState;

@@ -1,4 +1,6 @@
 //! Thermal state of the contact line; part of a saved state.
+//!
+//! Theory: docs/theory.md, sections 1.3, 6.4.
 
 use super::bodies::Bodies;
 use conduction::line::{Account, FACES, ThermalBody};

@@ -1,4 +1,6 @@
 //! Inputs. Every optional one is neutral at 0, because importers ground open ports.
+//!
+//! Theory: docs/theory.md, section 1.3.
 
 use super::super::units::*;
 use super::{Kind, Row, real};

@@ -18,6 +18,8 @@
 //! 3e-12); beyond |k|^2 = 1000 eta the asymptotic series of F and G take over, since 1 - k F cancels. Where Re(k/s) < 0 the tail is
 //! taken towards the other side; the whole Gaussian is in the integral where the wave stands still within the step. No loop
 //! depends on the arguments.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use nalgebra::Complex;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};

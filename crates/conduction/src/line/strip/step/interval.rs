@@ -1,4 +1,6 @@
 //! The answer of one stage: gains, and weights of what is known before it.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use crate::line::GAMMA;
 use crate::line::strip::CONTACT;

@@ -1,4 +1,6 @@
 //! What carries the state to one stage.
+//!
+//! Theory: docs/theory.md, section 5.3.
 
 use super::add;
 use super::interval::{Interval, Workspace, stage_fluxes};

@@ -4,6 +4,8 @@
 //! strip. Both means together are the operator K (see [`averaging`]), and the mean shape in the gap of the contact grows by
 //! `K d` per depth d: one constant matrix instead of one per travel, and no limit of the step size. Wear beyond the contact
 //! is accumulated in two margins of the length of a stroke, so the worn volume is the integral of the law.
+//!
+//! Theory: docs/theory.md, section 5.5.
 
 use super::operator::averaging;
 use elasticity::Cells;

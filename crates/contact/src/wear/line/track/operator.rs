@@ -1,4 +1,6 @@
 //! Wear operators of a travel, and of a stroke averaged over its cycle, as areas in the plane of two positions.
+//!
+//! Theory: docs/theory.md, section 5.5.
 
 use nalgebra::DMatrix;
 
