@@ -36,7 +36,7 @@ pub enum Subject {
 /// Log message.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Message {
-    /// What it is about.
+    /// Subject of the message.
     pub subject: Subject,
     /// One line of text.
     pub text: String,

@@ -89,7 +89,7 @@ struct Level {
 /// State of a comparison.
 struct Progress<'a> {
     course: &'a NominalTrajectory,
-    /// Lumped or resolved heat of the contact line, as it feeds back.
+    /// Choice between lumped and resolved heat on the contact line.
     heat: HeatAlongContact,
     levels: Vec<Level>,
     /// Error of reduction and time steps over `estimated_step_error`: of the lumped level, of a line with lumped heat, and of one
