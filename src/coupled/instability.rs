@@ -29,10 +29,11 @@
 //! The lowest critical speed over all admissible waves is taken: in half-planes that of the longest wave, in layers often of a
 //! shorter one. From q h = 4 on layers are half-planes, so the search ends there.
 //!
-//! Shear coupling moves the speed by the order of (mu (1-2nu)/(2(1-nu)))^2 and is left out, and so are the edges of the
-//! contact, which hold the longest waves back: a punch of a wave's or half a wave's width may be stable up to twice the speed. Sources: R. A. Burton, V. Nerlikar, S. R. Kilaparti, Thermoelastic instability in a seal-like configuration, Wear 24
-//! (1973) 177-188; K. Lee, J. R. Barber, Frictionally excited thermoelastic instability in automotive disk brakes, J.
-//! Tribology 115 (1993) 607-614.
+//! Shear coupling changes the critical speed by the order of (mu (1-2nu)/(2(1-nu)))^2 and is neglected, and so are the edges of
+//! the contact, which stabilise the longest waves: a punch of a wave's or half a wave's width may be stable up to twice the
+//! speed. Sources: R. A. Burton, V. Nerlikar, S. R. Kilaparti, Thermoelastic instability in a seal-like configuration, Wear 24
+//! (1973) 177-188; K. Lee, J. R. Barber, Frictionally excited thermoelastic instability in automotive disk brakes, J. Tribology
+//! 115 (1993) 607-614.
 
 pub mod layer;
 mod waves;
