@@ -375,7 +375,7 @@ impl Component {
         }
     }
 
-    /// Tests that every output is a finite number when initialisation ends.
+    /// Checks that every output is finite at the end of initialisation.
     fn check_outputs(&mut self) -> Result<(), String> {
         self.stale = false;
         for index in FIRST_OUTPUT..FIRST_PARAMETER {
@@ -489,7 +489,7 @@ impl Component {
     /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), at frozen states.
     ///
     /// # Errors
-    /// If a known is no input or an unknown no output, or the component has no model yet.
+    /// If a known is not an input or an unknown not an output, or the component has no model yet.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[ValueReference],
@@ -509,7 +509,7 @@ impl Component {
         {
             return Err(format!("value reference {unknown} is not an output"));
         }
-        // Builds the model where initialisation has not ended yet.
+        // Builds the model if initialisation has not ended yet.
         self.get(FIRST_OUTPUT as ValueReference);
         let inputs = inputs_of(&self.values);
         let Some(model) = &mut self.model else {

@@ -41,7 +41,7 @@ pub enum SteadyError {
     Tipping {
         /// Lever mu H of the resultant, in m.
         lever: f64,
-        /// The largest that the contact can balance, in m.
+        /// Largest lever at which the contact can be in equilibrium, in m.
         limit: f64,
     },
     /// Reciprocating sliding with a punch free to rotate: it rocks itself round.
@@ -82,7 +82,7 @@ pub enum SteadyError {
     },
     /// With heat: error of the bodies, or of a cycle of the contact line.
     Heat(String),
-    /// The pressure of a stage could not be found.
+    /// The contact problem of a stage has no solution.
     Stage(StageError),
     /// The quadratic programme has no solution.
     Programme(ProgrammeError),

@@ -43,7 +43,7 @@ pub struct LineState {
     pub status: Status,
     /// log2 of the number of parts of the last communication step.
     pub refinement: u8,
-    /// Bits of limit_reached seen so far.
+    /// Bits of `limit_reached` set so far.
     pub limits: u8,
     /// Running estimate of the relative error of the worn shape.
     pub error: f64,

@@ -141,7 +141,7 @@ impl Line {
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
                     part += 1;
                     failures = 0;
-                    // The error is O(h^2): a quarter of the tolerance permits doubling the step.
+                    // The error is O(h^2): this margin permits doubling the step.
                     let rejected_by_growth =
                         self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
                     if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {

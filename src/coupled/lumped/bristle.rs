@@ -1,4 +1,4 @@
-//! The bristle that carries the friction force at standstill (`contact.stick_stiffness`).
+//! Bristle model of the friction force at standstill (`contact.stick_stiffness`).
 //!
 //! A spring of stiffness k with a damper c, in series with a Coulomb slider of limit L:
 //!

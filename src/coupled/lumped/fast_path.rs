@@ -425,7 +425,7 @@ mod tests {
             values[const { reference("strip.path") } as usize] = path;
             values[const { reference("nominal.stroke") } as usize] = stroke;
             if path == 1.0 {
-                // Elsewhere than on a closed path, variable cooling needs the general form.
+                // Variable cooling requires the general form, except on a closed path.
                 values[const { reference("strip.convection_forced") } as usize] = 0.0;
             }
             let scene = Scene::new(&values, None).unwrap();

@@ -7,7 +7,7 @@ use crate::heat::flash::{Flash, MAX_FLASH_STATES};
 /// Weights of the moving source for one step size and one course of the speed.
 #[derive(Clone, Debug)]
 pub struct FlashStep {
-    /// The speeds (m/s) at the start and at the three points, and the step size (s) they hold for.
+    /// Speeds (m/s) at the start and at the three points, and step size (s), of these weights.
     key: ([f64; 4], f64),
     /// The speed is the same at all points.
     steady: bool,

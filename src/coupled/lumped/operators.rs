@@ -15,7 +15,7 @@ use crate::wear::law::WearLaw;
 /// Heat and wear operators of a body at the lumped level.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyOperators {
-    /// Conduction; `None` for an insulator.
+    /// Reduced conduction model; `None` for an insulator.
     pub heat: Option<ReducedBody>,
     /// Fraction of the contact flux that enters per reference area.
     pub coverage: f64,
@@ -47,7 +47,7 @@ pub struct BodyOperators {
 }
 
 impl BodyOperators {
-    /// Whether cooling beyond the constant heat transfer acts anywhere.
+    /// Whether any face has cooling beyond the constant heat transfer.
     pub fn is_cooled_variably(&self) -> bool {
         self.air.iter().any(Air::acts)
     }
@@ -128,7 +128,7 @@ pub struct LumpedOperators {
     pub critical_speed: CriticalSpeed,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
-    /// Load lost per m of wear or of negative thermal expansion with a caliper, N/m; 0: dead load.
+    /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
     pub series_stiffness: f64,
 }
 

@@ -45,7 +45,7 @@ pub struct LumpedState {
     pub peak_flux: f64,
     /// Largest wear rate so far, m/s.
     pub peak_wear: f64,
-    /// Bits of limit_reached seen so far.
+    /// Bits of `limit_reached` set so far.
     pub limits: u8,
     /// log2 of the number of parts of the last communication step.
     pub refinement: u8,

@@ -45,7 +45,7 @@ impl Propagators {
 pub struct Attempt {
     /// Error in units of the tolerance; the step is accepted if at most 1.
     pub error: f64,
-    /// Highest temperature seen, K above the reference.
+    /// Highest temperature of the step, K above the reference.
     pub hottest: f64,
 }
 

@@ -42,7 +42,7 @@ struct Found {
     pressure: Vec<f64>,
     temperature: [Vec<f64>; 2],
     flux: [Vec<f64>; 2],
-    /// Displacement of both surfaces by heat, m into the bodies.
+    /// Thermal distortion: displacement of both surfaces, m into the bodies.
     moved: DVector<f64>,
     states: [Vec<f64>; 2],
     surroundings: [Surroundings; 2],

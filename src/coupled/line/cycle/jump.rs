@@ -28,7 +28,7 @@ const SHORTEST: f64 = 6.0;
 /// Largest ratio of successive jump lengths.
 const GROWTH: f64 = 4.0;
 
-/// Part of a jump's tolerance to which its stages are solved.
+/// Tolerance of the stages, as a fraction of that of the jump.
 const STAGES: f64 = 0.02;
 
 /// Largest number of cycles for one stage.
