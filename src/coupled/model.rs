@@ -131,7 +131,7 @@ impl ModelOperators {
 }
 
 impl ModelState {
-    /// Whether the state can belong to `operators`.
+    /// Whether the state is compatible with `operators`.
     pub fn fits(&self, operators: &ModelOperators) -> bool {
         match (self, operators) {
             (ModelState::Lumped(state), ModelOperators::Lumped(operators)) => state.fits(operators),
@@ -187,7 +187,7 @@ impl Model {
         }
     }
 
-    /// Replaces the whole state by one that fits.
+    /// Replaces the whole state by a compatible one.
     pub fn set_state(&mut self, state: &ModelState) {
         match (self, state) {
             (Model::Lumped(model), ModelState::Lumped(state)) => model.set_state(state),
@@ -226,7 +226,7 @@ impl Model {
         matches!(self, Model::Line(line) if line.attempts_left() == Some(0))
     }
 
-    /// Whether a bristle carries the force at standstill.
+    /// Whether a bristle models the friction force at standstill.
     #[inline]
     pub fn has_bristle(&self) -> bool {
         each!(self, model => model.has_bristle())

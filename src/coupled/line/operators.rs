@@ -63,7 +63,7 @@ pub struct LineOperators {
     pub torque_weights: Vec<f64>,
     /// r/r_m of the cells; all 1 but in annular geometry.
     pub radius_ratio: Vec<f64>,
-    /// Wear rate of punch and strip on the cells over that at the mean radius.
+    /// Wear depth rate of punch and strip on the cells relative to that at the mean radius.
     pub radial: [Vec<f64>; 2],
     /// Gap of the unworn bodies, N cell means, m.
     pub initial_gap: Vec<f64>,

@@ -1,7 +1,7 @@
 //! Time stepping of the worn shape within a piece of a communication step.
 //!
 //! SDIRK2, `gamma = 1 - 1/sqrt 2`: second order, L-stable, stiffly accurate, so the pressure of the last stage is the
-//! pressure on the shape at the end. With the depth rates `f` of the law on the cells,
+//! pressure on the shape at the end. With the depth rates `f` of the wear law on the cells,
 //!
 //! ```text
 //! gap_1 = g0 + w + gamma h f(p_1) + A p_1 - ...            at gamma h

@@ -71,9 +71,9 @@ fn gain_at_stages(observed: &Observed, port: usize) -> Matrix {
     [observed.gain[port][0], observed.gain[port][2]]
 }
 
-/// Surface of the strip with its cooling eliminated: at both stages its temperature without the moving source is `level + gain
-/// into`, with `into` the contact's heat into the strip, and the cooling flux into it is `offset - slope T` of that temperature
-/// T.
+/// Surface of the strip with its cooling eliminated: at both stages its temperature without the moving source is
+/// `level + gain into`, with `into` the contact's heat into the strip, and the cooling flux into it is `offset - slope T` of that
+/// temperature T.
 struct Surface {
     level: Pair,
     gain: Matrix,

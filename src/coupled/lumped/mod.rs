@@ -1,4 +1,4 @@
-//! The lumped level: uniform pressure, a few thermal states per body, a moving source.
+//! Lumped level: uniform pressure, a few thermal states per body, a moving source.
 
 mod advance;
 pub mod air;
@@ -147,7 +147,7 @@ impl Lumped {
         &self.operators
     }
 
-    /// Whether a bristle carries the force at standstill.
+    /// Whether a bristle models the friction force at standstill.
     pub fn has_bristle(&self) -> bool {
         self.operators.scene.stick_stiffness > 0.0
     }

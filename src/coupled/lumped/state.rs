@@ -176,7 +176,7 @@ impl LumpedState {
         self.position += travel;
     }
 
-    /// Whether the state can belong to `operators`.
+    /// Whether the state is compatible with `operators`.
     pub fn fits(&self, operators: &LumpedOperators) -> bool {
         let within = |heat: &[f64], body: &super::operators::BodyOperators| {
             let count = body.heat.as_ref().map_or(0, |heat| heat.count);

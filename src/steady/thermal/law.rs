@@ -16,9 +16,9 @@
 //! - the leading term of u is the heat of a half-stroke, a saw tooth in time: pressures within a half-stroke change by r;
 //! - the mean of a saw tooth over the half-stroke is zero. The half-strokes' mean pressures, the p+ and p- of the run-in contact,
 //!   are first affected by the second term, which has a different phase: for a wave long against `(kd P)^(1/2)` by `r^(3/2)`;
-//! - the flux jumps at the edges, so that its Fourier coefficients decay like 1/m only; short waves behave as in a long cycle, `u
-//!   ~ q/m^2` and `p ~ m u`, and close to the edges, over a length `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root mean
-//!   square over all of the contact scales with `r^(3/4)`. Inside, the edges have an influence as well, so that the measured
+//! - the flux jumps at the edges, so that its Fourier coefficients decay like 1/m only; short waves behave as in a long cycle,
+//!   `u ~ q/m^2` and `p ~ m u`, and close to the edges, over a length `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root
+//!   mean square over all of the contact scales with `r^(3/4)`. Inside, the edges have an influence as well, so that the measured
 //!   power lies between 1 and 3/2.
 //!
 //! Besides, a strip in reciprocating sliding carries its warm track under the punch: this changes pressures within a half-stroke
