@@ -63,7 +63,8 @@ impl Conductor {
         }
     }
 
-    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which heat does not enter.
+    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which
+    /// absorbs no heat.
     fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
         if self.conductivity == 0.0 {
             return Complex::new(wave, 0.0);

@@ -2,9 +2,9 @@
 //!
 //! # Method
 //!
-//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run. Its
-//! error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the model
-//! reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
+//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run.
+//! Its error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the
+//! model reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
 //! resolved heat where its distribution feeds back on the pressure, and lumped heat elsewhere.
 //!
 //! The plan depends on computed numbers alone, never on timings: the same scene has the same plan on every machine.
