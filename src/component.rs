@@ -163,7 +163,7 @@ pub struct Component {
 }
 
 impl Component {
-    /// A component with these start values.
+    /// Component with these start values.
     pub fn new(starts: Arc<Values>) -> Component {
         let values = Box::new(*starts);
         Component {

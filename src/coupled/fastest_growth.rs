@@ -22,7 +22,6 @@
 //!
 //! A step that is short against the fastest growth of the waves between the contact's width and its smallest cell is therefore
 //! short enough for every wave of the mesh. Wear and friction that decreases with temperature only reduce growth.
-
 //!
 //! # Layers
 //!

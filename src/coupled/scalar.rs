@@ -17,7 +17,7 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + Neg<Output = Self>
 {
-    /// The value without its derivative.
+    /// Value without the derivative.
     fn value(self) -> f64;
     /// Square root.
     fn sqrt(self) -> Self;

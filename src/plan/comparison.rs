@@ -63,7 +63,7 @@ pub struct Comparison {
     pub candidates: Vec<Candidate>,
     /// Levels that were run, with the operators for the scene.
     pub operators: Vec<(ModelLevel, ModelOperators)>,
-    /// The finest contact line that was run.
+    /// Finest contact line that was run.
     pub finest: ModelLevel,
     /// Operators of the finest contact line.
     pub line: ModelOperators,

@@ -9,7 +9,7 @@ use crate::scene::{HeatAlongContact, Scene};
 /// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Effect {
-    /// Its name.
+    /// Name of the effect.
     pub name: &'static str,
     /// Definition of the number.
     pub measure: &'static str,

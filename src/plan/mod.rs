@@ -50,7 +50,7 @@ const MOST_IN_VAIN: usize = 65;
 /// Model level with its error.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Candidate {
-    /// The level.
+    /// Model level.
     pub model_level: ModelLevel,
     /// Relative errors of wear depth, contact temperature and friction force by the level and its cells.
     pub errors: [f64; 3],
@@ -111,10 +111,10 @@ pub struct Plan {
     pub rise: f64,
 }
 
-/// A plan and the operators of its level.
+/// Plan and operators of its level.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// The plan.
+    /// Chosen level with its basis.
     pub plan: Plan,
     /// Operators of the chosen level.
     pub operators: ModelOperators,

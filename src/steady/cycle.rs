@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 /// Reciprocating sliding of a wearing punch with a vanishing wear per stroke, any pressure exponents.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleProblem<'a> {
-    /// The cells.
+    /// Cells of the contact.
     pub cells: &'a Cells,
     /// Punch.
     pub punch: &'a Compliance,
@@ -275,7 +275,7 @@ impl CycleProblem<'_> {
         }
     }
 
-    /// The smaller of the two pressures that differ by r and wear `depth` in a cycle: bisection with Newton steps.
+    /// Smaller of the two pressures that differ by r and wear `depth` in a cycle: bisection with Newton steps.
     fn smaller(&self, cell: usize, r: f64, depth: f64) -> f64 {
         let [t_forward, t_backward] = self.durations;
         let (up, down) = (r.max(0.0), (-r).max(0.0));

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 /// closed path).
 #[derive(Clone, Copy, Debug)]
 pub struct ReciprocatingProblem<'a> {
-    /// The cells.
+    /// Cells of the contact.
     pub cells: &'a Cells,
     /// Punch.
     pub punch: &'a Compliance,

@@ -35,7 +35,7 @@ pub struct ElasticVelocity {
     /// length of a half-stroke: the fraction of the stroke in which the surfaces deform instead of sliding. 0 in unidirectional
     /// sliding.
     pub reversal: f64,
-    /// The same ratio for the punch's rotation about its pivot: `H |tilt jump|` over the length of a half-stroke.
+    /// Ratio as above for the punch's rotation about its pivot: `H |tilt jump|` over the length of a half-stroke.
     pub pivot: f64,
     /// Largest velocity along x by the change of the pressure within a stroke, over |v|: wear redistributes the pressure.
     pub within_stroke: f64,

@@ -50,9 +50,9 @@ const MANY: usize = 72;
 /// Linearization point of the operators reused from step to step.
 #[derive(Clone, Copy, Debug, Default)]
 struct FrozenJacobian {
-    /// The step under way has this velocity throughout, so that the operators are exact for it.
+    /// Sliding velocity, m/s.
     velocity: f64,
-    /// The step under way has this velocity throughout.
+    /// The step under way has this velocity throughout, so that the operators are exact for it.
     exact: bool,
     /// mu s v, m/s.
     per_pressure: f64,

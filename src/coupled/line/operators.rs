@@ -55,7 +55,7 @@ pub struct LineOperators {
     pub mean: Arc<lumped::operators::LumpedOperators>,
     /// Conducting bodies of resolved heat; `None`: lumped heat.
     pub heat: Option<Bodies>,
-    /// The cells.
+    /// Cells of the contact.
     pub cells: Cells,
     /// Weights of the load integral, m: areas of the cells per depth.
     pub weights: Vec<f64>,

@@ -13,7 +13,7 @@ pub struct LineState {
     pub punch: Vec<f64>,
     /// Worn depth of the strip under the cells, m.
     pub strip: Vec<f64>,
-    /// The strip's track on a straight path.
+    /// Worn track of the strip on a straight path; `None` otherwise.
     pub track: Option<LineTrack>,
     /// Thermal state, with resolved heat.
     pub heat: Option<HeatState>,

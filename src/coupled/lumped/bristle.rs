@@ -40,7 +40,7 @@ pub struct Moved {
 }
 
 impl Moved {
-    /// At rest at the deflection `z` (m).
+    /// Bristle at rest at the deflection `z` (m).
     pub fn none(z: f64) -> Moved {
         Moved { deflection: z, heat: 0.0, slipped: 0.0, power: [0.0; 3], speed: [0.0; 3] }
     }

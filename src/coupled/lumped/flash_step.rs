@@ -291,7 +291,7 @@ impl FlashStep {
         [self.homogeneous(0, states), self.homogeneous(2, states)]
     }
 
-    /// The states at the end of the step under the stage fluxes `flux` into the strip.
+    /// States at the end of the step under the stage fluxes `flux` into the strip.
     #[inline(always)]
     pub fn advanced(&self, states: &Row, flux: [f64; 2]) -> Row {
         let (start, rise) = (1.5 * flux[0] - 0.5 * flux[1], 1.5 * (flux[1] - flux[0]));

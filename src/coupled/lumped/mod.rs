@@ -109,7 +109,7 @@ pub struct Lumped {
     oldest: usize,
     /// Index of the last one used.
     latest: usize,
-    /// The machine's vector unit.
+    /// Vector unit of the machine.
     arch: Arch,
     flash: FlashStep,
     /// Conditions last computed, and their inputs.

@@ -304,7 +304,7 @@ fn punch_cooled(scene: &Scene) -> f64 {
     if scene.punch.cooled_area > 0.0 { scene.punch.cooled_area } else { sides }
 }
 
-/// The punch as a slab under the contact's `area`, m2.
+/// Slab model of the punch under the contact's `area`, m2.
 pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
     let body = &scene.punch;
     Slab {
@@ -343,7 +343,7 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
     (reference, coverage, cooled)
 }
 
-/// The strip as a slab under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact covers.
+/// Slab model of the strip under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact covers.
 pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
@@ -359,7 +359,7 @@ pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab
     (slab, coverage)
 }
 
-/// The strip's operators, and its slab for the moving source.
+/// Operators of the strip, and its slab model for the moving source.
 fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);

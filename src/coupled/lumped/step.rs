@@ -21,7 +21,7 @@ use crate::numerics::maximum::{all_finite, maximum};
 /// Propagators of both bodies over one step size.
 #[derive(Clone, Debug)]
 pub struct Propagators {
-    /// The step size, s.
+    /// Step size, s.
     pub step: f64,
     pub(super) punch: Option<Propagator>,
     pub(super) strip: Option<Propagator>,
@@ -60,7 +60,7 @@ pub struct Stepper<'a> {
     pub cut: f64,
     /// Conditions at the ends of the piece; see `cut`.
     pub ends: Option<&'a [Conditions; 2]>,
-    /// The moving source, prepared for this step and its speeds.
+    /// Moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
 }
 
