@@ -343,7 +343,8 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
     (reference, coverage, cooled)
 }
 
-/// Slab model of the strip under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact covers.
+/// Slab model of the strip under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact
+/// covers.
 pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
