@@ -37,7 +37,7 @@ pub enum Subject {
 /// Log message.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Message {
-    /// What it is about.
+    /// Subject of the message.
     pub subject: Subject,
     /// One line of text.
     pub text: String,
@@ -164,7 +164,7 @@ pub struct Component {
 }
 
 impl Component {
-    /// A component with these start values.
+    /// Component with these start values.
     pub fn new(starts: Arc<Values>) -> Component {
         let values = Box::new(*starts);
         Component {
@@ -378,7 +378,7 @@ impl Component {
         }
     }
 
-    /// Tests that every output is a finite number when initialisation ends.
+    /// Checks that every output is finite at the end of initialisation.
     fn check_outputs(&mut self) -> Result<(), String> {
         self.stale = false;
         for index in FIRST_OUTPUT..FIRST_PARAMETER {
@@ -492,7 +492,7 @@ impl Component {
     /// Derivatives of `unknowns` (outputs) in the direction `seed` of `knowns` (inputs), at frozen states.
     ///
     /// # Errors
-    /// If a known is no input or an unknown no output, or the component has no model yet.
+    /// If a known is not an input or an unknown not an output, or the component has no model yet.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[ValueReference],
@@ -512,7 +512,7 @@ impl Component {
         {
             return Err(format!("value reference {unknown} is not an output"));
         }
-        // Builds the model where initialisation has not ended yet.
+        // Builds the model if initialisation has not ended yet.
         self.get(FIRST_OUTPUT as ValueReference);
         let inputs = inputs_of(&self.values);
         let Some(model) = &mut self.model else {

@@ -36,7 +36,7 @@ fn name_of(index: usize) -> (&'static str, &'static str) {
 }
 
 impl Component {
-    /// Tests the inputs at the beginning and at the end of a step of `step` s.
+    /// Checks the inputs at the beginning and at the end of a step of `step` s.
     ///
     /// # Errors
     /// A text that names the variable, its value and the limit.

@@ -18,7 +18,7 @@ impl Component {
     /// parabola through the three values, second order in that length.
     ///
     /// # Errors
-    /// If an unknown is no output, there is no model yet, or no step can be made from here.
+    /// If an unknown is not an output, there is no model yet, or the look-ahead step fails.
     pub fn output_derivatives(&mut self, unknowns: &[ValueReference], result: &mut [f64]) -> Result<(), String> {
         if let Some(unknown) =
             unknowns.iter().find(|&&unknown| !(FIRST_OUTPUT..FIRST_PARAMETER).contains(&(unknown as usize)))

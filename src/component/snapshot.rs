@@ -176,7 +176,7 @@ impl Snapshot {
     /// Reads what [`Snapshot::encode`] wrote.
     ///
     /// # Errors
-    /// If the bytes are no snapshot. Restoring checks the rest.
+    /// If the bytes are not a snapshot. Further checks follow in [`Component::restore`].
     pub fn decode(bytes: &[u8]) -> Result<Snapshot, String> {
         if !bytes.len().is_multiple_of(8) {
             return Err(format!("{} bytes of saved state are not a whole number of values", bytes.len()));

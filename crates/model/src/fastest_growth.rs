@@ -1,9 +1,9 @@
 //! Upper bound of the growth rate of thermoelastic pressure waves.
 //!
-//! A wave of wave number m at rest in one body with the growth rate b has a temperature that decays into that body with `lambda^2
-//! = m^2 + b/kd`. The mate slides over it at the sliding speed V and has an impedance of at most `Z = 1/(K' |m^2 - i m
-//! V/kd'|^(1/2))`. With the resistance rho = 1/h_c of the contact and `G = mu V alpha (1+nu) E*` (heat, thermal lift and
-//! stiffness as in [`super::instability`])
+//! A wave of wave number m at rest in one body with the growth rate b has a temperature that decays into that body with
+//! `lambda^2 = m^2 + b/kd`. The mate slides over it at the sliding speed V and has an impedance of at most
+//! `Z = 1/(K' |m^2 - i m V/kd'|^(1/2))`. With the resistance rho = 1/h_c of the contact and `G = mu V alpha (1+nu) E*` (heat,
+//! thermal lift and stiffness as in [`super::instability`])
 //!
 //! ```text
 //! (lambda + m) [1 + K lambda (Z + rho)] = G m (Z + rho/2),    b = kd (lambda^2 - m^2)
@@ -17,21 +17,18 @@
 //! is bounded, and the instability is a well-posed problem without a smallest length:
 //!
 //! - insulating mate: `lambda (lambda + m) = G m/K`, fastest `.0902 kd (G/K)^2` at `lambda/m = 1.618`;
-//! - mate that absorbs all heat (Z = 0): nothing grows below `G = 4 h_c`, at any wave number; above, all waves longer than `2 pi
-//!   K/(h_c (G/(4 h_c) - 1))` grow, none at a rate above the order of `kd (h_c/K)^2`.
+//! - mate that absorbs all heat (Z = 0): nothing grows below `G = 4 h_c`, at any wave number; above, all waves longer than
+//!   `2 pi K/(h_c (G/(4 h_c) - 1))` grow, none at a rate above the order of `kd (h_c/K)^2`.
 //!
 //! A step that is short against the fastest growth of the waves between the contact's width and its smallest cell is therefore
 //! short enough for every wave of the mesh. Wear and friction that decreases with temperature only reduce growth.
 //!
-//! Theory: docs/theory.md, section 7.5.
-
-//!
 //! # Layers
 //!
 //! Where a layer is thinner than the wave, a body that is insulated at its base and smooth there absorbs less heat and has a
-//! larger thermal lift relative to its stiffness: `1 + Y (Z + rho) >= y [1 + K lambda (Z + rho)]` with `y = min(1, Y/(K
-//! lambda))`, and the ratio of lift to compliance is l times that of half-planes. G times the largest `l/y` over all rates then
-//! bounds the growth from above; for layers stiffer than half-planes G is unchanged.
+//! larger thermal lift relative to its stiffness: `1 + Y (Z + rho) >= y [1 + K lambda (Z + rho)]` with
+//! `y = min(1, Y/(K lambda))`, and the ratio of lift to compliance is l times that of half-planes. G times the largest `l/y` over
+//! all rates then bounds the growth from above; for layers stiffer than half-planes G is unchanged.
 
 use super::instability::layer::{FarFace, Layer, half_resistance};
 use elasticity::Base;
@@ -65,7 +62,8 @@ impl Conductor {
         }
     }
 
-    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which heat does not enter.
+    /// Decay into the body, 1/m, of a wave that moves at `speed` m/s in its frame; the wave number for an insulator, which
+    /// absorbs no heat.
     fn decay(&self, wave: f64, speed: f64) -> Complex<f64> {
         if self.conductivity == 0.0 {
             return Complex::new(wave, 0.0);

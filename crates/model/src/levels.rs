@@ -1,6 +1,4 @@
-//! The levels behind one face: what the component talks to.
-//!
-//! Theory: docs/theory.md, section 8.1.
+//! Common interface of the model levels, as the component uses it.
 
 use super::line::operators::RunIn;
 use super::line::{self, Line};
@@ -13,36 +11,37 @@ use scene::{Fidelity, Scene};
 use std::fmt;
 use std::sync::Arc;
 
-/// What a level is made of, shared by every state of a scene.
+/// Operators of a level, shared by all states of a scene.
 #[derive(Clone, Debug)]
 pub enum ModelOperators {
-    /// Uniform pressure.
+    /// Lumped level: uniform pressure.
     Lumped(Arc<lumped::operators::LumpedOperators>),
-    /// Cells.
+    /// Line level: pressure on cells.
     Line(Arc<line::operators::LineOperators>),
 }
 
-/// Everything that changes.
+/// State of a level.
 #[derive(Clone, PartialEq, Debug)]
 pub enum ModelState {
-    /// Of the lumped level.
+    /// State of the lumped level.
     Lumped(lumped::state::LumpedState),
-    /// Of the line level: mean, and the contact as numbers whose count the scene decides.
+    /// State of the line level: its lumped level, and the contact line as numbers, whose count depends on the scene.
     Line(lumped::state::LumpedState, Vec<f64>),
 }
 
-/// A scene at its level. The common one is stored in place, so that its step follows no pointer.
+/// Instance of a scene at its level. The lumped level, the more frequent one, is stored in place, so that its step follows no
+/// pointer.
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "see above")]
 pub enum Model {
-    /// Uniform pressure.
+    /// Lumped level: uniform pressure.
     Lumped(Lumped),
-    /// Cells.
+    /// Line level: pressure on cells.
     Line(Box<Line>),
 }
 
 impl ModelOperators {
-    /// Builds the level that the scene asks for.
+    /// Builds the operators of the scene's level.
     ///
     /// # Errors
     /// A text with the numbers where a body, or the run-in state, does not exist.
@@ -55,7 +54,7 @@ impl ModelOperators {
         })
     }
 
-    /// Builds the contact line of `scene`, whose lumped level these are, with their reduced bodies for its mean.
+    /// Builds the contact line of `scene`, whose lumped level these operators are, and shares its reduced bodies.
     ///
     /// # Errors
     /// As [`ModelOperators::new`].
@@ -63,7 +62,7 @@ impl ModelOperators {
         Ok(ModelOperators::Line(Arc::new(line::operators::LineOperators::beside(scene, self.mean(), run_in)?)))
     }
 
-    /// Those of the mean, which every level has.
+    /// Operators of the lumped level, which are part of every level.
     pub fn mean(&self) -> &lumped::operators::LumpedOperators {
         match self {
             ModelOperators::Lumped(operators) => operators,
@@ -71,7 +70,7 @@ impl ModelOperators {
         }
     }
 
-    /// The scene they were built from.
+    /// Scene from which the operators were built.
     pub fn scene(&self) -> &Scene {
         match self {
             ModelOperators::Lumped(operators) => &operators.scene,
@@ -79,7 +78,7 @@ impl ModelOperators {
         }
     }
 
-    /// Cells of the contact; 1 at the lumped level.
+    /// Number of cells of the contact; 1 at the lumped level.
     pub fn cells(&self) -> usize {
         match self {
             ModelOperators::Lumped(_) => 1,
@@ -87,7 +86,7 @@ impl ModelOperators {
         }
     }
 
-    /// The same contact line with its heat by the mean: no elastic body is built anew. The lumped level is what it is.
+    /// The same contact line with lumped heat, without new elastic bodies. The lumped level is unchanged.
     pub fn with_mean_heat(&self) -> ModelOperators {
         match self {
             ModelOperators::Lumped(_) => self.clone(),
@@ -95,7 +94,7 @@ impl ModelOperators {
         }
     }
 
-    /// What was chosen, for the log.
+    /// Description of the choices made, for the log.
     pub fn plan(&self) -> String {
         let mean = match self {
             ModelOperators::Lumped(operators) => operators,
@@ -114,7 +113,7 @@ impl ModelOperators {
         }
     }
 
-    /// What a user should know about the scene before it runs.
+    /// Warnings about the scene, before it runs.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = match self {
             ModelOperators::Lumped(_) => Vec::new(),
@@ -133,7 +132,7 @@ impl ModelOperators {
 }
 
 impl ModelState {
-    /// Whether the state can belong to `operators`.
+    /// Whether the state is compatible with `operators`.
     pub fn fits(&self, operators: &ModelOperators) -> bool {
         match (self, operators) {
             (ModelState::Lumped(state), ModelOperators::Lumped(operators)) => state.fits(operators),
@@ -155,7 +154,7 @@ macro_rules! each {
 }
 
 impl Model {
-    /// Starts from rest at the given inputs.
+    /// Initial state at rest at the given inputs.
     pub fn new(operators: &ModelOperators, tunables: Tunables, inputs: &[f64; INPUTS]) -> Model {
         match operators {
             ModelOperators::Lumped(operators) => Model::Lumped(Lumped::new(operators.clone(), tunables, inputs)),
@@ -163,7 +162,7 @@ impl Model {
         }
     }
 
-    /// What the scene was made into.
+    /// Operators built from the scene.
     pub fn operators(&self) -> ModelOperators {
         match self {
             Model::Lumped(model) => ModelOperators::Lumped(model.operators().clone()),
@@ -171,13 +170,13 @@ impl Model {
         }
     }
 
-    /// The scene.
+    /// Scene of the operators.
     #[inline]
     pub fn scene(&self) -> &Scene {
         each!(self, model => &model.operators().scene)
     }
 
-    /// Everything that changes, copied.
+    /// Copy of the whole state.
     pub fn save(&self) -> ModelState {
         match self {
             Model::Lumped(model) => ModelState::Lumped(model.state().clone()),
@@ -189,7 +188,7 @@ impl Model {
         }
     }
 
-    /// Replaces everything that changes with a state that fits.
+    /// Replaces the whole state by a compatible one.
     pub fn set_state(&mut self, state: &ModelState) {
         match (self, state) {
             (Model::Lumped(model), ModelState::Lumped(state)) => model.set_state(state),
@@ -211,24 +210,24 @@ impl Model {
         }
     }
 
-    /// Parameters that may change between steps.
+    /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         each!(self, model => model.set_tunables(tunables));
     }
 
-    /// From here on a contact line tries at most `most` internal steps: a step that would need more fails.
+    /// Limits the internal steps of a contact line tried from here on: a step that needs more than `most` fails.
     pub fn limit_attempts(&mut self, most: u32) {
         if let Model::Line(line) = self {
             line.limit_attempts(most);
         }
     }
 
-    /// Whether all internal steps that were allowed are used up.
+    /// Whether all permitted internal steps are used up.
     pub fn out_of_attempts(&self) -> bool {
         matches!(self, Model::Line(line) if line.attempts_left() == Some(0))
     }
 
-    /// Whether a bristle carries the force at standstill.
+    /// Whether a bristle models the friction force at standstill.
     #[inline]
     pub fn has_bristle(&self) -> bool {
         each!(self, model => model.has_bristle())
@@ -240,7 +239,7 @@ impl Model {
         each!(self, model => model.limits())
     }
 
-    /// Writes what a bit of the limits says where its text depends on numbers.
+    /// Writes the message of a limit bit that contains numbers.
     ///
     /// # Errors
     /// Those of `text`.
@@ -251,7 +250,7 @@ impl Model {
         }
     }
 
-    /// What the contact solver has done so far; nothing at the lumped level.
+    /// Work counters of the contact solver; zero at the lumped level.
     pub fn contact_work(&self) -> WorkCounter {
         match self {
             Model::Lumped(_) => WorkCounter::default(),
@@ -270,10 +269,10 @@ impl Model {
         }
     }
 
-    /// Carries the scene over `step` (s, > 0); on failure it is as before.
+    /// Advances the scene by `step` (s, > 0); on failure the state is unchanged.
     ///
     /// # Errors
-    /// [`StepFailure`] names what has no solution.
+    /// [`StepFailure`] names the quantity without a solution.
     #[inline]
     pub fn step(
         &mut self,
@@ -284,18 +283,18 @@ impl Model {
         each!(self, model => model.step(inputs, slopes, step))
     }
 
-    /// Writes the outputs that answer the inputs (but `friction_slope`), and the worn depths.
+    /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
         each!(self, model => model.write_contact(inputs, values));
     }
 
-    /// Writes the main outputs as the last step left them; for the inputs of its end only.
+    /// Writes the main outputs at the end of the last step, valid for its final inputs only.
     #[inline]
     pub fn write_end(&self, values: &mut [f64; COUNT]) {
         each!(self, model => model.write_end(values));
     }
 
-    /// Writes the outputs that only the states give.
+    /// Writes the outputs that depend on the states only.
     pub fn write_account(&self, values: &mut [f64; COUNT]) {
         each!(self, model => model.write_account(values));
     }
@@ -305,7 +304,7 @@ impl Model {
         each!(self, model => model.write_rest(inputs, values));
     }
 
-    /// Derivatives of every output in the direction `seed` of the inputs, with the states held.
+    /// Derivatives of every output in the direction `seed` of the inputs, at frozen states.
     pub fn write_derivatives(&mut self, inputs: &[f64; INPUTS], seed: &[f64; INPUTS], derivatives: &mut [f64; COUNT]) {
         each!(self, model => model.write_derivatives(inputs, seed, derivatives));
     }

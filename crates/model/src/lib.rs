@@ -11,22 +11,22 @@ pub mod line;
 pub mod lumped;
 pub mod plan;
 
-/// Inputs of the component in the order of the variable table, with their time derivatives.
+/// Inputs of the component in the order of the variable table.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Inputs<S = f64> {
-    /// Punch over strip, m/s.
+    /// Velocity of the punch over the strip, m/s.
     pub sliding_velocity: S,
-    /// Per face, N.
+    /// Load per face, N.
     pub normal_load: S,
-    /// rad/s.
+    /// Angular velocity, rad/s.
     pub angular_velocity: S,
-    /// K.
+    /// Offset of the ambient temperature, K.
     pub ambient_temperature_offset: S,
-    /// m/s.
+    /// Velocity of forced convection, m/s.
     pub cooling_velocity: S,
-    /// K.
+    /// External temperature of the strip, K.
     pub strip_external_temperature: S,
-    /// K.
+    /// External temperature of the punch, K.
     pub punch_external_temperature: S,
 }
 
@@ -34,7 +34,7 @@ pub struct Inputs<S = f64> {
 pub const INPUTS: usize = 7;
 
 impl<S: Copy> Inputs<S> {
-    /// From an array in the order of the variable table.
+    /// Inputs from an array in the order of the variable table.
     pub fn from_array(array: [S; INPUTS]) -> Self {
         let [
             sliding_velocity,
@@ -57,7 +57,7 @@ impl<S: Copy> Inputs<S> {
     }
 }
 
-/// Why a step could not be taken; names the quantity, its value and the limit.
+/// Reason for which a step fails; names the quantity, its value and the limit.
 #[derive(Clone, PartialEq, Debug)]
 pub struct StepFailure(pub String);
 

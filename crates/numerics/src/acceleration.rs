@@ -1,21 +1,19 @@
-//! Acceleration of a fixed-point iteration `z <- z + d(z)`.
+//! Anderson acceleration of a fixed-point iteration `z <- z + d(z)`.
 //!
-//! D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547, in the form without
-//! damping (type II): the next iterate is the combination of the last ones whose step d, taken linear in between, is
-//! shortest, and that step. For linear d it is as good as GMRES.
-//!
-//! Theory: docs/theory.md, section 9.5.
+//! D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547, undamped and of type II: the next
+//! iterate is the affine combination of the last ones that minimises the step d, taken as linear in between, plus that step. For
+//! linear d it is equivalent to GMRES.
 
 use crate::factorization;
 use nalgebra::{DMatrix, DVector};
 
-/// Iterates that are looked back on.
+/// Depth: number of differences stored.
 const DEPTH: usize = 12;
 
-/// Relative size of a direction that counts as a repetition of others.
+/// Relative size below which a direction is linearly dependent on the others.
 const REPETITION: f64 = 1e-12;
 
-/// What is known of the last iterates.
+/// Differences of the last iterates and of their steps.
 #[derive(Clone, Debug, Default)]
 pub struct Acceleration {
     last: Option<(Vec<f64>, Vec<f64>)>,
@@ -25,12 +23,12 @@ pub struct Acceleration {
 }
 
 impl Acceleration {
-    /// Starts anew: the steps are another function from here on.
+    /// Discards all differences because the step function has changed.
     pub fn forget(&mut self) {
         *self = Acceleration::default();
     }
 
-    /// The iterate after `iterate`, whose step is `step`; `weights` make the entries of a step comparable.
+    /// Next iterate after `iterate` with the step `step`; `weights` scale the entries of a step.
     pub fn next(&mut self, iterate: Vec<f64>, step: Vec<f64>, weights: &[f64]) -> Vec<f64> {
         if let Some((earlier, its_step)) = self.last.take() {
             if self.moved.len() == DEPTH {
@@ -53,7 +51,7 @@ impl Acceleration {
         next
     }
 
-    /// Shares of the differences that leave the shortest step.
+    /// Coefficients of the differences that minimise the step.
     fn shares(&self, step: &[f64], weights: &[f64]) -> Option<Vec<f64>> {
         let depth = self.turned.len();
         if depth == 0 {
@@ -77,7 +75,7 @@ impl Acceleration {
 mod tests {
     use super::*;
 
-    /// A linear map in which the plain iteration grows.
+    /// A linear map for which the plain iteration diverges.
     #[test]
     fn a_linear_iteration_ends_after_as_many_steps_as_it_has_directions() {
         let matrix = DMatrix::from_fn(5, 5, |i, j| if i == j { -1.6 } else { 0.3 * ((i + 2 * j) as f64).sin() });

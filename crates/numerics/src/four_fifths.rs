@@ -1,8 +1,7 @@
 //! x^(4/5), the velocity law of forced convection, at a fifth of the cost of a general power.
 //!
-//! `x = m 2^s 2^(5 q)` with `1 <= m < 2` and `0 <= s < 5`, so `x^(4/5) = 2^(4 q) (m 2^s)^(4/5)`. The rest lies between 1
-//! and 32 and is compared with the nearest of some numbers `t^5`, where t has so few digits that `t^4` and `t^5` are
-//! exact:
+//! `x = m 2^s 2^(5 q)` with `1 <= m < 2` and `0 <= s < 5`, so `x^(4/5) = 2^(4 q) (m 2^s)^(4/5)`. The factor `m 2^s` lies between
+//! 1 and 32 and is referred to the nearest of tabulated numbers `t^5`, where t has so few digits that `t^4` and `t^5` are exact:
 //!
 //! ```text
 //! (m 2^s)^(4/5) = t^4 (1 + r)^(4/5),     r = (m 2^s - t^5)/t^5,  |r| < 0.03

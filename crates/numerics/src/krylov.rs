@@ -1,14 +1,12 @@
-//! Linear equations of which only the product with a vector is known.
+//! GMRES: linear equations by products with the matrix.
 //!
-//! Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems, SIAM
-//! J. Sci. Stat. Comput. 7 (1986) 856: among the combinations of `r, A r, A^2 r, ...` the one that leaves the shortest residual.
-//!
-//! Theory: docs/theory.md, section 9.5.
+//! Y. Saad, M. H. Schultz, GMRES: a generalized minimal residual algorithm for solving nonsymmetric linear systems, SIAM J. Sci.
+//! Stat. Comput. 7 (1986) 856: the combination of `r, A r, A^2 r, ...` with the smallest residual.
 
 use crate::factorization;
 use nalgebra::{DMatrix, DVector};
 
-/// A solution.
+/// Solution with its residual.
 #[derive(Clone, Debug)]
 pub struct Solved {
     /// x.
@@ -19,8 +17,8 @@ pub struct Solved {
     pub products: usize,
 }
 
-/// Solves `A x = right` until the residual is `tolerance` of `right`, with at most `most` products; lengths are those of the vectors
-/// times `weights`.
+/// Solves `A x = right` to a residual of `tolerance` relative to `right`, with at most `most` products; norms are those of the
+/// vectors times `weights`.
 ///
 /// # Errors
 /// Those of a product.
@@ -44,7 +42,7 @@ pub fn gmres<E>(
         let k = solved.products;
         let mut next = product(&basis[k])?;
         solved.products += 1;
-        // Twice is enough: what is left of the earlier directions is rounding.
+        // Two Gram-Schmidt passes orthogonalise to rounding.
         for _ in 0..2 {
             for (j, direction) in basis.iter().enumerate() {
                 let share = dot(&next, direction);
@@ -58,7 +56,7 @@ pub fn gmres<E>(
         let mut first = DVector::zeros(k + 2);
         first[0] = 1.0;
         let Ok(found) = factorization::least_squares(small.clone(), &first, 1e-14) else {
-            // A product that is not finite: there is no solution.
+            // A product that is not finite: no solution.
             return Ok(Solved { solution: vec![f64::NAN; right.len()], residual: f64::NAN, ..solved });
         };
         solved.residual = (first - small * &found).norm();

@@ -1,14 +1,12 @@
-//! Numbers that the contact point is evaluated in: f64, or f64 with a derivative.
+//! Number types of the contact point: f64, or dual numbers with a derivative.
 //!
-//! Directional derivatives come from evaluating the same formulas once more in [`Dual`], so they are
-//! exact and cannot drift from the outputs.
-//!
-//! Theory: docs/theory.md, section 6.8.
+//! Directional derivatives are computed by the same formulas as the outputs, in [`Dual`], so they are exact and consistent with
+//! the outputs.
 
 use crate::four_fifths::four_fifths;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the formulas of the contact point need of a number.
+/// Operations on numbers in the formulas of the contact point.
 pub trait Scalar:
     Copy
     + From<f64>
@@ -19,7 +17,7 @@ pub trait Scalar:
     + Mul<f64, Output = Self>
     + Neg<Output = Self>
 {
-    /// The value without its derivative.
+    /// Value without the derivative.
     fn value(self) -> f64;
     /// Square root.
     fn sqrt(self) -> Self;
@@ -41,7 +39,7 @@ pub trait Scalar:
         }
     }
 
-    /// The larger of self and 0; its derivative at 0 is 0.
+    /// Maximum of self and 0; its derivative at 0 is 0.
     #[inline]
     fn positive(self) -> Self {
         if self.value() > 0.0 { self } else { Self::from(0.0) }
@@ -71,7 +69,7 @@ impl Scalar for f64 {
     }
 }
 
-/// A value and its derivative in one direction; nested, the second derivative.
+/// Dual number: value and derivative in one direction; nested, with the second derivative.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Dual<T = f64> {
     /// Value.

@@ -1,6 +1,4 @@
-//! Convex quadratic programme with bounds on every unknown and a few linear constraints.
-//!
-//! Theory: docs/theory.md, section 9.2.
+//! Convex quadratic programme with bounds on all unknowns and a few linear constraints.
 
 use contact::lemke;
 use nalgebra::{DMatrix, DVector};
@@ -40,7 +38,7 @@ pub struct BoxSolution {
     pub fallback: bool,
 }
 
-/// Why a programme has no solution.
+/// Reason for which a programme has no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProgrammeError {
     /// No values within the bounds satisfy the constraints.
@@ -66,7 +64,7 @@ const ITERATION_LIMIT: usize = 40;
 const SIGN_TOLERANCE: f64 = 1e-12;
 
 impl BoxProgramme {
-    /// Primal-dual active set from all unknowns free; where it returns to a set, Lemke's algorithm, which ends.
+    /// Primal-dual active set method from all unknowns free; if an active set recurs, Lemke's algorithm, which is finite.
     pub fn solve(&self) -> Result<BoxSolution, ProgrammeError> {
         let count = self.linear.len();
         let mut statuses = vec![BoundStatus::Free; count];

@@ -1,6 +1,4 @@
-//! Steady to-and-fro sliding for any wear law and unequal half-strokes.
-//!
-//! Theory: docs/theory.md, section 9.3.
+//! Steady reciprocating sliding for any wear law and unequal half-strokes.
 
 use super::{SteadyError, not_negative, positive};
 use contact::wear::line::CellRate;
@@ -9,10 +7,10 @@ use nalgebra::{DMatrix, DVector};
 use numerics::factorization;
 use numerics::maximum::maximum;
 
-/// To-and-fro sliding of a wearing punch with a vanishing wear per stroke, any pressure exponents.
+/// Reciprocating sliding of a wearing punch with a vanishing wear per stroke, any pressure exponents.
 #[derive(Clone, Copy, Debug)]
 pub struct CycleProblem<'a> {
-    /// The cells.
+    /// Cells of the contact.
     pub cells: &'a Cells,
     /// Punch.
     pub punch: &'a Compliance,
@@ -25,7 +23,7 @@ pub struct CycleProblem<'a> {
     pub load: f64,
     /// Pivot height H, in m, where the punch can rotate.
     pub pivot_height: Option<f64>,
-    /// Depth rate at the speed to which the durations refer, every cell wearing.
+    /// Wear depth rate at the speed to which the durations refer, with all cells wearing.
     pub rate: &'a CellRate,
     /// Weights of the forward and the backward half-stroke in the wear of the cycle, in s: the duration at the speed
     /// of `rate`. Equal distances at unequal speeds differ where the velocity exponent is not 1.
@@ -39,7 +37,7 @@ pub struct Cycle {
     pub forward: Vec<f64>,
     /// Pressure while v < 0.
     pub backward: Vec<f64>,
-    /// Worn depth (N values, m, least 0), tilt shared evenly between the directions.
+    /// Worn depth (N values, m, minimum 0), tilt divided equally between the directions.
     pub shape: Vec<f64>,
     /// Jump of the approach from backward to forward, in m.
     pub approach_jump: f64,
@@ -62,14 +60,14 @@ enum BoundStatus {
     ForwardOnly,
 }
 
-/// Pressures of one cell and what they change with: the difference `r = p+ - p-` and the depth per cycle.
+/// Pressures of one cell and their derivatives with respect to the difference `r = p+ - p-` and the depth per cycle.
 #[derive(Clone, Copy)]
 struct CellState {
     forward: f64,
     backward: f64,
     /// d(p+ + p-)/dr at constant depth.
     sum_by_difference: f64,
-    /// dr and d(p+ + p-) by the depth per cycle, at constant r in contact both ways.
+    /// d(p+ - p-) and d(p+ + p-) with respect to the depth per cycle, the latter at constant r in contact both ways.
     difference_by_depth: f64,
     sum_by_depth: f64,
 }
@@ -86,15 +84,15 @@ impl CycleProblem<'_> {
     /// p+ = 0 or p- = 0 with the inequality elsewhere; load and moment balance of both
     /// ```
     ///
-    /// by Newton's method with an active set in the pressure difference r = p+ - p-, over which both pressures are
-    /// Lipschitz continuous for every exponent; lambda1 and jump1 only where the punch can rotate. For b = 1 and equal
-    /// durations this is the quadratic programme of [`super::ReciprocatingProblem`]. Where no steady cycle exists - the
-    /// punch rocks itself round - it does not converge, and says so.
+    /// by Newton's method with an active set in the pressure difference r = p+ - p-, of which both pressures are Lipschitz
+    /// continuous functions for every exponent; lambda1 and jump1 only where the punch can rotate. For b = 1 and equal durations
+    /// this is the quadratic programme of [`super::ReciprocatingProblem`]. Where no steady cycle exists - the punch rocks itself
+    /// round - the iteration does not converge and returns an error.
     pub fn solve(&self) -> Result<Cycle, SteadyError> {
         self.check()?;
         let (count, x, weights) = (self.cells.count(), self.cells.centres(), self.cells.widths());
         let half_width = self.cells.half_width();
-        // S (mu+ p+ + mu- p-) in the difference and the sum of the pressures.
+        // S (mu+ p+ + mu- p-) in terms of the difference and the sum of the pressures.
         let [friction, unequal] =
             [0.5 * (self.friction[0] + self.friction[1]), 0.5 * (self.friction[0] - self.friction[1])];
         let shear = &self.strip.shear - &self.punch.shear;
@@ -167,12 +165,12 @@ impl CycleProblem<'_> {
             if factorization::solve_mut(system, &mut right).is_err() {
                 return Err(self.not_found());
             }
-            // Steps no longer than the depth per cycle stays positive with.
+            // Steps are limited so that the depth per cycle stays positive.
             let change = |i: usize| (0..free).map(|k| right[n + k] * shift(k, i)).sum::<f64>();
             let share =
                 (0..count).filter(|&i| change(i) < 0.0).map(|i| -0.8 * depth_at(i) / change(i)).fold(1.0, f64::min);
             let step = both.iter().enumerate().map(|(a, _)| right[a].abs()).fold(0.0, maximum) / mean;
-            // Cells whose inequality is violated join again; those driven past an end of the curve leave, in `cell`.
+            // Cells with violated inequality re-enter the active set; cells beyond an end of the curve leave it, in `cell`.
             let mut changed = false;
             for i in 0..count {
                 let tolerance = TOLERANCE * mean;
@@ -225,7 +223,7 @@ impl CycleProblem<'_> {
         SteadyError::NoCycle { lever, half_width: self.cells.half_width(), iterations: ITERATION_LIMIT }
     }
 
-    /// Least and largest difference of the pressures that wear `depth` in a cycle.
+    /// Smallest and largest difference of the pressures that wear `depth` in a cycle.
     fn ends(&self, cell: usize, depth: f64) -> [f64; 2] {
         [
             -self.rate.pressure_at(cell, depth / self.durations[1]),
@@ -264,7 +262,8 @@ impl CycleProblem<'_> {
                 let base = self.smaller(cell, r, depth);
                 let (forward, backward) = (base + r.max(0.0), base + (-r).max(0.0));
                 let slopes = [t_forward * self.rate.slope(cell, forward), t_backward * self.rate.slope(cell, backward)];
-                // Shares of an increase of r: p+ takes t- f'(p-), p- gives t+ f'(p+); infinite slopes take no share.
+                // Derivatives with respect to r: p+ in proportion to t- f'(p-), p- to t+ f'(p+); a pressure with infinite slope
+                // does not change.
                 let sum_by_difference = match (slopes[0].is_finite(), slopes[1].is_finite()) {
                     (true, true) => (slopes[1] - slopes[0]) / (slopes[1] + slopes[0]),
                     (false, _) => -1.0,
@@ -276,7 +275,7 @@ impl CycleProblem<'_> {
         }
     }
 
-    /// The smaller of the two pressures that differ by r and wear `depth` in a cycle: bisection with Newton steps.
+    /// Smaller of the two pressures that differ by r and wear `depth` in a cycle: bisection with Newton steps.
     fn smaller(&self, cell: usize, r: f64, depth: f64) -> f64 {
         let [t_forward, t_backward] = self.durations;
         let (up, down) = (r.max(0.0), (-r).max(0.0));

@@ -1,10 +1,8 @@
 //! Steady states of the worn contact line, without time integration.
 //!
-//! A contact is run in when wear no longer changes the pressure: the worn depth then grows like a rigid motion of the
-//! punch. That fixes the pressure, and elasticity the shape. To-and-fro sliding has two pressures, one per direction,
-//! over one common shape.
-//!
-//! Theory: docs/theory.md, section 9.
+//! A contact is run in when wear no longer changes the pressure: the worn depth then grows as a rigid motion of the punch. This
+//! determines the pressure, and elasticity the shape. Reciprocating sliding has two pressures, one per direction, over one common
+//! shape.
 
 mod box_programme;
 mod cycle;
@@ -24,35 +22,35 @@ use contact::ContactError;
 use contact::wear::line::StageError;
 use std::fmt;
 
-/// Why there is no steady state.
+/// Reason for which there is no steady state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SteadyError {
     /// A value outside its range.
     Invalid {
-        /// What the value stands for.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// The value found.
+        /// Its value.
         value: f64,
-        /// What it has to be.
+        /// Required range.
         requirement: &'static str,
     },
-    /// One-way sliding: the resultant `mu H` lies outside the contact.
+    /// Unidirectional sliding: the resultant `mu H` lies outside the contact.
     Tipping {
         /// Lever mu H of the resultant, in m.
         lever: f64,
-        /// The largest that the contact can balance, in m.
+        /// Largest lever at which the contact can be in equilibrium, in m.
         limit: f64,
     },
-    /// To-and-fro sliding with a punch free to rotate: it rocks itself round.
+    /// Reciprocating sliding with a punch free to rotate: it rocks itself round.
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
         lever: f64,
-        /// The lever that no pair of pressures which wear evenly balances, in m; see [`rocking_limit`](contact::wear::rocking::rocking_limit).
+        /// Lever in m above which no pair of pressures with uniform wear is in equilibrium; see [`rocking_limit`].
         limit: f64,
-        /// Pressure exponent b of the wear that it belongs to.
+        /// Pressure exponent b of the wear law of this limit.
         exponent: f64,
     },
-    /// To-and-fro sliding with a general wear law: the iteration found no steady cycle.
+    /// Reciprocating sliding with a general wear law: the iteration found no steady cycle.
     NoCycle {
         /// Lever mu H of the resultant, in m.
         lever: f64,
@@ -61,27 +59,27 @@ pub enum SteadyError {
         /// Newton iterations tried.
         iterations: usize,
     },
-    /// Nothing that could reshape the contact wears, so it does not run in.
+    /// No wear reshapes the contact, so it does not run in.
     NothingWears,
-    /// A run-in punch is asked for, but only the strip wears: the punch keeps its shape.
+    /// A run-in punch is requested, but only the strip wears: the punch keeps its shape.
     OnlyStripWears,
-    /// A strip that wears on a straight to-and-fro track: its ends are hardly visited and never run in.
+    /// A strip that wears on a straight reciprocating track: its ends are hardly visited and never run in.
     WearingStripReciprocating,
-    /// With heat: nothing takes away what friction gives.
+    /// With heat: no heat can leave the bodies.
     NoHeatLeaves {
-        /// Where heat could leave and does not.
+        /// Path by which heat could leave, which is closed.
         closed: &'static str,
     },
-    /// With heat: temperatures and pressure of one-way sliding that agree were not found.
+    /// With heat: the iteration for temperatures and pressure of unidirectional sliding did not converge.
     NotSettled {
         /// Iterations done.
         iterations: usize,
         /// Last change of the temperature, in K.
         change: f64,
     },
-    /// With heat: the bodies, or a cycle of the contact line.
+    /// With heat: error of the bodies, or of a cycle of the contact line.
     Heat(String),
-    /// The pressure of a stage could not be found.
+    /// The contact problem of a stage has no solution.
     Stage(StageError),
     /// The quadratic programme has no solution.
     Programme(ProgrammeError),
@@ -149,10 +147,10 @@ impl fmt::Display for SteadyError {
 
 impl std::error::Error for SteadyError {}
 
-/// Whether to-and-fro sliding can run in at all, by which bodies wear.
+/// Whether reciprocating sliding can run in at all, by which bodies wear.
 ///
-/// A strip that wears on a straight track never does: the ends of the track are hardly visited. On a closed path its wear
-/// is even along it and reshapes nothing, so the punch has to wear.
+/// A strip that wears on a straight track never runs in: the ends of the track are hardly visited. On a closed path its wear is
+/// uniform along the path and does not reshape the contact, so the punch has to wear.
 pub fn can_run_in_reciprocating(punch_wears: bool, strip_wears: bool, closed_path: bool) -> Result<(), SteadyError> {
     if strip_wears && !closed_path {
         return Err(SteadyError::WearingStripReciprocating);
@@ -160,7 +158,7 @@ pub fn can_run_in_reciprocating(punch_wears: bool, strip_wears: bool, closed_pat
     if punch_wears { Ok(()) } else { Err(SteadyError::NothingWears) }
 }
 
-/// A value that must be finite and positive.
+/// Checks that a value is finite and positive.
 fn positive(quantity: &'static str, value: f64) -> Result<(), SteadyError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
@@ -168,7 +166,7 @@ fn positive(quantity: &'static str, value: f64) -> Result<(), SteadyError> {
     Err(SteadyError::Invalid { quantity, value, requirement: "finite and positive" })
 }
 
-/// A value that must be finite and not negative.
+/// Checks that a value is finite and not negative.
 fn not_negative(quantity: &'static str, value: f64) -> Result<(), SteadyError> {
     if value.is_finite() && value >= 0.0 {
         return Ok(());

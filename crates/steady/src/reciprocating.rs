@@ -1,16 +1,14 @@
-//! Steady to-and-fro sliding with wear in proportion to pressure.
-//!
-//! Theory: docs/theory.md, section 9.2.
+//! Steady reciprocating sliding with wear proportional to pressure.
 
 use super::{BoxProgramme, SteadyError, not_negative, positive};
 use elasticity::{Cells, Compliance};
 use nalgebra::{DMatrix, DVector};
 
-/// A punch that wears with b = 1 (or both bodies, on a closed path) while it slides to and fro with equal half-strokes
-/// under a constant load.
+/// Reciprocating sliding, with equal half-strokes under constant load, of a punch that wears with b = 1 (or of both bodies, on a
+/// closed path).
 #[derive(Clone, Copy, Debug)]
 pub struct ReciprocatingProblem<'a> {
-    /// The cells.
+    /// Cells of the contact.
     pub cells: &'a Cells,
     /// Punch.
     pub punch: &'a Compliance,
@@ -30,12 +28,12 @@ pub struct ReciprocatingProblem<'a> {
 /// Steady cycle of a [`ReciprocatingProblem`].
 #[derive(Clone, Debug)]
 pub struct Reciprocating {
-    /// Pressure while v > 0, N cell means, in Pa; the mean over the half-stroke where wear per stroke counts.
+    /// Pressure while v > 0, N cell means, in Pa; the mean over the half-stroke with finite wear per stroke.
     pub forward: Vec<f64>,
     /// Pressure while v < 0.
     pub backward: Vec<f64>,
-    /// Worn depth of the cells at the end of a backward half-stroke, least depth 0, tilt shared evenly between the
-    /// directions, in m.
+    /// Worn depth of the cells at the end of a backward half-stroke, minimum 0, tilt divided equally between the directions, in
+    /// m.
     pub shape: Vec<f64>,
     /// Jump of the approach from backward to forward, in m.
     pub approach_jump: f64,
@@ -52,8 +50,8 @@ impl ReciprocatingProblem<'_> {
     /// minimise 1/2 d'C d + mu pm d'(S 1)   with  sum w d = 0,  |d| <= pm,  and  sum w x d = mu H P  if it can rotate
     /// ```
     ///
-    /// C with `wear_per_stroke/2` on its diagonal, w the cell widths. The worn depth per cycle is uniform because
-    /// `p+ + p-` is. Where |d| = pm the pressure is 0 in one direction and twice the mean in the other.
+    /// C with `wear_per_stroke/2` on its diagonal, w the cell widths. The worn depth per cycle is uniform because `p+ + p-` is.
+    /// Where |d| = pm the pressure is 0 in one direction and twice the mean in the other.
     pub fn solve(&self) -> Result<Reciprocating, SteadyError> {
         let programme = self.programme()?;
         let count = self.cells.count();
@@ -77,7 +75,7 @@ impl ReciprocatingProblem<'_> {
                 if backward[i] > 0.0 {
                     -rigid - fro[i]
                 } else {
-                    // Out of contact backward: the shape is what forward sliding needs, less what it wears then.
+                    // No contact backward: the shape is that required by forward sliding, less the wear in it.
                     rigid - to[i] - self.wear_per_stroke * (forward[i] - mean)
                 }
             })
@@ -95,7 +93,7 @@ impl ReciprocatingProblem<'_> {
         })
     }
 
-    /// The quadratic programme in d, after refusing what has no steady state.
+    /// Quadratic programme in d; an error where there is no steady state.
     pub fn programme(&self) -> Result<BoxProgramme, SteadyError> {
         positive("load", self.load)?;
         not_negative("friction coefficient", self.friction)?;

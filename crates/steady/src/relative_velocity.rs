@@ -1,6 +1,4 @@
-//! What is neglected when wear and sliding velocity are taken from rigid motion alone.
-//!
-//! Theory: docs/theory.md, section 3.8.
+//! Errors from the assumption of a rigid sliding velocity in wear and friction heat.
 
 use super::states::{SteadyState, SteadyStroke};
 use contact::pair_compliance;
@@ -12,39 +10,40 @@ use numerics::factorization;
 use numerics::maximum::maximum;
 use scene::{Constraint, Geometry, Scene};
 
-/// Parts of the velocity of punch over strip beside the rigid sliding velocity v, relative to |v|, over the steady
-/// cycle. Friction power, wear and heat are computed with v alone; each part is the relative error that this costs
-/// (the wear velocity, normal to v, by its square).
+/// Contributions to the velocity of punch over strip beside the rigid sliding velocity v, relative to |v|, over the steady cycle.
+/// Friction power, wear and heat are computed with v alone; each contribution is the relative error by neglecting it (for the
+/// wear velocity, which is normal to v, its square).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RelativeVelocity {
     /// Largest wear velocity of both bodies, normal to the surface: `max (dw1/dt + dw2/dt)/|v|`.
     pub wear: f64,
-    /// The elastic parts; none on an annulus, where sliding is normal to the modelled plane.
+    /// Elastic contributions; `None` on an annulus, where sliding is normal to the modelled plane.
     pub elastic: Option<ElasticVelocity>,
 }
 
-/// Elastic parts of the relative velocity.
+/// Elastic contributions to the relative velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticVelocity {
-    /// Strain along x of the strip's surface, N values per stroke. The strip passes below the punch stretched by it,
-    /// so that the sliding velocity is `v (1 + strain)`.
+    /// Strain along x of the strip's surface, N values per stroke. The strip is stretched by it as it passes below the punch, so
+    /// that the sliding velocity is `v (1 + strain)`.
     pub strain: Vec<Vec<f64>>,
-    /// Mean of its magnitude over contact and cycle.
+    /// Mean of its absolute value over contact and cycle.
     pub mean_strain: f64,
-    /// Largest magnitude at |x| < .9 a: at the edges of a uniform traction it grows like a logarithm.
+    /// Largest absolute value at |x| < .9 a: at the edges of a uniform traction it has a logarithmic singularity.
     pub largest_strain: f64,
-    /// Mean elastic displacement along x of one surface against the other that a reversal turns over, over the mean
-    /// length of a half-stroke: the part of the stroke in which the surfaces follow instead of sliding. 0 one-way.
+    /// Mean elastic displacement along x of one surface relative to the other that is reversed at a reversal, over the mean
+    /// length of a half-stroke: the fraction of the stroke in which the surfaces deform instead of sliding. 0 in unidirectional
+    /// sliding.
     pub reversal: f64,
-    /// The same by the punch's rotation about its pivot, `H |tilt jump|` over the length of a half-stroke.
+    /// Ratio as above for the punch's rotation about its pivot: `H |tilt jump|` over the length of a half-stroke.
     pub pivot: f64,
-    /// Largest velocity along x by the change of the pressure within a stroke, over |v|: wear moves pressure.
+    /// Largest velocity along x by the change of the pressure within a stroke, over |v|: wear redistributes the pressure.
     pub within_stroke: f64,
-    /// Largest normal velocity by it: what elasticity adds to or takes from the wear velocity, over |v|.
+    /// Largest normal velocity by this change, an elastic contribution to the wear velocity, over |v|.
     pub normal_within_stroke: f64,
 }
 
-/// Sizes of the neglected parts in a steady state on these cells.
+/// Neglected contributions in a steady state on these cells.
 ///
 /// With `U = (T2 - T1) p + s mu (V1 + V2) p` the elastic displacement of the strip's surface against the punch's (T per
 /// pressure, V per shear traction, see [`TangentialCompliance`]): the strip's own part gives the strain; the difference of
@@ -52,7 +51,7 @@ pub struct ElasticVelocity {
 /// `(C + s mu S) dp/dt = d(delta + theta x)/dt - dw/dt` on the cells in contact at constant load and moment.
 ///
 /// # Errors
-/// What a body refuses.
+/// Error of a body.
 pub fn assess(
     scene: &Scene,
     cells: &Cells,
@@ -85,7 +84,7 @@ fn elastic(
     let mut strain = Vec::new();
     let (mut within_stroke, mut normal_within_stroke) = (0.0f64, 0.0f64);
     for stroke in &state.strokes {
-        // The strip's surface, and the strip's against the punch's.
+        // Displacement of the strip's surface, and relative to the punch's.
         let own = &strip.by_pressure + &strip.by_shear * stroke.friction;
         let both = &own - &punch.by_pressure + &punch.by_shear * stroke.friction;
         let pressure = DVector::from_column_slice(&stroke.pressure);
@@ -128,7 +127,7 @@ fn pressure_change(scene: &Scene, cells: &Cells, matrix: &DMatrix<f64>, stroke: 
     }
     let mut system = DMatrix::zeros(n + free, n + free);
     let mut right = DVector::zeros(n + free);
-    // The punch's wear reshapes its contact; a strip's is even (closed) or steady (fresh).
+    // The punch's wear reshapes its contact; that of a strip is uniform (closed path) or steady (fresh material).
     let rates = &stroke.wear_rates[0];
     for (a, &i) in active.iter().enumerate() {
         for (b, &j) in active.iter().enumerate() {

@@ -1,6 +1,4 @@
-//! From a scene to its steady state.
-//!
-//! Theory: docs/theory.md, section 9.
+//! Steady state of a scene.
 
 use super::{
     CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, groove_operator, positive,
@@ -16,15 +14,15 @@ use elasticity::{Cells, Compliance};
 use nalgebra::{DMatrix, DVector};
 use scene::{Body, Constraint, Geometry, InitialShape, MechanicalBody, Path, STATIONS, Scene};
 
-/// How the punch slides.
+/// Sliding motion of the punch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sliding {
-    /// For ever one way, at this velocity in m/s, signed.
+    /// Unidirectional sliding of unlimited duration, at this velocity in m/s, signed.
     Unidirectional {
-        /// v.
+        /// Velocity v, m/s.
         velocity: f64,
     },
-    /// To and fro, forward and backward half-strokes.
+    /// Reciprocating sliding, forward and backward half-strokes.
     Reciprocating {
         /// Lengths of the half-strokes, in m.
         strokes: [f64; 2],
@@ -34,7 +32,7 @@ pub enum Sliding {
 }
 
 impl Sliding {
-    /// The scene's nominal sliding: to and fro where it has a stroke.
+    /// Nominal sliding of the scene: reciprocating where it has a stroke.
     pub fn nominal(scene: &Scene) -> Sliding {
         let velocity = scene.nominal_velocity;
         match scene.nominal_stroke > 0.0 {
@@ -53,7 +51,7 @@ impl Sliding {
         }
     }
 
-    /// Velocity and duration of every stroke; one-way sliding is one stroke of 1 s.
+    /// Velocity and duration of every stroke; unidirectional sliding is one stroke of 1 s.
     fn strokes(&self) -> Vec<(f64, f64)> {
         match *self {
             Sliding::Unidirectional { velocity } => vec![(velocity, 1.0)],
@@ -64,14 +62,14 @@ impl Sliding {
     }
 }
 
-/// What is steady.
+/// Kind of steady state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SteadyKind {
-    /// The punch (on an annulus also the strip) has worn until it wears like a rigid motion.
+    /// The wear of the punch (on an annulus also of the strip) is a rigid motion.
     RunIn,
-    /// The strip comes in fresh and leaves a steady groove; the punch does not wear.
+    /// The strip enters unworn and leaves a steady groove; the punch does not wear.
     Groove,
-    /// Wear is even along a closed path and reshapes nothing: the pressure stays elastic.
+    /// Uniform wear along a closed path, without a change of shape: the pressure is elastic.
     Elastic,
 }
 
@@ -80,33 +78,34 @@ pub enum SteadyKind {
 pub struct SteadyStroke {
     /// Sliding velocity, in m/s.
     pub velocity: f64,
-    /// Length of the half-stroke, in s; 1 for one-way sliding.
+    /// Length of the half-stroke, in s; 1 for unidirectional sliding.
     pub duration: f64,
     /// Friction coefficient with the sign of the velocity, `s mu`.
     pub friction: f64,
     /// N cell means of the pressure, in Pa.
     pub pressure: Vec<f64>,
-    /// Approach, in m, the shape's least value 0. Half-planes: up to a constant per load.
+    /// Approach, in m, for the shape's minimum 0. Half-planes: up to a constant per load.
     pub approach: f64,
-    /// Tilt, in rad, positive lowers the +x edge; for a run-in state that the punch's wear leaves free (one-way) 0.
+    /// Tilt, in rad, positive lowers the +x edge; 0 for a run-in state whose tilt is arbitrary because the punch wears
+    /// (unidirectional).
     pub tilt: f64,
-    /// Depth rates of punch and strip while sliding this way, N cell values each, in m/s; the strip's where it touches.
+    /// Wear depth rates of punch and strip in this direction, N cell values each, in m/s; of the strip where it is in contact.
     pub wear_rates: [Vec<f64>; 2],
 }
 
 /// Steady state of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SteadyState {
-    /// What is steady.
+    /// Kind of the state.
     pub kind: SteadyKind,
-    /// One stroke (one-way) or two (forward, backward).
+    /// One stroke (unidirectional) or two (forward, backward).
     pub strokes: Vec<SteadyStroke>,
-    /// Gap of the unloaded bodies that the punch brings: its initial shape and what it has worn; N cell means, in m,
-    /// least value 0 where it is run in.
+    /// Gap of the unloaded bodies by the punch: its initial shape and worn depth; N cell means, in m, minimum 0 where it is run
+    /// in.
     pub shape: Vec<f64>,
-    /// Depth of the strip's groove under the cells, in m; 0 on a closed path and to and fro.
+    /// Depth of the strip's groove under the cells, in m; 0 on a closed path and in reciprocating sliding.
     pub groove: Vec<f64>,
-    /// Mean depth rate of the punch over contact and time, in m/s.
+    /// Mean wear depth rate of the punch over contact and time, in m/s.
     pub punch_wear_rate: f64,
     /// Worn volumes of punch and strip per time, all punches and faces, in m3/s.
     pub volume_rates: [f64; 2],
@@ -119,22 +118,22 @@ pub struct SteadyState {
 /// Steady state of a scene under its nominal load, on the given cells with the compliances of punch and strip
 /// ([`elasticity::discretization::compliances`]).
 ///
-/// Without heat: friction and wear at the ambient temperature. Wear times `wear_acceleration`. The nominal load is
-/// what acts on the contact, through whatever holder stiffness. A wear per stroke that vanishes against the elastic
-/// displacements: the error is the pressure's change within a stroke.
+/// Without heat: friction and wear at the ambient temperature. Wear is multiplied by `wear_acceleration`. The nominal load is
+/// that on the contact, for any holder stiffness. The wear per stroke is taken as vanishing against the elastic displacements:
+/// the error is the change of the pressure within a stroke.
 ///
 /// | sliding | wears | state |
 /// |---|---|---|
-/// | one-way | punch (both) | depth rate a rigid motion; the shape makes room for the strip's groove on a straight path |
-/// | one-way | strip, straight path | steady groove under the initial shape |
-/// | to and fro | punch (closed path: both) | pair of pressures over one shape that wears evenly over the cycle |
+/// | unidirectional | punch (both) | depth rate a rigid motion; the shape includes the strip's groove on a straight path |
+/// | unidirectional | strip, straight path | steady groove under the initial shape |
+/// | reciprocating | punch (closed path: both) | pair of pressures over one shape, uniform wear over the cycle |
 /// | any | strip, closed path | elastic pressure on the initial shape |
 /// | annular | punch and strip, the strip diluted by the covered part of the circle | p = C r^(-a/b) for one law |
 /// | periodic | punch | uniform pressure |
 ///
 /// # Errors
-/// States that do not exist: nothing wears, a wearing strip on a straight to-and-fro track, tipping, a punch that
-/// rocks itself round; two rigid bodies; values out of range.
+/// States that do not exist: nothing wears, a wearing strip on a straight reciprocating track, tipping, a punch that rocks itself
+/// round; two rigid bodies; values out of range.
 pub fn steady_state(
     scene: &Scene,
     cells: &Cells,
@@ -149,7 +148,7 @@ pub fn steady_state(
     Contact::new(scene, cells, compliances, sliding).solve()
 }
 
-/// Shape of the run-in punch under nominal load and sliding: gap of the unloaded bodies, N cell means, in m, least 0.
+/// Shape of the run-in punch under nominal load and sliding: gap of the unloaded bodies, N cell means, in m, minimum 0.
 ///
 /// # Errors
 /// Those of [`steady_state`], and [`SteadyError::OnlyStripWears`] where the punch would keep its shape.
@@ -183,13 +182,13 @@ fn interpolant_integral(values: &[f64], t: f64) -> f64 {
     before + inside * (values[interval] + 0.5 * inside * (values[interval + 1] - values[interval]))
 }
 
-/// One stroke before its pressure is known.
+/// Stroke without its pressure.
 pub(crate) struct Stroke {
     pub(crate) velocity: f64,
     duration: f64,
     /// s mu.
     pub(crate) friction: f64,
-    /// Depth rates of punch and strip.
+    /// Wear depth rates of punch and strip.
     pub(crate) rates: [CellRate; 2],
 }
 
@@ -246,7 +245,7 @@ impl<'a> Contact<'a> {
         self.reciprocating()
     }
 
-    /// Pivot height where friction acts on the punch's rotation.
+    /// Pivot height where friction exerts a moment on the punch.
     fn pivot_height(&self) -> Option<f64> {
         (self.scene.constraint == Constraint::TranslateAndRotate).then_some(self.scene.pivot_height)
     }
@@ -254,7 +253,7 @@ impl<'a> Contact<'a> {
     pub(crate) fn tilt(&self, stroke: &Stroke) -> Tilt {
         match self.pivot_height() {
             None => Tilt::Fixed(0.0),
-            // Friction acts across the line.
+            // Friction acts normal to the line.
             Some(_) if self.scene.geometry == Geometry::Annular => Tilt::ResultantAt(0.0),
             Some(height) => Tilt::ResultantAt(stroke.friction * height),
         }
@@ -303,9 +302,9 @@ impl<'a> Contact<'a> {
         Ok(self.state(SteadyKind::Elastic, pressures, gap, vec![0.0; self.cells.count()]))
     }
 
-    /// Annulus and periodic contact: friction does not shift the pressure, so all strokes have the same one.
+    /// Steady state of annular and periodic contact, in which friction does not shift the pressure: the same in all strokes.
     fn without_shift(&self) -> Result<SteadyState, SteadyError> {
-        // The strip of an annulus wears where it is covered, in the frame of the punch's radius.
+        // The strip of an annulus wears where it is covered, at fixed radius.
         let annular = self.scene.geometry == Geometry::Annular;
         let total: f64 = self.strokes.iter().map(|stroke| stroke.duration).sum();
         let mut terms = Vec::new();
@@ -330,7 +329,7 @@ impl<'a> Contact<'a> {
         let [forward, backward] = [&self.strokes[0], &self.strokes[1]];
         let friction = [forward.friction, -backward.friction];
         let exponent = self.scene.punch.wear_pressure_exponent;
-        // Durations at the forward speed's rate that wear as much as the strokes do.
+        // Durations at the rate of the forward speed with the wear of the strokes.
         let depth = |stroke: &Stroke| stroke.duration * stroke.rates[0].rate(0, REFERENCE_PRESSURE);
         let durations =
             [depth(forward), depth(backward)].map(|depth| depth / forward.rates[0].rate(0, REFERENCE_PRESSURE));
@@ -414,7 +413,7 @@ impl<'a> Contact<'a> {
         }
     }
 
-    /// Approach and tilt at which the shape touches: the straight line through `gap + A p` of the cells in contact.
+    /// Approach and tilt in contact: the straight line through `gap + A p` of the cells in contact.
     fn rigid_motion(&self, stroke: &Stroke, pressure: &[f64], shape: &[f64], groove: &[f64]) -> (f64, f64) {
         let displacement = self.compliance(stroke) * DVector::from_column_slice(pressure);
         let x = self.cells.centres();
@@ -434,7 +433,7 @@ pub(crate) fn direction(velocity: f64) -> Direction {
     if velocity < 0.0 { Direction::Backward } else { Direction::Forward }
 }
 
-/// Depth rate of a body on the cells at a sliding velocity, in m/s.
+/// Wear depth rate of a body on the cells at a sliding velocity, in m/s.
 pub(crate) fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f64, friction: f64) -> CellRate {
     let law = WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let at = |radius: &f64| -> f64 {
@@ -447,7 +446,7 @@ pub(crate) fn depth_rate(scene: &Scene, body: &Body, radii: &[f64], velocity: f6
     CellRate { reference_pressure: REFERENCE_PRESSURE, terms }
 }
 
-/// The same depth per sliding distance.
+/// Wear depth of a body per sliding distance.
 pub(crate) fn per_distance(rate: &CellRate, velocity: f64) -> CellRate {
     let slower = |term: &WearTerm| WearTerm {
         coefficient: scaled(&term.coefficient, 1.0 / velocity.abs()),

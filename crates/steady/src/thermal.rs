@@ -1,11 +1,9 @@
-//! Steady states with heat: temperatures, heat flows and distortion beside pressure and shape.
+//! Steady states with heat: temperatures, heat flows and distortion in addition to pressure and shape.
 //!
-//! One way, all of it is found in one stroke: the wear fixes the pressure, the moving source of its heat the temperatures,
-//! and elasticity with the distortion the shape. To and fro, the pressure changes while a half-stroke lasts, since the heat
-//! of one direction distorts the contact of the other; there the steady cycle of the contact line's own steps is found
-//! ([`model::line::cycle`]).
-//!
-//! Theory: docs/theory.md, section 9.4.
+//! In unidirectional sliding a single stroke is solved: wear determines the pressure, the moving heat source the temperatures,
+//! and elasticity with the distortion the shape. In reciprocating sliding the pressure changes within a half-stroke, since the
+//! heat of one direction distorts the contact of the other; there the steady cycle of the contact line's own time steps is solved
+//! for ([`model::line::cycle`]).
 
 mod bodies;
 mod cycle;
@@ -24,27 +22,27 @@ use scene::Scene;
 /// Steady state of a scene with its heat.
 #[derive(Clone, PartialEq, Debug)]
 pub struct HotState {
-    /// Pressure, shape and wear. Of to-and-fro sliding the means over the half-strokes; the shape is that of the bodies
-    /// unloaded and at the ambient temperature.
+    /// Pressure, shape and wear. In reciprocating sliding means over the half-strokes; the shape is that of the bodies unloaded
+    /// and at the ambient temperature.
     pub state: SteadyState,
-    /// Temperatures and heat.
+    /// Temperatures and heat flows.
     pub heat: SteadyHeat,
 }
 
 /// Heat of a steady state. Temperatures in K, N cell means; pairs are punch and strip.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SteadyHeat {
-    /// Of every stroke, as in the state.
+    /// Heat of every stroke, as in the state.
     pub strokes: Vec<StrokeHeat>,
-    /// Least and largest temperature of the surfaces in the cycle.
+    /// Minimum and maximum over the cycle of the surface temperatures.
     pub range: [[Vec<f64>; 2]; 2],
-    /// Least, mean and largest value in the cycle of the contact's mean temperature.
+    /// Minimum, mean and maximum over the cycle of the mean contact temperature.
     pub contact_temperature: [f64; 3],
-    /// Largest `contact_temperature_max` in the cycle, see [`Hottest`](model::line::hottest::Hottest).
+    /// Maximum of `contact_temperature_max` over the cycle, see [`Hottest`](model::line::hottest::Hottest).
     pub highest: f64,
-    /// Means over the cycle, all punches and faces.
+    /// Heat flows, means over the cycle, all punches and faces.
     pub flows: HeatFlows,
-    /// How it was found.
+    /// Convergence of the solution.
     pub accuracy: Accuracy,
 }
 
@@ -55,14 +53,14 @@ pub struct StrokeHeat {
     pub temperature: [Vec<f64>; 2],
     /// Mean fluxes into the bodies, W/m2.
     pub flux: [Vec<f64>; 2],
-    /// Pressure just after the reversal and at the end of the stroke, Pa; twice the same one way.
+    /// Pressure just after the reversal and at the end of the stroke, Pa; twice the same in unidirectional sliding.
     pub pressure_at: [Vec<f64>; 2],
 }
 
 /// Heat flows, W.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct HeatFlows {
-    /// Friction.
+    /// Friction heat.
     pub friction: f64,
     /// Into the punch.
     pub punch: f64,
@@ -72,31 +70,31 @@ pub struct HeatFlows {
     pub punch_top: f64,
     /// Out of the strip's base.
     pub strip_base: f64,
-    /// To the air.
+    /// To the ambient.
     pub ambient: f64,
 }
 
-/// How a steady state was found.
+/// Convergence of the solution of a steady state.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Accuracy {
-    /// Cycles, or iterations, computed.
+    /// Number of cycles, or iterations, computed.
     pub iterations: usize,
     /// Last change of the shape over the elastic displacement under the mean pressure.
     pub shape: f64,
     /// Last change of the heat over the heat.
     pub heat: f64,
-    /// Speed over the critical speed of thermoelastic instability; 0: there is none. Above 1 time stepping may depart from
-    /// this state.
+    /// Speed over the critical speed of thermoelastic instability; 0: there is none. Above 1 time stepping may depart from this
+    /// state.
     pub speed_ratio: f64,
 }
 
 /// Steady state with heat of a scene under its nominal load; see [`steady_state`] for what exists.
 ///
-/// Friction and wear follow the temperature where they have tables. Distortion is measured from the ambient temperature.
-/// Faces with a temperature from outside are at the ambient temperature.
+/// Friction and wear depend on the temperature where they have tables. Distortion is measured from the ambient temperature.
+/// External temperatures of faces are the ambient temperature.
 ///
 /// # Errors
-/// What [`steady_state`] refuses; [`SteadyError::NoHeatLeaves`].
+/// Those of [`steady_state`]; [`SteadyError::NoHeatLeaves`].
 pub fn hot_state(
     scene: &Scene,
     cells: &Cells,
@@ -113,14 +111,14 @@ pub fn hot_state(
     }
 }
 
-/// Whether steady sliding heats the contact of a scene at all, and its steady state with heat can be found.
+/// Whether a scene has a steady state with heat: steady sliding heats its contact, and the state can be computed.
 pub fn has_hot_state(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
     conducts && scene.friction_coefficient > 0.0
 }
 
 /// Shape of the run-in punch of a scene whose heat feeds back: gap of the unloaded bodies at the ambient temperature, N cell
-/// means, in m, least 0.
+/// means, in m, minimum 0.
 ///
 /// # Errors
 /// Those of [`hot_state`], and [`SteadyError::OnlyStripWears`] where the punch would keep its shape.

@@ -1,6 +1,4 @@
-//! Steady one-way sliding.
-//!
-//! Theory: docs/theory.md, section 9.1.
+//! Steady unidirectional sliding.
 
 use super::{SteadyError, positive};
 use contact::wear::line::{CellRate, Conditions, Direction, WearingContact};
@@ -8,7 +6,7 @@ use contact::{ContactState, Normal, Tilt};
 use elasticity::Cells;
 use nalgebra::{DMatrix, DVector};
 
-/// Steady state of a punch that wears while it slides one way.
+/// Steady state of a punch that wears in unidirectional sliding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unidirectional {
     /// N cell means of the pressure, in Pa.
@@ -22,8 +20,8 @@ pub struct Unidirectional {
 }
 
 impl Unidirectional {
-    /// Worn depth (N values, m, least value 0) under which elasticity gives this pressure: `g0 + w + A p` is a rigid
-    /// motion, where the pressure is positive; elsewhere just enough for the gap to be 0.
+    /// Worn depth (N values, m, minimum 0) at which this pressure is in elastic equilibrium: `g0 + w + A p` is a rigid motion
+    /// where the pressure is positive; elsewhere the depth at which the gap is 0.
     pub fn shape(&self, initial_gap: &[f64], compliance: &DMatrix<f64>) -> Vec<f64> {
         let displacement = compliance * DVector::from_column_slice(&self.pressure);
         let mut shape: Vec<f64> = initial_gap.iter().zip(&displacement).map(|(g, u)| -g - u).collect();
@@ -62,7 +60,7 @@ pub fn punch_run_in(
     if extra.is_some() && (centre.is_nan() || centre.abs() >= x[count - 1]) {
         return Err(SteadyError::Tipping { lever: centre, limit: x[count - 1] });
     }
-    // Tilting about the resultant keeps the two searches nearly independent.
+    // Tilting about the resultant makes the two searches nearly independent.
     let pressures = |sinking: f64, tilting: f64| -> Vec<f64> {
         (0..count).map(|i| rate.pressure_at(i, sinking + tilting * (x[i] - centre))).collect()
     };
@@ -86,8 +84,8 @@ pub fn punch_run_in(
     Ok(Unidirectional { pressure, sinking_rate: sinking - tilting * centre, tilting_rate: tilting, dissipation })
 }
 
-/// Steady groove of a wearing strip on a fresh straight path: the strip comes in unworn at the leading edge and leaves
-/// worn at the trailing edge, `g0 + A p + integral_x^lead f(p) dx' = delta + theta x` where p > 0.
+/// Steady groove of a wearing strip on a fresh straight path: the strip enters unworn at the leading edge and leaves worn at the
+/// trailing edge, `g0 + A p + integral_x^lead f(p) dx' = delta + theta x` where p > 0.
 ///
 /// `rate` is the worn depth per sliding distance, `compliance` `C + s mu S` for the direction. The gap of the state is
 /// that of the worn strip.
@@ -103,7 +101,7 @@ pub fn groove(
     if rate.terms.iter().all(|term| term.coefficient.is_zero()) {
         return Err(SteadyError::NothingWears);
     }
-    // The compliance is that of the direction as it is given.
+    // The given compliance includes the shear coupling of the direction.
     let none = DMatrix::zeros(cells.count(), cells.count());
     let mut contact = WearingContact::new(cells, cells.widths(), compliance, none, initial_gap.to_vec())?;
     contact.set_operator(Some(&groove_operator(cells, direction)));
@@ -148,7 +146,7 @@ fn increasing_root(f: impl Fn(f64) -> f64, guess: f64, step: f64) -> f64 {
         }
     }
     let width = high - low;
-    // Which end stayed last time: the value of an end that stays twice is halved.
+    // End of the bracket that stayed last time: the function value of an end that stays twice is halved.
     let (mut low_stays, mut high_stays) = (false, false);
     for iteration in 0..200 {
         let middle = 0.5 * (low + high);

@@ -1,29 +1,27 @@
-//! The lever at which a punch that slides to and fro rocks itself round.
-//!
-//! Theory: docs/theory.md, section 9.2.
+//! Limit lever at which a punch in reciprocating sliding rocks itself round.
 
-/// Largest lever mu H, in half-widths, that pressures of a steady to-and-fro cycle can balance, for wear with the
-/// pressure exponent b and equal half-strokes: 1/2 for b >= 1, and for b < 1
+/// Largest lever mu H, in half-widths, at which pressures of a steady reciprocating cycle can be in equilibrium, for wear with
+/// the pressure exponent b and equal half-strokes: 1/2 for b >= 1, and for b < 1
 ///
 /// ```text
 /// L = 1/(1 + sqrt(2 I)),   I = integral_0^1 [(1-y)^q + (1+y)^q]^(1/q) dy,   q = b/(b-1)
 /// ```
 ///
-/// .5505 at b = .5. From force, moment and even wear alone: with `u = p+(x) = p-(-x)` and `w = p-(x)`, x > 0, the pair
-/// wears evenly where `u^b + w^b = c`, and the lever `integral x (u - w)/integral (u + w)` is largest where every x
-/// maximises `(x - L) u - (x + L) w` on that curve: u alone beyond L; within it, for b >= 1, u alone again (the curve
-/// bends outwards), for b < 1 the least of `(L - x) u + (L + x) w`, which Hoelder's inequality gives. The sum of these
-/// maxima is 0: `(1 - L)^2/2 = L^2 I`.
+/// .5505 at b = .5. From force, moment and uniform wear alone: with `u = p+(x) = p-(-x)` and `w = p-(x)`, x > 0, wear is uniform
+/// where `u^b + w^b = c`, and the lever `integral x (u - w)/integral (u + w)` is largest where every x maximises
+/// `(x - L) u - (x + L) w` on that curve: u alone beyond L; within it, for b >= 1, u alone again (the curve is concave to the
+/// origin), for b < 1 the minimum of `(L - x) u + (L + x) w`, by Hoelder's inequality. The sum of these maxima is 0:
+/// `(1 - L)^2/2 = L^2 I`.
 ///
-/// At this lever no cycle exists on any pair of bodies. Below it, and above 1/2 where b < 1, it depends on how the
-/// bodies share the load: their elasticity must give both pressures on one shape.
+/// At this lever no cycle exists for any pair of bodies. Below it, and above 1/2 where b < 1, existence depends on the elasticity
+/// of the bodies, which has to permit both pressures on one shape.
 pub fn rocking_limit(exponent: f64) -> f64 {
     if exponent >= 1.0 {
         return 0.5;
     }
     let q = exponent / (exponent - 1.0);
     let mean = |y: f64| {
-        // Scaled with the smaller base, which has the larger power: q < 0.
+        // Scaled by the smaller base, which has the larger power: q < 0.
         let ratio = (1.0 + y) / (1.0 - y);
         (1.0 - y) * (1.0 + ratio.powf(q)).powf(1.0 / q)
     };
@@ -54,7 +52,7 @@ mod tests {
 
     #[test]
     fn no_pair_of_pressures_that_wears_evenly_has_a_larger_lever() {
-        // Search on a grid: every cell takes the point of the curve that is best for the present lever.
+        // Grid search: every cell takes the optimal point of the curve for the current lever.
         for b in [0.3, 0.5, 0.8, 1.0, 2.0] {
             let (cells, points) = (200, 500);
             let mut lever = 0.3;

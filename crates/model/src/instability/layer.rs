@@ -1,10 +1,10 @@
-//! The bodies of a pair as layers of their own heights under one pressure wave.
+//! Response of the bodies, as layers of their own heights, to a pressure wave.
 //!
-//! A wave of number q that moves at the speed c_i in the frame of body i drives it at the frequency `s = -i q c_i`. The
-//! layer takes up the flux `Y T`, is lifted by `L T` and gives way by `C p`: Y and L from conduction through its height
-//! ([`Depth`]), L by reciprocity with the dilatation under pressure, C by its elastic kernel. With the friction heat
-//! `mu V p`, the pressure of what is lifted and the resistance `r = 1/(2 h_c)` between each surface and the other, the wave
-//! stays as it is where
+//! A wave of wave number q that moves at the speed c_i in the frame of body i excites it at the frequency `s = -i q c_i`. The
+//! layer absorbs the flux `Y T`, has the thermal lift `L T` and the elastic displacement `C p`: Y and L from conduction through
+//! its height ([`Depth`]), L by reciprocity with the dilatation under pressure, C by its elastic kernel. With the friction heat
+//! `mu V p`, the pressure by the thermal lift and the resistance `r = 1/(2 h_c)` between each surface and the other, the wave is
+//! neutral where
 //!
 //! ```text
 //! mu V = Z = (C_1 + C_2) [Y_1 (1 + r Y_2) + Y_2 (1 + r Y_1)]/[L_1 (1 + r Y_2) + L_2 (1 + r Y_1)].
@@ -18,10 +18,10 @@ use elasticity::{Base, StripKernel, antisymmetric};
 use nalgebra::Complex;
 use scene::{Body, MechanicalBody, Scene, ThermalBoundary};
 
-/// Beyond this q h a layer is a half-plane to rounding.
+/// q h beyond which a layer is a half-plane to rounding.
 const DEEP: f64 = 20.0;
 
-/// Half of the resistance between surfaces that exchange nothing, K m2/W: each gets half of the heat.
+/// Half of the resistance between surfaces without heat exchange, K m2/W: each receives half of the heat.
 const NO_EXCHANGE: f64 = 1e12;
 
 /// 1/(2 h_c), K m2/W.
@@ -29,18 +29,18 @@ pub fn half_resistance(scene: &Scene) -> f64 {
     if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE }
 }
 
-/// What the far face of a layer does to a wave.
+/// Boundary condition at the far face of a layer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum FarFace {
-    /// Held mechanically, and thermally as the scene says.
+    /// Fixed mechanically, with the thermal condition of the scene.
     Held(Base),
-    /// Mid plane of a layer with two faces in contact, whose waves are alike.
+    /// Mid plane of a layer with both faces in contact, symmetric waves.
     Symmetric,
-    /// The same, the waves of opposite sign: the layer bends, its mid plane stays at its temperature.
+    /// Mid plane, antisymmetric waves: the layer bends, the temperature of its mid plane is constant.
     Antisymmetric,
 }
 
-/// A body under a wave.
+/// Layer at one wave number.
 #[derive(Clone, Copy, Debug)]
 pub struct Layer {
     /// `None`: an insulator.
@@ -51,7 +51,7 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// The layer of a body at the wave number `wave`, 1/m.
+    /// Layer of a body at the wave number `wave`, 1/m.
     pub fn new(body: &Body, far: FarFace, wave: f64) -> Layer {
         let nu = body.poissons_ratio;
         let u = wave * body.height;
@@ -95,7 +95,7 @@ impl Layer {
         Layer { conduction, expands, compliance }
     }
 
-    /// Y, W/(m2 K), and L, m/K, at the frequency `s`, 1/s.
+    /// Heat uptake Y, W/(m2 K), and thermal lift L, m/K, at the frequency `s`, 1/s.
     pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let Some(conduction) = &self.conduction else { return [Complex::from(0.0); 2] };
         let [impedance, distortion] = conduction.respond(s);
@@ -103,18 +103,18 @@ impl Layer {
         [uptake, -distortion * uptake]
     }
 
-    /// C, m/Pa.
+    /// Elastic compliance C, m/Pa.
     pub fn compliance(&self) -> f64 {
         self.compliance
     }
 
-    /// Whether heat lifts its surface.
+    /// Whether heat displaces its surface.
     pub fn expands(&self) -> bool {
         self.expands
     }
 }
 
-/// Compliance of independent springs, m/Pa.
+/// Compliance of a Winkler foundation, m/Pa.
 fn winkler(body: &Body) -> f64 {
     if body.foundation_stiffness > 0.0 {
         return body.foundation_stiffness.recip();
@@ -123,7 +123,7 @@ fn winkler(body: &Body) -> f64 {
     body.height * (1.0 + nu) * (1.0 - 2.0 * nu) / (body.youngs_modulus * (1.0 - nu))
 }
 
-/// Both bodies under one wave.
+/// Both bodies at one wave number.
 #[derive(Clone, Copy, Debug)]
 pub struct Layers {
     pub bodies: [Layer; 2],
@@ -134,25 +134,25 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// The scene's bodies at the wave number `wave`, 1/m; `strip`: what the far face of the strip does.
+    /// The scene's bodies at the wave number `wave`, 1/m; `strip`: condition at the far face of the strip.
     pub fn new(scene: &Scene, strip: FarFace, wave: f64) -> Layers {
         let punch = Layer::new(&scene.punch, FarFace::Held(Base::Bonded), wave);
         let strip = Layer::new(&scene.strip, strip, wave);
         Layers { bodies: [punch, strip], wave, half_resistance: half_resistance(scene) }
     }
 
-    /// C of both, m/Pa.
+    /// Compliance C of both, m/Pa.
     pub fn compliance(&self) -> f64 {
         self.bodies[0].compliance + self.bodies[1].compliance
     }
 
-    /// Whether no heat lifts anything, or nothing gives way to it.
+    /// Whether the wave cannot grow: no thermal expansion, or no elastic compliance.
     pub fn is_neutral(&self) -> bool {
         let lifts = self.bodies.iter().any(|body| body.expands);
         !lifts || self.compliance() <= 0.0 || !self.compliance().is_finite()
     }
 
-    /// Z of the body that is easier to make unstable, at rest and by itself, Pa.m/s.
+    /// Z of the more unstable body, by itself at rest, Pa.m/s.
     pub fn alone(&self) -> f64 {
         let rest = Complex::from(0.0);
         let own = |body: &Layer| {
@@ -162,7 +162,7 @@ impl Layers {
         self.bodies.iter().filter(|body| body.expands).map(own).fold(f64::INFINITY, f64::min)
     }
 
-    /// Z in m/s where the wave moves at these speeds in the frames of the two bodies.
+    /// Z in m/s for a wave that moves at these speeds in the frames of the two bodies.
     pub fn impedance(&self, speeds: [f64; 2]) -> Complex<f64> {
         let at = |body: usize| self.bodies[body].respond(Complex::new(0.0, -self.wave * speeds[body]));
         let ([first, lift_first], [second, lift_second]) = (at(0), at(1));

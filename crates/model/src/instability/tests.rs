@@ -16,7 +16,7 @@ const INSULATOR: Material = [0.0, 1e6, 0.0, 0.25, 1e9];
 const IRON: Material = [54.0, 54.0 / 12.98e-6, 12e-6, 0.25, 125e9];
 const PAD: Material = [0.5, 0.5 / 0.269e-6, 10e-6, 0.25, 0.53e9];
 
-/// Layers of the heights (m) in ideal thermal contact on a closed path, insulated at their far faces.
+/// Layers of these heights (m) in ideal thermal contact on a closed path, insulated at their far faces.
 fn scene(bodies: [(Material, f64); 2]) -> Scene {
     let mut values = STARTS;
     let mut set = |name: &str, value: f64| values[reference(name) as usize] = value;
@@ -48,7 +48,7 @@ fn least_free(layers: &Layers, speed: f64) -> f64 {
     [false, true].map(|swapped| least(layers, Motion::Free(swapped), speed)).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Speed at which a free wave of these layers begins to grow, m/s, by bisection.
+/// Critical speed of a free wave of these layers, m/s, by bisection.
 fn critical(layers: &Layers, friction: f64) -> f64 {
     let (mut low, mut high) = (1e-3_f64, 1e5_f64);
     for _ in 0..60 {
@@ -82,7 +82,7 @@ fn the_imaginary_part_vanishes_and_the_pair_can_be_turned_round() {
         if speed < 1.0 {
             continue;
         }
-        // The lining that the wave sweeps over takes heat up: harder to make unstable than steel on an insulator.
+        // The lining over which the wave moves absorbs heat, so the pair is more stable than steel on an insulator.
         let alone = least_free(&layers([(STEEL, 1.0), (INSULATOR, 1.0)], BONDED, 50.0), speed);
         assert!(one > alone * 3.0, "{speed}: {one} against {alone}");
     }
@@ -90,7 +90,7 @@ fn the_imaginary_part_vanishes_and_the_pair_can_be_turned_round() {
 
 #[test]
 fn alike_bodies_share_the_wave_or_one_keeps_it() {
-    // By symmetry a wave at half the speed is always neutral in its phase.
+    // By symmetry a wave at half the speed always has zero phase.
     let wave = layers([(STEEL, 1.0), (STEEL, 1.0)], BONDED, 50.0);
     let slow = least_free(&wave, 1e-6);
     let at_rest = 2.0 * 2.0 * 55.0 * 50.0 / (2.0 * 1.1e-5 * 1.3 * modulus([STEEL, STEEL]));
@@ -98,7 +98,7 @@ fn alike_bodies_share_the_wave_or_one_keeps_it() {
     assert!(least_free(&wave, 10.0).is_finite());
 }
 
-/// A disc of 11 mm between two pads at mu = 0.4: unstable from 8.9 m/s at 80 1/m, where half-planes take twenty times as much.
+/// A disc of 11 mm between two pads at mu = 0.4: unstable from 8.9 m/s at 80 1/m, twenty times below half-planes.
 #[test]
 fn a_disc_between_two_pads_has_the_published_speeds() {
     let disc = |height: f64, far: FarFace| critical(&layers([(PAD, 1.0), (IRON, height)], far, 80.0), 0.4);
@@ -109,13 +109,14 @@ fn a_disc_between_two_pads_has_the_published_speeds() {
     for far in [BONDED, FarFace::Held(Base::Smooth), FarFace::Antisymmetric] {
         assert!((disc(1.0, far) / half_planes - 1.0).abs() < 1e-9, "{far:?}");
     }
-    // A thin disc resists waves that are alike on both faces more than half-planes do, and opposite ones an order of magnitude less.
+    // A thin disc is more stable than half-planes for symmetric waves, and an order of magnitude less stable for antisymmetric
+    // ones.
     let symmetric = disc(0.0055, FarFace::Symmetric);
     assert!(symmetric > half_planes && bending < 0.1 * half_planes, "{bending} {half_planes} {symmetric}");
 }
 
-/// A layer on a smooth base between rigid bodies that take no heat, with waves much longer than its height, is the slab of uniform
-/// temperature: `mu V = K q^2 h (1 - nu)/(E alpha)`.
+/// A layer on a smooth base between rigid bodies that absorb no heat, for waves much longer than its height, is the slab of
+/// uniform temperature: `mu V = K q^2 h (1 - nu)/(E alpha)`.
 #[test]
 fn long_waves_in_an_insulated_slab_have_the_closed_form() {
     let rigid = [0.0, 1e6, 0.0, 0.25, 1e21];
@@ -127,7 +128,7 @@ fn long_waves_in_an_insulated_slab_have_the_closed_form() {
     }
 }
 
-/// Conduction through the depth by finite volumes graded from the surface, and what it does to the surface: rows of the system
+/// Conduction through the depth by finite volumes graded from the surface, with its effect on the surface: rows of the system
 /// dT/dt = M T in the body's own frame.
 struct Column {
     /// Centres and widths of the volumes, m.
@@ -137,7 +138,7 @@ struct Column {
 
 impl Column {
     fn new(height: f64, first: f64, count: usize) -> Column {
-        // Geometric: first (r^n - 1)/(r - 1) = height.
+        // Geometric grading: first (r^n - 1)/(r - 1) = height.
         let (mut low, mut high) = (1.0 + 1e-9, 10.0);
         for _ in 0..200 {
             let r: f64 = 0.5 * (low + high);
@@ -154,8 +155,8 @@ impl Column {
     }
 }
 
-/// The largest growth rate (1/s) of a wave of the number `q` at the sliding speed `speed`, in the frame of the strip, by eigenvalues of
-/// finite volumes. `dilatation` is the bracket of the two bodies, `held` whether the far face keeps its temperature.
+/// Largest growth rate (1/s) of a wave of wave number `q` at the sliding speed `speed`, in the frame of the strip, by eigenvalues
+/// of finite volumes. `dilatation` is the bracket of the two bodies, `held`: the temperature of the far face is fixed.
 fn growth_by_volumes(
     materials: [Material; 2],
     columns: &[Column; 2],
@@ -166,7 +167,7 @@ fn growth_by_volumes(
     let counts = columns.each_ref().map(|column| column.at.len());
     let total = counts[0] + counts[1];
     let mut matrix = DMatrix::<Complex<f64>>::zeros(total, total);
-    // Pressure by unit temperatures; the surface's temperature is common, its heat in two half volumes.
+    // Pressure by unit temperatures; the surface temperature is common to both bodies, with a half volume on either side.
     let mut pressure = DVector::<f64>::zeros(total);
     let mut conductance = [0.0; 2];
     for body in 0..2 {
@@ -208,7 +209,7 @@ fn growth_by_volumes(
             matrix[(first[body], k)] += Complex::from(scale * drive * pressure[k] / sum);
         }
     }
-    // The eigenvalues nearest to shifts along the imaginary axis.
+    // Eigenvalues nearest to shifts along the imaginary axis.
     let mut largest = f64::NEG_INFINITY;
     for exponent in -8..6 {
         for sign in [-1.0, 1.0] {
@@ -230,7 +231,7 @@ fn growth_by_volumes(
     largest
 }
 
-/// Two conductors, one a bent layer, by finite volumes: growth changes its sign at the speed that the impedance says.
+/// Two conductors, one a bending layer, by finite volumes: growth changes its sign at the critical speed of the impedance.
 #[test]
 fn finite_volumes_grow_from_the_critical_speed_on() {
     let (q, friction, height) = (80.0, 0.4, 0.0055);
@@ -247,7 +248,7 @@ fn finite_volumes_grow_from_the_critical_speed_on() {
     };
     let [below, above] = [0.97, 1.03].map(rate);
     assert!(below < 0.0 && above > 0.0, "{below} {above}");
-    // What is left at the speed itself is the error of the volumes.
+    // The remainder at the critical speed is the discretisation error of the finite volumes.
     assert!(rate(1.0).abs() < 0.2 * above, "{} {above}", rate(1.0));
 }
 
@@ -267,7 +268,8 @@ fn half_a_wave_fits_a_guided_punch_and_a_whole_one_a_punch_that_turns() {
     assert!((turning / exact(thick.width) - 1.0).abs() < 1e-9, "{turning}");
 }
 
-/// The least over all waves lies between those looked at, and the waves of the other face are no part of what is modelled.
+/// The minimum over all waves lies between those of the search, and the waves of the other face are not included in the modelled
+/// ones.
 #[test]
 fn two_faces_add_the_waves_that_bend_the_strip() {
     let mut ring = scene([(PAD, 1.0), (IRON, 0.0055)]);
@@ -286,7 +288,7 @@ fn two_faces_add_the_waves_that_bend_the_strip() {
         .fold(f64::INFINITY, f64::min);
     assert!((two.at(0.4) / exact - 1.0).abs() < 5e-3, "{} {exact}", two.at(0.4));
     assert!(two.harmless(0.4) <= two.modelled(0.4));
-    // A base that convects is no mid plane.
+    // A convecting base is not a mid plane.
     ring.strip.far_thermal = scene::ThermalBoundary::Convecting;
     let open = CriticalSpeed::new(&ring);
     assert_eq!(open.at(0.4), open.modelled(0.4));

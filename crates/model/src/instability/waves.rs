@@ -1,6 +1,4 @@
-//! The waves that a scene has room for, and the one that grows first.
-//!
-//! Theory: docs/theory.md, section 7.4.
+//! Admissible waves of a scene, and the one with the lowest critical speed.
 
 use super::layer::{FarFace, Layers};
 use elasticity::Base;
@@ -8,46 +6,46 @@ use nalgebra::Complex;
 use scene::{Constraint, Geometry, Path, Scene, ThermalBoundary};
 use std::f64::consts::PI;
 
-/// Wave speeds looked at between a body at rest and half the sliding speed, in geometric steps; a little beyond, because bodies
-/// that are alike share the speed equally.
+/// Wave speeds of the search between a body at rest and half the sliding speed, in geometric progression; slightly beyond,
+/// because a wave between equal bodies moves at half the speed.
 const WAVE_SPEEDS: usize = 12;
 const SLOWEST_WAVE: f64 = 1e-10;
 const FASTEST_WAVE: f64 = 0.5001;
 
-/// From this q h on a layer is a half-plane, in which shorter waves are the more stable.
+/// q h from which on a layer is a half-plane, in which shorter waves are more stable.
 const DEEP: f64 = 4.0;
-/// Ratio of neighbouring wave numbers, unless it takes more than so many of them. Between two of them a parabola finds the least.
+/// Ratio of neighbouring wave numbers, up to this number of them; the minimum is refined by a parabola.
 const SPACING: f64 = 1.2;
 const MOST_WAVES: usize = 24;
-/// All waves are compared at every so many-th speed; between, the least is followed from neighbour to neighbour.
+/// Number of speeds from one comparison of all waves to the next; between, the minimum is followed from neighbour to neighbour.
 const COMPARED: usize = 6;
 
-/// How the wave may move.
+/// Admissible motion of a wave.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(super) enum Motion {
-    /// At any speed between those of the bodies, nearer to the punch's (false) or to the strip's.
+    /// At any speed between those of the bodies, closer to that of the punch (false) or of the strip.
     Free(bool),
-    /// With this body; heated for this part of the time.
+    /// At rest in this body; heated for this fraction of the time.
     With(usize, f64),
-    /// Across the sliding direction: at rest in both.
+    /// Normal to the sliding direction: at rest in both bodies.
     Across,
 }
 
-/// Waves that differ in their number alone.
+/// Waves that differ in their wave number only.
 #[derive(Debug)]
 pub(super) struct Family {
     pub motion: Motion,
-    /// Whether a contact line models them.
+    /// Whether a contact line resolves them.
     pub modelled: bool,
     /// In ascending order of wave number.
     pub waves: Vec<Layers>,
-    /// Whether there are waves between these.
+    /// Whether intermediate wave numbers are admissible.
     pub continuous: bool,
-    /// The one that was the least at the speed before.
+    /// Index of the minimum at the previous speed.
     least: usize,
 }
 
-/// The waves of a scene.
+/// Admissible waves of a scene.
 #[derive(Debug)]
 pub(super) struct Families {
     families: Vec<Family>,
@@ -57,7 +55,7 @@ pub(super) struct Families {
 }
 
 impl Families {
-    /// The waves of the scene's geometry.
+    /// Admissible waves for the scene's geometry.
     pub fn of(scene: &Scene) -> Families {
         let mut families = Vec::new();
         let own = FarFace::Held(if scene.smooth_base { Base::Smooth } else { Base::Bonded });
@@ -103,13 +101,13 @@ impl Families {
         Families { families, fastest_cell, asked: 0 }
     }
 
-    /// Whether no heat lifts anything.
+    /// Whether no wave can grow.
     pub fn is_neutral(&self) -> bool {
         self.families.iter().flat_map(|family| &family.waves).all(Layers::is_neutral)
     }
 
-    /// The least Re Z at the sliding speed `speed` of all waves and of those that a contact line models, m/s; infinite:
-    /// there is no such wave. Speeds are asked for in ascending order.
+    /// Least Re Z at the sliding speed `speed` over all waves and over those that a contact line resolves, m/s; infinite: there
+    /// is no such wave. To be called for ascending speeds.
     pub fn least(&mut self, speed: f64) -> [f64; 2] {
         let compare = self.asked.is_multiple_of(COMPARED);
         self.asked += 1;
@@ -124,7 +122,7 @@ impl Families {
         [all, modelled]
     }
 
-    /// The least Z of one body by itself at rest, m/s, of the waves that a contact line models.
+    /// Least Z of one body by itself at rest, m/s, over the waves that a contact line resolves.
     pub fn alone(&self) -> f64 {
         let own = |family: &Family| family.waves.iter().map(Layers::alone).fold(f64::INFINITY, f64::min);
         let modelled = self.families.iter().filter(|family| family.modelled);
@@ -132,7 +130,7 @@ impl Families {
     }
 }
 
-/// Part of the circle from which on punches count as a full ring.
+/// Fraction of the circle from which on punches count as a full ring.
 const FULL_RING: f64 = 0.999;
 
 /// Wave numbers in ascending order, 1/m.
@@ -142,7 +140,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// From `lowest` to where both layers are half-planes.
+    /// Wave numbers from `lowest` to where both layers are half-planes.
     fn from(scene: &Scene, lowest: f64) -> Numbers {
         let count = Self::count(scene, lowest);
         let ratio = Self::highest(scene, lowest) / lowest;
@@ -150,7 +148,7 @@ impl Numbers {
         Numbers { values: (0..count).map(|k| lowest * ratio.powf(part(k))).collect(), continuous: true }
     }
 
-    /// Multiples of `lowest`.
+    /// Integer multiples of `lowest`.
     fn multiples(scene: &Scene, lowest: f64) -> Numbers {
         let mut values: Vec<f64> =
             Self::from(scene, lowest).values.iter().map(|value| (value / lowest).round() * lowest).collect();
@@ -169,7 +167,7 @@ impl Numbers {
 }
 
 impl Family {
-    /// The least Re Z over the wave numbers at the sliding speed `speed`, m/s. `compare`: of all of them.
+    /// Least Re Z over the wave numbers at the sliding speed `speed`, m/s. `compare`: over all of them.
     fn least(&mut self, speed: f64, compare: bool) -> f64 {
         let last = self.waves.len() - 1;
         let at = |index: usize| least(&self.waves[index], self.motion, speed);
@@ -201,7 +199,7 @@ impl Family {
     }
 }
 
-/// Least value of the parabola through the logarithms of three values at equal distances, the middle one the least.
+/// Minimum of the parabola through the logarithms of three equidistant values, of which the middle one is the least.
 fn parabola(values: [f64; 3]) -> f64 {
     let [left, middle, right] = values.map(f64::ln);
     let (slope, curvature) = (0.5 * (right - left), left + right - 2.0 * middle);
@@ -211,7 +209,7 @@ fn parabola(values: [f64; 3]) -> f64 {
     (middle - 0.5 * slope * slope / curvature).exp()
 }
 
-/// The least Re Z of one wave over its motions at the sliding speed `speed`, m/s; infinite: there is no such wave.
+/// Least Re Z of one wave over its motions at the sliding speed `speed`, m/s; infinite: there is no such wave.
 pub(super) fn least(layers: &Layers, motion: Motion, speed: f64) -> f64 {
     if layers.is_neutral() {
         return f64::INFINITY;
@@ -228,11 +226,11 @@ pub(super) fn least(layers: &Layers, motion: Motion, speed: f64) -> f64 {
     }
 }
 
-/// Waves that move with the punch at less than half the sliding speed; `swapped`: with the strip.
+/// Waves that move relative to the punch at less than half the sliding speed; `swapped`: relative to the strip.
 fn least_free(layers: &Layers, speed: f64, swapped: bool) -> f64 {
     let at = |part: f64| {
         let (near, far) = (part * speed, (part - 1.0) * speed);
-        // Seen from the strip, the punch slides the other way.
+        // In the frame of the strip, the punch slides in the opposite direction.
         layers.impedance(if swapped { [-far, -near] } else { [near, far] })
     };
     let mut least = f64::INFINITY;
@@ -258,7 +256,7 @@ fn least_free(layers: &Layers, speed: f64, swapped: bool) -> f64 {
     least
 }
 
-/// Z where its imaginary part passes through 0 between two wave speeds (false position, Illinois variant).
+/// Z at a zero of its imaginary part between two wave speeds (false position, Illinois variant).
 fn root(at: &impl Fn(f64) -> Complex<f64>, from: (f64, Complex<f64>), to: (f64, Complex<f64>)) -> Complex<f64> {
     let (mut left, mut right) = ((from.0, from.1.im), (to.0, to.1.im));
     let mut value = to.1;

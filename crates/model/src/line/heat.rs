@@ -52,9 +52,9 @@ const MANY: usize = 72;
 /// Linearization point of the operators reused from step to step.
 #[derive(Clone, Copy, Debug, Default)]
 struct FrozenJacobian {
-    /// The step under way has this velocity throughout, so that the operators are exact for it.
+    /// Sliding velocity, m/s.
     velocity: f64,
-    /// The step under way has this velocity throughout.
+    /// The step under way has this velocity throughout, so that the operators are exact for it.
     exact: bool,
     /// mu s v, m/s.
     per_pressure: f64,
@@ -89,9 +89,9 @@ pub struct ThermalCoupling {
     pub surroundings: [Surroundings; 2],
     /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
     lagging: [f64; 2],
-    /// Displacement of both surfaces by heat at the end of the step, m into the bodies.
+    /// Thermal distortion: displacement of both surfaces at the end of the step, m into the bodies.
     pub distortion: Vec<f64>,
-    /// Length of the step under way, s, and the velocities at its ends, m/s.
+    /// Length of the step under way, s, and the sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
     /// Linearization point of the operators reused from step to step.

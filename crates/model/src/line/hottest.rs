@@ -19,7 +19,7 @@ use scene::STATIONS;
 /// Number of lengths L in the width.
 const LENGTHS: usize = STATIONS - 1;
 
-/// An end of an interval: its cell, and how far into it, m.
+/// End of an interval: its cell, and distance from the cell's left edge, m.
 type End = (usize, f64);
 
 /// Candidate intervals for the largest mean temperature.

@@ -1,4 +1,4 @@
-//! The line level: pressure, wear and shape on the cells of the contact line.
+//! Line level: pressure, wear and shape on the cells of the contact line.
 //!
 //! Lumped heat, friction coefficient, distance and bristle depend on the mean pressure and follow the equations of the lumped
 //! level ([`Lumped`], without wear and holder); the contact line adds the quantities that vary along the contact. The two are
@@ -111,7 +111,7 @@ impl Line {
         &self.operators
     }
 
-    /// Whether a bristle carries the force at standstill.
+    /// Whether a bristle models the friction force at standstill.
     pub fn has_bristle(&self) -> bool {
         self.mean.has_bristle()
     }

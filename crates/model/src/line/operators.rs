@@ -55,7 +55,7 @@ pub struct LineOperators {
     pub mean: Arc<lumped::operators::LumpedOperators>,
     /// Conducting bodies of resolved heat; `None`: lumped heat.
     pub heat: Option<Bodies>,
-    /// The cells.
+    /// Cells of the contact.
     pub cells: Cells,
     /// Weights of the load integral, m: areas of the cells per depth.
     pub weights: Vec<f64>,
@@ -63,7 +63,7 @@ pub struct LineOperators {
     pub torque_weights: Vec<f64>,
     /// r/r_m of the cells; all 1 but in annular geometry.
     pub radius_ratio: Vec<f64>,
-    /// Wear rate of punch and strip on the cells over that at the mean radius.
+    /// Wear depth rate of punch and strip on the cells relative to that at the mean radius.
     pub radial: [Vec<f64>; 2],
     /// Gap of the unworn bodies, N cell means, m.
     pub initial_gap: Vec<f64>,

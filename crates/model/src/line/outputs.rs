@@ -205,7 +205,7 @@ impl Line {
         let (signed, normal, tilt) = self.balance(&moment);
         let per_depth = load_rate / operators.shared_depth;
         let normal_rate = match normal {
-            // The holder's reference moves with the load by the elastic approach of the unworn bodies.
+            // The holder's reference position moves with the load by the elastic approach of the unworn bodies.
             Normal::Spring { stiffness, .. } => per_depth + stiffness * self.reference_rate(load, per_depth),
             _ => per_depth,
         };
@@ -270,7 +270,7 @@ impl Line {
         operators.profile.fill_rates(pressure, &rate.pressure, &mut derivatives[first..first + STATIONS]);
     }
 
-    /// d(reference approach) by the load, times `rate`.
+    /// Derivative of the reference approach with respect to the load, times `rate`.
     fn reference_rate(&mut self, load: f64, rate: f64) -> f64 {
         let load = load / self.operators.shared_depth;
         let step = 1e-5 * load;

@@ -201,7 +201,7 @@ mod tests {
         for (mean, x) in cell_means(&cells, &values).iter().zip(cells.centres()) {
             assert!((mean - (2.0 + 3.0 * x)).abs() < 1e-13);
         }
-        // A hat over one station has the area of its triangle.
+        // A hat function at one station has the area of its triangle.
         let mut hat = [0.0; STATIONS];
         hat[20] = 1.0;
         assert!((cells.integral(&cell_means(&cells, &hat)) - 1.0 / 32.0).abs() < 1e-15);

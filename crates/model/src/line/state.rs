@@ -15,7 +15,7 @@ pub struct LineState {
     pub punch: Vec<f64>,
     /// Worn depth of the strip under the cells, m.
     pub strip: Vec<f64>,
-    /// The strip's track on a straight path.
+    /// Worn track of the strip on a straight path; `None` otherwise.
     pub track: Option<LineTrack>,
     /// Thermal state, with resolved heat.
     pub heat: Option<HeatState>,
@@ -45,7 +45,7 @@ pub struct LineState {
     pub status: Status,
     /// log2 of the number of parts of the last communication step.
     pub refinement: u8,
-    /// Bits of limit_reached seen so far.
+    /// Bits of `limit_reached` set so far.
     pub limits: u8,
     /// Running estimate of the relative error of the worn shape.
     pub error: f64,

@@ -1,7 +1,7 @@
 //! Time stepping of the worn shape within a piece of a communication step.
 //!
 //! SDIRK2, `gamma = 1 - 1/sqrt 2`: second order, L-stable, stiffly accurate, so the pressure of the last stage is the
-//! pressure on the shape at the end. With the depth rates `f` of the law on the cells,
+//! pressure on the shape at the end. With the depth rates `f` of the wear law on the cells,
 //!
 //! ```text
 //! gap_1 = g0 + w + gamma h f(p_1) + A p_1 - ...            at gamma h
@@ -143,7 +143,7 @@ impl Line {
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
                     part += 1;
                     failures = 0;
-                    // The error is O(h^2): a quarter of the tolerance permits doubling the step.
+                    // The error is O(h^2): this margin permits doubling the step.
                     let rejected_by_growth =
                         self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
                     if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {

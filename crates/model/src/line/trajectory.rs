@@ -11,7 +11,7 @@ use contact::friction::FrictionLaw;
 pub struct LumpedTemperature {
     /// Contact temperature at the ends, K.
     pub temperature: [f64; 2],
-    /// Displacement of both surfaces by heat, m into the bodies.
+    /// Thermal displacement of both surfaces, m into the bodies.
     pub expansion: [f64; 2],
     /// Slip of a bristle in the piece.
     pub slipped: Option<Slipped>,
@@ -50,7 +50,7 @@ pub struct StageConditions {
     pub kinetic_coefficient: f64,
     /// Contact temperature, K.
     pub temperature: f64,
-    /// Displacement of both surfaces by heat, m into the bodies.
+    /// Thermal displacement of both surfaces, m into the bodies.
     pub expansion: f64,
     /// Friction heat flux over the pressure, m/s, where a bristle determines it.
     pub heat_per_pressure: Option<f64>,

@@ -1,4 +1,4 @@
-//! The bristle that carries the friction force at standstill (`contact.stick_stiffness`).
+//! Bristle model of the friction force at standstill (`contact.stick_stiffness`).
 //!
 //! A spring of stiffness k with a damper c, in series with a Coulomb slider of limit L:
 //!
@@ -42,7 +42,7 @@ pub struct Moved {
 }
 
 impl Moved {
-    /// At rest at the deflection `z` (m).
+    /// Bristle at rest at the deflection `z` (m).
     pub fn none(z: f64) -> Moved {
         Moved { deflection: z, heat: 0.0, slipped: 0.0, power: [0.0; 3], speed: [0.0; 3] }
     }

@@ -73,9 +73,9 @@ fn gain_at_stages(observed: &Observed, port: usize) -> Matrix {
     [observed.gain[port][0], observed.gain[port][2]]
 }
 
-/// Surface of the strip with its cooling eliminated: at both stages its temperature without the moving source is `level + gain
-/// into`, with `into` the contact's heat into the strip, and the cooling flux into it is `offset - slope T` of that temperature
-/// T.
+/// Surface of the strip with its cooling eliminated: at both stages its temperature without the moving source is
+/// `level + gain into`, with `into` the contact's heat into the strip, and the cooling flux into it is `offset - slope T` of that
+/// temperature T.
 struct Surface {
     level: Pair,
     gain: Matrix,
@@ -427,7 +427,7 @@ mod tests {
             values[const { reference("strip.path") } as usize] = path;
             values[const { reference("nominal.stroke") } as usize] = stroke;
             if path == 1.0 {
-                // Elsewhere than on a closed path, variable cooling needs the general form.
+                // Variable cooling requires the general form, except on a closed path.
                 values[const { reference("strip.convection_forced") } as usize] = 0.0;
             }
             let scene = Scene::new(&values, None).unwrap();

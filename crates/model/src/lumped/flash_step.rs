@@ -9,7 +9,7 @@ use conduction::flash::{Flash, MAX_FLASH_STATES};
 /// Weights of the moving source for one step size and one course of the speed.
 #[derive(Clone, Debug)]
 pub struct FlashStep {
-    /// The speeds (m/s) at the start and at the three points, and the step size (s) they hold for.
+    /// Speeds (m/s) at the start and at the three points, and step size (s), of these weights.
     key: ([f64; 4], f64),
     /// The speed is the same at all points.
     steady: bool,
@@ -293,7 +293,7 @@ impl FlashStep {
         [self.homogeneous(0, states), self.homogeneous(2, states)]
     }
 
-    /// The states at the end of the step under the stage fluxes `flux` into the strip.
+    /// States at the end of the step under the stage fluxes `flux` into the strip.
     #[inline(always)]
     pub fn advanced(&self, states: &Row, flux: [f64; 2]) -> Row {
         let (start, rise) = (1.5 * flux[0] - 0.5 * flux[1], 1.5 * (flux[1] - flux[0]));

@@ -1,6 +1,4 @@
-//! The lumped level: uniform pressure, a few thermal states per body, a moving source.
-//!
-//! Theory: docs/theory.md, section 8.1.
+//! Lumped level: uniform pressure, a few thermal states per body, a moving source.
 
 mod advance;
 pub mod air;
@@ -111,7 +109,7 @@ pub struct Lumped {
     oldest: usize,
     /// Index of the last one used.
     latest: usize,
-    /// The machine's vector unit.
+    /// Vector unit of the machine.
     arch: Arch,
     flash: FlashStep,
     /// Conditions last computed, and their inputs.
@@ -149,7 +147,7 @@ impl Lumped {
         &self.operators
     }
 
-    /// Whether a bristle carries the force at standstill.
+    /// Whether a bristle models the friction force at standstill.
     pub fn has_bristle(&self) -> bool {
         self.operators.scene.stick_stiffness > 0.0
     }

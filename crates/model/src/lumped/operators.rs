@@ -17,7 +17,7 @@ use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 /// Heat and wear operators of a body at the lumped level.
 #[derive(Clone, PartialEq, Debug)]
 pub struct BodyOperators {
-    /// Conduction; `None` for an insulator.
+    /// Reduced conduction model; `None` for an insulator.
     pub heat: Option<ReducedBody>,
     /// Fraction of the contact flux that enters per reference area.
     pub coverage: f64,
@@ -49,7 +49,7 @@ pub struct BodyOperators {
 }
 
 impl BodyOperators {
-    /// Whether cooling beyond the constant heat transfer acts anywhere.
+    /// Whether any face has cooling beyond the constant heat transfer.
     pub fn is_cooled_variably(&self) -> bool {
         self.air.iter().any(Air::acts)
     }
@@ -130,7 +130,7 @@ pub struct LumpedOperators {
     pub critical_speed: CriticalSpeed,
     /// Mean compliance of both bodies, m/Pa.
     pub compliance: f64,
-    /// Load lost per m of wear or of negative thermal expansion with a caliper, N/m; 0: dead load.
+    /// Load lost per m of wear less thermal expansion, with a caliper, N/m; 0: dead load.
     pub series_stiffness: f64,
 }
 
@@ -306,7 +306,7 @@ fn punch_cooled(scene: &Scene) -> f64 {
     if scene.punch.cooled_area > 0.0 { scene.punch.cooled_area } else { sides }
 }
 
-/// The punch as a slab under the contact's `area`, m2.
+/// Slab model of the punch under the contact's `area`, m2.
 pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
     let body = &scene.punch;
     Slab {
@@ -345,7 +345,8 @@ fn strip_areas(scene: &Scene, area: f64, length: f64, endless: bool) -> (f64, f6
     (reference, coverage, cooled)
 }
 
-/// The strip as a slab under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact covers.
+/// Slab model of the strip under a contact of `area` (m2) on a path of `length` (m), and the fraction of it that the contact
+/// covers.
 pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab, f64) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);
@@ -361,7 +362,7 @@ pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab
     (slab, coverage)
 }
 
-/// The strip's operators, and its slab for the moving source.
+/// Operators of the strip, and its slab model for the moving source.
 fn strip_of(scene: &Scene, area: f64, length: f64, endless: bool) -> (BodyOperators, Option<Slab>) {
     let body = &scene.strip;
     let (reference, coverage, cooled) = strip_areas(scene, area, length, endless);

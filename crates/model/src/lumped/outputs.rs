@@ -280,7 +280,7 @@ impl Lumped {
         let beyond = heat.stored.direct[3] * (self.state.far[side] - self.state.far_start[side]);
         stored += beyond;
         far -= beyond;
-        // The flux into the cooled surface is heat from the air.
+        // The flux into the cooled surface is heat from the ambient.
         account.ambient = (ambient - state.received[1]) * all;
         account.far = far * all;
         account.stored = stored * all;

@@ -19,7 +19,7 @@ pub struct Frozen {
     punch: FrozenBody,
     strip: FrozenBody,
     flash: f64,
-    /// Approach by wear and thermal expansion that a caliper compensates, m.
+    /// Approach by wear less thermal expansion, by which a caliper unloads, m.
     closed: f64,
 }
 
@@ -308,7 +308,7 @@ pub fn strip_entry(operators: &LumpedOperators, state: &LumpedState) -> f64 {
 }
 
 impl LumpedOperators {
-    /// The bristle, if the scene has one.
+    /// Bristle of the scene, if any.
     pub fn bristle(&self) -> Option<Bristle> {
         (self.scene.stick_stiffness > 0.0)
             .then_some(Bristle { stiffness: self.scene.stick_stiffness, damping: self.scene.stick_damping })

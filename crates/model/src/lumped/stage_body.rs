@@ -89,7 +89,7 @@ impl<'a> StageBody<'a> {
         self.level[point] + self.add(|propagator| &propagator.contact, point)
     }
 
-    /// Contact temperature at `point` without contact flux.
+    /// Contact temperature at `point` without contact flux, with cooling.
     pub fn contact_level(&self, point: usize) -> f64 {
         match self.propagator {
             Some(propagator) => self.add_cooling(self.level[point], &propagator.contact, point),

@@ -53,7 +53,7 @@ pub struct LumpedState {
     pub peak_flux: f64,
     /// Largest wear rate so far, m/s.
     pub peak_wear: f64,
-    /// Bits of limit_reached seen so far.
+    /// Bits of `limit_reached` set so far.
     pub limits: u8,
     /// log2 of the number of parts of the last communication step.
     pub refinement: u8,
@@ -184,7 +184,7 @@ impl LumpedState {
         self.position += travel;
     }
 
-    /// Whether the state can belong to `operators`.
+    /// Whether the state is compatible with `operators`.
     pub fn fits(&self, operators: &LumpedOperators) -> bool {
         let within = |heat: &[f64], body: &super::operators::BodyOperators| {
             let count = body.heat.as_ref().map_or(0, |heat| heat.count);

@@ -23,7 +23,7 @@ use numerics::maximum::{all_finite, maximum};
 /// Propagators of both bodies over one step size.
 #[derive(Clone, Debug)]
 pub struct Propagators {
-    /// The step size, s.
+    /// Step size, s.
     pub step: f64,
     pub(super) punch: Option<Propagator>,
     pub(super) strip: Option<Propagator>,
@@ -47,7 +47,7 @@ impl Propagators {
 pub struct Attempt {
     /// Error in units of the tolerance; the step is accepted if at most 1.
     pub error: f64,
-    /// Highest temperature seen, K above the reference.
+    /// Highest temperature of the step, K above the reference.
     pub hottest: f64,
 }
 
@@ -62,7 +62,7 @@ pub struct Stepper<'a> {
     pub cut: f64,
     /// Conditions at the ends of the piece; see `cut`.
     pub ends: Option<&'a [Conditions; 2]>,
-    /// The moving source, prepared for this step and its speeds.
+    /// Moving source, prepared for this step and its speeds.
     pub flash: &'a mut FlashStep,
 }
 

@@ -67,7 +67,7 @@ pub struct Comparison {
     pub candidates: Vec<Candidate>,
     /// Levels that were run, with the operators for the scene.
     pub operators: Vec<(ModelLevel, ModelOperators)>,
-    /// The finest contact line that was run.
+    /// Finest contact line that was run.
     pub finest: ModelLevel,
     /// Operators of the finest contact line.
     pub line: ModelOperators,
@@ -95,7 +95,7 @@ struct Progress<'a> {
     /// Finds the shape of a run-in punch.
     run_in: RunIn,
     course: &'a NominalTrajectory,
-    /// Lumped or resolved heat of the contact line, as it feeds back.
+    /// Choice between lumped and resolved heat on the contact line.
     heat: HeatAlongContact,
     levels: Vec<Level>,
     /// Error of reduction and time steps over `estimated_step_error`: of the lumped level, of a line with lumped heat, and of one

@@ -11,7 +11,7 @@ use scene::{HeatAlongContact, Scene};
 /// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Effect {
-    /// Its name.
+    /// Name of the effect.
     pub name: &'static str,
     /// Definition of the number.
     pub measure: &'static str,

@@ -2,9 +2,9 @@
 //!
 //! # Method
 //!
-//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run. Its
-//! error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the model
-//! reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
+//! Every level is run over the whole nominal trajectory ([`trajectory`]) with the bodies, steps and tolerance of the user's run.
+//! Its error is measured against finer cells and a stricter tolerance ([`comparison`]), and comprises the level, the cells, the
+//! model reduction of the bodies and the time steps. The reference is the contact line as `solver.fidelity = line` runs it: with
 //! resolved heat where its distribution feeds back on the pressure, and lumped heat elsewhere.
 //!
 //! The plan depends on computed numbers alone, never on timings: the same scene has the same plan on every machine.
@@ -54,7 +54,7 @@ const MOST_IN_VAIN: usize = 65;
 /// Model level with its error.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Candidate {
-    /// The level.
+    /// Model level.
     pub model_level: ModelLevel,
     /// Relative errors of wear depth, contact temperature and friction force by the level and its cells.
     pub errors: [f64; 3],
@@ -115,10 +115,10 @@ pub struct Plan {
     pub rise: f64,
 }
 
-/// A plan and the operators of its level.
+/// Plan and operators of its level.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// The plan.
+    /// Chosen level with its basis.
     pub plan: Plan,
     /// Operators of the chosen level.
     pub operators: ModelOperators,

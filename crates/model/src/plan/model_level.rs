@@ -13,7 +13,7 @@ pub const CELLS: [usize; 6] = [9, 17, 33, 65, 129, 257];
 pub enum ModelLevel {
     /// Uniform pressure.
     Lumped,
-    /// A contact line.
+    /// Contact line: pressure on cells.
     Line {
         /// Number of cells N.
         cells: usize,

@@ -59,7 +59,7 @@ impl Plan {
         lines
     }
 
-    /// The dimensionless groups with their names.
+    /// Dimensionless groups with their names.
     pub fn groups(&self) -> [(&'static str, f64); 15] {
         let groups = &self.groups;
         [

@@ -1,19 +1,17 @@
-//! Whether heat can leave the bodies, and bodies that are good for as long as they take to become steady.
-//!
-//! Theory: docs/theory.md, section 9.4.
+//! Existence of a thermal steady state, and bodies reduced for the time until it is reached.
 
 use crate::SteadyError;
 use conduction::STEFAN_BOLTZMANN;
 use scene::{Body, Geometry, InitialShape, Path, Scene, ThermalBoundary};
 
-/// Steady is what has lasted as long as the slowest of the times in which heat leaves, this often.
+/// Duration until a steady state is reached, in units of the longest of the times in which heat leaves.
 const SLOWEST_TIMES: f64 = 5.0;
 
-/// Times in which heat spreads along a strip that nothing cools, of its height and the contact's width together: it takes
-/// nothing in the end.
+/// Duration until a steady state is reached along a strip without cooling, in units of the diffusion time over its height and the
+/// contact's width together: its flux is 0 in the end.
 const SPREADING_TIMES: f64 = 30.0;
 
-/// Refuses what never becomes steady: friction heats the bodies for ever.
+/// Rejects scenes without a steady state because no heat leaves: friction heats the bodies without limit.
 pub(super) fn heat_leaves(scene: &Scene, speed: f64) -> Result<(), SteadyError> {
     let fresh = scene.path == Path::Straight && scene.nominal_stroke == 0.0 && scene.strip.conductivity > 0.0;
     if scene.friction_coefficient == 0.0 || fresh || leaves_punch(scene, speed) || leaves_strip(scene, speed) {
@@ -29,7 +27,7 @@ pub(super) fn heat_leaves(scene: &Scene, speed: f64) -> Result<(), SteadyError> 
     Err(SteadyError::NoHeatLeaves { closed })
 }
 
-/// Heat transfer coefficient of the air, radiation at the ambient temperature included.
+/// Heat transfer coefficient to the ambient, including radiation at the ambient temperature.
 fn transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
     let radiation = 4.0 * STEFAN_BOLTZMANN * body.emissivity * scene.ambient_temperature.powi(3);
     body.convection + body.convection_forced * speed.powf(0.8) + radiation
@@ -55,7 +53,8 @@ fn leaves_strip(scene: &Scene, speed: f64) -> bool {
     body.conductivity > 0.0 && (through_far_face(body, scene, speed) || free && transfer(body, scene, speed) > 0.0)
 }
 
-/// The scene with a nominal duration for which reduced bodies are good until they are steady; cold, and under a dead load.
+/// The scene with a nominal duration over which its reduced bodies are accurate until they are steady; without initial heat, and
+/// under a dead load.
 pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
     let mut scene = scene.clone();
     let (punch, strip) = (leaves_punch(&scene, speed), leaves_strip(&scene, speed));

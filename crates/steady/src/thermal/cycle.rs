@@ -1,6 +1,4 @@
-//! The steady cycle of to-and-fro sliding with heat.
-//!
-//! Theory: docs/theory.md, sections 9.4, 9.5.
+//! Steady cycle of reciprocating sliding with heat.
 
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::SteadyError;
@@ -23,10 +21,10 @@ pub fn nominal_half_strokes(scene: &Scene) -> [(f64, f64); 2] {
     [(speed, stroke / speed), (-speed, stroke / speed)]
 }
 
-/// The cycle of a scene that slides to and fro as a map, with heat along the contact line.
+/// Cycle map of a scene in reciprocating sliding, with resolved heat.
 ///
 /// # Errors
-/// What the bodies or the cycle refuse.
+/// Errors of the bodies or of the cycle.
 pub fn cycle_map(scene: &Scene, sliding: [(f64, f64); 2], resolution: Resolution) -> Result<CycleMap, SteadyError> {
     let operators = LineOperators::with_heat(&sliding_scene(scene), true, super::run_in).map_err(SteadyError::Heat)?;
     Ok(CycleMap::new(operators, sliding, resolution)?)
@@ -42,7 +40,7 @@ pub(super) fn solve(
     solve_with(scene, cells, cold, strokes, speeds, Resolution::WITH_HEAT, &SolveOptions::default())
 }
 
-/// The same with steps and tolerance.
+/// Steady state with given time steps and tolerance.
 pub(super) fn solve_with(
     scene: &Scene,
     cells: &Cells,
@@ -56,7 +54,7 @@ pub(super) fn solve_with(
     scene.cells = cells.count();
     let runs_in = cold.kind == SteadyKind::RunIn;
     if runs_in {
-        // All of the shape is found.
+        // The whole shape is solved for.
         scene.initial_shape = InitialShape::Flat;
     }
     let sliding = [(speeds[0], strokes[0] / speeds[0]), (-speeds[1], strokes[1] / speeds[1])];

@@ -1,9 +1,9 @@
-//! When heat leaves the steady pressures alone: the difference that it makes, against the length of a cycle.
+//! Dependence of the steady pressures on heat: the difference to those without heat as a function of the cycle time.
 //!
-//! The wear of a cycle follows the mean pressure, and so does the mean heat: for `a = b = 1` a run-in contact has the same
-//! mean pressures p+ + p- and the same mean flux with heat as without, and the shape takes up the mean distortion. What
-//! heat changes is what it does differently in the two directions. The flux `mu v (p+ - p-)/2` changes its sign with every
-//! reversal, and a wave of it, `q cos(m x) exp(i w t)`, displaces the surface of a half-plane by
+//! The wear of a cycle follows the mean pressure, and so does the mean heat: for `a = b = 1` a run-in contact has the same sum of
+//! mean pressures p+ + p- and the same mean flux with heat as without, and the shape compensates the mean distortion. Only the
+//! part of the heat that differs between the two directions changes the pressure. The flux `mu v (p+ - p-)/2` changes its sign
+//! with every reversal, and a Fourier mode of it, `q cos(m x) exp(i w t)`, displaces the surface of a half-plane by
 //!
 //! ```text
 //! u = 2 alpha (1 + nu) q/(K L (L + m)),   L^2 = m^2 + i w/kd
@@ -12,21 +12,19 @@
 //!
 //! With the cycle time P over the thermal time `a^2/kd` of the contact, r << 1:
 //!
-//! - the flux heats the surface by `q/(K L)`: the temperature swings by `r^(1/2)`;
-//! - the leading term of u is the heat of a half-stroke, a saw tooth: pressures within a half-stroke change by r;
-//! - a saw tooth's mean over the half-stroke is zero. The half-strokes' mean pressures, the p+ and p- of the run-in contact,
-//!   first feel the second term, which is out of step with the first: a wave long against `(kd P)^(1/2)` by `r^(3/2)`;
-//! - the flux jumps at the edges, so that its waves fall like 1/m only; the short ones are as in a long cycle, `u ~ q/m^2` and
-//!   `p ~ m u`, and close to the edges, over a length `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root mean square over
-//!   all of the contact falls like `r^(3/4)`. Inside, the edges' part is felt as well, so
-//!   that the measured power lies between 1 and 3/2.
+//! - the flux heats the surface by `q/(K L)`: the temperature amplitude scales with `r^(1/2)`;
+//! - the leading term of u is the heat of a half-stroke, a saw tooth in time: pressures within a half-stroke change by r;
+//! - the mean of a saw tooth over the half-stroke is zero. The half-strokes' mean pressures, the p+ and p- of the run-in contact,
+//!   are first affected by the second term, which has a different phase: for a wave long against `(kd P)^(1/2)` by `r^(3/2)`;
+//! - the flux jumps at the edges, so that its Fourier coefficients decay like 1/m only; short waves behave as in a long cycle,
+//!   `u ~ q/m^2` and `p ~ m u`, and close to the edges, over a length `a r^(1/2)`, the pressure changes by `r^(1/2)`: the root
+//!   mean square over all of the contact scales with `r^(3/4)`. Inside, the edges have an influence as well, so that the measured
+//!   power lies between 1 and 3/2.
 //!
-//! Besides, a strip carries its warm track to and fro under the punch: that changes pressures within a half-stroke in
-//! proportion to the stroke over the width, however short the cycle, and leaves their means alone. For r >> 1 every
-//! half-stroke reaches a steady state of its own, and the difference is a constant: that of a contact whose compliance has the
-//! steady distortion `mu v E0` on top.
-//!
-//! Theory: docs/theory.md, section 9.4.
+//! Besides, a strip in reciprocating sliding carries its warm track under the punch: this changes pressures within a half-stroke
+//! in proportion to the stroke over the width, however short the cycle, and does not affect their means. For r >> 1 every
+//! half-stroke reaches a steady state of its own, and the difference is a constant: that of a contact with the steady thermal
+//! compliance `mu v E0` added to its compliance.
 
 use super::bodies::{heat_leaves, with_steady_bodies};
 use super::cycle;
@@ -41,39 +39,39 @@ use model::line::cycle::{Resolution, SolveOptions};
 use model::line::heat::bodies::Bodies;
 use scene::{Body, Scene};
 
-/// Part of the wear that is left, so that what a half-stroke wears is nothing against what it distorts.
+/// Factor of the wear, so small that the wear of a half-stroke is negligible against its distortion.
 const WEAR: f64 = 1e-3;
 
-/// Part of the half-width that counts as inside.
+/// Fraction of the half-width that counts as inside.
 const INSIDE: f64 = 0.7;
 
-/// Doublings and parts of the half-strokes' steps: finer than elsewhere, since the means are what a saw tooth leaves.
+/// Time steps of the half-strokes: finer than elsewhere, since the means are small differences of a saw tooth.
 const RESOLUTION: Resolution = Resolution { levels: 5, parts: 4 };
 
-/// Differences, pressure with heat less without, of the half-strokes' means: root mean squares over the mean pressure.
+/// Differences of the half-strokes' mean pressures, with heat less without: root mean squares over the mean pressure.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Differences {
-    /// Within .7 of the half-width.
+    /// Root mean square within .7 of the half-width.
     pub inside: f64,
-    /// Over all of the contact.
+    /// Root mean square over all of the contact.
     pub everywhere: f64,
 }
 
-/// Tolerance of the reduced bodies: relative to all of the temperature, of which short cycles turn over little.
+/// Tolerance of the reduced bodies, relative to the total temperature, of which short cycles change only a small part.
 const BODIES: f64 = 2e-5;
 
-/// A point of the law.
+/// Point of the law.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LawPoint {
-    /// Duration of a cycle over the thermal time `a^2/kd` of the contact, the longer one of the two bodies'.
+    /// Duration of a cycle over the thermal time `a^2/kd` of the contact, the longer one of the two bodies.
     pub ratio: f64,
     /// Difference of the half-strokes' mean pressures, see [`Differences::inside`].
     pub inside: f64,
-    /// See [`Differences::everywhere`].
+    /// Difference of the half-strokes' mean pressures, see [`Differences::everywhere`].
     pub everywhere: f64,
-    /// The difference inside of the pressures at the ends of the half-strokes.
+    /// Difference inside, for the pressures at the ends of the half-strokes.
     pub ends: f64,
-    /// Root mean square over the contact of the hotter surface's temperature range in a cycle, over the mean rise.
+    /// Temperature range of the hotter surface in a cycle, root mean square over the contact, over the mean rise.
     pub swing: f64,
 }
 
@@ -86,7 +84,7 @@ pub fn thermal_time(scene: &Scene) -> f64 {
     time(&scene.punch).max(time(&scene.strip))
 }
 
-/// The scene at this ratio: with other heat capacities, so that friction, heat, stroke and steady distortion stay.
+/// The scene at this ratio: by its heat capacities, so that friction, heat, stroke and steady distortion are unchanged.
 fn at(scene: &Scene, ratio: f64) -> Scene {
     let mut scene = scene.clone();
     let cycle = 2.0 * scene.nominal_stroke / scene.nominal_velocity.abs();
@@ -100,7 +98,7 @@ fn at(scene: &Scene, ratio: f64) -> Scene {
     scene
 }
 
-/// The law at `ratio` for a scene that slides to and fro.
+/// Computes the law at `ratio` for a scene in reciprocating sliding.
 ///
 /// # Errors
 /// As [`super::hot_state`].
@@ -129,7 +127,7 @@ pub fn law(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2], ratio: f
     Ok(LawPoint { ratio, inside, everywhere, ends, swing: swing / rise })
 }
 
-/// Over the cells whose centres lie within `part` of the half-width.
+/// Root mean square over the cells whose centres lie within `part` of the half-width.
 fn root_mean_square(cells: &Cells, part: f64, values: impl Fn(usize) -> f64) -> f64 {
     let inside = |i: &usize| cells.centres()[*i].abs() <= part * cells.half_width();
     let (mut sum, mut width) = (0.0, 0.0);
@@ -149,11 +147,11 @@ fn cold_state(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Re
     }
 }
 
-/// The difference of the half-strokes' mean pressures for endless cycles, over the mean pressure: every half-stroke has the
-/// steady distortion of its own heat, the strip's as at rest.
+/// Difference of the half-strokes' mean pressures in the limit of long cycles, over the mean pressure: every half-stroke has the
+/// steady distortion of its own heat, that of the strip as at rest.
 ///
 /// # Errors
-/// As [`super::hot_state`]; friction and wear that follow the temperature, or a load that a pivot shifts.
+/// As [`super::hot_state`]; friction and wear that depend on the temperature, or a load shifted by a pivot.
 pub fn endless_cycles(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Result<Differences, SteadyError> {
     let cold = cold_state(scene, cells, compliances)?;
     let speed = scene.nominal_velocity.abs();

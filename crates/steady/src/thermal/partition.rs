@@ -1,4 +1,4 @@
-//! The split of the friction heat as an operator on the pressure.
+//! Heat partition of the steady state, as an operator on the pressure.
 //!
 //! On the cells in contact
 //!
@@ -7,35 +7,33 @@
 //! q_1 = y + Y Q,    u_T = d_1 + d_2 + (D_1 - D_2) y + E_0 Q,    E_0 = (D_1 - D_2) Y + D_2
 //! ```
 //!
-//! An insulator takes nothing. At h_c = 0 the surfaces do not exchange heat and share that of friction equally.
+//! An insulator receives no heat. At h_c = 0 the surfaces do not exchange heat, and each receives half of the friction heat.
 //!
-//! Exact on whatever cells are in contact, at N^3 for each such set: a steady state is found once. The step, which goes on
-//! with what it has, keeps operators of its own ([`model::line::heat::partition`]).
-//!
-//! Theory: docs/theory.md, section 6.2.
+//! Exact for any active set, at N^3 each: a steady state is computed once. The time step uses cached operators
+//! ([`model::line::heat::partition`]).
 
 use conduction::line::SurfaceInfluence;
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use numerics::factorization;
 
-/// See the module.
+/// Heat partition operator of an active set.
 #[derive(Clone, Debug)]
 pub struct HeatPartition {
     resistance: Option<f64>,
-    /// Step and velocities that the gains belong to, and the cells in contact, for which the factors were made.
+    /// Step and velocities of the surface influence matrices, and active set, for which the factors were computed.
     key: Option<(f64, [f64; 2])>,
     closed: Vec<bool>,
     indices: Vec<usize>,
-    /// G_1 + G_2 + I/h_c on the cells in contact, of two bodies that exchange heat.
+    /// Factors of G_1 + G_2 + I/h_c on the cells in contact, for two bodies that exchange heat.
     factors: Option<LU<f64, Dyn, Dyn>>,
-    /// Y on the cells in contact.
+    /// Partition matrix Y on the cells in contact.
     shares: DMatrix<f64>,
     /// E_0, m per W/m2; columns of open cells are 0.
     pub distortion: DMatrix<f64>,
 }
 
 impl HeatPartition {
-    /// For `count` cells of the contact conductance `conductance` (W/(m2 K)).
+    /// Heat partition for `count` cells with the contact conductance `conductance` (W/(m2 K)).
     pub fn new(count: usize, conductance: f64) -> HeatPartition {
         HeatPartition {
             resistance: (conductance > 0.0).then(|| 1.0 / conductance),
@@ -48,7 +46,8 @@ impl HeatPartition {
         }
     }
 
-    /// Makes the operator for the cells `closed`; `key` are step and velocities of the gains (`None`: an insulator).
+    /// Builds the operator for the active set `closed`; `key`: step and velocities of the influence matrices (`None`: an
+    /// insulator).
     pub fn prepare(&mut self, key: (f64, [f64; 2]), influence: [Option<&SurfaceInfluence>; 2], closed: &[bool]) {
         if self.key == Some(key) && self.closed == closed {
             return;
@@ -73,7 +72,7 @@ impl HeatPartition {
         }
     }
 
-    /// Y of two conductors.
+    /// Computes Y for two conductors.
     fn share(&mut self, punch: &SurfaceInfluence, strip: &SurfaceInfluence) {
         let (m, indices) = (self.indices.len(), &self.indices);
         let Some(resistance) = self.resistance else {
@@ -93,7 +92,7 @@ impl HeatPartition {
         self.factors = Some(factors);
     }
 
-    /// E_0 of two conductors.
+    /// Computes E_0 for two conductors.
     fn distort(&mut self, punch: &SurfaceInfluence, strip: &SurfaceInfluence) {
         let across = (&punch.distortion - &strip.distortion).select_columns(&self.indices) * &self.shares;
         for (column, &j) in self.indices.iter().enumerate() {
@@ -101,7 +100,7 @@ impl HeatPartition {
         }
     }
 
-    /// Flux into the punch: that of the temperatures `free_response` without flux, with the friction heat `friction` (W/m2).
+    /// Flux into the punch, for the free response `base` (K) of both surfaces and the friction heat `friction` (W/m2).
     pub fn punch_flux(&self, conducts: [bool; 2], base: [&[f64]; 2], friction: &[f64], flux: &mut [f64]) {
         flux.fill(0.0);
         match conducts {
@@ -160,7 +159,7 @@ mod tests {
                     if conductance > 0.0 { jump - 0.5 * (q2[i] - q1[i]) / conductance } else { q2[i] - q1[i] };
                 assert!(residual.abs() < 1e-12, "{conductance} {i}: {residual}");
             }
-            // The distortion of the friction heat alone.
+            // Distortion by the friction heat alone.
             let zero = vec![0.0; count];
             partition.punch_flux([true; 2], [&zero, &zero], &heat, &mut q1);
             for i in 0..count {

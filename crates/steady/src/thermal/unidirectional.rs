@@ -1,12 +1,10 @@
-//! One-way sliding with heat that has become steady.
+//! Thermal steady state of unidirectional sliding.
 //!
-//! After a step longer than any memory the bodies answer a flux with their steady temperatures and distortion, so the
-//! equations of a stage of the coupled step, without wear, are those of the steady state: the split of the friction heat
-//! is one linear system ([`HeatPartition`]), and the distortion one more compliance. Wear fixes the pressure where the punch wears;
-//! under a punch that does not, the pressure is that of the contact with this compliance. Tables over the temperature,
-//! radiation and moving air make it an iteration over the cells' temperatures.
-//!
-//! Theory: docs/theory.md, section 9.4.
+//! Over a step much longer than the slowest time constant the bodies respond to a flux with their steady temperatures and
+//! distortion, so the equations of a stage of the coupled step, without wear, are those of the steady state: the heat partition
+//! is one linear system ([`HeatPartition`]), and the distortion a thermal compliance. Wear determines the pressure where the
+//! punch wears; otherwise the pressure is that of the contact with this compliance. Temperature-dependent tables, radiation and
+//! forced convection require an iteration over the temperatures of the cells.
 
 use super::partition::HeatPartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
@@ -29,22 +27,22 @@ use numerics::factorization;
 use numerics::maximum::maximum;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
-/// Length of the step over the slowest time of the bodies: the steady response to 1e-8.
+/// Length of the step over the longest time constant of the bodies: the steady response to 1e-8.
 const FOR_EVER: f64 = 1e8;
 
-/// Change of the temperature, K, at which it agrees with the pressure.
+/// Change of the temperature, K, at which the iteration has converged.
 const AGREEMENT: f64 = 1e-8;
 
 const MOST_ITERATIONS: usize = 200;
 
 type Heat = [Option<Box<dyn ThermalBody>>; 2];
 
-/// What one pass through the equations finds. Pairs: punch, strip; temperatures in K above the ambient.
+/// Result of one evaluation of the equations. Pairs: punch, strip; temperatures in K above the ambient.
 struct Found {
     pressure: Vec<f64>,
     temperature: [Vec<f64>; 2],
     flux: [Vec<f64>; 2],
-    /// Displacement of both surfaces by heat, m into the bodies.
+    /// Thermal distortion: displacement of both surfaces, m into the bodies.
     moved: DVector<f64>,
     states: [Vec<f64>; 2],
     surroundings: [Surroundings; 2],
@@ -93,8 +91,8 @@ pub(super) fn solve(
         radii: relative_radii(scene, cells),
     };
     let count = cells.count();
-    // Temperatures of the cells that friction and wear follow, and of the cooled faces, K above the ambient; the
-    // pressure, over its mean, for the mean of the friction coefficient.
+    // Unknowns of the iteration: local contact temperatures of the cells and temperatures of the cooled faces, K above the
+    // ambient; the pressure over its mean, for the mean of the friction coefficient.
     let mean = problem.contact.load / problem.contact.weights.iter().sum::<f64>();
     let size = 2 * count + 2 * FACES;
     let mut iterate = vec![0.0; size];
@@ -143,7 +141,7 @@ impl Problem<'_> {
         self.contact.strokes[0].velocity
     }
 
-    /// One pass through the equations.
+    /// Evaluates the equations once.
     fn pass(&mut self, iterate: &[f64], closed: &[bool]) -> Result<Found, SteadyError> {
         let count = self.contact.cells.count();
         let (relative, rest) = iterate.split_at(count);
@@ -178,7 +176,7 @@ impl Problem<'_> {
             .map(|(kinetic_coefficient, radius)| kinetic_coefficient * stribeck * sign * velocity * radius)
             .collect();
         let extra = &self.partition.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
-        // The heat that the surfaces exchange without friction.
+        // Heat exchange between the surfaces without friction.
         let mut exchanged = zero.clone();
         self.partition.punch_flux(conducts, [&base[0], &base[1]], &zero, &mut exchanged);
         let mut undeformed = DVector::from_iterator(count, (0..count).map(|i| moved[0][i] + moved[1][i]));
@@ -200,7 +198,7 @@ impl Problem<'_> {
                 temperature[side].iter_mut().zip(rise.iter()).for_each(|(t, rise)| *t += rise);
             }
         }
-        // An insulator's surface follows from the law of the interface.
+        // The surface temperature of an insulator follows from the interface law.
         if let [true, false] | [false, true] = conducts {
             let insulator = usize::from(!conducts[1]);
             for i in 0..count {
@@ -223,7 +221,7 @@ impl Problem<'_> {
         self.scene().geometry == Geometry::Annular
     }
 
-    /// Depth rate of a body on the cells at their temperatures: of the mate of an annulus in the mean round the circle.
+    /// Wear depth rate of a body on the cells at their temperatures: for the mating ring of an annulus the mean round the circle.
     fn rate(&self, body: usize, felt: &[f64], kinetic_coefficient: &[f64]) -> CellRate {
         let (scene, law, speed) = (self.scene(), &self.laws[body], self.velocity().abs());
         let factor = scene.wear_acceleration * if self.annular() && body == 1 { scene.coverage() } else { 1.0 };
@@ -235,7 +233,7 @@ impl Problem<'_> {
         CellRate { reference_pressure: REFERENCE_PRESSURE, terms: if law.active() { vec![term] } else { Vec::new() } }
     }
 
-    /// Pressure on the gap that heat without friction moves by `undeformed` (m), with the distortion `extra` (m/Pa).
+    /// Pressure on the gap displaced by `undeformed` (m) by heat without friction, with the thermal compliance `extra` (m/Pa).
     fn pressure(&self, undeformed: &DVector<f64>, extra: &DMatrix<f64>) -> Result<Vec<f64>, SteadyError> {
         let contact = &self.contact;
         let stroke = &contact.strokes[0];
@@ -245,7 +243,7 @@ impl Problem<'_> {
             SteadyKind::RunIn => {
                 let mut rate = stroke.rates[0].clone();
                 if self.annular() {
-                    // The mate too keeps its depth at every radius.
+                    // The worn depth of the mating ring is also fixed per radius.
                     rate.terms.extend(stroke.rates[1].terms.iter().cloned());
                 }
                 punch_run_in(contact.cells, &contact.weights, &rate, load, tilt)?.pressure
@@ -263,7 +261,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Flux into a cooled face of `t` (K above the ambient) beyond its convection, and how it falls with t.
+    /// Flux into a cooled face of `t` (K above the ambient) beyond its convection, and its decrease with t.
     fn cooling(&self, side: usize, face: usize, t: f64) -> [f64; 2] {
         let scene = self.scene();
         let body = if side == 0 { &scene.punch } else { &scene.strip };
@@ -276,7 +274,7 @@ impl Problem<'_> {
         cooling(body, scene.ambient_temperature, t, 0.0, forced).map(|value| part * value)
     }
 
-    /// `cooled` are the temperatures of the cooled faces, punch first.
+    /// Ambient, far-face temperatures and cooling; `cooled` are the temperatures of the cooled faces, punch first.
     fn surroundings(&self, cooled: &[f64]) -> [Surroundings; 2] {
         let scene = self.scene();
         std::array::from_fn(|side| {
@@ -289,8 +287,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Temperatures of the cooled faces, punch first: where the fluxes that the air takes at them are those that give them. `used`
-    /// are those that the pass took.
+    /// Temperatures of the cooled faces, punch first, in equilibrium with the cooling fluxes that they cause. `used` are those of
+    /// the last evaluation.
     fn cooled(&self, found: &Found, used: &[f64]) -> [f64; 2 * FACES] {
         let zero = vec![0.0; found.pressure.len()];
         let mut temperatures = [0.0; 2 * FACES];
@@ -301,8 +299,8 @@ impl Problem<'_> {
             let used = &used[FACES * side..FACES * (side + 1)];
             let slope: [f64; FACES] = std::array::from_fn(|face| self.cooling(side, face, used[face])[1]);
             let found_at = body.cooled_temperature(&found.states[side], &found.surroundings[side], &found.flux[side]);
-            // One Newton step for t = found_at + R (cooling(t) - cooling(used)): (1 + R slope) (t - used) = found_at - used. R: what
-            // unit fluxes do, those of the contact held.
+            // One Newton step for t = found_at + R (cooling(t) - cooling(used)): (1 + R slope) (t - used) = found_at - used. R:
+            // response to unit fluxes, at fixed fluxes of the contact.
             let mut matrix = nalgebra::Matrix2::identity();
             for face in (0..FACES).filter(|&face| slope[face] > 0.0) {
                 let mut flux = [0.0; FACES];
@@ -318,7 +316,7 @@ impl Problem<'_> {
             let lack =
                 nalgebra::Vector2::from_fn(|face, _| if slope[face] > 0.0 { found_at[face] - used[face] } else { 0.0 });
             for face in (0..FACES).filter(|&face| slope[face] == 0.0) {
-                // What nothing follows from is not looked for.
+                // A temperature on which nothing depends is not iterated.
                 (0..FACES).for_each(|other| matrix[(face, other)] = f64::from(u8::from(face == other)));
             }
             let change = factorization::solve(&matrix, &lack).unwrap_or_default();
@@ -346,7 +344,7 @@ impl Problem<'_> {
             }
             SteadyKind::Groove | SteadyKind::Elastic => self.gap.clone(),
         };
-        // Approach and tilt of the bodies as heat has moved their surfaces.
+        // Approach and tilt of the bodies with their thermal distortion.
         let level: Vec<f64> = groove.iter().zip(found.moved.iter()).map(|(g, moved)| g + moved).collect();
         let moved = contact.state(self.kind, vec![found.pressure.clone()], shape, level);
         let state = SteadyState { groove, ..moved };

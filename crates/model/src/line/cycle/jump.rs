@@ -1,8 +1,8 @@
 //! Cycle jumps with error estimate.
 //!
-//! The state changes by `F(z)` in a cycle. At n + 1/2, between the starts of the cycles n and n + 1, the state is about `z +
-//! F(z)/2` and its slope over the number of cycles F(z): attributed to that point, the slope has an error of third order in the
-//! rate per cycle. The slope is stiff - an edge settles within a few cycles, a heavy body warms up in a million - so that
+//! The state changes by `F(z)` in a cycle. At n + 1/2, between the starts of the cycles n and n + 1, the state is about
+//! `z + F(z)/2` and its slope over the number of cycles F(z): attributed to that point, the slope has an error of third order in
+//! the rate per cycle. The slope is stiff - an edge settles within a few cycles, a heavy body warms up in a million - so that
 //! explicit extrapolation is stable only over jumps hardly longer than the shortest of these times. The jumps here are implicit,
 //! L-stable and of second order (SDIRK2, `gamma = 1 - 1/sqrt 2`): with J cycles and `h = gamma J - 1/2`
 //!
@@ -30,7 +30,7 @@ const SHORTEST: f64 = 6.0;
 /// Largest ratio of successive jump lengths.
 const GROWTH: f64 = 4.0;
 
-/// Part of a jump's tolerance to which its stages are solved.
+/// Tolerance of the stages, as a fraction of that of the jump.
 const STAGES: f64 = 0.02;
 
 /// Largest number of cycles for one stage.

@@ -167,7 +167,7 @@ fn path_of(scene: &Scene) -> SlidingPath {
     }
 }
 
-/// Shortest time to be resolved, s: a 60th of the cycle in reciprocating sliding, a thousandth of the duration otherwise.
+/// Shortest time to be resolved, s: a thousandth of the nominal duration, in reciprocating sliding at most a 60th of the cycle.
 pub fn shortest(scene: &Scene) -> f64 {
     let cycle = match path_of(scene) {
         SlidingPath::Stroke { stroke, .. } if scene.nominal_velocity > 0.0 => {

@@ -9,7 +9,7 @@ use contact::wear::line::StageError;
 use numerics::dense;
 
 impl ThermalCoupling {
-    /// Free response of both bodies at the stage: temperature and distortion without flux in it.
+    /// Free response of both bodies: temperature and distortion at the stage for zero flux in it.
     pub(super) fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
         for side in 0..2 {
             let (free_response, distortion) = (&mut self.free_response[side], &mut self.free_distortion[side]);

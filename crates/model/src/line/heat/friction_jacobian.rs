@@ -124,7 +124,7 @@ mod tests {
             distortion: DMatrix::zeros(count, count),
         };
         let (punch, strip) = (influence(2.0), influence(0.5));
-        // mu falls by a thousandth per kelvin from the temperature 0 on.
+        // mu decreases by a thousandth per kelvin from the temperature 0 on.
         let (slip, coefficient, fall) = (3.0, 0.4, 1e-3);
         let pressure: Vec<f64> = (0..count).map(|i| 10.0 + 3.0 * i as f64).collect();
         for pair in [[Some(&punch), Some(&strip)], [Some(&punch), None], [None, Some(&strip)]] {

@@ -3,9 +3,9 @@
 //! Above the critical speed pressure waves grow by friction heat. An L-stable step that is too long damps them instead, without
 //! any indication. So the step h is limited by the fastest growth rate b, `b h <= 0.3`.
 //!
-//! The bound of b by [`FastestGrowth`](crate::fastest_growth::FastestGrowth), for layers without wear, accepts most steps. Where it does not, the matrix of a stage
-//! gives a sharper criterion. Let the pressure at t follow from the distortion by earlier heating, `p(t) = integral k(s) p(t - s)
-//! ds`, k >= 0 and decreasing, as heat diffuses. Growth at the rate b means
+//! The bound of b by [`FastestGrowth`], for layers without wear, accepts most steps. Where it does not, the matrix of a stage
+//! gives a sharper criterion. Let the pressure at t follow from the distortion by earlier heating,
+//! `p(t) = integral k(s) p(t - s) ds`, k >= 0 and decreasing, as heat diffuses. Growth at the rate b means
 //!
 //! ```text
 //! 1 = integral_0^inf k(s) exp(-b s) ds = integral_0^inf b exp(-b s) g(s) ds,    g(s) = integral_0^s k

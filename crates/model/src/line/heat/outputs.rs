@@ -54,7 +54,7 @@ impl Line {
         value!(values, "heat_flow_ambient") = all * ambient;
     }
 
-    /// The heat account and mean temperatures.
+    /// Heat account and mean temperatures.
     pub(in crate::line) fn write_heat_account(&self, values: &mut [f64; COUNT]) {
         let (Some(heat), Some(state), Some(bodies)) = (&self.heat, &self.state.heat, &self.operators.heat) else {
             return;

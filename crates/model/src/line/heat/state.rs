@@ -19,7 +19,7 @@ pub struct HeatState {
     pub pressure_slope: Vec<f64>,
     /// Temperatures of the cells at the end of the last step.
     pub temperature: [Vec<f64>; 2],
-    /// Displacement of both surfaces at the end of the last step, m into the bodies.
+    /// Thermal distortion at the end of the last step: displacement of both surfaces, m into the bodies.
     pub distortion: Vec<f64>,
     /// Linearization point of the operators reused from step to step.
     pub reference: LinearizationPoint,
