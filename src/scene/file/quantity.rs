@@ -5,7 +5,7 @@ use toml::de::DeValue;
 use crate::variables::units::{DisplayUnit, Unit};
 use crate::variables::{Kind, Row};
 
-/// What a value is, with its article, for messages.
+/// Type of a value with its article, for messages.
 pub fn type_of(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the string {text:?}"),
@@ -78,7 +78,7 @@ pub fn in_si(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> 
     Ok(written.si())
 }
 
-/// A number as the file has it.
+/// A number as written in the file.
 struct Written {
     number: f64,
     /// `None`: the SI unit.
