@@ -1,5 +1,5 @@
-//! Inputs at the thresholds of the step, one unit in the last place beside them and at the edges of the range of numbers, held and
-//! linear: a step gives finite outputs that do not jump, or says why not and changes nothing.
+//! Inputs at the thresholds of the step, one unit in the last place beside them and at the limits of the admissible range, held and
+//! linear: a step gives finite outputs that do not jump, or fails with a reason and leaves the state unchanged.
 
 use sliding_contact::component::Component;
 use sliding_contact::variables::{STARTS, find};

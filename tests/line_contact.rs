@@ -178,7 +178,7 @@ fn steps_allocate_nothing_and_replay_to_the_last_bit() {
             step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
         }
         assert_eq!(ALLOCATIONS.get(), before, "b {exponent}");
-        // Saved as numbers, restored into a contact that has never seen these steps.
+        // Saved as numbers, restored into a contact that has not taken these steps.
         let (mut numbers, saved) = (Vec::new(), worn.clone());
         contact.status().save(&mut numbers);
         assert_eq!(numbers.len(), Status::saved_len(33));

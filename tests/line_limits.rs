@@ -1,4 +1,4 @@
-//! Where contact and wear methods tend to fail: each case says what must come out.
+//! Cases in which contact and wear methods tend to fail, each with its required result.
 
 use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};
 use sliding_contact::elastic::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip};
@@ -8,7 +8,7 @@ fn half_plane(cells: &Cells) -> Compliance {
     HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(cells)
 }
 
-/// A rigid punch on a strip. The friction coefficient is put into the shear coupling: its sign is what conditions give.
+/// A rigid punch on a strip. The shear coupling includes the friction coefficient; the conditions supply its sign.
 fn contact(cells: &Cells, strip: &Compliance, friction: f64, gap: Vec<f64>) -> WearingContact {
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), strip);
     WearingContact::new(cells, cells.widths(), normal, shear * friction, gap).unwrap()

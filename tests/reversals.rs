@@ -1,4 +1,4 @@
-//! A reversal on a communication point is the same whether rounding has left the velocity at 0 or a little beside it.
+//! A reversal at a communication point gives the same result whether the velocity there is exactly 0 or off by rounding.
 
 use sliding_contact::component::Component;
 use sliding_contact::variables::{STARTS, find};
@@ -16,7 +16,7 @@ fn component(name: &str, changes: &[(&str, f64)]) -> Component {
 }
 
 /// Rises of the mean contact temperature at the communication points of a triangular velocity of amplitude `velocity` (m/s) that
-/// takes `steps` steps of `step` s from there to 0, where it is `left` (m/s) instead; linear or held over each step.
+/// takes `steps` steps of `step` s from there to 0, where it is `left` (m/s) in place of 0; linear or held over each step.
 fn rises(component: &mut Component, steps: i32, step: f64, inputs: [f64; 2], left: f64, linear: bool) -> Vec<f64> {
     component.reset();
     component.enter_initialization();

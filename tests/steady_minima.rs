@@ -1,4 +1,4 @@
-//! Steady states as the minima they are said to be, over the whole set of admissible pressures, and their cost.
+//! Steady states as minima of their functionals over the whole set of admissible pressures, and their cost.
 
 use nalgebra::{DMatrix, DVector};
 use sliding_contact::contact::{ContactState, Normal, Tilt, pair_operators};

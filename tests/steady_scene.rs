@@ -1,4 +1,4 @@
-//! Steady states of scenes: every kind against its own equations on the contact, and what must be refused.
+//! Steady states of scenes: every kind against its own equations on the contact, and refusals.
 
 use nalgebra::DVector;
 use sliding_contact::contact::{ContactSolver, Normal, Tilt, pair_compliance};
@@ -11,7 +11,7 @@ use sliding_contact::steady::scene::{Sliding, SteadyKind, SteadyState, run_in_sh
 use sliding_contact::steady::{SteadyError, rocking_limit};
 use sliding_contact::variables::{STARTS, find};
 
-/// A steel punch of 60 mm on a steel strip, 10 kN, to and fro over 3 mm.
+/// A steel punch of 60 mm on a steel strip, 10 kN, reciprocating over 3 mm.
 const PUNCH: &[(&str, f64)] = &[
     ("contact.geometry", 1.0),
     ("contact.friction_coefficient", 0.25),
@@ -372,7 +372,7 @@ fn elastic_velocity(solved: &Solved) -> ElasticVelocity {
 
 #[test]
 fn a_rigid_punch_on_a_half_plane_stretches_it_by_the_closed_form() {
-    // One-way, run in: p = pm, shear mu pm. u_x' = -(1-2nu)/(2G) pm - (1-nu)/(pi G) mu pm ln((a+x)/(a-x)).
+    // Unidirectional, run in: p = pm, shear mu pm. u_x' = -(1-2nu)/(2G) pm - (1-nu)/(pi G) mu pm ln((a+x)/(a-x)).
     let solved = solve(&[("punch.body", 1.0), ("strip.body", 3.0), ("nominal.stroke", 0.0)]);
     let elastic = elastic_velocity(&solved);
     let (nu, g, mean) = (0.3, 200e9 / 2.6, solved.mean());

@@ -1,4 +1,4 @@
-//! Calls and values with the status that each must get.
+//! Calls and values with the status that each must return.
 
 use std::ptr;
 

@@ -1,4 +1,4 @@
-//! Heat along the contact line through the component alone: account, distortion, order, states.
+//! Resolved heat through the component alone: energy balance, distortion, order, states.
 
 // The example scenes are files.
 #![cfg(feature = "scene-file")]

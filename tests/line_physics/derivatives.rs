@@ -66,7 +66,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
     if random.next() < 0.5 {
         changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);
     }
-    // Where nothing follows the temperature (9: on an annulus), heat follows the mean, and the contact temperature the inputs of the moment.
+    // Where nothing depends on the temperature (9: on an annulus), heat is lumped, and the contact temperature follows the present inputs.
     if special == 3 || special == 9 {
         for (name, value) in &mut changes {
             match *name {

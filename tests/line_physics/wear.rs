@@ -1,4 +1,4 @@
-//! Worn shapes: volumes, time steps, the run-in state, strokes, the scheme that fails.
+//! Worn shapes: volumes, time steps, the run-in state, strokes, the stability bound of the explicit scheme.
 
 use super::contact::{BASE, line, stations, trapezoid};
 use super::drive::{Drive, scene};
@@ -190,7 +190,7 @@ fn caliper_relaxes_as_the_contact_wears() {
 
 #[test]
 fn heat_is_that_of_the_mean() {
-    // With nothing that feeds back, temperature and energy are the lumped level's.
+    // Without thermal feedback, temperature and energy are those of the lumped level.
     let run = |fidelity: f64| {
         let mut drive = line(&[("solver.fidelity", fidelity), ("strip.wear_coefficient", 1e-14)]);
         drive.set("normal_load", 5e3).set("sliding_velocity", 3.0);
