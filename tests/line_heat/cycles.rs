@@ -376,7 +376,7 @@ fn the_steps_of_a_cycle_are_short_enough() {
 fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     let light = [("punch.specific_heat", 4.6), ("strip.specific_heat", 4.6)];
     let mut map = map(&[&light[..], &[("nominal.velocity", 0.2)]].concat(), true);
-    // Half a wave across a punch without edges; the edges of this one hold it back.
+    // The ratio is that of half a wave across a punch without edges; the edges of this one stabilise it.
     assert!((1.3..1.5).contains(&map.speed_ratio()), "{}", map.speed_ratio());
     let start = map.start();
     let direct = map.steady(&start, &SolveOptions::default()).unwrap();

@@ -42,7 +42,7 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     let before = run(0..100);
     let after = run(100..400);
     let [accepted, rejected, solutions, factorisations] = std::array::from_fn(|k| after[k] - before[k]);
-    // The mean takes a step of its own for all of the line's.
+    // The lumped heat takes one step for all steps of the line.
     let line = accepted - 300.0;
     Work {
         steps: line / 300.0,
