@@ -17,8 +17,8 @@ use std::process::{Command, Stdio};
 /// Largest deviation from the Linux trajectory, relative to each output's range: another mathematics library rounds
 /// exponentials and powers differently in the last digit, nothing else may differ.
 const TOLERANCE: f64 = 1e-9;
-/// Part of the largest range among the outputs of a unit below which a range is rounding of those: the heat through an insulated
-/// base, which is what a balance of large numbers leaves, is not 0 but has no digits to compare.
+/// Fraction of the largest range among the outputs of a unit below which a range is rounding error: the heat through an insulated
+/// base, a difference of large numbers, is not 0 but has no significant digits.
 const ROUNDING: f64 = 1e-13;
 /// Scene that is driven.
 const SCENE: &str = "disc_brake";
@@ -106,7 +106,7 @@ struct Output {
     unit: &'static str,
 }
 
-/// The drive, and what Linux makes of it.
+/// The drive and its trajectory on Linux.
 struct Drive {
     folder: PathBuf,
     guid: String,
