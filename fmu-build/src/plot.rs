@@ -26,7 +26,7 @@ const COLOURS: [RGBColor; 7] = [
 /// Height of a row of a figure's key, in pixels.
 const KEY_ROW: u32 = 20;
 
-/// How a series is drawn.
+/// Line style or marker of a series.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mark {
     /// A line through the points.
@@ -126,7 +126,7 @@ impl Axis {
     }
 }
 
-/// Where the legend stands in its panel.
+/// Position of the legend in its panel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Legend {
     /// Left above.
@@ -184,7 +184,7 @@ pub struct Figure {
     pub columns: usize,
     /// Width and height of a panel, in pixels.
     pub panel_size: (u32, u32),
-    /// What the marks of all panels mean, listed between header and panels; its points are not drawn.
+    /// Key of the marks of all panels, listed between header and panels; its points are not drawn.
     pub key: Vec<Series>,
 }
 

@@ -263,7 +263,7 @@ impl Run {
         self.steps.quantile(0.999)
     }
 
-    /// Whether the probe was interrupted for less than [`QUIET`].
+    /// Whether the probe was interrupted for less than `QUIET`.
     pub fn is_quiet(&self) -> bool {
         self.taken.longest() < QUIET
     }

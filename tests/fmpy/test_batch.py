@@ -1,4 +1,4 @@
-"""Batches: the native host beside fmpy, what a failed scene leaves behind, runs that are killed and continued, the fit."""
+"""Batches: the native host against fmpy, state after a failed scene, runs that are killed and resumed, the fit."""
 
 import csv
 import itertools
@@ -154,7 +154,7 @@ def test_sensitivities_of_a_function_with_known_ones():
     exact = np.array([0.5 * (1.0 + part / 5.0) ** 2, 49.0 / 8.0, 0.0]) / whole
     found = sensitivity.analyse(x, y, resamplings=50)
     assert found.first_order == pytest.approx(exact, abs=0.015)
-    # What is taken off for chance is more than a design has that is spread more evenly than by chance.
+    # The correction for chance exceeds the bias of a design that is spread more evenly than a random one.
     excess = 49.0 / (8192 - 50)
     assert np.all(found.interval[0] <= exact) and np.all(exact <= found.interval[1] + excess)
     assert found.rank_correlation[0] > 0.3 and abs(found.rank_correlation[1]) < 0.05
@@ -175,7 +175,7 @@ def test_the_fit_of_the_records_finds_their_truth(pin):
         assert low < exact < high, name
         assert (high - low) / value < 0.15, "an interval that says something"
     assert found.scatter == pytest.approx(truth().SCATTER, rel=0.3)
-    # The committed records are those that the script makes.
+    # The committed records equal those of the script.
     made = wear_law.Model(pin, records).volumes(truth().TRUTH) * np.exp(truth().noise(truth().SEED))
     assert records.volume == pytest.approx(made, rel=1e-3)
 

@@ -14,7 +14,7 @@ pub struct Span {
     pub step: f64,
 }
 
-/// By how much of a step a time may miss a communication point, for times that were written with few digits.
+/// Tolerance for the distance of a time from a communication point, in steps, for times written with few digits.
 const MISSED: f64 = 1e-6;
 
 impl Span {

@@ -1,8 +1,8 @@
-//! Interpreters that lack something, as shell scripts: every way to an environment with pip, one after the other.
+//! Incomplete Python installations, simulated by shell scripts: tests of every way to an environment with pip.
 //!
-//! A stand-in for Python answers the few calls that making an environment needs and writes each into a list. What it
-//! lacks is named by files beside it. The environments that it makes hold a stand-in of their own, which has pip once a
-//! file `pip` lies in its package folder.
+//! A stand-in for Python implements the few calls that making an environment requires and records each in a list. Its
+//! missing parts are named by files beside it. The environments that it makes contain a stand-in of their own, which has pip once
+//! a file `pip` is in its package folder.
 
 use super::{Helpers, Interpreter, create};
 use std::fs;

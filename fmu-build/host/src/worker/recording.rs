@@ -1,4 +1,4 @@
-//! What is recorded of a scene: one call per type of variable and communication point.
+//! Recording of a scene's outputs: one call per type of variable and communication point.
 
 use crate::description::{Kind, Variable};
 use crate::error::{Failure, Stage};
