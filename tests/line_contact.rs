@@ -140,7 +140,7 @@ fn wearing(count: usize) -> WearingContact {
     WearingContact::new(&cells, cells.widths(), normal, shear, gap).unwrap()
 }
 
-/// Strokes to and fro of five steps, with a friction coefficient, speed and load that keep changing.
+/// Reciprocating half-strokes of five steps, with a friction coefficient, speed and load that keep changing.
 fn drive(step: usize, conditions: &mut Conditions) {
     let n = step as f64;
     let friction = (0.3 + 0.05 * (0.7 * n).sin()) * if (step / 5).is_multiple_of(2) { 1.0 } else { -1.0 };

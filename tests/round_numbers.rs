@@ -1,8 +1,9 @@
 //! Round numbers, as users type them: every shipped scene, at every level, driven with velocities, loads, slopes and steps from
 //! {0, 1, 2, 5} x 10^k and their halves and quarters, from rest and through zero, with held and linear inputs.
 //!
-//! A successful step gives finite outputs; a failed one states the reason and leaves the state unchanged. Moderate inputs do not fail.
-//! `cargo test` takes a deterministic selection of the runs; `ROUND_NUMBERS=12000` makes that many, and prints the findings.
+//! A successful step gives finite outputs; a failed one states the reason and leaves the state unchanged. Moderate inputs do not
+//! fail. `cargo test` takes a deterministic selection of the runs; `ROUND_NUMBERS=12000` makes that many, and prints the
+//! findings.
 
 use sliding_contact::component::Component;
 use sliding_contact::variables::{STARTS, ValueReference, find};

@@ -74,7 +74,7 @@ struct Course {
 /// Runs the command.
 ///
 /// # Errors
-/// Everything wrong with the scene, one that does not slide to and fro, a cycle without a solution, a file that cannot be
+/// Everything wrong with the scene, one without reciprocating sliding, a cycle without a solution, a file that cannot be
 /// written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_ending(arguments.output.as_deref(), "svg")?;

@@ -31,8 +31,8 @@ const WARM_UP: usize = 2000;
 /// Step the contact line at 1 kHz through ten minutes of the UDDS, time every step, and print the histogram.
 ///
 /// The scene is the stock front disc brake at the line level, its pads never off the disc. Beside every step a probe does a fixed
-/// amount of work: its time beyond its fastest time measures the interruptions by the machine. 99.9 % of the steps must take less than
-/// 100 us and none more than 1 ms; that is enforced where the probe loses less than 200 us, and only reported elsewhere.
+/// amount of work: its time beyond its fastest time measures the interruptions by the machine. 99.9 % of the steps must take less
+/// than 100 us and none more than 1 ms; that is enforced where the probe loses less than 200 us, and only reported elsewhere.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Bodies that do not expand, or resolved heat with thermal distortion.

@@ -169,7 +169,7 @@ fn follow(mut command: Command) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-/// Refuses options that the example does not know.
+/// Refuses options that the example does not have.
 fn check_options(example: Example, arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let name = example.folder();

@@ -260,7 +260,7 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(fmus, brake, t
     if not sys.platform.startswith("linux"):
         pytest.skip("worker processes are found in /proc")
     table = tmp_path / "design.csv"
-    # A quarter of the scenes asks for a negative coefficient of friction.
+    # A quarter of the scenes sets a negative friction coefficient.
     name = "contact.friction_coefficient"
     table.write_text(f"name,low,high,scale\n{name},-0.1,0.3,linear\nnormal_load.factor,0.5,1.5,linear\n")
     more = ("--design", str(table), "--scenes", "64", "--block", "4", "--schedule", "stops", "--step", "0.01", "--every", "10")

@@ -370,8 +370,8 @@ fn the_steps_of_a_cycle_are_short_enough() {
     assert!(error < 1e-3, "{error:e}");
 }
 
-/// Long cycles near the critical speed, in which heat determines the contact set: Newton's method with the full Jacobian converges,
-/// and time stepping reaches the same cycle.
+/// Long cycles near the critical speed, in which heat determines the contact set: Newton's method with the full Jacobian
+/// converges, and time stepping reaches the same cycle.
 #[test]
 fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     let light = [("punch.specific_heat", 4.6), ("strip.specific_heat", 4.6)];

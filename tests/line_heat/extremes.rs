@@ -122,8 +122,8 @@ fn a_bristle_heats_the_contact_line_with_what_it_dissipates() {
     }
 }
 
-/// The predictor of a cooled surface is valid over about the length of the last step: microseconds behind a reversal do not predict the
-/// next second, in which the lifted contact cools the same in one step as in many.
+/// The predictor of a cooled surface is valid over about the length of the last step: microseconds behind a reversal do not
+/// predict the next second, in which the lifted contact cools the same in one step as in many.
 #[test]
 fn a_long_step_follows_one_of_microseconds() {
     let starts = generate(271).starts;

@@ -169,7 +169,8 @@ fn speeds_that_the_scene_does_not_announce_are_said_once() {
     assert_eq!(said(&mut drive), 0);
 }
 
-/// Wear stabilises growth by w = k K/(mu alpha (1 + nu) kd): accelerated wear gives a warning above 0.05 and is refused above 0.5.
+/// Wear stabilises growth by w = k K/(mu alpha (1 + nu) kd): accelerated wear gives a warning above 0.05 and is refused above
+/// 0.5.
 #[test]
 fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
     let wear = 1e-14;

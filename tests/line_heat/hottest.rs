@@ -48,8 +48,8 @@ fn the_temperature_limit_is_that_of_the_highest_temperature() {
     assert_eq!(run(highest - 1e-6).1, 2);
 }
 
-/// A body of uniform temperature on an insulator, in partial contact or in none: the contact temperature is that of the body, as an
-/// insulator has no temperature field of its own.
+/// A body of uniform temperature on an insulator, in partial contact or in none: the contact temperature is that of the body, as
+/// an insulator has no temperature field of its own.
 #[test]
 fn beside_an_insulator_open_cells_have_the_temperature_of_the_conductor() {
     for body in ["punch", "strip"] {

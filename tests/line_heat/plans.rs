@@ -42,8 +42,8 @@ fn generated_scenes_are_reproducible_and_of_every_group() {
     }
 }
 
-/// A steel pin in a holder at 0.1 m/s, far below its critical speed: the thermal bulging of a tenth of a second exceeds the elastic
-/// approach, which is immaterial under a given load, so that hours take a few steps.
+/// A steel pin in a holder at 0.1 m/s, far below its critical speed: the thermal bulging of a tenth of a second exceeds the
+/// elastic approach, which is immaterial under a given load, so that hours take a few steps.
 #[test]
 fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pin_on_disk/scene.toml");
@@ -213,8 +213,8 @@ fn a_run_that_outlasts_its_plan_leaves_it() {
     assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 
-/// The highest speed of a sinusoid is 1.57 times its mean, which is within the plan. Changing the level at that speed raised the highest
-/// temperature from 5.1 to 7.3 K within a step.
+/// The highest speed of a sinusoid is 1.57 times its mean, which is within the plan. Changing the level at that speed raised the
+/// highest temperature from 5.1 to 7.3 K within a step.
 #[test]
 fn a_sinusoid_stays_within_its_plan() {
     let mut starts = scene("reciprocating_punch");
@@ -244,8 +244,8 @@ fn a_sinusoid_stays_within_its_plan() {
     assert!(jump < 0.05 * highest, "{jump} K in a step of {highest} K");
 }
 
-/// The model error is unknown where no finer level was run: then the estimate is exactly 1, and the error of steps and reduction is a
-/// separate output.
+/// The model error is unknown where no finer level was run: then the estimate is exactly 1, and the error of steps and reduction
+/// is a separate output.
 #[test]
 fn a_level_that_was_not_compared_knows_the_error_of_its_steps_only() {
     for (fidelity, cells) in [(2.0, 0.0), (3.0, 9.0)] {
@@ -280,8 +280,8 @@ fn above_the_critical_speed_the_error_is_not_known() {
     assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
 }
 
-/// Where a rise by all of the friction heat would reduce the friction by more than itself, a fixed-point iteration with the friction of
-/// the previous iterate alternates however short the step, and stepping ended without a solution.
+/// Where a rise by all of the friction heat would reduce the friction by more than itself, a fixed-point iteration with the
+/// friction of the previous iterate alternates however short the step, and stepping ended without a solution.
 #[test]
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);
@@ -294,8 +294,8 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     assert!(errors.iter().all(|error| *error < 0.02), "{errors:?}");
 }
 
-/// With many cells and resolved heat the residual of a wear stage stagnates at rounding, above the Newton tolerance: not accepted as
-/// converged, it led to steps of picoseconds.
+/// With many cells and resolved heat the residual of a wear stage stagnates at rounding, above the Newton tolerance: not accepted
+/// as converged, it led to steps of picoseconds.
 #[test]
 fn wear_is_found_to_rounding_at_129_cells() {
     let generated = generate(120);
@@ -379,7 +379,8 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
     }
 }
 
-/// Accelerated wear is refused on a contact line where it hides growth; a comparison of levels, which accelerates wear itself, is not.
+/// Accelerated wear is refused on a contact line where it hides growth; a comparison of levels, which accelerates wear itself, is
+/// not.
 #[test]
 fn accelerated_wear_is_compared_as_well() {
     let mut starts = scene("reciprocating_punch");

@@ -141,8 +141,9 @@ fn cooling_leaves_the_temperature_of_second_order() {
     }
 }
 
-/// Constant convection is part of the Fourier modes of the strip; the Robin correction under the contact is a flux that is linear over
-/// the stages. That flux is the coefficient times the temperature, so the order is 2 as long as its error is of second order in the step.
+/// Constant convection is part of the Fourier modes of the strip; the Robin correction under the contact is a flux that is linear
+/// over the stages. That flux is the coefficient times the temperature, so the order is 2 as long as its error is of second order
+/// in the step.
 ///
 /// Beyond `H^2 >> K c/h` the modes are at the temperature of the air whatever the flux, and the half derivative in time of the
 /// temperature under the contact is the friction heat. For half derivatives of piecewise linear functions the order is 2 - 1/2.
@@ -167,8 +168,8 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
     }
 }
 
-/// Second order in unidirectional sliding from rest with a step in the acceleration: the damping of periodic images has a kink in velocity
-/// at the speed at which one period takes the whole time, which steps of any length must resolve.
+/// Second order in unidirectional sliding from rest with a step in the acceleration: the damping of periodic images has a kink in
+/// velocity at the speed at which one period takes the whole time, which steps of any length must resolve.
 #[test]
 fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     let still = [("punch.convection", 0.0), ("strip.convection", 0.0)];
@@ -187,8 +188,8 @@ fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     }
 }
 
-/// At higher speeds the table over the velocity is as fine as the tolerance requires, which limits the observed order: at a tolerance
-/// of .1 that of the temperature is seen down to 1e-4 of the rise.
+/// At higher speeds the table over the velocity is as fine as the tolerance requires, which limits the observed order: at a
+/// tolerance of .1 that of the temperature is seen down to 1e-4 of the rise.
 #[test]
 fn a_fast_unidirectional_run_up_is_of_second_order_as_far_as_the_tolerance_asks() {
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();

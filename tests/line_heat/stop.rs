@@ -1,8 +1,8 @@
 //! A brake stop on the line level, and a pad above the speed at which short waves grow too.
 //!
 //! The lining lies on a disc that takes all heat, behind a layer of the conductance h_c. Below
-//! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the thermal
-//! distortion would make the problem ill-posed.
+//! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the
+//! thermal distortion would make the problem ill-posed.
 
 use crate::drive::{Drive, scene};
 

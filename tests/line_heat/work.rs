@@ -1,4 +1,5 @@
-//! Counted work of steps with resolved heat at changing speed: solutions of the contact problem, matrix factorisations, internal steps.
+//! Counted work of steps with resolved heat at changing speed: solutions of the contact problem, matrix factorisations, internal
+//! steps.
 
 use crate::drive::{reference, scene};
 use sliding_contact::coupled::INPUTS;
@@ -52,8 +53,8 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     }
 }
 
-/// On fresh material the damping of periodic images has direct feedthrough and depends on the velocity: operators of another velocity,
-/// or of the opposite direction, are no approximation.
+/// On fresh material the damping of periodic images has direct feedthrough and depends on the velocity: operators of another
+/// velocity, or of the opposite direction, are no approximation.
 #[test]
 fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
     let unidirectional =
@@ -66,8 +67,8 @@ fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
     assert!(swinging.steps < 1.1, "{swinging:?}");
 }
 
-/// Near marginal stability of a mode the operators of another velocity are a poor linearization: the iteration solves for the modes
-/// concerned, and the next linearization point is nearer.
+/// Near marginal stability of a mode the operators of another velocity are a poor linearization: the iteration solves for the
+/// modes concerned, and the next linearization point is nearer.
 #[test]
 fn braking_through_the_critical_speed_takes_few_repetitions() {
     let ring = [("solver.cells", 32.0)];

@@ -61,7 +61,7 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         }
         _ => changes.extend([("contact.initial_shape", 2.0), ("contact.initial_radius", 300.0)]),
     }
-    // Heat on the cells that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,
+    // Resolved heat that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,
     // so that nothing grows at these speeds.
     if random.next() < 0.5 {
         changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);

@@ -178,8 +178,8 @@ fn memory() -> f64 {
     line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 1024.0
 }
 
-/// Wear proportional to p^.785, with infinite slope where a cell of a parabola has just touched, friction that falls with temperature,
-/// and thermal distortion that opens the cells at the edge.
+/// Wear proportional to p^.785, with infinite slope where a cell of a parabola has just touched, friction that falls with
+/// temperature, and thermal distortion that opens the cells at the edge.
 #[test]
 fn a_parabola_whose_edge_wears_steeply_and_fades() {
     let mut lowest: f64 = 1.0;

@@ -104,7 +104,8 @@ fn a_convecting_far_face_cools_as_a_slab_of_finite_volumes() {
     }
 }
 
-/// Steady state: the heat flux through the slab equals the loss of the far face at its temperature, and conduction gives the rise.
+/// Steady state: the heat flux through the slab equals the loss of the far face at its temperature, and conduction gives the
+/// rise.
 #[test]
 fn a_steady_far_face_gives_off_what_enters() {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0)];

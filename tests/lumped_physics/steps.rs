@@ -243,8 +243,8 @@ fn an_open_contact_neither_rubs_nor_wears_and_says_so_once() {
     assert_eq!(warnings, 1);
 }
 
-/// A brake in the city cycle for `seconds` s, each step of 0.1 s divided into `parts`: temperatures after every step, and accepted and
-/// rejected internal steps.
+/// A brake in the city cycle for `seconds` s, each step of 0.1 s divided into `parts`: temperatures after every step, and
+/// accepted and rejected internal steps.
 fn city(name: &str, tolerance: f64, seconds: usize, parts: u32) -> (Vec<f64>, (u64, u64)) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/udds.csv");
     let text = std::fs::read_to_string(path).unwrap();

@@ -25,7 +25,7 @@ use std::{ptr, slice};
 /// Changes with the layout of [`Request`] and the meaning of any argument.
 pub const INTERFACE_VERSION: u32 = 1;
 
-/// A scene, as C knows it. Arrays of length 0 may be NULL.
+/// A scene in C layout. Arrays of length 0 may be NULL.
 #[repr(C)]
 pub struct Request {
     /// Number of parameters that are set.

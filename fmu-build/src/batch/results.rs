@@ -91,7 +91,7 @@ impl Results {
         self.rows.contains_key(&scene)
     }
 
-    /// Keeps a row, at once and for good.
+    /// Appends a row to the file immediately.
     ///
     /// # Errors
     /// Where it cannot be written.

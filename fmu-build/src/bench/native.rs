@@ -86,7 +86,7 @@ pub struct Component {
 }
 
 impl Component {
-    /// Loads a library that answers to this GUID.
+    /// Loads a library and checks that it accepts this GUID.
     ///
     /// # Errors
     /// Where it cannot be loaded or lacks a function.

@@ -2,8 +2,8 @@
 //!
 //! A peer is a Python program that reads the scene as JSON on its standard input and writes one JSON object per line:
 //! `{"family", "setting", "initialisation", "seconds", "steps", "samples"}` for a run, samples in the order of
-//! [`Sample`] with null for quantities that it does not model, or `{"omitted": reason}`. It measures its own processor time, without
-//! the import of its packages.
+//! [`Sample`] with null for quantities that it does not model, or `{"omitted": reason}`. It measures its own processor time,
+//! without the import of its packages.
 
 use super::Chart;
 use super::measure::Point;

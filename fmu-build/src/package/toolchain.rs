@@ -115,7 +115,7 @@ impl Toolchain {
     }
 }
 
-/// Whether a program is there and answers to `--version`.
+/// Whether a program exists and runs with `--version`.
 fn runs(program: &Path) -> bool {
     let status = Command::new(program)
         .arg("--version")

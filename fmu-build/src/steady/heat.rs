@@ -164,7 +164,7 @@ pub fn known(solved: &Solved) -> Option<&HotState> {
     solved.hot.as_ref().and_then(|hot| hot.as_ref().ok())
 }
 
-/// Values on the cells, with a factor, as points of a line.
+/// Cell values times a factor, as points of a line.
 type Course<'a> = dyn Fn(&[f64], f64) -> Vec<(f64, f64)> + 'a;
 
 /// Pressure and shape with heat, for the panels of those without.

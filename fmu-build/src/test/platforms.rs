@@ -151,7 +151,7 @@ impl Drive {
         self.expected.len() / self.outputs.len()
     }
 
-    /// Runs the host, which is the first part of the command, in the folder: Windows knows no paths of Linux.
+    /// Runs the host, which is the first part of the command, in the folder: paths of Linux are not valid on Windows.
     fn trajectory(&self, mut command: Command, library: &str, platform: Platform) -> Result<Vec<f64>> {
         let written = format!("outputs.{}", platform.folder());
         let references = ["sliding_velocity", "normal_load"]
@@ -222,7 +222,7 @@ impl Drive {
     }
 }
 
-/// Compiles the host and returns its name in the folder; for Windows also what an old Wine lacks.
+/// Compiles the host and returns its name in the folder; for Windows also a library that old versions of Wine do not have.
 fn compile(compiler: &str, platform: Platform, folder: &Path) -> Result<String> {
     let windows = platform == Platform::Win64;
     let name = format!("host-{}{}", platform.folder(), if windows { ".exe" } else { "" });

@@ -1,8 +1,8 @@
 //! Cache of reference solutions and runs at fixed settings in cargo's target folder; they do not depend on plans.
 //!
-//! Files are named after a hash of the scene's values and its input trajectory. Two cheap runs, repeated each time, detect changes of
-//! the code: where they differ by more than the admissible error of the reference, the reference is recomputed; where their work
-//! differs, the fixed settings are.
+//! Files are named after a hash of the scene's values and its input trajectory. Two cheap runs, repeated each time, detect
+//! changes of the code: where they differ by more than the admissible error of the reference, the reference is recomputed; where
+//! their work differs, the fixed settings are.
 
 use std::fs;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
-//! `cargo fmu plan --campaign`: `solver.fidelity = auto` on scenes as users build them, driven as an importer does, compared with every
-//! fixed setting and with a far finer reference run.
+//! `cargo fmu plan --campaign`: `solver.fidelity = auto` on scenes as users build them, driven as an importer does, compared with
+//! every fixed setting and with a far finer reference run.
 //!
 //! Every third scene is held out: it is run with `--hold-out` only, so that nothing is tuned on it.
 

@@ -195,7 +195,7 @@ pub fn summary(all: &[Tried]) -> Vec<Asked> {
         let said = open.iter().filter(|outcome| outcome.estimated >= UNKNOWN).count();
         add(at, "estimated_error is 1 where the truth does not converge in", said, open.len(), Bound::AtLeast(1.0));
     }
-    // Named levels: they say what they are wrong by, or that they do not know.
+    // Named levels: their error is estimated, or marked as unknown.
     let named: Vec<(f64, f64)> = all
         .iter()
         .filter(|tried| tried.converges())
