@@ -214,7 +214,7 @@ fn edges_that_unload_at_an_exponent_of_three_tenths() {
         assert!((cells.integral(&state.pressure) / load - 1.0).abs() < 1e-9);
         let now = state.pressure.iter().filter(|p| **p > 0.0).count();
         if step > 10 && in_contact.last() == Some(&now) {
-            // What is open at the end of two steps has been open all the time.
+            // Cells that are open at the end of two steps have been open throughout.
             assert!((0..33).all(|i| state.pressure[i] > 0.0 || worn[i] == before[i]), "step {step}");
         }
         assert!((0..33).all(|i| worn[i] >= before[i]), "step {step}: negative wear");

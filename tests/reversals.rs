@@ -63,7 +63,7 @@ fn what_rounding_leaves_of_the_velocity_at_a_reversal_changes_nothing() {
                 for left in [1e-16, -1e-16, 1e-18, -1e-14, 1e-300] {
                     let other = rises(&mut component, steps, step, inputs, left, linear);
                     let apart = exact.iter().zip(&other).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / most;
-                    // What is left follows an input that differs by 1e-14 of its amplitude.
+                    // The remaining difference is that of an input that differs by 1e-14 of its amplitude.
                     if apart > 1e-8 {
                         worst.push(format!("{name} {} {steps} {step} {linear} {left:e}: {apart:e}", level.len()));
                     }

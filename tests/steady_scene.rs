@@ -184,7 +184,7 @@ fn unidirectional_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
         solved.check_equilibrium();
         let groove = &solved.state.groove;
         assert!(if velocity > 0.0 { groove[0] > groove[32] } else { groove[32] > groove[0] });
-        // What passes the trailing edge per time is what the law takes from the strip.
+        // The worn volume leaving at the trailing edge per time equals the wear rate of the strip.
         let left_behind = groove.iter().copied().fold(0.0, f64::max) * 0.01 * 0.01;
         assert!((left_behind / solved.state.volume_rates[1] - 1.0).abs() < 0.02, "{left_behind:e}");
     }

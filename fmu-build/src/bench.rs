@@ -44,7 +44,7 @@ pub struct Arguments {
 /// One measured cost.
 #[derive(Clone, Copy, serde::Serialize, Debug)]
 pub struct Cost {
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,

@@ -75,7 +75,7 @@ pub fn peers_environment() -> Result<PathBuf> {
     ensure("python-peers", &[PEERS])
 }
 
-/// What a tier takes, with everything before it.
+/// Requirements of a tier, including those of the tiers before it.
 fn requirements(tier: Tier) -> Vec<Requirements> {
     REQUIREMENTS.iter().filter(|(own, ..)| *own <= tier).map(|&(_, name, text)| (name, text)).collect()
 }

@@ -314,7 +314,7 @@ pub fn access(reference: ValueReference) -> Access {
     ACCESS.get(reference as usize).copied().unwrap_or(Access::NONE)
 }
 
-/// Why a call failed.
+/// Reason for the failure of a call.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fault {
     /// Not allowed in this phase.

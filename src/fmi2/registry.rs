@@ -69,7 +69,7 @@ pub struct Registry<T> {
 // thread to thread, hence `T: Send`.
 unsafe impl<T: Send> Sync for Registry<T> {}
 
-/// Why a handle was refused.
+/// Reason for refusing a handle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Refused {
     /// It is no handle of this registry, or its value is gone.

@@ -31,7 +31,7 @@ pub enum Causality {
     Local,
 }
 
-/// How a variable may change in time (FMI 2.0.4, section 2.2.7).
+/// Variability of a variable in time (FMI 2.0.4, section 2.2.7).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Variability {
     /// Constant after initialisation.
@@ -272,12 +272,12 @@ pub fn find(name: &str) -> Option<ValueReference> {
     None
 }
 
-/// Why a value was refused; `Display` names the variable, the value and the limit.
+/// Reason for refusing a value; `Display` names the variable, the value and the limit.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Refusal {
     /// Full name of the variable.
     pub name: String,
-    /// What is wrong, with value and limit.
+    /// The fault, with value and limit.
     pub reason: String,
 }
 

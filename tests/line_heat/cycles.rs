@@ -135,7 +135,7 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     let (_, state) = hot(&made(&radiating)).unwrap();
     let flows = state.heat.flows;
     assert!((flows.ambient / flows.friction - 1.0).abs() < 1e-4, "{flows:?}");
-    // What does not exist cold does not exist hot.
+    // A steady state that does not exist without heat does not exist with heat.
     let rocking = hot(&made(&[("holder.constraint", 2.0), ("holder.pivot_height", 8e-3)])).unwrap_err();
     assert!(matches!(rocking, SteadyError::RocksItselfRound { .. }), "{rocking}");
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();

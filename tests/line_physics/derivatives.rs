@@ -136,7 +136,7 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
                 let size_of = numeric.abs().max(exact[output].abs() * size);
                 let at_kink = (forward[output] - backward[output]).abs() > 0.02 * size_of
                     || (second - first).abs() > 1e-4 * size_of;
-                // What does not answer differs by rounding.
+                // Outputs independent of the input differ by rounding.
                 if at_kink && size_of > 1e-11 * middle[output].abs() {
                     kinks += 1;
                     entries[output][index] = (numeric, numeric);

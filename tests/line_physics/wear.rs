@@ -180,7 +180,7 @@ fn caliper_relaxes_as_the_contact_wears() {
         }
         let load = drive.get("pressure_mean") * 6e-4;
         assert!(load < 0.99e4 && load > 0.0, "{load}");
-        // What the load lost is the caliper's stiffness times the way that the punch sank.
+        // The loss of load is the caliper's stiffness times the displacement of the punch.
         let sunk = drive.get("approach") - start;
         assert!((1e4 - load - stiffness * sunk).abs() < 1e-6 * 1e4, "{load} {sunk}");
         assert!((drive.get("friction_force") / (0.25 * load) - 1.0).abs() < 1e-9);

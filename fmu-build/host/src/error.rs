@@ -31,9 +31,9 @@ impl Stage {
 /// A failure: stage and reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Failure {
-    /// Where.
+    /// Stage of the failure.
     pub stage: Stage,
-    /// What, with names, values and the FMU's own log messages.
+    /// Reason, with names, values and the FMU's own log messages.
     pub reason: String,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Failure;
 
-/// How the rows of a schedule become inputs.
+/// Interpolation of the rows of a schedule to inputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Interpolation {
     /// The last row at or before the beginning of a step holds over the step: piecewise constant.

@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Communication step in seconds.
     #[arg(long, default_value_t = 0.1)]
     step: f64,
-    /// How the rows of the inputs are read: held until the next row, sampled on the line between them at the
+    /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
     /// beginning of each step, or linear over each step.
     #[arg(long, value_enum, default_value = "hold")]
     interpolation: Reading,

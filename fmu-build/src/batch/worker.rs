@@ -17,7 +17,7 @@ pub const LOST: &str = "lost";
 pub struct Answer {
     /// [`OK`], [`LOST`], or the stage that failed.
     pub status: String,
-    /// Why it failed; empty where it did not.
+    /// Reason for the failure; empty on success.
     pub reason: String,
     /// Results as texts that are read back as the same numbers; none where it failed.
     pub values: Vec<String>,

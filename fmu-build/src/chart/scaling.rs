@@ -43,7 +43,7 @@ impl Law {
     }
 }
 
-/// What the laws share an axis with.
+/// Laws that share an axis.
 struct Group {
     title: &'static str,
     label: &'static str,

@@ -52,7 +52,7 @@ pub struct Arguments {
     write_description: bool,
 }
 
-/// How to package.
+/// Packaging options.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// File to write; `None`: `target/fmu/SlidingContact.fmu`, with the scene's name before the ending.

@@ -90,7 +90,7 @@ impl Levels {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with the file of the inputs or with the scene; where no run converges or none meets the tolerance; where the scene
+/// Where the file of the inputs or the scene is wrong; where no run converges or none meets the tolerance; where the scene
 /// cannot be written.
 pub fn execute(request: &Request) -> Result<()> {
     let packaged = &request.scene.packaged;

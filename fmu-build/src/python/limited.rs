@@ -126,7 +126,7 @@ fn without_any_pip_it_comes_from_the_distributions_wheel() {
 #[test]
 fn without_venv_virtualenv_makes_it_as_a_module_or_as_a_program() {
     assert_eq!(last_call("no-venv", &["venv"]), "python3 -m virtualenv /made");
-    // What venv has begun is gone before the next tool starts.
+    // The incomplete environment of venv is removed before the next tool starts.
     let lacking = ["ensurepip", "pip", "wheel", "virtualenv-module"];
     assert_eq!(last_call("no-module", &lacking), "virtualenv --python /python3 /made");
 }

@@ -74,7 +74,7 @@ pub fn check(tally: &mut Tally) {
 }
 
 impl Foreign {
-    /// What has to be installed before this platform can be tested.
+    /// Software to install before this platform can be tested.
     fn missing(&self) -> Option<String> {
         package::missing(self.platform).or_else(|| {
             let (words, packages) = self.emulator;
@@ -180,7 +180,7 @@ impl Drive {
         values.iter().skip(at).step_by(self.outputs.len()).copied()
     }
 
-    /// What the deviation of every output is relative to: its range on Linux; where that is but rounding, the largest range
+    /// Reference scale of the deviation of every output: its range on Linux; where that is rounding only, the largest range
     /// among the outputs of its unit, and 1 where nothing changes.
     fn scales(&self) -> Vec<f64> {
         let range = |at: usize| {

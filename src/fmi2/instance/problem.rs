@@ -1,4 +1,4 @@
-//! Why a call was refused: the fault, and a sentence for the log that names variable, value and limit.
+//! Reason for refusing a call: the fault, and a sentence for the log that names variable, value and limit.
 
 #![forbid(unsafe_code)]
 
@@ -10,7 +10,7 @@ use crate::variables::{self, COUNT, Causality, ValueReference, Variability};
 /// A refused or failed call.
 #[derive(Debug)]
 pub struct Problem {
-    /// What kind of problem it is; status and phase follow from it.
+    /// Kind of problem, which determines status and phase.
     pub fault: Fault,
     /// One sentence.
     pub text: String,

@@ -58,7 +58,7 @@ pub struct Problem {
     pub column: usize,
     /// Full key; empty where the file cannot be read as TOML.
     pub key: String,
-    /// What is wrong, with the value and what would be accepted.
+    /// The fault, with the value and the accepted alternatives.
     pub reason: String,
 }
 

@@ -8,7 +8,7 @@ use std::ffi::c_int;
 /// The recorded variables of one type.
 struct Group<T> {
     references: Vec<u32>,
-    /// Where their values belong in a row.
+    /// Positions of their values in a row.
     columns: Vec<usize>,
     values: Vec<T>,
 }

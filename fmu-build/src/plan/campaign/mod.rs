@@ -35,7 +35,7 @@ const TRUTH_SHARE: f64 = 1.0 / 3.0;
 pub struct Request {
     /// Number of the first scene.
     pub first: usize,
-    /// How many scenes from there on.
+    /// Number of scenes from there on.
     pub scenes: usize,
     /// Only scenes whose name contains this.
     pub only: Option<String>,
