@@ -1,5 +1,5 @@
-//! A step allocates nothing once the component is initialised: at any level, and when it says something.
-//! (The explicit scheme, there to be compared, is left out: it asks for eigenvalues at every step.)
+//! A step allocates nothing once the component is initialised, at any level, also when it logs a message.
+//! (The explicit scheme, which exists for comparison, is excluded: it computes eigenvalues at every step.)
 
 use scene::slot;
 use scene::variables::{Kind, STARTS, find, lookup};
@@ -36,7 +36,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Steps to and fro under changing load and step size, reading every output, and counts what that allocates.
+/// Steps in reciprocating sliding under changing load and step size, reading every output, and counts the allocations.
 fn allocations(changes: &[(&str, f64)], speed: f64, steps: u32) -> (u64, Vec<sliding_contact::component::Message>) {
     let mut starts = STARTS;
     // Lumped, unless the changes say otherwise.
@@ -57,7 +57,7 @@ fn allocations(changes: &[(&str, f64)], speed: f64, steps: u32) -> (u64, Vec<sli
             component.set_input_derivative(0, -2.0 * speed);
             component.set_input_derivative(1, 100.0);
         }
-        // Step sizes that change make new weights.
+        // Changing step sizes recompute the weights.
         component.step(0.05 + 0.01 * f64::from(step % 20)).unwrap();
         for output in 7..250 {
             assert!(component.get(output).is_finite());
@@ -81,13 +81,12 @@ fn steps_and_outputs_allocate_nothing() {
 #[test]
 fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0)];
-    // Where nothing says otherwise heat runs along the cells, because the bodies expand; without expansion it follows the
-    // mean, as it does with a bristle.
+    // By default heat is resolved, because the bodies expand; without expansion it is lumped, as it is with a bristle.
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let annulus = [("contact.geometry", 2.0), ("strip.path", 2.0), ("strip.length", 0.0), ("contact.mean_radius", 0.1)];
     let scenes: [&[(&str, f64)]; 11] = [
         &[],
-        // Slides faster than planned: the strip finds its answers within the steps.
+        // Sliding faster than planned: the strip computes its responses within the steps.
         &[("contact.geometry", 1.0), ("nominal.velocity", 1e-4)],
         &cold,
         &[("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)],
@@ -105,7 +104,7 @@ fn steps_and_outputs_of_the_contact_line_allocate_nothing() {
     }
 }
 
-/// Above its critical speed a step is tried again in shorter ones, and the contact parts.
+/// Above its critical speed a step is rejected and retried with shorter ones, and the contact separates.
 #[test]
 fn steps_that_follow_growing_hot_spots_allocate_nothing() {
     // A conducting half-plane all round on a rigid insulator: unstable above 0.06 m/s.
@@ -163,8 +162,7 @@ unsafe extern "C" fn count(
     }
 }
 
-/// Everything between the importer's call and its logger: a load below 0 N, a limit of the temperature, and a plan that no longer
-/// holds.
+/// Allocations between the importer's call and its logger: a load below 0 N, a limit of the temperature, and an exceeded plan.
 #[test]
 fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing() {
     let said = Cell::new(0);
@@ -191,7 +189,7 @@ fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing(
         let set = |component: *mut c_void, name: &str, value: f64| {
             assert_eq!(fmi2SetReal(component, &find(name).unwrap(), 1, &value), Status::Ok, "{name}");
         };
-        // A plan that is content with the lumped level while the load is the nominal one.
+        // A plan for which the lumped level suffices at the nominal load.
         for (name, value) in [
             ("punch.thermal_expansion", 0.0),
             ("strip.thermal_expansion", 0.0),

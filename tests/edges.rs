@@ -1,5 +1,5 @@
-//! Inputs at the thresholds of the step, one unit in the last place beside them and at the edges of the range of numbers, held and
-//! linear: a step gives finite outputs that do not jump, or says why not and changes nothing.
+//! Inputs at the thresholds of the step, one unit in the last place beside them and at the limits of the admissible range, held
+//! and linear: a step gives finite outputs that do not jump, or fails with a reason and leaves the state unchanged.
 
 use scene::variables::{STARTS, find};
 use sliding_contact::component::Component;
@@ -58,7 +58,7 @@ fn after(component: &mut Component, inputs: [f64; 2], slopes: Option<[f64; 2]>, 
         }
         Err(error) => {
             assert!(!error.is_empty());
-            // By bits: where the inputs are far out of range, so is what answers them.
+            // Compared by bits: for inputs far out of range the outputs are too.
             let same = before.iter().zip(outputs(component)).all(|(one, other)| one.to_bits() == other.to_bits());
             assert!(same, "{error} at {inputs:?} {slopes:?} {step}");
             return None;

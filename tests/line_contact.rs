@@ -139,7 +139,7 @@ fn wearing(count: usize) -> WearingContact {
     WearingContact::new(&cells, cells.widths(), normal, shear, gap).unwrap()
 }
 
-/// Strokes to and fro of five steps, with a friction coefficient, speed and load that keep changing.
+/// Reciprocating half-strokes of five steps, with a friction coefficient, speed and load that keep changing.
 fn drive(step: usize, conditions: &mut Conditions) {
     let n = step as f64;
     let friction = (0.3 + 0.05 * (0.7 * n).sin()) * if (step / 5).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -177,7 +177,7 @@ fn steps_allocate_nothing_and_replay_to_the_last_bit() {
             step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
         }
         assert_eq!(ALLOCATIONS.get(), before, "b {exponent}");
-        // Saved as numbers, restored into a contact that has never seen these steps.
+        // Saved as numbers, restored into a contact that has not taken these steps.
         let (mut numbers, saved) = (Vec::new(), worn.clone());
         contact.status().save(&mut numbers);
         assert_eq!(numbers.len(), Status::saved_len(33));

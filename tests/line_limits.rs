@@ -1,4 +1,4 @@
-//! Where contact and wear methods tend to fail: each case says what must come out.
+//! Cases in which contact and wear methods tend to fail, each with its required result.
 
 use contact::wear::line::{CellRate, Conditions, WearingContact};
 use contact::{ContactState, Normal, Tilt, pair_operators};
@@ -9,7 +9,7 @@ fn half_plane(cells: &Cells) -> Compliance {
     HalfPlane { material: Material::new(0.91, 0.3).unwrap() }.compliance(cells)
 }
 
-/// A rigid punch on a strip. The friction coefficient is put into the shear coupling: its sign is what conditions give.
+/// A rigid punch on a strip. The shear coupling includes the friction coefficient; the conditions supply its sign.
 fn contact(cells: &Cells, strip: &Compliance, friction: f64, gap: Vec<f64>) -> WearingContact {
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), strip);
     WearingContact::new(cells, cells.widths(), normal, shear * friction, gap).unwrap()
@@ -215,7 +215,7 @@ fn edges_that_unload_at_an_exponent_of_three_tenths() {
         assert!((cells.integral(&state.pressure) / load - 1.0).abs() < 1e-9);
         let now = state.pressure.iter().filter(|p| **p > 0.0).count();
         if step > 10 && in_contact.last() == Some(&now) {
-            // What is open at the end of two steps has been open all the time.
+            // Cells that are open at the end of two steps have been open throughout.
             assert!((0..33).all(|i| state.pressure[i] > 0.0 || worn[i] == before[i]), "step {step}");
         }
         assert!((0..33).all(|i| worn[i] >= before[i]), "step {step}: negative wear");

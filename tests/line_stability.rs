@@ -1,4 +1,4 @@
-//! Where wear steps are stable, and extreme bodies and speeds: each case says what must come out.
+//! Stability of wear steps, and extreme bodies and speeds, each case with its required result.
 
 use contact::wear::line::{CellRate, Conditions, Direction, LineTrack, WearingContact};
 use contact::{ContactState, Normal, Tilt};
@@ -243,7 +243,7 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
         let taken: Vec<f64> = stepped.pressure.iter().map(|p| step * wear * velocity * p).collect();
         track.deposit(0.0, sign * velocity * step, &taken);
         assert!(!track.revisited());
-        // The groove left behind is as deep as the load per distance asks, k P.
+        // The depth of the groove left behind is k P, P the load per out-of-plane depth.
         let mut behind = vec![0.0; count];
         track.depth_under(sign * velocity * step - sign * 0.0205, &mut behind);
         // Its whole width was passed by the whole contact only further back than the contact is wide.
@@ -269,7 +269,7 @@ fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
             assert_eq!(verdict, Verdict::Right, "{method:?} {ratio} {step}: {error}");
         }
     }
-    // Waves that fade within a step, and waves that shorter ones would overtake if they had far to go.
+    // Modes that decay within a step, and modes that faster growing shorter ones would overtake over a longer run.
     let finer = waves(16, Method::Default).unwrap();
     for (ratio, step) in [(0.32, 6.0), (0.41, 10.0), (0.53, 6.0), (0.69, 10.0), (18.6, 0.1), (24.0, 0.25), (31.0, 0.06)]
     {

@@ -1,4 +1,4 @@
-//! Direct steady states against closed forms, against time stepping, and as the minima they are said to be.
+//! Direct steady states against closed forms, against time stepping, and as minima of their functionals.
 
 use contact::wear::line::{CellRate, Conditions, Direction, WearTerm, WearingContact};
 use contact::{ContactState, Normal, Tilt, pair_operators};

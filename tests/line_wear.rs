@@ -14,7 +14,7 @@ fn unit_half_plane() -> HalfPlane {
     HalfPlane { material: Material::new(0.91, 0.3).unwrap() }
 }
 
-/// A rigid punch on a body. The friction coefficient is put into the shear coupling: its sign is what conditions give.
+/// A rigid punch on a body. The shear coupling includes the friction coefficient; the conditions supply its sign.
 fn contact(cells: &Cells, body: &dyn ElasticBody, friction: f64, gap: Vec<f64>) -> WearingContact {
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), &body.compliance(cells));
     WearingContact::new(cells, cells.widths(), normal, shear * friction, gap).unwrap()
@@ -165,7 +165,7 @@ fn explicit_bound_on_uniform_cells() {
     let factor = limit / 0.02;
     println!("explicit limit: {factor} c/E*");
     assert!((factor - 1.0855).abs() < 1e-3, "{factor}");
-    // The sawtooth that is least damped, stepped by hand to see what refusal saves from.
+    // The least damped mode (a sawtooth), stepped explicitly beyond the bound to show the instability that refusal prevents.
     let deviation = |share: f64, steps: usize| {
         let mut contact = fresh();
         let mut worn: Vec<f64> = (0..count).map(|i| if i % 2 == 0 { 1e-3 } else { -1e-3 }).collect();
@@ -457,8 +457,8 @@ fn a_load_of_zero_stops_the_wear() {
     assert_eq!(solver.solve(&[0.0; 9], Normal::Load(0.0), Tilt::Fixed(0.0)).unwrap().pressure, [0.0; 9]);
 }
 
-/// A light load leaves displacements that are small against the gap. What rounding makes of that goes round from one iteration to
-/// the next where a cell is about to touch, however short the stage.
+/// A light load leaves displacements that are small compared with the gap. Rounding errors then make the active set cycle where a
+/// cell is about to touch, however short the stage.
 #[test]
 fn light_loads_on_wide_gaps_are_solved_to_rounding() {
     let cells = Cells::graded(1.0, 33).unwrap();

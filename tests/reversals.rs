@@ -1,4 +1,4 @@
-//! A reversal on a communication point is the same whether rounding has left the velocity at 0 or a little beside it.
+//! A reversal at a communication point gives the same result whether the velocity there is exactly 0 or off by rounding.
 
 use scene::variables::{STARTS, find};
 use sliding_contact::component::Component;
@@ -16,7 +16,7 @@ fn component(name: &str, changes: &[(&str, f64)]) -> Component {
 }
 
 /// Rises of the mean contact temperature at the communication points of a triangular velocity of amplitude `velocity` (m/s) that
-/// takes `steps` steps of `step` s from there to 0, where it is `left` (m/s) instead; linear or held over each step.
+/// takes `steps` steps of `step` s from there to 0, where it is `left` (m/s) in place of 0; linear or held over each step.
 fn rises(component: &mut Component, steps: i32, step: f64, inputs: [f64; 2], left: f64, linear: bool) -> Vec<f64> {
     component.reset();
     component.enter_initialization();
@@ -63,7 +63,7 @@ fn what_rounding_leaves_of_the_velocity_at_a_reversal_changes_nothing() {
                 for left in [1e-16, -1e-16, 1e-18, -1e-14, 1e-300] {
                     let other = rises(&mut component, steps, step, inputs, left, linear);
                     let apart = exact.iter().zip(&other).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / most;
-                    // What is left follows an input that differs by 1e-14 of its amplitude.
+                    // The remaining difference is that of an input that differs by 1e-14 of its amplitude.
                     if apart > 1e-8 {
                         worst.push(format!("{name} {} {steps} {step} {linear} {left:e}: {apart:e}", level.len()));
                     }

@@ -1,8 +1,9 @@
-//! Round numbers are what users type: every shipped scene, at every level, driven with velocities, loads, slopes and steps from
+//! Round numbers, as users type them: every shipped scene, at every level, driven with velocities, loads, slopes and steps from
 //! {0, 1, 2, 5} x 10^k and their halves and quarters, from rest and through zero, with held and linear inputs.
 //!
-//! A step that succeeds leaves finite outputs; one that fails says why and changes nothing. Tame inputs do not fail. `cargo test`
-//! takes a deterministic selection of the runs; `ROUND_NUMBERS=12000` makes so many, and prints what was found.
+//! A successful step gives finite outputs; a failed one states the reason and leaves the state unchanged. Moderate inputs do not
+//! fail. `cargo test` takes a deterministic selection of the runs; `ROUND_NUMBERS=12000` makes that many, and prints the
+//! findings.
 
 use scene::variables::{STARTS, ValueReference, find};
 use sliding_contact::component::Component;
@@ -110,7 +111,7 @@ impl Drive {
         drives
     }
 
-    /// Whether a user may expect an answer: nothing moves or presses far beyond what the scene is made for.
+    /// Whether the inputs are moderate, so that the step must succeed: speeds and loads not far beyond those of the scene.
     fn is_tame(&self, scene: &Scene) -> bool {
         let slopes = self.slopes.unwrap_or_default();
         let most = |value: f64, slope: f64| {
@@ -185,7 +186,7 @@ fn scenes(full: bool) -> Vec<(Scene, u64)> {
     scenes
 }
 
-/// What a run did.
+/// Outcome of a run.
 #[derive(Default)]
 struct Findings {
     runs: u64,
@@ -338,7 +339,7 @@ fn cells_below_three_are_refused_by_name_value_and_limit() {
     }
 }
 
-/// A strip that keeps its worn track moves a quarter of the half-width per internal step: 100 km need more of them than are allowed.
+/// A strip with a worn track moves a quarter of the half-width per internal step: 100 km need more steps than the limit.
 #[test]
 fn a_step_that_needs_too_much_work_says_how_much_and_changes_nothing() {
     let mut scene = scene("reciprocating_punch", 3.0, 3.0, 1e-1);

@@ -1,4 +1,4 @@
-//! Small pads far above their nominal speed: what a flux on few cells heats does not cool the others.
+//! Small pads far above their nominal speed: a flux on few cells does not cool the others.
 
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
@@ -24,7 +24,7 @@ fn small_pad(cells: f64, tolerance: f64) -> [f64; STARTS.len()] {
     starts
 }
 
-/// In the first milliseconds the heat is where it is made: nothing is colder than it was.
+/// In the first milliseconds the heat is confined to its source: no cell is colder than initially.
 #[test]
 fn no_surface_cools_while_others_are_heated() {
     for (cells, tolerance) in [(33.0, 0.1), (17.0, 0.1), (33.0, 0.01)] {

@@ -1,4 +1,4 @@
-//! What must stay true of the sources.
+//! Invariants of the source files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// What of a source is compiled into the library.
+/// The part of a source file that is compiled into the library.
 fn compiled(text: &str) -> &str {
     text.split("#[cfg(test)]\nmod tests {").next().unwrap()
 }

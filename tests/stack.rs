@@ -1,5 +1,5 @@
-//! Stack that the component needs, measured: it depends on the scene and not on the values of its inputs, and stays within what
-//! the page in the FMU says.
+//! Measured stack use of the component: it depends on the scene and not on the values of its inputs, and stays within the
+//! documented bound (page in the FMU).
 
 use scene::variables::{COUNT, STARTS, find};
 use sliding_contact::component::Component;
@@ -8,7 +8,7 @@ use std::ptr;
 use std::sync::Arc;
 use std::thread;
 
-/// What the page in the FMU says that a thread needs, bytes.
+/// Stack that a thread needs according to the page in the FMU, bytes.
 const DOCUMENTED: usize = 256 << 10;
 
 /// Stack of the threads that are measured, and the part of it that is painted, bytes.
@@ -36,7 +36,7 @@ fn used(work: impl FnOnce()) -> usize {
     let top = here();
     let lowest = paint();
     work();
-    // Nothing has been there but the paint and what `work` left.
+    // The region holds only the paint and data written by `work`.
     // SAFETY: the addresses belong to this thread's stack, of which they are the painted part.
     let left = (lowest..top).find(|&at| unsafe { ptr::read_volatile(at as *const u8) } != PAINT);
     left.map_or(0, |left| top - left)
@@ -101,7 +101,7 @@ fn stack_does_not_grow_with_the_inputs_and_stays_within_what_is_documented() {
     ];
     for (name, changes) in scenes {
         let usual = of(changes, USUAL);
-        // Fine cells go through the same code, at a price.
+        // Fine cells run the same code at a higher cost.
         let hostile = if name == "257 cells" { usual } else { of(changes, HOSTILE) };
         println!("{name}: {} KiB, hostile {} KiB", usual >> 10, hostile >> 10);
         assert!(usual > 0 && hostile <= usual + (16 << 10), "{name}: {usual} bytes, hostile inputs {hostile}");

@@ -1,4 +1,4 @@
-//! Steady states as the minima they are said to be, over the whole set of admissible pressures, and their cost.
+//! Steady states as minima of their functionals over the whole set of admissible pressures, and their cost.
 
 use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact};
 use contact::{ContactState, Normal, Tilt, pair_operators};

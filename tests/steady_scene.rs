@@ -1,4 +1,4 @@
-//! Steady states of scenes: every kind against its own equations on the contact, and what must be refused.
+//! Steady states of scenes: every kind against its own equations on the contact, and refusals.
 
 use contact::wear::rocking::rocking_limit;
 use contact::{ContactSolver, Normal, Tilt, pair_compliance};
@@ -12,7 +12,7 @@ use steady::SteadyError;
 use steady::relative_velocity::{ElasticVelocity, assess};
 use steady::states::{Sliding, SteadyKind, SteadyState, run_in_shape, steady_state};
 
-/// A steel punch of 60 mm on a steel strip, 10 kN, to and fro over 3 mm.
+/// A steel punch of 60 mm on a steel strip, 10 kN, reciprocating over 3 mm.
 const PUNCH: &[(&str, f64)] = &[
     ("contact.geometry", 1.0),
     ("contact.friction_coefficient", 0.25),
@@ -185,7 +185,7 @@ fn unidirectional_shapes_make_room_for_the_groove_of_a_strip_that_wears_too() {
         solved.check_equilibrium();
         let groove = &solved.state.groove;
         assert!(if velocity > 0.0 { groove[0] > groove[32] } else { groove[32] > groove[0] });
-        // What passes the trailing edge per time is what the law takes from the strip.
+        // The worn volume leaving at the trailing edge per time equals the wear rate of the strip.
         let left_behind = groove.iter().copied().fold(0.0, f64::max) * 0.01 * 0.01;
         assert!((left_behind / solved.state.volume_rates[1] - 1.0).abs() < 0.02, "{left_behind:e}");
     }
@@ -373,7 +373,7 @@ fn elastic_velocity(solved: &Solved) -> ElasticVelocity {
 
 #[test]
 fn a_rigid_punch_on_a_half_plane_stretches_it_by_the_closed_form() {
-    // One-way, run in: p = pm, shear mu pm. u_x' = -(1-2nu)/(2G) pm - (1-nu)/(pi G) mu pm ln((a+x)/(a-x)).
+    // Unidirectional, run in: p = pm, shear mu pm. u_x' = -(1-2nu)/(2G) pm - (1-nu)/(pi G) mu pm ln((a+x)/(a-x)).
     let solved = solve(&[("punch.body", 1.0), ("strip.body", 3.0), ("nominal.stroke", 0.0)]);
     let elastic = elastic_velocity(&solved);
     let (nu, g, mean) = (0.3, 200e9 / 2.6, solved.mean());

@@ -1,4 +1,4 @@
-//! Every problem with a known answer is solved within its bound: the rows of `cargo fmu verify`.
+//! Every problem with a known solution is solved within its bound: the rows of `cargo fmu verify`.
 
 use verification::problems;
 
@@ -44,7 +44,7 @@ fn a_wrong_or_undefined_value_does_not_pass() {
     assert!(problem.solve().unwrap_err().contains("half-space"));
 }
 
-/// The harness of the charts: scenes over time, judged by their truth.
+/// The harness of the charts: scenes over time, compared with their reference solutions.
 mod drives {
     use scene::variables::reference;
     use scene::{Fidelity, Scheme};

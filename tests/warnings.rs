@@ -1,4 +1,4 @@
-//! Every warning: where it must be logged, and a scene beside it where it must not.
+//! Every warning: a scene that must log it, and a similar scene that must not.
 
 use scene::slot::Packaged;
 use scene::variables::find;
@@ -88,7 +88,7 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
     assert_eq!(line(EXPLICIT, 0.0), SILENT);
     assert_eq!(line(1.0, 1e-5), SILENT);
     assert_eq!(line(2.0, 1e-5), SILENT);
-    // auto may carry heat by its mean: that is a choice of the plan, whatever the scheme.
+    // auto may take lumped heat: that is a choice of the plan, whatever the scheme.
     assert_eq!(at_start(&[("solver.fidelity", 1.0), ("nominal.velocity", 1.0)]), SILENT);
 }
 
@@ -231,7 +231,7 @@ fn a_punch_that_rocks_itself_round_is_told_where_it_slides_reciprocating() {
             ("nominal.velocity", 0.1),
         ]
     };
-    // To and fro half of the half-width is the limit for wear in proportion to the pressure.
+    // In reciprocating sliding half of the half-width is the limit for wear in proportion to the pressure.
     assert_one(&at_start(&starts(0.01, 0.6)), &["rocks itself round", "holder.pivot_height"]);
     assert_eq!(at_start(&starts(0.01, 0.4)), SILENT);
     assert_eq!(at_start(&starts(0.0, 0.6)), SILENT);

@@ -1,8 +1,8 @@
-//! `cargo fmu bench`: what a call costs, beside a component written by hand in C, both timed in the same run.
+//! `cargo fmu bench`: cost of a call compared with a component written by hand in C, both timed in the same run.
 //!
 //! One thread; both libraries are loaded into this process and called through the same function pointers. Steps of
-//! both are timed in turns, so that a slower moment of the machine meets both, and the fastest turn counts: nothing
-//! can make a turn faster than the code is.
+//! both are timed in turns, so that disturbances by the machine affect both, and the fastest turn counts, because
+//! disturbances only add time.
 
 mod level;
 mod line;
@@ -23,8 +23,8 @@ use std::time::Instant;
 pub const STEP: f64 = 0.1;
 /// Turns of every timing.
 const TURNS: usize = 30;
-/// How much a time may exceed its limit before a test fails: other work on the machine takes its share. The ratio to
-/// the peer, measured under the same load, gets no allowance.
+/// Factor by which a time may exceed its limit before a test fails, to allow for other work on the machine. The ratio to
+/// the peer, measured under the same load, has no allowance.
 const ALLOWANCE: f64 = 3.0;
 
 /// Time the FMU's calls natively, beside a plain C lumped brake (benches/peers/lumped_brake.c).
@@ -44,7 +44,7 @@ pub struct Arguments {
 /// One measured cost.
 #[derive(Clone, Copy, serde::Serialize, Debug)]
 pub struct Cost {
-    /// What was measured.
+    /// Measured quantity.
     pub quantity: &'static str,
     /// Its value.
     pub value: f64,
@@ -76,7 +76,7 @@ impl fmt::Display for Cost {
     }
 }
 
-/// The FMU of a scene at the lumped level, which is what a plain C lumped brake is compared with.
+/// The FMU of a scene at the lumped level, for comparison with a plain C lumped brake.
 ///
 /// # Errors
 /// Where the scene cannot be read, or the FMU not be built.
@@ -175,7 +175,7 @@ pub fn measure(fmu: &Path) -> Result<Vec<Cost>> {
     ])
 }
 
-/// What an instance is driven with, step by step.
+/// Inputs of an instance, step by step.
 #[derive(Clone, Debug)]
 pub struct Drive {
     /// Sliding velocity, m/s, and load, N.

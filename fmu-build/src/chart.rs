@@ -39,8 +39,8 @@ pub struct Arguments {
     /// Leave the peers out: no Python environment is made.
     #[arg(long)]
     no_peers: bool,
-    /// Find the truths of the scenes anew, without a limit of time, and keep them in docs/accuracy/truth: for scenes
-    /// whose finest run takes longer than a chart should.
+    /// Recompute the reference solutions of the scenes, without a limit of time, and keep them in documentation/accuracy/truth: for
+    /// scenes whose finest run takes longer than a chart should.
     #[arg(long, conflicts_with_all = ["quick", "json", "output", "no_peers"])]
     write_truth: bool,
     /// Write the findings into docs/accuracy.md as well.
@@ -60,10 +60,10 @@ const SCALING: &str = "cost_per_step";
 /// A scene with everything that was measured.
 struct Chart {
     problem: DriveProblem,
-    /// How the truth was found.
+    /// Origin of the reference solution.
     how: String,
     points: Vec<Point>,
-    /// What is not on the chart, and why.
+    /// Omissions from the chart with their reasons.
     omissions: Vec<String>,
     quick: bool,
 }
@@ -71,7 +71,7 @@ struct Chart {
 /// Runs the command.
 ///
 /// # Errors
-/// Where there is no such scene, its truth cannot be found, a peer breaks, or a file cannot be written.
+/// Where there is no such scene, its reference cannot be computed, a peer breaks, or a file cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let problems = drives::problems().map_err(|text| anyhow!(text))?;
     if arguments.list {
@@ -136,7 +136,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Measures every family and every peer against the known truth.
+/// Measures every family and every peer against the reference.
 fn measure(problem: DriveProblem, known: (String, Vec<Sample>), quick: bool, with_peers: bool) -> Result<Chart> {
     let style = ProgressStyle::with_template("{bar:30} {percent:>3} % {msg}")?;
     let families = problem.families(quick);
@@ -185,7 +185,7 @@ impl Chart {
         names
     }
 
-    /// Adds a run that came from elsewhere, judged by the truth.
+    /// Adds an external run with its errors against the reference.
     fn judge(&mut self, point: Point, samples: &[Sample], truth: &[Sample]) {
         let errors = self.problem.errors(samples, truth);
         self.points.push(Point { errors, ..point });

@@ -55,7 +55,7 @@ impl Column {
     }
 }
 
-/// What a header says of the unit.
+/// Unit given in a header.
 enum Said<'a> {
     Nothing,
     Symbol(&'a str),
@@ -156,7 +156,7 @@ struct Found<'a> {
 
 impl<'a> Found<'a> {
     /// # Errors
-    /// What is wrong with the header, and what would be accepted.
+    /// The fault of the header, and the accepted headers.
     fn of(header: &'a str, known: &[&Column]) -> Result<Self, String> {
         let Some((column, said)) = known.iter().find_map(|column| Some((column, column.unit_of(header)?))) else {
             let accepted: Vec<String> = known.iter().map(|column| column.headers()).collect();

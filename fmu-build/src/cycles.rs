@@ -1,4 +1,4 @@
-//! `cargo fmu cycles`: a to-and-fro scene carried over many cycles in jumps.
+//! `cargo fmu cycles`: reciprocating sliding over many cycles by cycle jumps.
 
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
@@ -14,11 +14,10 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use steady::thermal::nominal_half_strokes;
 
-/// Carry a scene that slides to and fro over many cycles at nominal load and speed.
+/// Advance a reciprocating scene over many cycles at nominal load and speed.
 ///
-/// Cycles are computed one by one only where the contact changes from one to the next; in between it is carried over many at
-/// once by implicit jumps with an error estimate each. Prints the jumps, and what is worn and how hot the contact is in the
-/// end.
+/// Cycles are computed one by one only where the contact changes from one to the next; elsewhere implicit cycle jumps with an
+/// error estimate each skip many cycles. Prints the jumps, and the worn depths and contact temperature at the end.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
@@ -33,7 +32,7 @@ pub struct Arguments {
     /// Cells of the contact line; by default the scene's, or 33.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1025))]
     cells: Option<u16>,
-    /// Leave heat out.
+    /// Without heat.
     #[arg(long)]
     cold: bool,
     /// Give a variable of the scene another value, as punch.wear_coefficient=1e-14; may be repeated.
@@ -47,7 +46,7 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// What is kept of a jump.
+/// Recorded quantities of a jump.
 struct Station {
     cycles: f64,
     length: f64,
@@ -75,7 +74,7 @@ struct Course {
 /// Runs the command.
 ///
 /// # Errors
-/// Everything wrong with the scene, one that does not slide to and fro, a cycle without a solution, a file that cannot be
+/// Everything wrong with the scene, one without reciprocating sliding, a cycle without a solution, a file that cannot be
 /// written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_ending(arguments.output.as_deref(), "svg")?;
@@ -120,7 +119,7 @@ fn course(arguments: &Arguments) -> Result<Course> {
     }
     let half_strokes = nominal_half_strokes(&scene);
     let period = half_strokes[0].1 + half_strokes[1].1;
-    // The bodies must be good for the whole time.
+    // The reduced bodies must be accurate over the whole duration.
     scene.nominal_duration = scene.nominal_duration.max(period * arguments.cycles);
     let warm = !arguments.cold && on_the_cells(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
@@ -269,7 +268,7 @@ mod tests {
         };
         let course = course(&arguments).unwrap();
         let last = course.stations.last().unwrap();
-        // k p s, whatever the way there.
+        // k p s, independent of the path.
         let expected = 3.9e-14 * course.mean_pressure * 6e-3 * 1e6;
         assert!((last.worn[0] / expected - 1.0).abs() < 1e-6, "{} {expected}", last.worn[0]);
         assert!(last.computed < 2000 && course.table().contains("1000000"), "{}", course.table());

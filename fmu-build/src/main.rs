@@ -1,6 +1,6 @@
-//! `cargo fmu`: everything that is done with the sliding contact FMU from the command line.
+//! `cargo fmu`: the command line of the sliding contact FMU.
 
-// Everything is printed by `output`, which bears that nobody reads it to the end.
+// All output goes through `output`, which handles a closed pipe.
 #![deny(clippy::print_stdout)]
 
 mod batch;

@@ -1,4 +1,4 @@
-//! What commands print, and the files that they are told to write.
+//! Output of the commands: standard output and files.
 
 use anyhow::{Result, bail};
 use std::fmt;
@@ -6,10 +6,10 @@ use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process::exit;
 
-/// Status of a process that nobody reads from any more, as shells give it: 128 and the number of SIGPIPE.
+/// Exit status after a closed output pipe, as in shells: 128 plus the number of SIGPIPE.
 const NOT_READ: i32 = 141;
 
-/// Ends the process quietly where whoever read the output has gone (`cargo fmu verify | head`), with an error where it
+/// Prints a text. Ends the process silently where the output pipe is closed (`cargo fmu verify | head`), with an error where it
 /// cannot be written.
 ///
 /// The signal itself stays ignored: a batch must outlive a worker process that it writes to.

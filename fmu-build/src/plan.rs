@@ -1,4 +1,4 @@
-//! `cargo fmu plan`: what `solver.fidelity = auto` chooses for a scene, and how good its choices are.
+//! `cargo fmu plan`: the choice of `solver.fidelity = auto` for a scene, and the quality of its choices.
 
 mod campaign;
 mod field;
@@ -14,8 +14,8 @@ use serde_json::{Value, json};
 use crate::output::{self, print_line};
 use crate::scenes;
 
-/// Print what `solver.fidelity = auto` takes for a scene: effects with the number that decided, kept or dropped, and
-/// what that costs.
+/// Print the level that `solver.fidelity = auto` takes for a scene: effects with their governing numbers, kept or dropped, and
+/// the error of each.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Scene file, or name of a folder in `examples`; by default the stock scene.
@@ -38,9 +38,9 @@ pub struct Arguments {
     /// Write the named level with its tolerance into the scene's file.
     #[arg(long, requires = "inputs", conflicts_with = "set")]
     write: bool,
-    /// Try auto on scenes as users build them, beside every fixed setting and a far finer run as the truth.
+    /// Compare auto on scenes as users build them with every fixed setting and a far finer reference run.
     ///
-    /// Every third scene is held out. Truths and runs at fixed settings are kept in cargo's target folder.
+    /// Every third scene is held out. Reference runs and runs at fixed settings are cached in cargo's target folder.
     #[arg(long, conflicts_with_all = ["scene", "set", "tolerance"])]
     campaign: bool,
     /// Scenes of the campaign, held-out ones counted.
@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Run the fixed settings again.
     #[arg(long, requires = "campaign")]
     fresh: bool,
-    /// Measure what a step costs on the planned rung and at the level `field`, for an error of 1 %.
+    /// Measure the cost of a step at the planned model level and at the level `field`, for an error of 1 %.
     #[arg(long, conflicts_with_all = ["campaign", "set", "tolerance", "json"])]
     against_field: bool,
     /// File to write the table of the campaign, or of the costs, to.

@@ -26,7 +26,7 @@ const COLOURS: [RGBColor; 7] = [
 /// Height of a row of a figure's key, in pixels.
 const KEY_ROW: u32 = 20;
 
-/// How a series is drawn.
+/// Line style or marker of a series.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mark {
     /// A line through the points.
@@ -50,7 +50,7 @@ pub struct Series {
     pub name: String,
     /// (x, y); points that are not finite, or not positive on a logarithmic axis, interrupt the line.
     pub points: Vec<(f64, f64)>,
-    /// How it is drawn.
+    /// Line style or marker.
     pub mark: Mark,
     /// Index of the colour; `None`: its place in the panel.
     pub colour: Option<usize>,
@@ -126,7 +126,7 @@ impl Axis {
     }
 }
 
-/// Where the legend stands in its panel.
+/// Position of the legend in its panel.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Legend {
     /// Left above.
@@ -184,7 +184,7 @@ pub struct Figure {
     pub columns: usize,
     /// Width and height of a panel, in pixels.
     pub panel_size: (u32, u32),
-    /// What the marks of all panels mean, listed between header and panels; its points are not drawn.
+    /// Key of the marks of all panels, listed between header and panels; its points are not drawn.
     pub key: Vec<Series>,
 }
 
@@ -204,7 +204,7 @@ impl Figure {
     /// The drawing as the text of an SVG file.
     ///
     /// # Errors
-    /// What the drawing library refuses.
+    /// Errors of the drawing library.
     pub fn svg(&self) -> Result<String> {
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns) as u32;
@@ -244,7 +244,7 @@ impl Figure {
     /// Writes [`Figure::svg`] to a file.
     ///
     /// # Errors
-    /// What the drawing library or the file system refuses.
+    /// Errors of the drawing library or the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.svg()?;
         std::fs::write(path, text).map_err(|error| anyhow!("writing {}: {error}", path.display()))

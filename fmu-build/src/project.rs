@@ -1,4 +1,4 @@
-//! Where the project's files are.
+//! Locations of the project's files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ pub fn root() -> PathBuf {
     member.parent().map_or_else(|| member.clone(), std::path::Path::to_path_buf)
 }
 
-/// cargo's target folder, where everything that is made goes.
+/// cargo's target folder, which holds all generated files.
 pub fn target() -> PathBuf {
     match std::env::var_os("CARGO_TARGET_DIR") {
         Some(folder) => root().join(folder),

@@ -17,7 +17,7 @@ const OLDEST: (u32, u32) = (3, 10);
 /// pip that is put into an environment made without one.
 const PIP: &str = "pip==25.3";
 
-/// What the environment is needed for; each holds everything before it.
+/// Purpose of the environment; each tier includes the ones before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Tier {
     /// Building and driving the FMU.
@@ -75,7 +75,7 @@ pub fn peers_environment() -> Result<PathBuf> {
     ensure("python-peers", &[PEERS])
 }
 
-/// What a tier takes, with everything before it.
+/// Requirements of a tier, including those of the tiers before it.
 fn requirements(tier: Tier) -> Vec<Requirements> {
     REQUIREMENTS.iter().filter(|(own, ..)| *own <= tier).map(|&(_, name, text)| (name, text)).collect()
 }
@@ -126,7 +126,7 @@ fn make(folder: &Path, wanted: &[Requirements]) -> Result<()> {
         let base = Interpreter::find()?;
         eprintln!("Making the Python {} environment {}", base.version(), folder.display());
         if let Err(error) = create(&base, folder, &Helpers::of_system()) {
-            // Half an environment must not look like a whole one next time.
+            // An incomplete environment must not be taken for a complete one later.
             let _ = fs::remove_dir_all(folder);
             return Err(error);
         }
@@ -234,7 +234,7 @@ impl Interpreter {
     }
 }
 
-/// What can bring pip into an environment where the interpreter itself cannot.
+/// Sources of pip for an environment whose interpreter comes without it.
 struct Helpers {
     /// pip wheels that the distribution has left.
     wheels: Vec<PathBuf>,

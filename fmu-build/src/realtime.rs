@@ -19,23 +19,23 @@ const STEP: f64 = 1e-3;
 const USUAL: f64 = 100.0;
 /// No step may take longer, microseconds.
 const LONGEST: f64 = 1000.0;
-/// The limits are only enforced while the machine takes less than this from the probe, microseconds.
+/// Largest delay of the probe at which the limits are enforced, microseconds.
 const QUIET: f64 = 200.0;
-/// Time that the probe's work takes where nothing is taken from it.
+/// Duration of the probe's work without interruption.
 const PROBE: Duration = Duration::from_micros(5);
-/// Load that the pads always drag with, N: every step has a contact to solve.
+/// Residual drag load of the pads, N: every step has a contact to solve.
 const DRAG: f64 = 100.0;
 /// Steps before the timing starts: caches, branch prediction, the clock of the processor.
 const WARM_UP: usize = 2000;
 
 /// Step the contact line at 1 kHz through ten minutes of the UDDS, time every step, and print the histogram.
 ///
-/// The scene is the stock front disc brake on the line level, its pads never off the disc. Beside every step a probe does a fixed work: what that
-/// takes beyond its fastest time is what the machine takes from both. 99.9 % of the steps must take less than 100 us
-/// and none more than 1 ms; that is enforced where the probe loses less than 200 us, and reported beside it elsewhere.
+/// The scene is the stock front disc brake at the line level, its pads never off the disc. Beside every step a probe does a fixed
+/// amount of work: its time beyond its fastest time measures the interruptions by the machine. 99.9 % of the steps must take less
+/// than 100 us and none more than 1 ms; that is enforced where the probe loses less than 200 us, and only reported elsewhere.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Bodies that do not expand, or heat along the contact that distorts them.
+    /// Bodies that do not expand, or resolved heat with thermal distortion.
     #[arg(long, value_enum, default_value = "cold")]
     contact: Contact,
     /// Cells of the contact line.
@@ -59,11 +59,11 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What of the contact line is stepped.
+/// Variant of the contact line.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Contact {
-    /// Pressure and wear along the line; heat by its mean.
+    /// Pressure and wear along the line; lumped heat.
     Cold,
     /// Pressure, wear and heat along the line, with thermal distortion.
     Heat,
@@ -102,10 +102,10 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What is run.
+/// Settings of a run.
 #[derive(Clone, Copy, Debug, serde::Serialize)]
 pub struct Case {
-    /// What of the contact line is stepped.
+    /// Variant of the contact line.
     pub contact: Contact,
     /// Its cells.
     pub cells: u16,
@@ -157,7 +157,7 @@ pub fn measure(case: &Case) -> Result<Run> {
     let mut inputs = drive.iter().cycle().map(|&[velocity, load]| [speed * velocity, load.max(DRAG)]);
     let mut next = || inputs.next().expect("a drive has steps");
     let probe = Probe::calibrate();
-    // Everything that is written during the run is there, and its memory is too, before it starts.
+    // All buffers written during the run are allocated and touched before it starts.
     let (mut steps, mut taken, mut late) = (vec![u32::MAX; count], vec![u32::MAX; count], vec![u32::MAX; count]);
     for _ in 0..WARM_UP.min(count) {
         exchange(&mut instance, &variables, next())?;
@@ -227,7 +227,7 @@ fn nanoseconds(time: Duration) -> u32 {
     u32::try_from(time.as_nanos()).unwrap_or(u32::MAX)
 }
 
-/// A work that always takes the same time where nothing disturbs it.
+/// A fixed amount of work whose time is constant without interruptions.
 struct Probe {
     rounds: u32,
 }
@@ -248,7 +248,7 @@ impl Probe {
         Self { rounds: (PROBE.as_secs_f64() / per_round).ceil() as u32 }
     }
 
-    /// Multiplications that wait for each other, out of reach of memory and caches.
+    /// A chain of dependent multiplications without memory access.
     fn run(&self) {
         let mut value = 1.0_f64;
         for _ in 0..self.rounds {
@@ -263,7 +263,7 @@ impl Run {
         self.steps.quantile(0.999)
     }
 
-    /// Whether the machine left the run alone.
+    /// Whether the probe was interrupted for less than `QUIET`.
     pub fn is_quiet(&self) -> bool {
         self.taken.longest() < QUIET
     }
@@ -273,7 +273,7 @@ impl Run {
         self.usual() < USUAL && self.steps.longest() < LONGEST
     }
 
-    /// Whether the limits hold, or were not to be enforced.
+    /// Whether the limits hold, or are not enforced.
     pub fn is_tolerable(&self) -> bool {
         self.is_within() || !self.is_quiet()
     }

@@ -18,7 +18,7 @@ use std::process::{Command, ExitStatus, Stdio};
 /// of it are in examples/disc_brake/road_load.py; the coupled examples are in folders of their own names.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// What to run; without a name the drive cycle of disc_brake alone.
+    /// Example to run; without a name the drive cycle of disc_brake alone.
     #[arg(value_enum)]
     example: Option<Example>,
     /// Scene: a name in examples/ or the path of a scene file; the default is the example's own.
@@ -42,7 +42,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What can be run.
+/// The examples.
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 #[value(rename_all = "snake_case")]
 enum Example {
@@ -53,9 +53,9 @@ enum Example {
     VehicleBrake,
     /// Engine, clutch and vehicle: engagement with stick under explicit and implicit masters, a hill, judder.
     Clutch,
-    /// A punch sliding to and fro until its wear is steady, in two holders, beside the direct steady states; with heat too.
+    /// A reciprocating punch until its wear is steady, in two holders, beside the direct steady states; with heat too.
     ReciprocatingPunch,
-    /// A ring on a turning ring, below and above the speed from which hot spots grow.
+    /// A ring on a turning ring, below and above the critical speed of thermoelastic instability.
     HotSpots,
 }
 
@@ -99,8 +99,8 @@ const STEP: f64 = 0.1;
 
 /// Cells of the reciprocating punch's contact line.
 const PUNCH_CELLS: u16 = 65;
-/// Its holders: name and what they set in the scene. At a pivot 30 mm high mu H is a quarter of the half-width, half of
-/// what a steady cycle can bear.
+/// Its holders: name and changes to the scene. At a pivot 30 mm high mu H is a quarter of the half-width, half of
+/// the limit for a steady cycle.
 const HOLDERS: [(&str, &[&str]); 2] = [
     ("translate", &["holder.constraint=translate"]),
     ("rotate", &["holder.constraint=translate_and_rotate", "holder.pivot_height=30 mm"]),
@@ -155,7 +155,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Runs a script to its end, passing on what it prints: it never sees that nobody reads it to the end.
+/// Runs a script to its end and forwards its output; a closed output pipe does not reach the script.
 fn follow(mut command: Command) -> io::Result<ExitStatus> {
     let mut child = command.stdout(Stdio::piped()).spawn()?;
     if let Some(out) = child.stdout.take() {
@@ -169,7 +169,7 @@ fn follow(mut command: Command) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-/// Refuses options that the example does not know.
+/// Refuses options that the example does not have.
 fn check_options(example: Example, arguments: &Arguments) -> Result<()> {
     output::check_folder(arguments.output.as_deref())?;
     let name = example.folder();
@@ -243,7 +243,7 @@ mod tests {
         }
     }
 
-    /// What the command line says against these arguments.
+    /// The error message of the command line for these arguments.
     fn refusal(arguments: &[&str]) -> String {
         #[derive(clap::Parser)]
         struct Run {

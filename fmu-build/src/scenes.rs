@@ -50,7 +50,7 @@ pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
     Ok(())
 }
 
-/// Prints what a user should know about the values of a scene; nothing where it is to be refused anyway.
+/// Prints the warnings about the values of a scene; nothing where the scene is refused anyway.
 pub fn warn(scene: &SceneFile) {
     let warnings =
         Scene::new(&scene.packaged.starts, Some(scene.packaged.experiment.tolerance)).map(|scene| scene.warnings());

@@ -1,4 +1,4 @@
-//! `cargo fmu stability`: maps of where the methods are right, ring, grow or refuse, and a page with all of them.
+//! `cargo fmu stability`: maps of where the methods are accurate, oscillate, grow or are refused, and a page with all of them.
 
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
@@ -11,10 +11,10 @@ use std::fs;
 use std::path::PathBuf;
 use verification::stability::{self, Definition, Grid, Map, Verdict};
 
-/// Compute stability maps: where each method is right, rings, grows or refuses, with the bound of the theory.
+/// Compute stability maps: where each method is accurate, oscillates, grows or is refused, with the theoretical bound.
 ///
-/// Writes one SVG and one CSV per map, with all maps also the page README.md that shows them, and prints how many runs
-/// came out how.
+/// Writes one SVG and one CSV per map, with all maps also the page README.md that shows them, and prints the number of runs
+/// of each verdict.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Map to compute, as often as wanted; by default all.

@@ -19,18 +19,18 @@ use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
 
-/// Cells where neither the scene nor the command says how many.
+/// Default number of cells.
 const CELLS: usize = 65;
 
-/// The same for the law, which is many states.
+/// Default number of cells for the law, which computes many states.
 const LAW_CELLS: usize = 33;
 
 /// Compute a scene's steady state under nominal load and sliding, without time integration, print and draw it.
 ///
-/// Pressure of both directions, worn shape, wear rate, wear dissipation power; and how large the parts of the relative
-/// velocity are that rigid motion leaves out. First without heat, then with it: temperatures and their range in a cycle,
+/// Pressure of both directions, worn shape, wear rate, wear dissipation power; and the magnitude of the relative velocity
+/// beyond the rigid motion. First without heat, then with it: temperatures and their range in a cycle,
 /// heat flows, pressure and shape. Ends with an error that gives the reason where there is no steady state; where there is
-/// one without heat but not with it, it says why.
+/// one without heat but not with it, the reason is printed.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
     /// Scene file, or name of a built-in scene; without one the stock scene.
@@ -47,10 +47,10 @@ pub struct Arguments {
     /// Give a variable of the scene another value, as holder.pivot_height="30 mm"; may be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Leave heat out.
+    /// Without heat.
     #[arg(long)]
     cold: bool,
-    /// Instead of one state, the law that says when heat changes the steady pressures: their difference with and without
+    /// Instead of one state, the law of the influence of heat on the steady pressures: their difference with and without
     /// heat against the length of a cycle over the thermal time of the contact, over five decades.
     #[arg(long, conflicts_with_all = ["cold", "return_speed"])]
     law: bool,
@@ -66,9 +66,9 @@ struct Solved {
     cells: Cells,
     state: SteadyState,
     velocity: RelativeVelocity,
-    /// With heat, or why not; `None`: nothing is heated, or heat was left out.
+    /// With heat, or the reason why there is none; `None`: nothing is heated, or without heat.
     hot: Option<Result<HotState, String>>,
-    /// Why the state with heat is none of this world; it is then refused.
+    /// Reason why the state with heat is beyond the model's validity; it is then refused.
     too_hot: Option<String>,
 }
 
@@ -423,7 +423,7 @@ mod tests {
         assert!(record["relative_velocity"]["elastic"]["reversal"].as_f64().unwrap() > 0.0);
         let drawing = solved.figure().svg().unwrap();
         assert!(drawing.contains("backward, v &lt; 0") && drawing.contains("Worn shape"));
-        // With heat: everything that friction gives leaves the bodies.
+        // With heat: all friction heat leaves the bodies.
         assert!(table.contains("contact temperature, degC") && drawing.contains("temperature, degC"), "{table}");
         let flow = |name: &str| record["heat"]["heat_flow"][name].as_f64().unwrap();
         let lost = flow("punch_top") + flow("strip_base") + flow("ambient");

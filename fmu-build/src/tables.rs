@@ -1,4 +1,4 @@
-//! `cargo fmu tables`: the numbers that the lumped level of a scene computes with, for whoever wants to check it.
+//! `cargo fmu tables`: decay rates and residues of the lumped level of a scene, for independent checks.
 
 use crate::output::print_line;
 use crate::scenes;
@@ -9,8 +9,8 @@ use model::lumped::operators::{BodyOperators, LumpedOperators};
 use scene::Scene;
 use serde_json::{Value, json};
 
-/// Print the tables of a scene's lumped level as JSON: decay rates, residues and remainders of both bodies and of the
-/// moving source, and the rate that sliding adds to its decays.
+/// Print the tables of a scene's lumped level as JSON: decay rates, residues and static corrections of both bodies and of the
+/// moving source, and the rate that sliding adds to its decay rates.
 ///
 /// Temperatures in K above ambient, fluxes in W/m2; the equations stand in tests/fmpy/quadrature.py.
 #[derive(clap::Args, Debug)]

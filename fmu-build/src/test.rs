@@ -1,4 +1,4 @@
-//! `cargo fmu test`: everything that must hold before a change lands, in tiers.
+//! `cargo fmu test`: all checks of a change, in tiers.
 
 mod platforms;
 mod tally;
@@ -67,7 +67,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     tally.close()
 }
 
-/// What every change must pass.
+/// The checks of every change.
 fn usual(tally: &mut Tally) {
     lints(tally);
     tally.step("Rust tests", |step| {
@@ -83,13 +83,13 @@ fn usual(tally: &mut Tally) {
     });
     tally.step("fmpy tests", |step| {
         let python = python::environment_for(Tier::Test)?;
-        // What the heat split is checked with: the stock scene as it is, and far finer than it asks for.
+        // FMUs for the check of the heat partition: the stock scene as it is, and at a far stricter tolerance.
         for (name, tolerance) in [("scene", None), ("fine", Some(1e-5))] {
             let file = project::target().join("fmu").join(format!("tables.{name}.json"));
             std::fs::write(file, tables::tables(None, tolerance)?.to_string())?;
         }
         let mut command = Command::new(python);
-        // What the tests of batches drive: the native host, the example's own environment, and this program.
+        // Requirements of the batch tests: the native host, the example's own environment, and this program.
         command
             .env("SLIDING_CONTACT_HOST", batch::host_library()?)
             .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)

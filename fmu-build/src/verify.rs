@@ -1,4 +1,4 @@
-//! `cargo fmu verify`: problems with a known answer, each within its bound.
+//! `cargo fmu verify`: problems with a known solution, each within its bound.
 
 use crate::output::{print_line, print_text};
 use anyhow::{Result, anyhow, bail};
@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use verification::{Row, problems};
 
-/// Solve problems with a known answer and compare: exact and computed value, error, bound and cost.
+/// Solve problems with a known solution and compare: exact and computed value, error, bound and cost.
 ///
 /// Errors are relative to the exact value, those of temperatures to the peak rise. Ends with an error
 /// where one exceeds its bound.

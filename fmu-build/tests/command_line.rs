@@ -1,4 +1,4 @@
-//! The command as a user starts it: what it refuses, and what happens where nobody reads its output.
+//! The command as a user starts it: refusals, and behaviour with a closed output pipe.
 
 use std::io;
 use std::path::PathBuf;

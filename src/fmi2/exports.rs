@@ -1,8 +1,8 @@
 //! The functions of FMI 2.0 that a co-simulation slave exports, and no other symbol.
 //!
-//! Each turns its raw arguments into safe ones and makes one call into the instance; what it may do
-//! when stands in [`super::policy`], what it does in `instance`. The documentation here says what this
-//! slave does beyond, or within, the standard's text.
+//! Each converts its raw arguments into safe ones and makes one call into the instance. The admissible call
+//! sequences are in [`super::policy`], the implementation in `instance`. The documentation here states where this
+//! slave goes beyond the standard's text or narrows it.
 //!
 //! # Safety
 //! The same contract for all: a string is NULL or ends with a zero, an array is NULL or has as many
@@ -39,7 +39,7 @@ macro_rules! export {
     )* };
 }
 
-/// An array of variables that the importer gives.
+/// An input array: values or references read from the importer's memory.
 ///
 /// # Safety
 /// See [`Source::new`].
@@ -49,7 +49,7 @@ unsafe fn given<'a, T: Copy>(what: &str, start: *const T, count: usize) -> Resul
     unsafe { Source::new(what, start, count, MOST_VARIABLES) }
 }
 
-/// An array of variables that the importer wants filled.
+/// An output array: values written to the importer's memory.
 ///
 /// # Safety
 /// See [`Sink::new`].
@@ -59,7 +59,7 @@ unsafe fn wanted<'a, T: Copy>(what: &str, start: *mut T, count: usize) -> Result
     unsafe { Sink::new(what, start, count, MOST_VARIABLES) }
 }
 
-/// Writes a single result, after the place for it was found to be there.
+/// Writes a single result after checking that its destination is not NULL.
 ///
 /// # Safety
 /// `place` is NULL or can be written.
@@ -94,9 +94,9 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// NULL, with a message where there is a logger: another type than co-simulation, another GUID than
-/// that of this FMU, no name. NULL without: no callbacks. The callback structure is copied, need not
-/// outlive the call, and may be full of NULL. The resource location is not looked at: no file is needed.
+/// Returns NULL with a message (if there is a logger) for a type other than co-simulation, a GUID other than
+/// that of this FMU, or a missing name; NULL without a message where the callbacks are missing. The callback structure
+/// is copied, need not outlive the call, and may be full of NULL. The resource location is ignored: no file is needed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2Instantiate(
     instanceName: types::String,
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
     instance.ok().flatten().and_then(|instance| gate::INSTANCES.insert(instance)).unwrap_or(ptr::null_mut())
 }
 
-/// Allowed in every phase. NULL, a freed instance and one that another call is using are left alone.
+/// Allowed in every phase. NULL, a freed instance and one in use by another call are ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2FreeInstance(component: Component) {
     if let Ok(instance) = gate::INSTANCES.remove(component) {
@@ -157,7 +157,7 @@ export! {
         )
     }
 
-    /// From here on outputs answer the inputs that are set.
+    /// From here on outputs follow the inputs that are set.
     fn fmi2EnterInitializationMode [EnterInitializationMode] () |instance| {
         instance.enter_initialization_mode()
     }
@@ -167,12 +167,12 @@ export! {
         instance.exit_initialization_mode()
     }
 
-    /// Also after an error.
+    /// Allowed after an error too.
     fn fmi2Terminate [Terminate] () |instance| {
         instance.terminate()
     }
 
-    /// A fresh instance; logging stays as it was set.
+    /// Restores a fresh instance; the logging settings are unchanged.
     fn fmi2Reset [Reset] () |instance| {
         instance.reset()
     }
@@ -205,8 +205,8 @@ export! {
         instance.no_strings(references)
     }
 
-    /// The whole vector is checked before any of it is stored. A parameter outside its bounds answers
-    /// `fmi2Discard`; an input takes any value, and the next step refuses one that is no number.
+    /// The whole vector is checked before any of it is stored. A parameter outside its bounds returns
+    /// `fmi2Discard`; an input takes any value, and the next step refuses one that is not finite.
     fn fmi2SetReal [SetReal] (vr: *const ValueReference, nvr: usize, value: *const Real) |instance| {
         // SAFETY: the importer vouches for the arrays.
         let (references, values) = unsafe { (given("vr", vr, nvr)?, given("value", value, nvr)?) };
@@ -234,13 +234,13 @@ export! {
         instance.no_strings(references)
     }
 
-    /// A state that is there already is written over; NULL asks for a new one.
+    /// Overwrites an existing state; NULL allocates a new one.
     fn fmi2GetFMUstate [GetFmuState] (FMUstate: *mut FmuState) |instance| {
         // SAFETY: not NULL when `answer` evaluates it, so the importer vouches for it.
         unsafe { answer("FMUstate", FMUstate, || instance.get_fmu_state(FMUstate.read_unaligned())) }
     }
 
-    /// Brings back everything, also the phase and the times, also after an error; bit for bit.
+    /// Restores everything bit for bit, including the phase and the times, also after an error.
     fn fmi2SetFMUstate [SetFmuState] (FMUstate: FmuState) |instance| {
         instance.set_fmu_state(FMUstate)
     }
@@ -264,7 +264,7 @@ export! {
         unsafe { answer("size", size, || instance.serialized_size(FMUstate)) }
     }
 
-    /// `size` must be what [`fmi2SerializedFMUstateSize`] told.
+    /// `size` must be the result of [`fmi2SerializedFMUstateSize`].
     fn fmi2SerializeFMUstate [SerializeFmuState] (
         FMUstate: FmuState, serializedState: *mut Byte, size: usize
     ) |instance| {
@@ -284,7 +284,7 @@ export! {
         }
     }
 
-    /// Of Real outputs by inputs, with the states held.
+    /// Partial derivatives of Real outputs by inputs at frozen states.
     fn fmi2GetDirectionalDerivative [GetDirectionalDerivative] (
         vUnknown_ref: *const ValueReference,
         nUnknown: usize,
@@ -303,7 +303,7 @@ export! {
         instance.get_directional_derivative(unknowns, knowns, seed, result)
     }
 
-    /// Order 1; they hold for the next step, and setting the input clears them.
+    /// Order 1; valid for the next step, cleared by setting the input.
     fn fmi2SetRealInputDerivatives [SetRealInputDerivatives] (
         vr: *const ValueReference, nvr: usize, order: *const Integer, value: *const Real
     ) |instance| {
@@ -313,7 +313,7 @@ export! {
         instance.set_real_input_derivatives(references, orders, values)
     }
 
-    /// Order 1 (`maxOutputDerivativeOrder`): from the end of the last step on, with the inputs as they are.
+    /// Order 1 (`maxOutputDerivativeOrder`): right-sided derivatives at the end of the last step, at the present inputs.
     fn fmi2GetRealOutputDerivatives [GetRealOutputDerivatives] (
         vr: *const ValueReference, nvr: usize, order: *const Integer, value: *mut Real
     ) |instance| {
@@ -323,7 +323,7 @@ export! {
         instance.get_real_output_derivatives(references, orders, values)
     }
 
-    /// Never answers `fmi2Warning` or `fmi2Discard`. A step of 0 moves nothing.
+    /// Never returns `fmi2Warning` or `fmi2Discard`. A step of length 0 changes no state.
     fn fmi2DoStep [DoStep] (
         currentCommunicationPoint: Real,
         communicationStepSize: Real,

@@ -1,10 +1,10 @@
-//! What every call on an instance passes: handle, busy flag, phase, panic, log, status.
+//! Entry and exit of every call on an instance: handle lookup, busy flag, phase check, panic barrier, log, status.
 //!
-//! This is the only place where panics are caught. A panic is a defect of this library, but the
-//! importer's process is not ours to end: the message goes to the instance's log, the instance to the
-//! error phase, and the call answers `fmi2Error`. Panics are kept off stderr by a hook that looks at a
-//! flag of the thread, set only in here, and passes every other panic on to the hook that was there
-//! before. (Inside an importer the library has a standard library, and so a hook, of its own; in a
+//! This is the only place where panics are caught. A panic is a defect of this library and must not end the
+//! importer's process: the message goes to the instance's log, the instance to the
+//! error phase, and the call returns `fmi2Error`. Panics are kept off stderr by a hook that reads a
+//! thread-local flag, set only here, and passes every other panic on to the previous hook.
+//! (Inside an importer the library has a standard library, and so a hook, of its own; in a
 //! Rust program that links the crate the hook is shared.)
 
 use core::cell::Cell;
@@ -22,12 +22,12 @@ use super::types::Status;
 /// Every living instance.
 pub static INSTANCES: Registry<Instance> = Registry::new(1);
 
-/// Every living FMU state. One that is not freed lives until the process ends, also longer than its
-/// instance, and may be set into any instance of this library.
+/// Every living FMU state. A state that is not freed lives until the process ends, possibly longer than its
+/// instance, and may be restored into any instance of this library.
 pub static STATES: Registry<Saved> = Registry::new(3);
 
-/// Where the last panic happened: bytes of text and their number. Not a `String`, because a value
-/// with a destructor would keep the library from being unloaded before the thread ends.
+/// Source location of the last panic: bytes of text and their number. Not a `String`, because a thread-local
+/// value with a destructor would keep the library from being unloaded before the thread ends.
 type PanicLocation = ([u8; 120], usize);
 
 thread_local! {
@@ -54,7 +54,7 @@ fn quiet(previous: Hook) -> Hook {
     })
 }
 
-/// Puts the hook in place, once.
+/// Installs the hook, once.
 pub fn install_hook() {
     static INSTALLED: Once = Once::new();
     INSTALLED.call_once(|| panic::set_hook(quiet(panic::take_hook())));
@@ -80,7 +80,7 @@ pub fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// Runs code of the importer: its own panics, if it is written in Rust, are not ours to silence.
+/// Runs code of the importer. Panics in it, if it is written in Rust, are not silenced.
 pub fn outside(body: impl FnOnce()) {
     let before = INSIDE.replace(false);
     body();
@@ -89,8 +89,8 @@ pub fn outside(body: impl FnOnce()) {
 
 /// One call of `function` on the instance of a handle.
 ///
-/// A handle that is unknown, freed, or in use by another call answers `fmi2Error` and touches nothing.
-/// (There is no logger to tell: the instance that has one is not ours to use.)
+/// A handle that is unknown, freed, or in use by another call returns `fmi2Error` without side effects, and
+/// without a message, because the logger belongs to the instance that cannot be accessed.
 #[inline(always)]
 pub fn call(component: *mut c_void, function: Function, body: impl FnOnce(&mut Instance) -> Outcome) -> Status {
     let Ok(mut guard) = INSTANCES.acquire(component) else { return Status::Error };

@@ -1,7 +1,7 @@
-//! What each function does to an instance.
+//! Implementation of the FMI functions on an instance.
 //!
 //! Every method here is one exported function with its arguments made safe; the gate has checked the
-//! phase. A method either does its work or returns a [`Problem`] and has changed nothing. Life cycle and
+//! phase. A method either succeeds or returns a [`Problem`] and leaves the instance unchanged. Life cycle and
 //! log are here; variables, steps and FMU states have files of their own.
 
 #![forbid(unsafe_code)]
@@ -25,7 +25,7 @@ pub use problem::{Outcome, Problem};
 use scene::slot;
 use variables::Scratch;
 
-/// The scene of this library with what every instance needs of it, made once.
+/// The scene of this library with derived data shared by all instances, computed once.
 struct Scene {
     name: String,
     guid: String,
@@ -58,7 +58,7 @@ pub struct Instance {
     phase: Phase,
     clock: Clock,
     component: Component,
-    /// A panic may have left the component half changed: it is used no more, only replaced.
+    /// Set after a panic, which may have left the component inconsistent: it is replaced before any further use.
     broken: bool,
     scene: &'static Scene,
     log: Log,
@@ -113,7 +113,7 @@ impl Instance {
         self.phase
     }
 
-    /// The problem of a call that is not allowed now.
+    /// The problem of a call that is not allowed in the present phase.
     #[cold]
     pub fn out_of_order(&self, function: Function) -> Outcome {
         let text = format!(
@@ -231,6 +231,6 @@ impl Instance {
 
 /// Drops an instance that was taken out of the registry.
 pub fn free(instance: Box<Instance>) {
-    // A component that a panic left half changed may panic again; there is nobody left to tell.
+    // A component that a panic left inconsistent may panic again; there is no log left to report it to.
     let _ = catch(|| drop(instance));
 }

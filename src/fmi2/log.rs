@@ -4,9 +4,9 @@
 //!
 //! | category | status | sent |
 //! |---|---|---|
-//! | `logStatusError` | `fmi2Error`, or `fmi2Discard` for a refused value | always: who gets a status wants to know why |
+//! | `logStatusError` | `fmi2Error`, or `fmi2Discard` for a refused value | always: the reason of a returned status |
 //! | `logStatusWarning` | `fmi2Warning` | unless debug logging is on for other categories only: a limit was reached, the model's validity left, an input taken as something else; each once a run |
-//! | `logEvents` | `fmi2OK` | when debug logging is on for it: what was chosen and why, life cycle |
+//! | `logEvents` | `fmi2OK` | when debug logging is on for it: choices of the plan with their reasons, life cycle |
 //!
 //! A text goes out as the argument of the format `%s`, so that a `%` in it is only a `%`; a `#` is
 //! doubled, because importers expand `#r12#` to a variable's name. Texts longer than [`LONGEST`] go
@@ -51,7 +51,7 @@ impl Category {
     }
 }
 
-/// Where an instance's messages go.
+/// Destination and filter of an instance's messages.
 pub struct Log {
     logger: Option<Logger>,
     environment: ComponentEnvironment,
@@ -60,8 +60,7 @@ pub struct Log {
 }
 
 // SAFETY: the environment is never dereferenced here, only passed back to the importer's logger. The
-// standard lets an importer drive an instance from any thread, so that its logger must stand being
-// called there.
+// standard lets an importer drive an instance from any thread, so its logger must be callable from any thread.
 unsafe impl Send for Log {}
 
 impl Log {
@@ -74,7 +73,7 @@ impl Log {
     }
 
     /// Switches debug logging off, or on for these categories only. Errors are always sent, warnings unless `categories`
-    /// leave them out: they are no debug messages, and a run that they concern looks like any other without them.
+    /// exclude them: they are no debug messages, and a run with a warning returns the same statuses as any other.
     pub fn enable(&mut self, on: bool, categories: &[Category]) {
         self.enabled = Category::Errors as u8;
         if !on {
@@ -125,13 +124,13 @@ impl Log {
     }
 }
 
-/// Writes as much of a text as fits into `room` with a zero behind it, `#` doubled and zeros left out, and gives it with what is
-/// left of the text. Cuts between words where there are any, never inside a character or a doubled `#`. Allocates nothing:
-/// steps send messages too.
+/// Copies as much of a text as fits into `room` as a zero-terminated string, `#` doubled and zeros omitted, and returns it with
+/// the rest of the text. Cuts between words where there are any, never inside a character or a doubled `#`. Allocates nothing,
+/// because steps send messages too.
 fn split<'a, 't>(text: &'t str, room: &'a mut [u8]) -> (&'a CStr, &'t str) {
     let longest = room.len() - 1;
     let mut length = 0;
-    // Where the last word ended: in the text and in the room.
+    // End of the last word, in the text and in the buffer.
     let mut word = None;
     let mut rest = "";
     for (at, character) in text.char_indices().filter(|&(_, character)| character != '\0') {

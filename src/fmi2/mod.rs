@@ -1,21 +1,21 @@
-//! The FMI 2.0 co-simulation interface in C: the only module that knows FMI and C.
+//! The FMI 2.0 co-simulation interface in C: the only module that depends on FMI and C.
 //!
-//! It holds no formula: what a variable is stands in [`scene::variables`], what it is worth in
-//! [`crate::component`]. Here stand who may call what when, and what the call answers.
+//! It contains no physics: the variables are defined in [`scene::variables`], their values computed in
+//! [`crate::component`]. This module defines the call sequences and the returned statuses.
 //!
 //! | module | about |
 //! |---|---|
 //! | [`types`] | the C types of the standard, declared by hand |
 //! | [`exports`] | the exported functions: raw arguments in, one call into the instance |
-//! | `gate` | what every call passes: handle, busy flag, phase, panic, log, status |
-//! | `registry` | handles instead of pointers: any garbage, used twice or freed, is refused |
+//! | `gate` | entry and exit of every call: handle, busy flag, phase, panic, log, status |
+//! | `registry` | handles instead of pointers: invalid, busy and freed ones are refused |
 //! | [`policy`] | call sequences, settable variables and statuses, as tables |
-//! | `instance` | what each function does to an instance, in safe Rust |
-//! | `state` | FMU states: what they hold and how they are written as bytes |
+//! | `instance` | implementation of the functions on an instance, in safe Rust |
+//! | `state` | FMU states: contents and serialisation |
 //! | `log` | messages to the importer's logger |
 //!
-//! Three things stay true whatever an importer does. Nothing that it hands over as a component or as
-//! an FMU state is ever dereferenced. A call that is refused leaves the instance as it was. No panic
+//! Three invariants hold whatever an importer does. No pointer that it passes as a component or as
+//! an FMU state is ever dereferenced. A call that is refused leaves the instance unchanged. No panic
 //! leaves the library, and nothing is printed.
 
 #![deny(unsafe_op_in_unsafe_fn)]

@@ -1,15 +1,14 @@
-//! Who may call what when, which variable may be set when, and what a refusal answers: as tables.
+//! Tables of the admissible call sequences, of the phases in which each variable may be set, and of the status of each refusal.
 //!
 //! The phases are those of the co-simulation state machine (FMI 2.0.4, section 4.2.4). Steps are
-//! synchronous and never answer `fmi2Discard`, so *step in progress*, *step failed* and *step
+//! synchronous and never return `fmi2Discard`, so *step in progress*, *step failed* and *step
 //! canceled* do not occur; `fmi2Fatal` is never returned, so there is no phase for it either.
 //!
-//! Accepted beyond the letter of the standard, on purpose, because importers do it and nothing speaks
-//! against it: inputs set while instantiated; any variable read in any phase (the start or the last
-//! value); `fmi2SetupExperiment` left out (start time 0, no stop time, no tolerance) or repeated;
-//! `fmi2Terminate` after an error.
+//! Accepted beyond the standard, because importers do it and it is unambiguous: inputs set while
+//! instantiated; any variable read in any phase (the start or the last value); `fmi2SetupExperiment`
+//! omitted (start time 0, no stop time, no tolerance) or repeated; `fmi2Terminate` after an error.
 //!
-//! # What moves the phase
+//! # Phase transitions
 //!
 //! | function | phase after success | after failure |
 //! |---|---|---|
@@ -21,8 +20,8 @@
 //! | `fmi2SetFMUstate` | that of the FMU state | as before |
 //!
 //! Failure means that the model failed ([`Fault::Initialisation`], [`Fault::Step`], and
-//! [`Fault::Panic`] in any function). A call that is refused before the model is asked, for its order
-//! or its arguments, leaves the instance as it was.
+//! [`Fault::Panic`] in any function). A call that is refused before the model is evaluated, for its order
+//! or its arguments, leaves the instance unchanged.
 
 #![forbid(unsafe_code)]
 
@@ -165,7 +164,7 @@ pub struct Rule {
     pub function: Function,
     /// Its name in C.
     pub name: &'static str,
-    /// When it may be called.
+    /// Phases in which it may be called.
     pub allowed: Phases,
 }
 
@@ -185,7 +184,7 @@ pub const RULES: [Rule; 30] = [
     rule(Function::GetInteger, "fmi2GetInteger", ANY),
     rule(Function::GetBoolean, "fmi2GetBoolean", ANY),
     rule(Function::GetString, "fmi2GetString", ANY),
-    // Which variables may be set when: see `ACCESS`.
+    // The phases in which a variable may be set are in `ACCESS`.
     rule(Function::SetReal, "fmi2SetReal", UNTIL_TERMINATED),
     rule(Function::SetInteger, "fmi2SetInteger", UNTIL_TERMINATED),
     rule(Function::SetBoolean, "fmi2SetBoolean", UNTIL_TERMINATED),
@@ -200,7 +199,7 @@ pub const RULES: [Rule; 30] = [
     rule(Function::SetRealInputDerivatives, "fmi2SetRealInputDerivatives", UNTIL_TERMINATED),
     rule(Function::GetRealOutputDerivatives, "fmi2GetRealOutputDerivatives", STEPPED),
     rule(Function::DoStep, "fmi2DoStep", STEP_COMPLETE),
-    // A step is over before another call can be made.
+    // Steps are synchronous: none can be in progress during another call.
     rule(Function::CancelStep, "fmi2CancelStep", NEVER),
     rule(Function::GetStatus, "fmi2GetStatus", STEPPED),
     rule(Function::GetRealStatus, "fmi2GetRealStatus", STEPPED),
@@ -225,7 +224,7 @@ impl Function {
     }
 }
 
-/// Type of a variable as the interface sees it; enumerations are integers.
+/// Type of a variable at the interface; enumerations are integers.
 #[repr(u8)]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Type {
@@ -292,7 +291,7 @@ impl Access {
         self.0 & Access::INPUT != 0
     }
 
-    /// When the variable may be set.
+    /// Phases in which the variable may be set.
     #[inline(always)]
     pub const fn settable(self) -> Phases {
         Phases(self.0 & 31)
@@ -309,13 +308,13 @@ static ACCESS: [Access; COUNT] = {
     table
 };
 
-/// What may be done with a value reference.
+/// Access rights of a value reference.
 #[inline(always)]
 pub fn access(reference: ValueReference) -> Access {
     ACCESS.get(reference as usize).copied().unwrap_or(Access::NONE)
 }
 
-/// Why a call failed.
+/// Reason for the failure of a call.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fault {
     /// Not allowed in this phase.
@@ -340,7 +339,7 @@ pub enum Fault {
     Panic,
 }
 
-/// What a fault answers, and whether it moves the instance to [`Phase::Error`].
+/// Status returned for each fault, and whether it moves the instance to [`Phase::Error`].
 pub const CONSEQUENCES: [(Fault, Status, bool); 10] = [
     (Fault::Order, Status::Error, false),
     (Fault::Argument, Status::Error, false),
@@ -363,7 +362,7 @@ const _: () = {
 };
 
 impl Fault {
-    /// The status that a call with this fault answers.
+    /// The status that a call with this fault returns.
     pub const fn status(self) -> Status {
         CONSEQUENCES[self as usize].1
     }
@@ -380,11 +379,11 @@ pub const INPUT_DERIVATIVE_ORDER: i32 = 1;
 /// Highest order of the output derivatives that are offered; as `maxOutputDerivativeOrder` in the XML.
 pub const OUTPUT_DERIVATIVE_ORDER: i32 = 1;
 
-/// How far two times may lie apart and still be the same, in seconds: `1e-9 max(1, |t|)`.
+/// Tolerance for the equality of two times, in seconds: `1e-9 max(1, |t|)`.
 ///
-/// For the communication point against the end of the last step, and for the end of a step against the
-/// stop time. Masters add up steps in their own arithmetic; the largest difference that one makes in
-/// earnest is that of a clock in whole nanoseconds.
+/// Used for the communication point against the end of the last step, and for the end of a step against the
+/// stop time. Masters add up steps in their own arithmetic; the largest difference found in practice is that
+/// of a clock in whole nanoseconds.
 pub fn same_time_within(time: f64) -> f64 {
     1e-9 * time.abs().max(1.0)
 }

@@ -1,23 +1,23 @@
 //! Handles in place of pointers.
 //!
-//! An importer holds `fmi2Component` and `fmi2FMUstate` as opaque pointers and may hand back anything:
-//! NULL, an uninitialised variable, one that was freed, one in use in another thread. So what it gets
-//! is no address but a number in a pointer's clothes,
+//! An importer holds `fmi2Component` and `fmi2FMUstate` as opaque pointers and may pass any value:
+//! NULL, an uninitialised variable, a freed one, one in use in another thread. The pointer it receives
+//! is therefore not an address but an integer handle,
 //!
-//! | bits (64-bit pointer) | what |
+//! | bits (64-bit pointer) | content |
 //! |---|---|
 //! | 0..3 | tag of the registry; odd, so that no aligned address looks like a handle |
 //! | 3..32 | number of the slot |
 //! | 32..63 | generation of the slot, > 0; changes whenever the slot is freed |
 //!
-//! and it is looked up here. A slot is one word of state, `2 generation + taken`, and the value. The
-//! word of a vacant slot is `taken` with generation 0, which no handle has. So a single compare-and-
-//! exchange from `2 generation` to `2 generation + 1` answers all questions at once: is this handle
-//! alive, and is nobody else inside?
+//! which is looked up here. A slot is one word of state, `2 generation + taken`, and the value. The
+//! word of a vacant slot is `taken` with generation 0, which no handle has. A single compare-and-
+//! exchange from `2 generation` to `2 generation + 1` therefore both validates the handle and acquires
+//! exclusive access.
 //!
-//! Slots live in chunks of doubling size that are never moved or freed, so looking up takes no lock.
-//! A lock guards only the list of free slots, when a value comes or goes. A slot whose generations are
-//! used up is retired.
+//! Slots live in chunks of doubling size that are never moved or freed, so lookup takes no lock.
+//! A lock guards only the list of free slots, for insertion and removal. A slot whose generations are
+//! exhausted is retired.
 
 use core::cell::UnsafeCell;
 use core::ffi::c_void;
@@ -29,7 +29,7 @@ use std::sync::{Mutex, PoisonError};
 const TAG_BITS: u32 = 3;
 const INDEX_BITS: u32 = if usize::BITS >= 64 { 29 } else { 14 };
 const GENERATION_SHIFT: u32 = TAG_BITS + INDEX_BITS;
-/// Highest generation: what fits into the handle, and into the slot's word beside `taken`.
+/// Highest generation that fits into the handle, and into the slot's word beside `taken`.
 const LAST_GENERATION: u32 = {
     let bits = usize::BITS - GENERATION_SHIFT;
     (1 << if bits > 31 { 31 } else { bits }) - 1
@@ -41,15 +41,15 @@ const TAKEN: u32 = 1;
 /// Word of a slot without a value: taken, of generation 0.
 const VACANT: u32 = TAKEN;
 
-/// One value and who may touch it. Slots keep their distance, so that instances driven in different
-/// threads do not share a cache line.
+/// One value and its access word. Aligned to a cache line, so that instances driven in different
+/// threads do not share one.
 #[repr(align(64))]
 struct Slot<T> {
     word: AtomicU32,
     value: UnsafeCell<Option<Box<T>>>,
 }
 
-/// The slots that no value lives in.
+/// The free slots.
 struct Vacancies {
     /// Slots whose value was removed, with the generation that comes next.
     again: Vec<(u32, u32)>,
@@ -69,7 +69,7 @@ pub struct Registry<T> {
 // thread to thread, hence `T: Send`.
 unsafe impl<T: Send> Sync for Registry<T> {}
 
-/// Why a handle was refused.
+/// Reason for refusing a handle.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Refused {
     /// It is no handle of this registry, or its value is gone.
@@ -78,7 +78,7 @@ pub enum Refused {
     Busy,
 }
 
-/// Exclusive use of a value; given back when dropped.
+/// Exclusive access to a value, released when dropped.
 pub struct Guard<'a, T> {
     slot: &'a Slot<T>,
     value: &'a mut T,
@@ -126,7 +126,7 @@ impl<T> Registry<T> {
         }
     }
 
-    /// Takes a value in and returns its handle; `None` when there is no slot left.
+    /// Inserts a value and returns its handle; `None` when there is no slot left.
     pub fn insert(&self, value: Box<T>) -> Option<*mut c_void> {
         let mut vacancies = self.vacancies.lock().unwrap_or_else(PoisonError::into_inner);
         let (index, generation) = match vacancies.again.pop() {
@@ -148,7 +148,7 @@ impl<T> Registry<T> {
         Some(ptr::without_provenance_mut((generation << GENERATION_SHIFT) | (index << TAG_BITS) | self.tag))
     }
 
-    /// Exclusive use of the value of a handle.
+    /// Acquires exclusive access to the value of a handle.
     ///
     /// # Errors
     /// [`Refused`]; never waits.
@@ -163,7 +163,7 @@ impl<T> Registry<T> {
         }
     }
 
-    /// Takes the value of a handle out; the handle is dead from then on.
+    /// Removes the value of a handle; the handle is invalid from then on.
     ///
     /// # Errors
     /// [`Refused`]; a value in use stays.
@@ -219,7 +219,7 @@ impl<T> Registry<T> {
         (mixed ^ (mixed >> 15)) % (LAST_GENERATION / 2) + 1
     }
 
-    /// Makes the chunk of slot `index`, if it is not there. Called under the lock.
+    /// Allocates the chunk of slot `index` if necessary. Called under the lock.
     fn provide(&self, index: usize) {
         let (chunk, _) = place(index);
         if !self.chunks[chunk].load(Ordering::Relaxed).is_null() {

@@ -1,10 +1,10 @@
-//! FMU states: what they hold and how they are written as bytes.
+//! FMU states: contents and serialisation.
 //!
-//! A state holds all that matters for what comes next: the component's own snapshot (parameters,
-//! inputs and their derivatives, states, memory of the solver), the phase and the times. Logging is no
-//! part of it. Bytes, little endian:
+//! A state holds everything that the continuation depends on: the component's own snapshot (parameters,
+//! inputs and their derivatives, states, memory of the solver), the phase and the times. Logging settings are
+//! not part of it. Layout in bytes, little endian:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0..4 | magic `SCfs` |
 //! | 4..6 | version of this layout |
@@ -15,7 +15,7 @@
 //! | then | payload: phase, flags (1: stop time, 2: tolerance), time, stop time, tolerance, snapshot |
 //!
 //! Every step of the checksum is a bijection of the running value, so a change of any one byte is
-//! noticed.
+//! detected.
 
 #![forbid(unsafe_code)]
 
@@ -115,7 +115,7 @@ impl Saved {
     }
 }
 
-/// Length of all bytes according to their header; so that an importer's wrong length is found before
+/// Total length according to the header, to detect an importer's wrong length before
 /// more than the header is read.
 ///
 /// # Errors

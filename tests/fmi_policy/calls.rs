@@ -1,4 +1,4 @@
-//! Calls and values with the status that each must get.
+//! Calls and values with the status that each must return.
 
 use std::ptr;
 
@@ -98,7 +98,7 @@ const CASES: &[Case] = &[
     (IN, "boolean false", |x| x.set_boolean("contact.shear_coupling", 0), OK, ""),
     (IN, "boolean 2", |x| x.set_boolean("contact.shear_coupling", 2), DISCARD, "contact.shear_coupling: 2"),
     (IN, "boolean -1", |x| x.set_boolean("contact.shear_coupling", -1), DISCARD, "contact.shear_coupling: -1"),
-    // What cannot be set.
+    // Variables that cannot be set.
     (INS, "output", |x| x.set_real(&["wear_depth"], &[0.0]), ERROR, "wear_depth is calculated"),
     (INS, "integer output", |x| x.set_integer("limit_reached", 0), ERROR, "limit_reached is calculated"),
     (INS, "local", |x| x.set_real(&["profile.pressure[33]"], &[0.0]), ERROR, "profile.pressure[33]"),

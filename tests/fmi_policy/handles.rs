@@ -1,4 +1,4 @@
-//! Handles that are none, instances in many threads, many instances.
+//! Invalid handles, instances in many threads, many instances.
 
 use core::ffi::{c_char, c_void};
 use std::ptr;
@@ -11,7 +11,7 @@ use crate::importer::{Importer, Stage, as_logger, guid};
 const OK: Status = Status::Ok;
 const ERROR: Status = Status::Error;
 
-/// Every function that takes an instance, with arguments that would be fine.
+/// Calls every function that takes an instance with otherwise valid arguments.
 fn call_everything(component: *mut c_void) -> Vec<Status> {
     let (mut real, mut integer, mut state, mut size) = (0.0, 0, ptr::null_mut(), 0);
     let (mut status, mut text) = (Status::Ok, ptr::null());
@@ -145,7 +145,7 @@ fn two_threads_on_one_instance_get_errors_and_leave_it_whole() {
     assert!(importer.get_real("sliding_velocity") >= 9998.0);
 }
 
-/// What a logger sees that calls back into the instance.
+/// Environment of a logger that calls back into the instance.
 struct Reentrant {
     component: *mut c_void,
     statuses: Vec<Status>,

@@ -122,7 +122,7 @@ impl Importer {
         Importer { component, log }
     }
 
-    /// The lumped level: what is about calls and states needs no plan.
+    /// Sets the lumped level: tests of calls and states need no plan.
     fn choose_level(&self) {
         assert_eq!(self.set_integer("solver.fidelity", 2), Status::Ok);
     }
@@ -307,7 +307,7 @@ impl Importer {
         if status == Status::Ok { Ok(state) } else { Err(status) }
     }
 
-    /// Everything that matters about the instance, to compare.
+    /// Serialised state of the instance, for comparison.
     pub fn bytes(&self) -> Vec<u8> {
         let mut state = ptr::null_mut();
         assert_eq!(self.save(&mut state), Status::Ok);

@@ -1,4 +1,4 @@
-//! What `fmi2Instantiate` takes and refuses.
+//! Arguments that `fmi2Instantiate` accepts and refuses.
 
 use core::ffi::CStr;
 use std::ffi::CString;

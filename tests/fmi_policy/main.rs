@@ -1,7 +1,7 @@
-//! The C interface as an importer sees it: through the exported functions only.
+//! The C interface through the exported functions only, as an importer calls it.
 //!
-//! What each call must answer stands here as data, written down from the standard and from the
-//! interface's description, not taken from the tables of the library.
+//! The required status of each call is given here as data, from the standard and from the
+//! interface's description, independent of the tables of the library.
 
 mod calls;
 mod handles;

@@ -1,4 +1,4 @@
-//! The log: categories, switches, awkward characters.
+//! The log: categories, switches, special characters.
 
 use std::ffi::CString;
 use std::ptr;
@@ -83,8 +83,8 @@ fn warnings_are_silent_where_other_categories_are_chosen() {
     assert_eq!(warnings(false, &[]), 1);
 }
 
-/// Initialises the lumped level, reading an output on the way, which must not be of another tolerance; the line of the log
-/// that says which one counts.
+/// Initialises the lumped level, reading an output before the end, which must use the same tolerance; returns the line of the log
+/// that states the tolerance in use.
 fn tolerance(importer: &Importer, own: Option<f64>) -> String {
     assert_eq!(importer.set_integer("solver.fidelity", 2), OK);
     assert_eq!(importer.setup(own, 0.0, None), OK);

@@ -1,4 +1,4 @@
-//! Which function is allowed in which phase, and random sequences of calls.
+//! Admissible functions in each phase, and random sequences of calls.
 
 use core::ffi::c_void;
 use std::ptr;
@@ -131,7 +131,7 @@ fn moved(name: &str, from: Stage) -> Stage {
     }
 }
 
-/// Whether the sequences of this seed leave the level to `auto`, whose plans and finer rungs take most of the time.
+/// Whether the sequences of this seed leave the level to `auto`, whose plans and finer model levels take most of the time.
 fn planned(seed: usize) -> bool {
     seed.is_multiple_of(15)
 }

@@ -1,4 +1,4 @@
-//! What the shared library exports: the functions of the standard and nothing else.
+//! Exported symbols of the shared library: the functions of the standard and nothing else.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

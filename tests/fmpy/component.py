@@ -23,7 +23,7 @@ AUTO = 1
 
 
 def status_of(call, *arguments):
-    """Status that a call of fmpy ends with; fmpy raises where it is worse than a warning."""
+    """Status of a call of fmpy, which raises where it is worse than a warning."""
     try:
         return call(*arguments) or OK
     except FMICallException as error:
@@ -79,7 +79,7 @@ class Component:
         self.callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
         self.callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self.callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        # The library hands over a format and its arguments; this proxy of fmpy's makes one text of them.
+        # The library passes a format and its arguments; this proxy of fmpy's formats them into one text.
         addLoggerProxy(byref(self.callbacks))
         # fmpy keeps one logger for all proxies, the last one, and calls it for instances of other callbacks too: it has to outlive them.
         LOGGERS.append(self.callbacks)
@@ -145,7 +145,7 @@ class Component:
         self.time += size
 
     def try_step(self, size, at=None):
-        """One step that may fail; returns the status. Time moves on where it did not."""
+        """One step that may fail; returns the status. Time advances only on success."""
         at = self.time if at is None else at
         status = status_of(self.slave.doStep, at, size)
         if status == OK:

@@ -1,4 +1,4 @@
-"""Where the FMUs are, unpacked once for all tests."""
+"""Fixtures: the FMUs, unpacked once for all tests."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""The lumped model once more, from the tables it uses and the inputs it was given, by other means than its own.
+"""Independent solution of the lumped model, from its tables and inputs, by another method.
 
 Between two communication points the inputs are held, so for a scene without fade and radiation all states obey a linear
 system with constant coefficients, which the matrix exponential solves exactly. `cargo fmu tables` gives the tables.
@@ -54,7 +54,7 @@ class Model:
         return float(np.exp(self.log_sigma(np.log(speed)))) if speed > 0.0 else 0.0
 
     def matrix(self, velocity, load):
-        """The generator under held inputs."""
+        """The system matrix at constant inputs."""
         tables, speed = self.tables, abs(velocity)
         friction = tables["friction_coefficient"] * tables["power_factor"] * load / tables["contact_area"] * speed
         closed = load > 0.0

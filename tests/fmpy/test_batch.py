@@ -1,4 +1,4 @@
-"""Batches: the native host beside fmpy, what a failed scene leaves behind, runs that are killed and continued, the fit."""
+"""Batches: the native host against fmpy, state after a failed scene, runs that are killed and resumed, the fit."""
 
 import csv
 import itertools
@@ -154,7 +154,7 @@ def test_sensitivities_of_a_function_with_known_ones():
     exact = np.array([0.5 * (1.0 + part / 5.0) ** 2, 49.0 / 8.0, 0.0]) / whole
     found = sensitivity.analyse(x, y, resamplings=50)
     assert found.first_order == pytest.approx(exact, abs=0.015)
-    # What is taken off for chance is more than a design has that is spread more evenly than by chance.
+    # The correction for chance exceeds the bias of a design that is spread more evenly than a random one.
     excess = 49.0 / (8192 - 50)
     assert np.all(found.interval[0] <= exact) and np.all(exact <= found.interval[1] + excess)
     assert found.rank_correlation[0] > 0.3 and abs(found.rank_correlation[1]) < 0.05
@@ -175,7 +175,7 @@ def test_the_fit_of_the_records_finds_their_truth(pin):
         assert low < exact < high, name
         assert (high - low) / value < 0.15, "an interval that says something"
     assert found.scatter == pytest.approx(truth().SCATTER, rel=0.3)
-    # The committed records are those that the script makes.
+    # The committed records equal those of the script.
     made = wear_law.Model(pin, records).volumes(truth().TRUTH) * np.exp(truth().noise(truth().SEED))
     assert records.volume == pytest.approx(made, rel=1e-3)
 
@@ -260,7 +260,7 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(fmus, brake, t
     if not sys.platform.startswith("linux"):
         pytest.skip("worker processes are found in /proc")
     table = tmp_path / "design.csv"
-    # A quarter of the scenes asks for a negative coefficient of friction.
+    # A quarter of the scenes sets a negative friction coefficient.
     name = "contact.friction_coefficient"
     table.write_text(f"name,low,high,scale\n{name},-0.1,0.3,linear\nnormal_load.factor,0.5,1.5,linear\n")
     more = ("--design", str(table), "--scenes", "64", "--block", "4", "--schedule", "stops", "--step", "0.01", "--every", "10")

@@ -50,7 +50,7 @@ def test_the_bristle_sticks_and_stays(clutch, predicted, quiet):
     assert stuck["slip_ends_s"] == pytest.approx(example.report.end_of_slip(quiet), abs=5.0 * step)
     assert stuck["torque_stuck_N_m"] == pytest.approx(example.plant.Plant().stuck_torque, rel=1e-6)
     assert stuck["slip_chatter_rad_per_s"] < 1e-9
-    # Engine, vehicle and heat: momentum is kept, and what the speeds lose in energy is friction heat.
+    # Engine, vehicle and heat: momentum is conserved, and the loss of kinetic energy is friction heat.
     plant = example.plant.Plant()
     gained = plant.engine_inertia * (run["engine_speed"][-1] - run["engine_speed"][0])
     gained += plant.vehicle_inertia * run["vehicle_speed"][-1]

@@ -1,4 +1,4 @@
-"""The XML against the standard: schema, rules that no schema can state, what fmpy itself objects to."""
+"""The XML against the standard: schema, rules that no schema can state, fmpy's own validation."""
 
 import re
 import zipfile

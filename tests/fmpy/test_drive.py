@@ -86,7 +86,7 @@ def test_the_command_writes_what_it_says(tmp_path):
     result = json.loads(output.stdout)
     assert result["steps"] == 7650
     assert result["energy_balance_error"] <= 1e-9
-    # What is printed says which level it is of, and what the contact line gives beside it.
+    # The printed table names its level and has the results of the contact line beside it.
     assert result["level"] == "lumped" and list(result["levels"]) == ["lumped", "line, 17 cells"]
     lumped, line = result["levels"].values()
     assert lumped["contact_temperature_peak_degC"] == result["contact_temperature_peak_degC"]
@@ -105,7 +105,7 @@ def test_a_stop_from_full_speed_is_alike_at_both_levels():
     assert 48.0 < lumped.distance[0] < 51.0
     assert line.distance[0] == pytest.approx(lumped.distance[0], rel=5e-3)
     assert line["strip.mean_temperature"][-1] == pytest.approx(lumped["strip.mean_temperature"][-1], abs=0.5)
-    # Above the speed at which short waves grow the hottest 32nd of the width gets far hotter than the mean, and no step fails.
+    # Above the speed at which short waves grow the largest mean over a 32nd of the width gets far hotter than the mean; no step fails.
     assert line.critical_speed < stops.SPEED * 0.1175 / 0.31
     assert line["contact_temperature_max"].max() > lumped["contact_temperature_max"].max() + 50.0
     assert line.profiles["pressure"].shape == (len(stops.SNAPSHOTS), stops.STATIONS)

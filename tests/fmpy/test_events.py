@@ -1,4 +1,4 @@
-"""Inputs that move within a step: derivatives, reversals, touch-down and lift-off; cutting the communication step."""
+"""Inputs that change within a step: derivatives, reversals, touch-down and lift-off; subdivision of the communication step."""
 
 import numpy as np
 import pytest
@@ -96,7 +96,7 @@ def test_derivatives_hold_for_one_step_and_setting_clears_them(component):
 
     component.set_input_derivative("sliding_velocity", 2.0)
     assert distance(1.0) == pytest.approx(2.0, rel=1e-12)
-    # The value set stays, its derivative does not.
+    # The input keeps its value; its derivative is cleared.
     component.set(sliding_velocity=1.0)
     assert distance(1.0) == pytest.approx(1.0, rel=1e-12)
     component.set_input_derivative("sliding_velocity", 2.0)
@@ -106,7 +106,7 @@ def test_derivatives_hold_for_one_step_and_setting_clears_them(component):
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5])
 def test_cutting_the_communication_step_changes_results_by_at_most_the_tolerance(stock, tolerance):
-    """A stop held, a coast, a stop: the same held inputs in steps of 2 s and in pieces of a hundredth of that."""
+    """A stop at constant inputs, a coast, a stop: the same inputs in steps of 2 s and in steps of a hundredth of that."""
     inputs = [(10.0, 4000.0), (8.0, 4000.0), (8.0, 0.0), (3.0, 5000.0), (0.0, 500.0), (-2.0, 3000.0)] * 3
 
     def drive(pieces):

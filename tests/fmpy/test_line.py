@@ -16,14 +16,14 @@ def stations(name):
 
 
 PRESSURE = stations("pressure")
-# Without distortion by heat: what is checked here is the contact.
+# Without thermal distortion: these tests check the contact.
 COLD = {"solver.fidelity": "line", "punch.thermal_expansion": 0.0, "strip.thermal_expansion": 0.0}
 CHECKED = [*PRESSURE, *stations("wear_punch"), "approach", "tilt", "contact_temperature", "friction_force"]
 
 
 @pytest.fixture
 def line(fmus):
-    """Instances of the reciprocating punch at the level of the line, initialised with what they are asked for."""
+    """Instances of the reciprocating punch at the level of the line, initialised with the given values."""
     made = []
 
     def initialise(values=(), velocity=1e-2, load=LOAD):
@@ -38,7 +38,7 @@ def line(fmus):
 
 
 def reciprocating(count):
-    """Inputs of `count` steps: sliding to and fro under a load that comes and goes."""
+    """Inputs of `count` steps: reciprocating sliding under an intermittent load."""
     phase = np.arange(count)
     return np.column_stack([1.5e-2 * np.sin(0.21 * phase), np.maximum(LOAD * np.cos(0.13 * phase), 0.0)])
 
@@ -81,7 +81,7 @@ def test_replay_of_a_serialised_state_is_bit_identical(line):
     component.time = kept
     np.testing.assert_array_equal(component.run(inputs[30:], 0.05, CHECKED), first)
 
-    # Carried to an instance that knows nothing of it: another number of cells, another holder.
+    # Restored into an instance with other parameters: another number of cells, another holder.
     other = line({"solver.cells": 17, "holder.constraint": "translate_and_rotate", "holder.pivot_height": 0.03})
     copy = other.slave.deSerializeFMUstate(data)
     other.slave.setFMUstate(copy)
@@ -133,7 +133,7 @@ def test_explicit_wear_is_refused_beyond_its_bound(line):
     bound = bound_of_the_refusal(line(explicit), 1e4)
     assert line(explicit).try_step(1.001 * bound) == ERROR
     below = line(explicit)
-    # Below its bound it follows the default scheme: less wear to come in every step, first order.
+    # Below its bound it converges to the default scheme with first order.
     assert below.try_step(0.5 * bound) == OK
     default = line({"solver.cells": 33})
     default.step(0.5 * bound)
@@ -182,7 +182,7 @@ def test_directional_derivatives_agree_with_differences(line, holder, shape):
     component = line(values, load=0.8 * LOAD)
     component.step(0.5)
     references = [component.fmu.variables[name].valueReference for name in outputs]
-    # The run-in trailing edge lets go: under another load another part of the shape touches.
+    # The run-in trailing edge lifts off: under another load another part of the shape is in contact.
     assert (component.get("contact_fraction") < 1.0) == (shape == "run_in")
     for known in ("normal_load", "sliding_velocity"):
         reference = component.fmu.variables[known].valueReference

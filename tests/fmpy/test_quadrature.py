@@ -1,4 +1,4 @@
-"""Heat split and wear over the drive cycle against an independent solution of the same equations."""
+"""Heat partition and wear over the drive cycle against an independent solution of the same equations."""
 
 import json
 import os
@@ -14,8 +14,8 @@ from quadrature import Model
 SECONDS = 400.0  # a third of the cycle, with its fastest stretch
 
 
-# Tables by name, and how far the heat may be from the independent solution with them. At the scene's own tolerance the
-# time steps, too, are only as fine as that asks for; far below it only the equations can be different.
+# Tables by name, and the admissible deviation of the heat from the independent solution with them. At the scene's own tolerance
+# the error of the time steps counts too; far below it only a difference of the equations would show.
 BOUNDS = {"scene": 1e-3, "fine": 1e-6}
 NAMES = ("heat_received_punch", "heat_received_strip", "stored_heat", "dissipated_energy", "wear_depth_punch",
          "wear_volume_strip")

@@ -1,4 +1,4 @@
-"""The punch sliding to and fro until its wear is steady: examples/reciprocating_punch, with few cells and wear
+"""The reciprocating punch until its wear is steady: examples/reciprocating_punch, with few cells and wear
 accelerated. The direct steady state comes from the FMU itself, started from the run-in shape."""
 
 import numpy as np
@@ -45,7 +45,7 @@ def test_edge_pressures_go_to_zero_and_to_twice_the_mean(history):
     # New: the elastic edges, the leading one the higher for the moment of friction.
     assert first[0, -1] > 4.0 and first[1, 0] > 4.0
     np.testing.assert_allclose(last[:, [0, -1]], [[0.0, 2.0], [2.0, 0.0]], atol=2e-3)
-    # On the way the trailing edge lets go, long before the leading one has come down to twice the mean.
+    # In between the trailing edge lifts off, long before the leading one has come down to twice the mean.
     released = np.argmax(history.pressure[::2, 0] == 0.0)
     assert 0 < released and history.pressure[2 * released, -1] > 3.0 * history.mean
 
@@ -74,7 +74,7 @@ def test_it_ends_in_the_direct_steady_state(punch, parameters, history):
 def test_the_direct_steady_state_stays(punch, parameters):
     started = {**parameters, "contact.initial_shape": "run_in"}
     history = strokes.slide(punch, started, LOAD, 100)
-    # The wear within a half-stroke is all that moves.
+    # Only the wear within a half-stroke changes the shape.
     change = np.abs(history.pressure - np.tile(history.pressure[:2], (len(history.pressure) // 2, 1)))
     assert change.max() < 1e-3 * history.mean
     assert history.worn[-1].min() > 0.0
@@ -106,7 +106,7 @@ def test_heat_warms_the_punch_and_changes_what_wears(punch, parameters):
     # Half of 24 W on 6 cm2 for 38 s: 2 q sqrt(t/(pi k rho c)), 6 K, and a little less over the strip's longer path.
     for history in (cold, hot):
         assert 3.0 < history.temperature[-1].mean() - ambient < 12.0
-    # The middle bulges by heat, so that it wears more and the edges less.
+    # Thermal bulging makes the middle wear more and the edges less.
     middle, edges = strokes.STATIONS // 2, [0, -1]
     assert hot.worn[-1, middle] > cold.worn[-1, middle]
     assert hot.worn[-1, edges].sum() < cold.worn[-1, edges].sum()

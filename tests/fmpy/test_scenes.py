@@ -1,4 +1,4 @@
-"""Every scene does what its name says."""
+"""Every scene reproduces the behaviour that its name describes."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Keeping, restoring and carrying away the state of an instance; fresh instances; instances beside each other."""
+"""Saving, restoring and transferring the state of an instance; fresh instances; several instances side by side."""
 
 import threading
 

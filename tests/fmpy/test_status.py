@@ -84,7 +84,7 @@ def test_an_input_that_is_no_number_fails_the_next_step(component, name, value):
 
 
 def test_rules_that_join_parameters_are_checked_at_the_end_of_initialisation(component):
-    # A pivot higher than half the width over the friction coefficient lets no punch stand.
+    # A pivot higher than half the width over the friction coefficient admits no equilibrium: the punch tips over.
     component.set({"holder.constraint": "translate_and_rotate", "holder.pivot_height": 1.0})
     component.slave.setupExperiment(startTime=0.0)
     assert status_of(component.slave.enterInitializationMode) == OK

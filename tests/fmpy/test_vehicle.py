@@ -59,7 +59,7 @@ def test_what_the_car_loses_its_brakes_turn_into_heat(cold, brake, folder):
     driven = np.trapezoid(cold["vehicle", "drive_force"][rows], position)
     work = np.diff(cold["vehicle", "brake_work"][rows]).sum() + np.trapezoid(resistance, position) - driven
     assert work == pytest.approx(kinetic, rel=2e-3)
-    # A contact sees the speed of the last communication point: the error goes with the step.
+    # A contact receives the speed of the last communication point: the error is proportional to the step.
     error = example.report.coupling_error(cold)
     assert 0.0 < error < 0.02
     finer = example.report.coupling_error(run(example.manoeuvres.cold_stop(), brake, folder, 0.005))
@@ -124,7 +124,7 @@ def test_it_rolls_where_the_driver_presses_too_little(brake, folder):
     manoeuvre = example.manoeuvres.hill(seconds=20.0)
     manoeuvre = replace(manoeuvre, parameters=manoeuvre.parameters | {"hold_reserve": 0.5})
     recording = run(manoeuvre, brake, folder)
-    # It comes to rest, and does not stay.
+    # It comes to rest, and does not remain at rest.
     assert example.report.hill_figures(recording, seconds=10.0)["drift_mm"] > 100.0
 
 

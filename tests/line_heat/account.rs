@@ -1,4 +1,4 @@
-//! Friction work is heat stored and heat lost.
+//! Energy balance: friction work equals heat stored plus heat lost.
 
 use crate::drive::{Drive, scene};
 

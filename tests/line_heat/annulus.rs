@@ -1,4 +1,4 @@
-//! Heat on the cells of an annular contact: a ring on the ring that it slides over.
+//! Resolved heat of an annular contact: a ring sliding on a ring.
 
 use crate::drive::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
 use elasticity::discretization::{cells_for, compliances};
@@ -13,7 +13,7 @@ fn clutch(changes: &[(&str, f64)]) -> Drive {
     Drive::from_starts(&scene("clutch"), &[&line[..], changes].concat())
 }
 
-/// The same as two brake pads on a disc, each a sixth of the circle.
+/// Changes that turn the clutch into two brake pads on a disc, each a sixth of the circle.
 const PADS: [(&str, f64); 3] = [("depth", 0.099), ("punch.count", 2.0), ("contact.stick_stiffness", 0.0)];
 
 fn engage(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
@@ -97,7 +97,7 @@ fn a_replay_gives_the_same_bits() {
 
 /// Profiles of pressure and temperature after slip that falls, with `parts` steps.
 fn slow_down(parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
-    // Slow enough that nothing grows, and steps that are not cut.
+    // Below the critical speed, with internal steps as long as the communication steps.
     let plain = [
         ("solver.tolerance", 0.1),
         ("contact.stick_stiffness", 0.0),
@@ -153,7 +153,7 @@ fn found_directly(changes: &[(&str, f64)], sliding: &Sliding) -> (Scene, HotStat
     (made, hot)
 }
 
-/// Long sliding at a constant speed ends in the steady state that is found at once.
+/// Long sliding at a constant speed converges to the directly computed steady state.
 #[test]
 fn stepping_ends_in_the_steady_state_found_directly() {
     let steady = [
@@ -167,7 +167,7 @@ fn stepping_ends_in_the_steady_state_found_directly() {
         ("punch.wear_coefficient", 5e-13),
         ("strip.wear_coefficient", 1.5e-13),
         ("solver.tolerance", 1e-4),
-        // Slow enough that nothing grows, however long it lasts.
+        // Below the critical speed: stable for any duration.
         ("punch.thermal_expansion", 1e-7),
         ("strip.thermal_expansion", 1e-7),
     ];
@@ -204,10 +204,10 @@ fn stepping_ends_in_the_steady_state_found_directly() {
     }
 }
 
-/// So does long sliding to and fro, on the whole circle and with two pads.
+/// Long reciprocating sliding converges to the directly computed steady cycle, on the whole circle and with two pads.
 #[test]
 fn stepping_reciprocating_ends_in_the_cycle_found_directly() {
-    // Faster there than back: the heat comes and goes with the strokes.
+    // Different forward and backward speeds: the temperature oscillates with the strokes.
     let (speeds, stroke) = ([3.0, 1.0], 0.5);
     let steady = [
         ("contact.stick_stiffness", 0.0),
@@ -255,7 +255,7 @@ fn stepping_reciprocating_ends_in_the_cycle_found_directly() {
         assert!((least - lowest).abs() < 2e-3 * (largest - ambient), "{least} {lowest}");
         assert!((peak / drive.get("pressure_max") - 1.0).abs() < 2e-3, "{peak}");
         assert!(largest - lowest > 0.1 * (largest - ambient), "{lowest} {largest}");
-        // Wear has made the pressure its own: more inside, where it slides less.
+        // Steady wear determines the pressure: higher at the inner radius, where the sliding velocity is lower.
         assert!(peak > 1.05 * 500.0 / made.contact_area() / made.count, "{peak}");
     }
 }

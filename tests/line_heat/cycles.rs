@@ -14,7 +14,7 @@ use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
 use steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
 
-/// The reciprocating punch at a tenth of its size: heat settles in 2 s, ten cycles, and the wear in some fifty.
+/// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
 const SMALL: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
     ("solver.cells", 17.0),
@@ -56,7 +56,7 @@ fn reciprocating(drive: &mut Drive, cycles: u32, steps: u32, mut watch: impl FnM
     }
 }
 
-/// The cycle found directly is the one that the component ends in, stepped by its own step control from cold and flat.
+/// The directly computed cycle equals the limit cycle of the component, stepped by its own step control from cold and flat.
 #[test]
 fn stepping_ends_in_the_cycle_found_directly() {
     for holder in [&[][..], &[("holder.constraint", 2.0), ("holder.pivot_height", 3e-3)]] {
@@ -97,7 +97,7 @@ fn stepping_ends_in_the_cycle_found_directly() {
     }
 }
 
-/// The bodies lose what friction gives, wear is even, and the means of the half-strokes add to twice the mean pressure.
+/// Heat lost equals friction work, wear is uniform, and the means of the half-strokes add to twice the mean pressure.
 #[test]
 fn the_hot_cycle_balances_force_heat_and_wear() {
     let scene = made(&[]);
@@ -135,7 +135,7 @@ fn what_has_no_steady_state_with_heat_is_refused() {
     let (_, state) = hot(&made(&radiating)).unwrap();
     let flows = state.heat.flows;
     assert!((flows.ambient / flows.friction - 1.0).abs() < 1e-4, "{flows:?}");
-    // What does not exist cold does not exist hot.
+    // A steady state that does not exist without heat does not exist with heat.
     let rocking = hot(&made(&[("holder.constraint", 2.0), ("holder.pivot_height", 8e-3)])).unwrap_err();
     assert!(matches!(rocking, SteadyError::RocksItselfRound { .. }), "{rocking}");
     let wearing = hot(&made(&[("strip.wear_coefficient", 1e-14)])).unwrap_err();
@@ -163,7 +163,7 @@ fn a_run_in_start_is_that_of_the_hot_contact() {
     assert!(run_in < 0.02 && flat > 5.0 * run_in, "{run_in} {flat}");
 }
 
-/// One way: pressure, temperature and shape in one stroke are those after long stepping.
+/// Unidirectional sliding: the direct pressure, temperature and shape are those after long time stepping.
 #[test]
 fn unidirectional_stepping_ends_in_the_state_found_directly() {
     let disc = [("strip.path", 2.0), ("strip.length", 0.05)];
@@ -222,11 +222,11 @@ fn unidirectional_stepping_ends_in_the_state_found_directly() {
     }
 }
 
-/// Both ends of the law: short cycles leave the means alone; endless ones have the difference that follows from the steady
-/// distortion. Temperatures swing like the root of the length.
+/// Both limits of the law: short cycles leave the mean pressures unchanged; infinitely long ones have the difference that follows
+/// from the steady distortion. The temperature amplitude grows with the square root of the cycle length.
 #[test]
 fn heat_changes_the_steady_pressures_of_long_cycles_only() {
-    // A short stroke: what a strip's warm track does as it moves under the punch goes with it.
+    // A short stroke: the displacement of the strip's warm track under the punch is in proportion to it.
     let scene = made(&[("nominal.stroke", 3e-5)]);
     let cells = cells_for(&scene, 17).unwrap();
     let bodies = compliances(&scene, &cells).unwrap();
@@ -321,7 +321,7 @@ fn a_million_cycles_end_in_the_steady_cycle() {
     assert!((depth / (4e-14 * mean * 2e-3 * 1e6) - 1.0).abs() < 1e-6, "{depth}");
 }
 
-/// A flat rigid punch on a half-plane relaxes as Galin has it, in a million cycles.
+/// A flat rigid punch on a half-plane relaxes to Galin's solution over a million cycles.
 #[test]
 fn a_million_cycles_relax_as_theory_has_it() {
     let modulus = 2e11 / (1.0 - 0.09);
@@ -354,7 +354,7 @@ fn a_million_cycles_relax_as_theory_has_it() {
     }
 }
 
-/// A direct cycle with steps a quarter as long is the same to the stated error.
+/// A direct cycle with steps a quarter as long agrees within the estimated error.
 #[test]
 fn the_steps_of_a_cycle_are_short_enough() {
     let scene = made(&[]);
@@ -370,12 +370,13 @@ fn the_steps_of_a_cycle_are_short_enough() {
     assert!(error < 1e-3, "{error:e}");
 }
 
-/// Long cycles near the critical speed, in which heat decides what touches: found by the whole derivative, and stepping ends there.
+/// Long cycles near the critical speed, in which heat determines the contact set: Newton's method with the full Jacobian
+/// converges, and time stepping reaches the same cycle.
 #[test]
 fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     let light = [("punch.specific_heat", 4.6), ("strip.specific_heat", 4.6)];
     let mut map = map(&[&light[..], &[("nominal.velocity", 0.2)]].concat(), true);
-    // Half a wave across a punch without edges; the edges of this one hold it back.
+    // The ratio is that of half a wave across a punch without edges; the edges of this one stabilise it.
     assert!((1.3..1.5).contains(&map.speed_ratio()), "{}", map.speed_ratio());
     let start = map.start();
     let direct = map.steady(&start, &SolveOptions::default()).unwrap();
@@ -394,7 +395,7 @@ fn a_cycle_that_acceleration_misses_is_found_and_stepping_ends_there() {
     }
 }
 
-/// Above the critical speed there is no steady pressure of long half-strokes, and the refusal says from which speed.
+/// Above the critical speed long half-strokes have no steady pressure, and the refusal names the critical speed.
 #[test]
 fn long_cycles_above_the_critical_speed_are_refused_with_it() {
     let light = [("punch.specific_heat", 0.46), ("strip.specific_heat", 0.46), ("nominal.velocity", 0.4)];

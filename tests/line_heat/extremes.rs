@@ -1,4 +1,4 @@
-//! Heat along the contact line where numbers become large, small or 0.
+//! Resolved heat at extreme parameters: very large, very small or 0.
 
 use crate::drive::{Drive, scene};
 use verification::planning::scenes::generate;
@@ -8,7 +8,7 @@ fn scene_on_line(changes: &[(&str, f64)]) -> Drive {
     Drive::from_starts(&scene("reciprocating_punch"), &[&line[..], changes].concat())
 }
 
-/// All outputs are numbers, and the heat balance closes.
+/// Checks that all outputs are finite and the heat balance closes.
 fn check(drive: &mut Drive, label: &dyn std::fmt::Debug) {
     for output in 7..250 {
         assert!(drive.0.get(output).is_finite(), "{label:?}: {output}");
@@ -87,7 +87,7 @@ fn peclet_numbers_from_0_to_a_million_are_stepped_over() {
     }
 }
 
-/// A bristle's heat is the work that its force does not give back; it heats the cells as sliding does.
+/// A bristle's heat is the work that is not recovered elastically; it heats the cells as sliding does.
 #[test]
 fn a_bristle_heats_the_contact_line_with_what_it_dissipates() {
     let bristle = [("contact.stick_stiffness", 1e7), ("contact.stick_damping", 1e3)];
@@ -122,8 +122,8 @@ fn a_bristle_heats_the_contact_line_with_what_it_dissipates() {
     }
 }
 
-/// What the last step foresees of a cooled surface holds for about as long again: microseconds behind a reversal say nothing of the
-/// next second, in which the lifted contact cools in one step as it does in many.
+/// The predictor of a cooled surface is valid over about the length of the last step: microseconds behind a reversal do not
+/// predict the next second, in which the lifted contact cools the same in one step as in many.
 #[test]
 fn a_long_step_follows_one_of_microseconds() {
     let starts = generate(271).starts;

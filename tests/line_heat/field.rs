@@ -1,4 +1,4 @@
-//! The reference level: the punch by finite elements, unreduced, against the reduced one.
+//! The reference level: the punch in unreduced finite elements against its reduced model.
 
 use crate::drive::{Drive, reference, scene};
 use sliding_contact::component::Snapshot;
@@ -11,7 +11,7 @@ fn scene_on(level: f64, cells: f64, changes: &[(&str, f64)]) -> Drive {
     Drive::from_starts(&scene("reciprocating_punch"), &[&base[..], changes].concat())
 }
 
-/// To and fro at 0.05 m/s, five times as fast as the example.
+/// Reciprocating sliding at 0.05 m/s, five times as fast as the example.
 fn reciprocating(drive: &mut Drive, count: u32) {
     drive.set("normal_load", 1e4);
     for velocity in [0.05, -0.05] {

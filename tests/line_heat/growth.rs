@@ -113,8 +113,8 @@ fn the_longest_wave_grows_at_the_rate_of_theory() {
     }
 }
 
-/// Steps three times as long as a wave takes to grow by e, at a tolerance that lets them pass: what grows must be followed all
-/// the same, or an L-stable step gets its rate wrong.
+/// Steps of three growth times (e-folding) of a mode, at a tolerance that admits them: the growth guard must reduce them all the
+/// same, because an L-stable step gives a wrong growth rate.
 #[test]
 fn long_steps_follow_what_grows() {
     let wave = 2.0 * PI / WAVELENGTH;
@@ -125,8 +125,8 @@ fn long_steps_follow_what_grows() {
     assert!((rate / exact - 1.0).abs() < 0.05, "{rate} {exact}");
 }
 
-/// Beyond the critical speed a small disturbance grows until the surfaces part, and the run goes on: patches that carry the
-/// load, whatever the pressure does.
+/// Beyond the critical speed a small disturbance grows until the surfaces separate, and the run continues with patches that
+/// carry the load.
 #[test]
 fn above_the_critical_speed_the_contact_parts_into_patches() {
     let mut drive = ring(2.0, &[("solver.tolerance", 1e-3), ("nominal.duration", 2.0)], 1e-9);
@@ -169,7 +169,8 @@ fn speeds_that_the_scene_does_not_announce_are_said_once() {
     assert_eq!(said(&mut drive), 0);
 }
 
-/// Wear holds growth back by w = k K/(mu alpha (1 + nu) kd): accelerated, it is warned of above 0.05 and refused above 0.5.
+/// Wear stabilises growth by w = k K/(mu alpha (1 + nu) kd): accelerated wear gives a warning above 0.05 and is refused above
+/// 0.5.
 #[test]
 fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
     let wear = 1e-14;
@@ -189,7 +190,7 @@ fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
     for part in ["wear_acceleration = ", "kd) = 0.505", "the limit is 0.5"] {
         assert!(message.contains(part), "{message}");
     }
-    // The parameter is tunable: the next step refuses, and takes it back when it is lowered again.
+    // The parameter is tunable: the next step refuses it, and runs again once it is lowered.
     let mut drive = start(1.0).unwrap();
     assert_eq!(warned(&mut drive), 0);
     drive.0.set_parameter(reference("wear_acceleration"), 1.01 * 0.5 / w);
@@ -197,7 +198,7 @@ fn accelerated_wear_that_hides_growth_is_warned_of_and_refused() {
     assert!(message.contains("the limit is 0.5"), "{message}");
     drive.0.set_parameter(reference("wear_acceleration"), 0.99 * 0.5 / w);
     assert_eq!(warned(&mut drive), 1);
-    // Wear that is as fast by itself is physics.
+    // Wear of the same rate without acceleration is physical and allowed.
     let own = [("punch.wear_coefficient", wear / w)];
     let natural = Drive::attempt(&scene::variables::STARTS, &with_names(&ring_changes(0.5, 1e-12), &own));
     assert_eq!(warned(&mut natural.unwrap()), 0);

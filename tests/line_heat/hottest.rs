@@ -4,8 +4,8 @@ use crate::drive::{Drive, INSULATED};
 
 const CELLS: [f64; 6] = [9.0, 17.0, 33.0, 65.0, 129.0, 257.0];
 
-/// Stock brake without wear: its pressure is singular at the edges, and so is the heat. The highest pressure grows without end on
-/// more and more cells, the highest temperature tends to a number.
+/// Stock brake without wear: its pressure is singular at the edges, and so is the heat flux. With refinement the highest pressure
+/// diverges and the highest temperature converges.
 #[test]
 fn the_highest_temperature_converges_with_the_cells() {
     let found = CELLS.map(|cells| {
@@ -28,7 +28,7 @@ fn the_highest_temperature_converges_with_the_cells() {
     assert!(found[5][1] > 2.0 * found[3][1], "{found:?}");
 }
 
-/// The limit is that of the same number.
+/// `contact.temperature_limit` is compared with the same output.
 #[test]
 fn the_temperature_limit_is_that_of_the_highest_temperature() {
     let run = |limit: f64| {
@@ -48,8 +48,8 @@ fn the_temperature_limit_is_that_of_the_highest_temperature() {
     assert_eq!(run(highest - 1e-6).1, 2);
 }
 
-/// A body of one temperature on an insulator, which it touches in part only or not at all: the contact has its temperature, as the
-/// insulator has none of its own.
+/// A body of uniform temperature on an insulator, in partial contact or in none: the contact temperature is that of the body, as
+/// an insulator has no temperature field of its own.
 #[test]
 fn beside_an_insulator_open_cells_have_the_temperature_of_the_conductor() {
     for body in ["punch", "strip"] {

@@ -1,4 +1,4 @@
-//! Heat along the contact line through the component alone: account, distortion, order, states.
+//! Resolved heat through the component alone: energy balance, distortion, order, states.
 
 // The example scenes are files.
 #![allow(clippy::needless_range_loop, reason = "stations read as the formulas they are when they are indexed")]

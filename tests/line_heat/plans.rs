@@ -1,4 +1,4 @@
-//! What auto chooses, and what happens when a run leaves the plan.
+//! Choices of `auto`, and runs beyond the planned conditions.
 
 use crate::drive::{Drive, LUMPED, reference, scene};
 use model::INPUTS;
@@ -13,7 +13,7 @@ use verification::planning::judge::{judge, truth};
 use verification::planning::runs;
 use verification::planning::scenes::{Group, generate};
 
-/// Generated scenes of three groups, quick ones among the first.
+/// Seeds of generated scenes of three groups, fast ones among the first.
 const SEEDS: [u64; 3] = [0, 3, 9];
 
 #[test]
@@ -42,8 +42,8 @@ fn generated_scenes_are_reproducible_and_of_every_group() {
     }
 }
 
-/// A steel pin in a holder at 0.1 m/s, far below its critical speed: the heat of a tenth of a second lifts it by more than the load
-/// presses it down, which a load does not mind, so that hours are a few steps.
+/// A steel pin in a holder at 0.1 m/s, far below its critical speed: the thermal bulging of a tenth of a second exceeds the
+/// elastic approach, which is immaterial under a given load, so that hours take a few steps.
 #[test]
 fn a_pin_that_its_heat_lifts_takes_long_steps_and_has_a_plan() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pin_on_disk/scene.toml");
@@ -74,7 +74,7 @@ fn the_same_scene_has_the_same_plan() {
     let [one, other] = [plan::make(&scene, steady::run_in).unwrap(), plan::make(&scene, steady::run_in).unwrap()];
     assert_eq!(one.plan, other.plan);
     assert!(one.plan.candidates.len() > 5 && one.plan.effects.len() == 8, "{:#?}", one.plan);
-    // Finer rungs have smaller errors and cost more.
+    // Finer model levels have smaller errors and cost more.
     let lines = |plan: &plan::Plan| -> Vec<(f64, f64)> {
         let cells = plan.candidates.iter().filter(|known| matches!(known.model_level, ModelLevel::Line { .. }));
         cells.map(|known| (known.cost, known.error())).collect()
@@ -83,7 +83,7 @@ fn the_same_scene_has_the_same_plan() {
     assert!(of.windows(2).all(|pair| pair[0].0 <= pair[1].0));
 }
 
-/// Counted work: no clock is asked.
+/// The plan depends on counted work only, not on timings.
 #[test]
 fn planning_costs_what_it_may_and_covers_the_nominal_duration() {
     for seed in [1, 5, 7, 12, 18, 24] {
@@ -143,7 +143,7 @@ fn component(changes: &[(&str, f64)]) -> Component {
     component
 }
 
-/// Cold, so that a rough tolerance takes the lumped level; wear feels the pressure.
+/// Without thermal expansion, so that a coarse tolerance takes the lumped level; wear depends on the pressure nonlinearly.
 const LUMPED_ENOUGH: &[(&str, f64)] = &[
     ("punch.thermal_expansion", 0.0),
     ("strip.thermal_expansion", 0.0),
@@ -188,7 +188,7 @@ fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_no_longer_knows_its_er
     for name in ["wear_depth", "contact_temperature", "friction_force", "stored_heat", "pressure_max"] {
         assert_eq!(component.get(reference(name)).to_bits(), stays.get(name).to_bits(), "{name}");
     }
-    // What the run has left is part of its saved state, serialised as well.
+    // The record of the exceeded plan is part of the saved state, serialised as well.
     let (mut beyond, mut bytes) = (Snapshot::default(), Vec::new());
     component.snapshot(&mut beyond);
     beyond.encode(&mut bytes);
@@ -213,8 +213,8 @@ fn a_run_that_outlasts_its_plan_leaves_it() {
     assert_eq!(component.get(reference("estimated_error")), 1.0);
 }
 
-/// The highest speed of a sinusoid is 1.57 times its mean: no reason to leave the plan. Where the level was changed then, the highest
-/// temperature rose from 5.1 to 7.3 K within a step.
+/// The highest speed of a sinusoid is 1.57 times its mean, which is within the plan. Changing the level at that speed raised the
+/// highest temperature from 5.1 to 7.3 K within a step.
 #[test]
 fn a_sinusoid_stays_within_its_plan() {
     let mut starts = scene("reciprocating_punch");
@@ -244,8 +244,8 @@ fn a_sinusoid_stays_within_its_plan() {
     assert!(jump < 0.05 * highest, "{jump} K in a step of {highest} K");
 }
 
-/// What the level leaves out is not known where no finer one was run: then the estimate is exactly 1, and what steps and reduction add
-/// stands beside it.
+/// The model error is unknown where no finer level was run: then the estimate is exactly 1, and the error of steps and reduction
+/// is a separate output.
 #[test]
 fn a_level_that_was_not_compared_knows_the_error_of_its_steps_only() {
     for (fidelity, cells) in [(2.0, 0.0), (3.0, 9.0)] {
@@ -258,7 +258,7 @@ fn a_level_that_was_not_compared_knows_the_error_of_its_steps_only() {
         let steps = component.get(reference("estimated_step_error"));
         assert!(steps > 0.0 && steps < 2e-2, "{steps}");
     }
-    // Two rigid bodies press uniformly whatever the cells: the error is that of the steps.
+    // Two rigid bodies have a uniform pressure on any cells: the error is that of the steps.
     let mut component = component(&[("punch.body", 1.0), ("strip.body", 1.0), ("solver.tolerance", 1e-2)]);
     component.set_input(reference("sliding_velocity"), 5.0);
     component.set_input(reference("normal_load"), 2e3);
@@ -267,7 +267,7 @@ fn a_level_that_was_not_compared_knows_the_error_of_its_steps_only() {
     assert!(whole == steps && whole < 2e-2, "{whole} {steps}");
 }
 
-/// Above the critical speed of thermoelastic instability waves grow from what the cells leave over: no number of cells agrees with another.
+/// Above the critical speed of thermoelastic instability modes grow from the discretisation error: refinement does not converge.
 #[test]
 fn above_the_critical_speed_the_error_is_not_known() {
     let mut starts = scene("hot_spots");
@@ -280,8 +280,8 @@ fn above_the_critical_speed_the_error_is_not_known() {
     assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
 }
 
-/// Where a rise by all of the friction heat would take more than all of the friction away, a friction of the repetition before
-/// alternates however short the step is, and stepping ended with no solution.
+/// Where a rise by all of the friction heat would reduce the friction by more than itself, a fixed-point iteration with the
+/// friction of the previous iterate alternates however short the step, and stepping ended without a solution.
 #[test]
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);
@@ -294,8 +294,8 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     assert!(errors.iter().all(|error| *error < 0.02), "{errors:?}");
 }
 
-/// With many cells and their heat a stage's wear is found to rounding only, above what Newton's method asks for: not taken as found, it was
-/// stepped in picoseconds.
+/// With many cells and resolved heat the residual of a wear stage stagnates at rounding, above the Newton tolerance: not accepted
+/// as converged, it led to steps of picoseconds.
 #[test]
 fn wear_is_found_to_rounding_at_129_cells() {
     let generated = generate(120);
@@ -320,7 +320,7 @@ fn a_disc_brake_needs_no_more_than_the_lumped_level() {
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error > 1e-4), "{plan:#?}");
 }
 
-/// Held at full slip for its whole duration, the clutch gets bands, which its mean knows nothing of.
+/// Held at full slip for its whole duration, the clutch develops hot bands, which the lumped level does not resolve.
 #[test]
 fn a_clutch_at_full_slip_needs_its_heat_along_the_radius() {
     let plan = plan_of("clutch", 5e-2);
@@ -329,7 +329,7 @@ fn a_clutch_at_full_slip_needs_its_heat_along_the_radius() {
     assert!(distortion.kept, "{plan:#?}");
 }
 
-/// A model on a rung, and its inputs.
+/// A model at a model level with these inputs.
 fn on(model_level: ModelLevel, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
     let tunables = Tunables {
         friction_coefficient: scene.friction_coefficient,
@@ -339,8 +339,8 @@ fn on(model_level: ModelLevel, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
     Model::new(&ModelOperators::new(&model_level.apply(scene), steady::run_in).unwrap(), tunables, inputs)
 }
 
-/// Open, or standing under load, a contact line whose heat is the mean's solves no contact. With heat on the cells an open one
-/// factors nothing, and a standing one solves less in a step than a sliding one.
+/// Open, or at rest under load, a contact line with lumped heat solves no contact problem. With resolved heat an open one
+/// factors no matrix, and one at rest solves fewer contact problems in a step than a sliding one.
 #[test]
 fn an_open_or_standing_contact_pays_for_conduction_only() {
     let scene = Scene::new(&STARTS, None).unwrap();
@@ -373,13 +373,14 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
         } else {
             assert_eq!((open.1, open.3), (0, 0), "{work}");
             assert!(open.0 <= open.2, "{work}");
-            // Standing, the distortion fades and shifts the pressure: a solution for each of two stages, none repeated.
+            // At rest the distortion decays and shifts the pressure: one solution for each of two stages, without iteration.
             assert!(standing.0 <= 2 * standing.2, "{work}");
         }
     }
 }
 
-/// Accelerated wear is refused on a contact line where it hides growth; a comparison of levels, which wears fast itself, is not.
+/// Accelerated wear is refused on a contact line where it hides growth; a comparison of levels, which accelerates wear itself, is
+/// not.
 #[test]
 fn accelerated_wear_is_compared_as_well() {
     let mut starts = scene("reciprocating_punch");

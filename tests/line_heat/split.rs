@@ -1,4 +1,4 @@
-//! The operator split between contact and heat: converges to the monolithic step, and says where it diverges.
+//! The operator split between contact and heat: convergence to the monolithic step, and its stability bound.
 
 use crate::drive::{Drive, reference, scene};
 
@@ -39,7 +39,7 @@ fn the_split_converges_to_the_monolithic_step_at_first_order() {
     }
 }
 
-/// Friction that falls to a tenth over 120 K, at a speed that heats the surfaces by more than that in a step of 200 s.
+/// A scene whose friction falls to a tenth over 120 K, at a speed that heats the surfaces by more than that in a step of 200 s.
 fn decay_rates(changes: &[(&str, f64)]) -> Drive {
     let fade = [
         ("contact.friction_fade.temperature[1]", 300.0),

@@ -1,4 +1,4 @@
-//! Order in time, saved states, and what heat without expansion leaves alone.
+//! Order in time, saved states, and quantities independent of heat without expansion.
 
 use crate::drive::{Drive, scene};
 use sliding_contact::component::Snapshot;
@@ -73,7 +73,7 @@ fn run_up_to(last: f64, parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
     run_up_like(3, last, parts, changes)
 }
 
-/// The speed rises like this power of time.
+/// [`run_up`] with a speed proportional to this power of time.
 fn run_up_like(power: i32, last: f64, parts: u32, changes: &[(&str, f64)]) -> [Vec<f64>; 2] {
     let plain = [("solver.tolerance", 0.1), ("contact.shear_coupling", 0.0)];
     let mut drive = reciprocating(&[&plain, changes].concat());
@@ -93,8 +93,8 @@ fn run_up_like(power: i32, last: f64, parts: u32, changes: &[(&str, f64)]) -> [V
         .map(|name| (1..=33).map(|station| drive.get(&format!("profile.{name}[{station}]"))).collect())
 }
 
-/// In full contact, from a smooth start: the first stage's flux has the slope of the step before, so the temperature does not
-/// fall back to the order 3/2 of a stage of constant flux.
+/// Second order in full contact from a smooth start: the first stage's flux has the slope of the step before, which avoids the
+/// order 3/2 of a stage of constant flux.
 #[test]
 fn pressure_and_temperature_are_of_second_order() {
     for wear in [0.0, 4e-14] {
@@ -115,8 +115,8 @@ fn pressure_and_temperature_are_of_second_order() {
     }
 }
 
-/// The same where the bodies cool, as machines do: by still air, by air that moves with them at the speed of the run-up, by radiation;
-/// and as no machine does: by 2,500 and 25,000 W/(m2 K) at the end, where the flux of a step's middle would do for no step.
+/// Second order with realistic cooling: natural convection, forced convection at the speed of the run-up, radiation; and with
+/// unrealistic cooling of 2,500 and 25,000 W/(m2 K) at the end, where the flux at a step's midpoint would suffice for no step.
 #[test]
 fn cooling_leaves_the_temperature_of_second_order() {
     let both = |names: [&'static str; 2], value: f64| names.map(|name| (name, value));
@@ -141,11 +141,12 @@ fn cooling_leaves_the_temperature_of_second_order() {
     }
 }
 
-/// Constant convection is in the waves of the strip, and given back under the contact as a flux that is linear over the stages. That
-/// flux is the coefficient times the temperature, so the order is 2 as long as it may be wrong by the square of the step.
+/// Constant convection is part of the Fourier modes of the strip; the Robin correction under the contact is a flux that is linear
+/// over the stages. That flux is the coefficient times the temperature, so the order is 2 as long as its error is of second order
+/// in the step.
 ///
-/// Beyond `H^2 >> K c/h` the waves are at the temperature of the air whatever enters, and the temperature under the contact is the one
-/// whose half derivative in time is the friction heat. For half derivatives of what is linear over the steps the order is 2 - 1/2.
+/// Beyond `H^2 >> K c/h` the modes are at the temperature of the air whatever the flux, and the half derivative in time of the
+/// temperature under the contact is the friction heat. For half derivatives of piecewise linear functions the order is 2 - 1/2.
 #[test]
 fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_the_step() {
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
@@ -167,8 +168,8 @@ fn constant_convection_leaves_the_order_until_the_cooled_layer_is_thinner_than_t
     }
 }
 
-/// The same one way, from rest with an acceleration that is there at once: forgetting what lies a period behind bends at the speed
-/// at which one period takes the whole time, and steps however short must see it bend.
+/// Second order in unidirectional sliding from rest with a step in the acceleration: the damping of periodic images has a kink in
+/// velocity at the speed at which one period takes the whole time, which steps of any length must resolve.
 #[test]
 fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     let still = [("punch.convection", 0.0), ("strip.convection", 0.0)];
@@ -187,8 +188,8 @@ fn a_unidirectional_run_up_from_rest_is_of_second_order() {
     }
 }
 
-/// Faster, the answers over the velocity are as fine as the tolerance asks, and so is the order: at a tolerance of .1 that of the
-/// temperature is seen down to 1e-4 of the rise.
+/// At higher speeds the table over the velocity is as fine as the tolerance requires, which limits the observed order: at a
+/// tolerance of .1 that of the temperature is seen down to 1e-4 of the rise.
 #[test]
 fn a_fast_unidirectional_run_up_is_of_second_order_as_far_as_the_tolerance_asks() {
     let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
@@ -222,7 +223,7 @@ fn a_hundred_cycles_of_the_example_with_both_bodies_expanding() {
         "worn {worn} m, pressure {highest} over {mean} Pa, T {} K, {imbalance:e}",
         drive.get("contact_temperature")
     );
-    // Load and distance decide the mean wear: k p s, whatever the heat does.
+    // The mean wear is k p s, independent of heat.
     let expected = 3.9e-14 * mean * drive.get("sliding_distance");
     assert!((worn / expected - 1.0).abs() < 1e-4, "{worn} {expected}");
     assert!((force.abs() / 2500.0 - 1.0).abs() < 1e-9 && imbalance < 1e-9);

@@ -1,8 +1,8 @@
 //! A brake stop on the line level, and a pad above the speed at which short waves grow too.
 //!
 //! The lining lies on a disc that takes all heat, behind a layer of the conductance h_c. Below
-//! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and what answers at once would
-//! have grown in no time.
+//! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the
+//! thermal distortion would make the problem ill-posed.
 
 use crate::drive::{Drive, scene};
 
@@ -21,15 +21,15 @@ fn brake(changes: &[(&str, f64)]) -> Drive {
     Drive::from_starts(&scene("disc_brake"), &[&fixed[..], changes].concat())
 }
 
-/// Speed of the rubbing path from which on every long wave grows, m/s.
+/// Lowest speed at the mean radius at which every long wave grows, m/s.
 fn bound() -> f64 {
     let iron = (1.0 - 0.26_f64.powi(2)) / 1.1e11;
     let lining = (1.0 - 0.25_f64.powi(2)) / 1e9;
     4.0 * CONDUCTANCE * (iron + lining) / (FRICTION * 15e-6 * 1.25)
 }
 
-/// Presses the pedal in 0.2 s from the speed `speed` (m/s) on; temperature, largest pressure and worn depth after `steps` steps
-/// of 10 ms, and how many steps it took inside.
+/// Applies the load in 0.2 s from the speed `speed` (m/s) on; temperature, largest pressure and worn depth after `steps` steps
+/// of 10 ms, and the number of internal steps.
 fn brakes(speed: f64, steps: u32, changes: &[(&str, f64)]) -> ([f64; 3], u64) {
     const STEP: f64 = 0.01;
     let mut drive = brake(changes);
@@ -66,7 +66,7 @@ fn a_stop_passes_the_speed_at_which_short_waves_grow() {
     }
 }
 
-/// At twice that speed, where friction and heat do not give way, the pad parts from the disc and goes on in patches.
+/// At twice that speed, with friction independent of temperature, the pad separates from the disc and slides on patches.
 #[test]
 fn the_pad_parts_above_that_speed_and_not_below() {
     let names: Vec<String> = (1..=8).map(|entry| format!("contact.friction_fade.factor[{entry}]")).collect();

@@ -1,4 +1,5 @@
-//! Counted work of steps with heat whose speed changes: solutions of the contact problem, matrix factorisations, internal steps.
+//! Counted work of steps with resolved heat at changing speed: solutions of the contact problem, matrix factorisations, internal
+//! steps.
 
 use crate::drive::{reference, scene};
 use model::INPUTS;
@@ -6,7 +7,7 @@ use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use scene::Scene;
 
-/// Numbers of a run: internal steps that were accepted by step, and by these what was rejected, solved and factored.
+/// Work of a run: accepted internal steps per communication step; rejections, solutions and factorisations per accepted step.
 #[derive(Debug)]
 struct Work {
     steps: f64,
@@ -42,7 +43,7 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     let before = run(0..100);
     let after = run(100..400);
     let [accepted, rejected, solutions, factorisations] = std::array::from_fn(|k| after[k] - before[k]);
-    // The mean takes a step of its own for all of the line's.
+    // The lumped heat takes one step for all steps of the line.
     let line = accepted - 300.0;
     Work {
         steps: line / 300.0,
@@ -52,7 +53,8 @@ fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -
     }
 }
 
-/// What fresh material forgets answers at once and follows the velocity: operators of another one, or of the way back, do not serve.
+/// On fresh material the damping of periodic images has direct feedthrough and depends on the velocity: operators of another
+/// velocity, or of the opposite direction, are no approximation.
 #[test]
 fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
     let unidirectional =
@@ -65,8 +67,8 @@ fn unidirectional_a_changing_speed_costs_what_a_held_one_does() {
     assert!(swinging.steps < 1.1, "{swinging:?}");
 }
 
-/// Where a wave neither grows nor fades the operators of another velocity are a poor start: repetition solves for the waves in
-/// question, and the next reference lies closer.
+/// Near marginal stability of a mode the operators of another velocity are a poor linearization: the iteration solves for the
+/// modes concerned, and the next linearization point is nearer.
 #[test]
 fn braking_through_the_critical_speed_takes_few_repetitions() {
     let ring = [("solver.cells", 32.0)];
@@ -75,7 +77,7 @@ fn braking_through_the_critical_speed_takes_few_repetitions() {
     assert!(stop.solutions < 8.0 && stop.factorisations < 0.9, "{stop:?}");
 }
 
-/// A step that was too long for what grows is not tried again after every other one.
+/// A step size rejected by the growth guard is not retried after every other step.
 #[test]
 fn above_the_critical_speed_hardly_a_step_is_rejected() {
     let ring = [("solver.cells", 32.0)];

@@ -135,7 +135,7 @@ fn pivot_moves_the_resultant_to_the_leading_edge() {
         drive.set("normal_load", 1e4).set("sliding_velocity", velocity);
         let pressure = stations(&mut drive, "profile.pressure");
         let positions = stations(&mut drive, "profile.x");
-        // Stations know the moment to the square of their spacing only.
+        // The moment from the stations is accurate to the square of their spacing only.
         let moment: Vec<f64> = pressure.iter().zip(&positions).map(|(p, x)| p * x).collect();
         let lever = trapezoid(&moment, 0.06) / trapezoid(&pressure, 0.06);
         assert!((lever - 0.25 * 0.02 * velocity.signum()).abs() < 2e-4, "{lever}");

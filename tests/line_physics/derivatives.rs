@@ -61,12 +61,12 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         }
         _ => changes.extend([("contact.initial_shape", 2.0), ("contact.initial_radius", 300.0)]),
     }
-    // Heat on the cells that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,
+    // Resolved heat that distorts the shape, in half of the scenes; in the others it changes friction alone. Little of it,
     // so that nothing grows at these speeds.
     if random.next() < 0.5 {
         changes.extend([("punch.thermal_expansion", 2e-8), ("strip.thermal_expansion", 2e-8)]);
     }
-    // Where nothing follows the temperature (9: on an annulus), heat follows the mean, and the contact temperature the inputs of the moment.
+    // Where nothing depends on the temperature (9: on an annulus), heat is lumped, and the contact temperature follows the present inputs.
     if special == 3 || special == 9 {
         for (name, value) in &mut changes {
             match *name {
@@ -136,7 +136,7 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
                 let size_of = numeric.abs().max(exact[output].abs() * size);
                 let at_kink = (forward[output] - backward[output]).abs() > 0.02 * size_of
                     || (second - first).abs() > 1e-4 * size_of;
-                // What does not answer differs by rounding.
+                // Outputs independent of the input differ by rounding.
                 if at_kink && size_of > 1e-11 * middle[output].abs() {
                     kinks += 1;
                     entries[output][index] = (numeric, numeric);

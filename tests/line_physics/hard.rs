@@ -1,4 +1,4 @@
-//! Where methods fail, through the component: what must come out.
+//! Cases in which numerical methods tend to fail, through the component, with their required results.
 
 use super::contact::{BASE, line, stations, trapezoid};
 use super::drive::Drive;
@@ -6,7 +6,7 @@ use sliding_contact::component::Subject;
 
 const MEAN: f64 = 1e4 / 6e-4;
 
-/// The load by the stations, over the given one.
+/// Ratio of the load integrated over the stations to the given one.
 fn carried(drive: &mut Drive) -> f64 {
     trapezoid(&stations(drive, "profile.pressure"), 0.06) * 0.01 / 1e4
 }
@@ -178,8 +178,8 @@ fn memory() -> f64 {
     line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap() * 1024.0
 }
 
-/// Wear like p^.785, infinitely steep where a cell of a parabola has just touched, friction that falls with its heat, and heat that
-/// opens the cells at the edge.
+/// Wear proportional to p^.785, with infinite slope where a cell of a parabola has just touched, friction that falls with
+/// temperature, and thermal distortion that opens the cells at the edge.
 #[test]
 fn a_parabola_whose_edge_wears_steeply_and_fades() {
     let mut lowest: f64 = 1.0;

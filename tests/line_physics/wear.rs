@@ -1,4 +1,4 @@
-//! Worn shapes: volumes, time steps, the run-in state, strokes, the scheme that fails.
+//! Worn shapes: volumes, time steps, the run-in state, strokes, the stability bound of the explicit scheme.
 
 use super::contact::{BASE, line, stations, trapezoid};
 use super::drive::{Drive, scene};
@@ -180,7 +180,7 @@ fn caliper_relaxes_as_the_contact_wears() {
         }
         let load = drive.get("pressure_mean") * 6e-4;
         assert!(load < 0.99e4 && load > 0.0, "{load}");
-        // What the load lost is the caliper's stiffness times the way that the punch sank.
+        // The loss of load is the caliper's stiffness times the displacement of the punch.
         let sunk = drive.get("approach") - start;
         assert!((1e4 - load - stiffness * sunk).abs() < 1e-6 * 1e4, "{load} {sunk}");
         assert!((drive.get("friction_force") / (0.25 * load) - 1.0).abs() < 1e-9);
@@ -190,7 +190,7 @@ fn caliper_relaxes_as_the_contact_wears() {
 
 #[test]
 fn heat_is_that_of_the_mean() {
-    // With nothing that feeds back, temperature and energy are the lumped level's.
+    // Without thermal feedback, temperature and energy are those of the lumped level.
     let run = |fidelity: f64| {
         let mut drive = line(&[("solver.fidelity", fidelity), ("strip.wear_coefficient", 1e-14)]);
         drive.set("normal_load", 5e3).set("sliding_velocity", 3.0);

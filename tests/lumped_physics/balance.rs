@@ -5,7 +5,7 @@ use super::drive::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED};
 const BOUNDARIES: [(&str, f64); 4] =
     [("held", HELD), ("convecting", CONVECTING), ("insulated", INSULATED), ("external", EXTERNAL)];
 
-/// Flows and their integrals, as an outsider sees them.
+/// Heat flow outputs and the outputs of their integrals.
 const FLOWS: [(&str, &str); 6] = [
     ("heat_flow_ambient", "heat_lost_ambient"),
     ("heat_flow_punch_top", "heat_lost_punch_top"),
@@ -15,8 +15,8 @@ const FLOWS: [(&str, &str); 6] = [
     ("friction_power", "dissipated_energy"),
 ];
 
-/// A smooth course of load and speed over 20 s in `steps` steps; the integral of every flow by the trapezoidal rule.
-/// Inputs in `swing` follow the load's course from their own value by the given amount.
+/// Runs smooth trajectories of load and speed over 20 s in `steps` steps; the integral of every flow by the trapezoidal rule.
+/// Inputs in `swing` vary in proportion to the load's trajectory, from their own value by the given amount.
 fn trapezoid(drive: &mut Drive, swing: &[(&str, f64, f64)], steps: u32) -> [f64; 6] {
     let mut sums = [0.0; 6];
     let step = 20.0 / f64::from(steps);
@@ -62,7 +62,7 @@ fn check_flows(what: &str, changes: &[(&str, f64)], swing: &[(&str, f64, f64)]) 
     println!("{what}: balance {imbalance:.1e}");
 }
 
-/// External temperatures at initialisation: without a jump, whose flow no trapezoid follows.
+/// External temperatures at initialisation: without a jump, whose flow the trapezoidal rule cannot resolve.
 const COLD: &[(&str, f64)] = &[("strip.external_temperature", 293.15), ("punch.external_temperature", 293.15)];
 const SWING: &[(&str, f64, f64)] =
     &[("strip.external_temperature", 293.15, 40.0), ("punch.external_temperature", 293.15, 20.0)];

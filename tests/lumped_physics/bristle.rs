@@ -1,5 +1,5 @@
-//! Cutting a communication step where a bristle carries the friction force: what slides, sticks or changes between
-//! both comes out the same.
+//! Subdivided communication steps where a bristle carries the friction force: results in slip, stick and at
+//! transitions are independent of the subdivision.
 
 use super::drive::{Drive, scene};
 
@@ -33,7 +33,7 @@ fn ramps(drive: &mut Drive, velocity: &str, ramps: &[[f64; 4]], parts: u32) -> (
     (outcomes, limit)
 }
 
-/// Largest difference, each relative to its own size at the end: energies to the dissipated one, temperature to the largest rise, force to the
+/// Largest relative difference: energies relative to the dissipated one at the end, temperature to the largest rise, force to the
 /// largest limit.
 fn difference(one: &[[f64; 7]], other: &[[f64; 7]], start: f64, limit: f64) -> [f64; 7] {
     let last = other.last().unwrap();

@@ -1,4 +1,4 @@
-//! The component as the tests drive it: by names, from the stock scene or one of the examples.
+//! Driver of the component for the tests: variables by name, from the stock scene or one of the examples.
 
 use scene::variables::{STARTS, ValueReference, find};
 use sliding_contact::component::{Component, Values};
@@ -69,7 +69,7 @@ impl Drive {
         self.get("punch.width") * self.get("depth")
     }
 
-    /// What the FMU promises an outsider: heat in less heat stored and lost, over the heat that moved.
+    /// Relative residual of the energy balance from outputs alone: heat in less heat stored and lost, over the heat transferred.
     pub fn imbalance(&mut self) -> f64 {
         let terms =
             ["dissipated_energy", "stored_heat", "heat_lost_ambient", "heat_lost_punch_top", "heat_lost_strip_base"]

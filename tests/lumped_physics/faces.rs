@@ -1,4 +1,4 @@
-//! Convecting tops and bases lose heat as every free face does: by constant and forced convection and by radiation.
+//! Heat loss of convecting tops and bases: constant and forced convection and radiation, as on every free face.
 
 use crate::drive::{CONVECTING, Drive, INSULATED};
 use crate::slab::Slab;
@@ -9,7 +9,7 @@ const CONVECTION: f64 = 12.0;
 const FORCED: f64 = 40.0;
 const EMISSIVITY: f64 = 0.8;
 
-/// Punch and strip cover each other all along: one-dimensional. Their sides are not cooled.
+/// A one-dimensional scene: punch and strip cover each other entirely, and their sides are not cooled.
 const COVERED: &[(&str, f64)] = &[
     ("contact.geometry", 3.0),
     ("punch.width", 1.0),
@@ -33,7 +33,7 @@ const COVERED: &[(&str, f64)] = &[
     ("solver.tolerance", 1e-4),
 ];
 
-/// The scene in which only `body` conducts, and the slab that it is: 10 mm of iron, or of a lining through which heat hardly comes.
+/// The scene in which only `body` conducts, and the equivalent slab: 10 mm of iron, or of a poorly conducting lining.
 fn alone(body: &str, conductivity: f64, more: &[(&str, f64)]) -> (Drive, Slab) {
     let (other, face) = if body == "punch" { ("strip", "punch.top_thermal") } else { ("punch", "strip.base_thermal") };
     let mut changes: Vec<(String, f64)> = COVERED.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
@@ -62,7 +62,7 @@ fn alone(body: &str, conductivity: f64, more: &[(&str, f64)]) -> (Drive, Slab) {
     (Drive::stock(&changes), slab)
 }
 
-/// Heats with 3e4 W/m2, blows harder, and lets it cool, in steps of `step` s: contact and mean temperature, heat lost per area.
+/// Heats with 3e4 W/m2, raises the air speed, then cools, in steps of `step` s: contact and mean temperature, heat lost per area.
 fn course(drive: &mut Drive, body: &str, step: f64) -> [f64; 3] {
     for (velocity, cooling, load) in [(2.0, 0.0, 1.5e3), (2.0, 6.0, 1.5e3), (2.0, 6.0, 0.0)] {
         drive.set("sliding_velocity", velocity).set("cooling_velocity", cooling).set("normal_load", load);
@@ -76,7 +76,7 @@ fn course(drive: &mut Drive, body: &str, step: f64) -> [f64; 3] {
 
 const PHASES: [(f64, f64, f64); 3] = [(3e4, 2.0, 100.0), (3e4, 8.0, 100.0), (0.0, 8.0, 100.0)];
 
-/// At every level, of either body: temperatures and heat lost are those of finite volumes that know nothing of states and ports.
+/// At every level and for either body, temperatures and heat lost equal those of an independent finite-volume solution.
 #[test]
 fn a_convecting_far_face_cools_as_a_slab_of_finite_volumes() {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0)];
@@ -104,7 +104,8 @@ fn a_convecting_far_face_cools_as_a_slab_of_finite_volumes() {
     }
 }
 
-/// What enters leaves through the far face at the temperature at which the law of the air gives it, and conduction does the rest.
+/// Steady state: the heat flux through the slab equals the loss of the far face at its temperature, and conduction gives the
+/// rise.
 #[test]
 fn a_steady_far_face_gives_off_what_enters() {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 9.0)];
@@ -132,7 +133,7 @@ fn a_steady_far_face_gives_off_what_enters() {
     }
 }
 
-/// The order of the step in time stays: half the step, a quarter of the error.
+/// Second order in time: half the step, a quarter of the error.
 #[test]
 fn cooling_of_the_far_face_is_of_second_order_in_time() {
     for (body, level) in [("punch", 2.0), ("strip", 2.0), ("punch", 3.0), ("strip", 3.0)] {

@@ -1,19 +1,19 @@
-//! Hostile numbers: every step ends in finite outputs or in an error that names what is wrong, and a failed step leaves
-//! everything as it was.
+//! Extreme values: every step gives finite outputs or an error that names the cause, and a failed step leaves
+//! the state unchanged.
 
 use super::drive::{Drive, EXTERNAL, scene};
 use scene::variables::{COUNT, Causality, STARTS, lookup};
 use sliding_contact::component::Component;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a case must come to.
+/// Required outcome of a case.
 #[derive(Clone, Copy)]
 enum Expected {
     /// Every step succeeds with finite outputs.
     Finite,
     /// Initialisation or a step fails with a text that contains this.
     Refused(&'static str),
-    /// Either: nothing but numbers, or an error.
+    /// Either finite outputs, or an error.
     FiniteOrRefused,
 }
 use Expected::{Finite, FiniteOrRefused, Refused};
@@ -37,7 +37,7 @@ const fn case(name: &'static str, scene: &'static [(&'static str, f64)], expecte
 
 const SLIDING: &[(&str, f64)] = &[("sliding_velocity", 10.0), ("normal_load", 5e3)];
 
-/// Names the outputs that are no finite number, or temperatures below 0 K.
+/// Names of the outputs that are not finite, and of temperatures below 0 K.
 fn nonsense(component: &mut Component) -> Vec<String> {
     let mut found = Vec::new();
     for reference in 0..COUNT as u32 {
@@ -58,7 +58,7 @@ fn bits(component: &mut Component) -> Vec<u64> {
     (0..COUNT as u32).map(|reference| component.get(reference).to_bits()).collect()
 }
 
-/// What went wrong in a case, if anything did.
+/// Runs a case; the error describes the deviation from its required outcome.
 fn run(case: &Case) -> Result<(), String> {
     let ended = |text: String| match case.expected {
         Refused(part) if text.contains(part) => Ok(()),

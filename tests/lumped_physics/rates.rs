@@ -1,4 +1,4 @@
-//! Output derivatives against what the other outputs say about them.
+//! Output derivatives against their values computed from other outputs.
 
 use super::drive::{Drive, reference, scene, scenes};
 

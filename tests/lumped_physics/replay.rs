@@ -1,4 +1,4 @@
-//! A replay from a saved state gives the same bits, whatever was called before it was saved.
+//! Replay from a saved state: bitwise identical, whatever was called before saving.
 
 use super::drive::{Drive, LUMPED, Random, reference};
 use scene::variables::{COUNT, STARTS};

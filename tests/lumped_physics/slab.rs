@@ -1,11 +1,11 @@
-//! A slab in air by finite volumes: what the convecting far face of a body is judged by.
+//! A slab in air by finite volumes: reference solution for the convecting far face of a body.
 
 const STEFAN_BOLTZMANN: f64 = 5.670_374_419e-8;
 
 /// Cells through the height.
 const CELLS: usize = 60;
 
-/// Part of the largest stable explicit step.
+/// Fraction of the largest stable explicit step.
 const PART: f64 = 0.4;
 
 /// A body heated at z = 0 that loses heat to the air at z = h by constant and forced convection and by radiation.
@@ -36,7 +36,7 @@ impl Slab {
         [lost, moving + 4.0 * radiation * t.powi(3)]
     }
 
-    /// From the ambient temperature, under the fluxes (W/m2), air speeds (m/s) and durations (s) of `phases`.
+    /// Temperatures and loss from the ambient temperature on, under the fluxes (W/m2), air speeds (m/s) and durations (s) of `phases`.
     pub fn run(&self, phases: &[(f64, f64, f64)]) -> Course {
         let width = self.height / CELLS as f64;
         let between = self.conductivity / width;

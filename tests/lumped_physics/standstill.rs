@@ -34,7 +34,7 @@ fn above_the_limit_it_slips_and_the_work_is_heat_or_kept() {
         let mut drive = bristle(damping);
         let (mut work, step) = (0.0, 1e-3);
         for index in 0..4000 {
-            // To and fro, past the limit on both sides.
+            // Reciprocating, past the limit in both directions.
             let v = if (index / 1000) % 2 == 0 { 0.01 } else { -0.02 };
             drive.set("sliding_velocity", v);
             let before = drive.get("friction_force");
@@ -74,7 +74,7 @@ fn one_long_step_of_a_bristle_is_many_short_ones() {
     }
 }
 
-/// Bodies that do not yield, behind a caliper of 10 MN/m.
+/// Rigid bodies loaded through a caliper of 10 MN/m.
 const CALIPER: &[(&str, f64)] = &[
     ("punch.body", 1.0),
     ("strip.body", 1.0),

@@ -1,4 +1,4 @@
-//! Time steps: cutting a communication step, convergence with input derivatives, events inside a step.
+//! Time steps: subdivision of a communication step, convergence with input derivatives, events inside a step.
 
 use super::drive::{Drive, scene, scenes};
 
@@ -38,7 +38,7 @@ impl Outcome {
     }
 }
 
-/// Everything that makes a step nonlinear, on top of a scene.
+/// Changes that switch on every nonlinearity of a step.
 const HARD: &[(&str, f64)] = &[
     ("contact.friction_fade.factor[1]", 1.0),
     ("contact.friction_fade.factor[2]", 0.9),
@@ -163,7 +163,7 @@ fn input_derivatives_give_second_order() {
     let (held_coarse, held_fine) = (error(32, false), error(128, false));
     println!("with derivatives {coarse:?} {fine:?}, without {held_coarse:?} {held_fine:?}");
     for index in 0..4 {
-        // A step four times shorter: 16 times less at second order, with room for the tolerance's floor.
+        // A step four times shorter: a factor of 16 at second order, less a margin for the floor set by the tolerance.
         let order = (coarse[index] / fine[index].max(1e-12)).log2() / 2.0;
         assert!(order > 1.8 || coarse[index] < 2e-6, "order {order}: {coarse:?} {fine:?}");
         assert!(fine[index] < 0.2 * held_fine[index], "{index}: {fine:?} {held_fine:?}");
@@ -243,8 +243,8 @@ fn an_open_contact_neither_rubs_nor_wears_and_says_so_once() {
     assert_eq!(warnings, 1);
 }
 
-/// A brake in town for `seconds` s, a step of 0.1 s cut into `parts`: temperatures after every step, and accepted and
-/// rejected internal steps.
+/// A brake in the city cycle for `seconds` s, each step of 0.1 s divided into `parts`: temperatures after every step, and
+/// accepted and rejected internal steps.
 fn city(name: &str, tolerance: f64, seconds: usize, parts: u32) -> (Vec<f64>, (u64, u64)) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/udds.csv");
     let text = std::fs::read_to_string(path).unwrap();

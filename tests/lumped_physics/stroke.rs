@@ -1,4 +1,4 @@
-//! To-and-fro sliding on a straight path against a brute-force Fourier solution of the layer.
+//! Reciprocating sliding on a straight path against a direct Fourier solution of the layer.
 
 use super::drive::{Drive, HELD};
 use std::f64::consts::PI;
@@ -129,7 +129,7 @@ fn reciprocating_heating_follows_the_brute_force_solution() {
         let (mean, imbalance) = lumped(amplitude, frequency, periods, 400);
         println!("amplitude {amplitude} frequency {frequency}: {mean} {exact}: {:.4}", mean / exact - 1.0);
         assert!(imbalance < 1e-9);
-        // What the lumped level is worth here: it takes the track for evenly visited and sliding for one common rate.
+        // Accuracy of the lumped level here: it assumes an evenly visited track and one mean sliding rate.
         assert!((mean / exact - 1.0).abs() < 0.06, "amplitude {amplitude}, {frequency} 1/s: {mean} instead of {exact}");
     }
 }

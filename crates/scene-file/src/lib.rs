@@ -20,7 +20,7 @@
 //! ```
 //!
 //! Keys are the names of the variable table's parameters and inputs (inputs: their start values);
-//! dotted names are TOML's own tables. What a scene does not say keeps the start value of the table.
+//! dotted names are TOML's own tables. A variable that the file does not set keeps the start value of the table.
 //! Rules that join parameters are not checked here but by the scene itself.
 
 pub mod materials;
@@ -44,7 +44,7 @@ use scene::variables::{COUNT, Causality, Row, STARTS, TABLE, ValueReference, fin
 pub struct SceneFile {
     /// Name, start values and default experiment.
     pub packaged: Packaged,
-    /// What the scene is, for people; may be empty.
+    /// Description of the scene; may be empty.
     pub description: String,
     /// The value references that the file or a material preset of it sets, ascending.
     pub given: Vec<ValueReference>,
@@ -59,7 +59,7 @@ pub struct Problem {
     pub column: usize,
     /// Full key; empty where the file cannot be read as TOML.
     pub key: String,
-    /// What is wrong, with the value and what would be accepted.
+    /// The fault, with the value and the accepted alternatives.
     pub reason: String,
 }
 
@@ -112,7 +112,7 @@ pub fn read(path: &Path) -> Result<SceneFile, Problems> {
 /// Reads a scene from the text of a file.
 ///
 /// # Errors
-/// All [`Problems`] at once: text that is not TOML, unknown, repeated or missing keys, values of the
+/// All [`Problems`] together: text that is not TOML, unknown, repeated or missing keys, values of the
 /// wrong type, unit, range or number, unknown materials and items.
 pub fn parse(text: &str) -> Result<SceneFile, Problems> {
     let mut reader = Reader { text, leaves: BTreeMap::new(), problems: Vec::new() };

@@ -10,7 +10,7 @@
 pub struct Material {
     /// Name in the scene file.
     pub name: &'static str,
-    /// What it is.
+    /// Description of the material.
     pub description: &'static str,
     /// Young's modulus, Pa.
     pub youngs_modulus: f64,

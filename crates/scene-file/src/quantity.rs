@@ -5,7 +5,7 @@ use toml::de::DeValue;
 use scene::variables::units::{DisplayUnit, Unit};
 use scene::variables::{Kind, Row};
 
-/// What a value is, with its article, for messages.
+/// Type of a value with its article, for messages.
 pub fn type_of(value: &DeValue) -> String {
     match value {
         DeValue::String(text) => format!("the string {text:?}"),
@@ -21,7 +21,7 @@ pub fn type_of(value: &DeValue) -> String {
 /// The value for one element of `row`, checked against its bounds.
 ///
 /// # Errors
-/// What is wrong, with the value and what would be accepted; ranges in the unit that was written.
+/// The fault, with the value and the accepted alternatives; ranges in the unit that was written.
 pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
     match row.kind {
         Kind::Real { unit, min, max, .. } => {
@@ -57,7 +57,7 @@ pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
 /// A number in `unit`; `absolute`: whether units with an offset, such as degC, make sense.
 ///
 /// # Errors
-/// What is wrong and what would be accepted.
+/// The fault and the accepted alternatives.
 pub fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
     let written = Written::of(value, unit, absolute)?;
     within(&written, None, None)?;
@@ -67,7 +67,7 @@ pub fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64,
 /// `number` of the unit `symbol` in `unit`; `absolute` as in [`real`].
 ///
 /// # Errors
-/// Which units would be accepted, and where the number is not finite.
+/// Where the unit is not accepted (with the accepted ones), or the number is not finite.
 pub fn in_si(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
     let written = Written::in_unit(number, symbol, unit, absolute).map_err(|names| {
         let wrong =
@@ -78,7 +78,7 @@ pub fn in_si(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> 
     Ok(written.si())
 }
 
-/// A number as the file has it.
+/// A number as written in the file.
 struct Written {
     number: f64,
     /// `None`: the SI unit.

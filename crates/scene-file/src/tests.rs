@@ -1,4 +1,4 @@
-//! What a scene file may say, and the message for everything it may not.
+//! Valid scene files, and the message for every invalid entry.
 
 use super::*;
 

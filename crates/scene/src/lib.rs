@@ -1,6 +1,4 @@
-//! A scene: the parameters as the physics reads them, made from the values of the variable table.
-//!
-//! Theory: docs/theory.md, sections 1.2, 1.4.
+//! A scene: the parameters of the physical model, built from the values of the variable table.
 
 mod fade;
 mod rules;
@@ -102,15 +100,15 @@ pub enum Fidelity {
     Field,
 }
 
-/// How a contact line carries its heat. No parameter: the plan decides, or the line itself.
+/// Lumped or resolved heat of a contact line. Not a parameter: set by the plan, or by the line itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum HeatAlongContact {
-    /// On the cells where its distribution feeds back on pressure, friction or wear; by its mean elsewhere.
+    /// Resolved heat where its distribution feeds back on pressure, friction or wear; lumped heat elsewhere.
     #[default]
     WhereItFeedsBack,
-    /// By its mean.
+    /// Lumped heat: one mean flux and temperature.
     ByItsMean,
-    /// On the cells, wherever the scene allows it: the mean temperature then knows where the pressure is.
+    /// Resolved heat wherever the scene allows it: the mean temperature then depends on the pressure distribution.
     OnTheCells,
 }
 
@@ -141,7 +139,7 @@ pub enum InitialShape {
     Flat,
     /// x^2/(2 R), R in m.
     Parabolic(f64),
-    /// The steady state's, at nominal conditions.
+    /// The shape of the steady state at nominal conditions.
     RunIn,
     /// Values (m) at the 33 stations of `profile.x`, linear between.
     Tabulated(Box<[f64; STATIONS]>),
@@ -357,12 +355,12 @@ impl Scene {
         [self.punch.mechanical, self.strip.mechanical] == [MechanicalBody::Rigid; 2]
     }
 
-    /// What a user should know about the values before the scene runs, at any level.
+    /// Warnings about implausible values, at any level, before the scene runs.
     pub fn warnings(&self) -> Vec<String> {
         warnings::of_temperatures(self)
     }
 
-    /// The same about the inputs `strip.external_temperature` and `punch.external_temperature` (K).
+    /// Warnings about the inputs `strip.external_temperature` and `punch.external_temperature` (K).
     pub fn warnings_of_external(&self, temperatures: [f64; 2]) -> Vec<String> {
         warnings::of_external(self, temperatures)
     }
@@ -372,7 +370,7 @@ impl Scene {
         self.width * self.depth
     }
 
-    /// Part of the strip's length that all punches of a face cover; 0 for a straight path.
+    /// Fraction of the strip's length covered by all punches of a face; 0 for a straight path.
     pub fn coverage(&self) -> f64 {
         match (self.path, self.geometry) {
             (Path::Straight, _) => 0.0,

@@ -15,10 +15,10 @@ impl std::fmt::Display for Broken {
 
 impl std::error::Error for Broken {}
 
-/// Room for rounding in lengths that are meant to be equal.
+/// Relative rounding tolerance for the equality of lengths.
 const ROUNDING: f64 = 1e-9;
 
-/// Fewest cells of a contact line: a pressure that is uniform, tilts and bends.
+/// Fewest cells of a contact line: a uniform, a linear and a quadratic pressure component.
 const FEWEST_CELLS: usize = 3;
 
 pub(super) fn check(scene: &Scene) -> Result<(), Broken> {

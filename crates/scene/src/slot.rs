@@ -1,14 +1,14 @@
-//! The scene compiled into the library, in a slot that packaging fills.
+//! The scene embedded in the library: a static array (the slot) that packaging fills.
 //!
 //! One compiled library serves every scene: the start values, the scene's name and its default
-//! experiment lie in a static array of known layout, and packaging overwrites that array in the built
-//! file ([`fill`]). Nothing is read from disk at run time and nothing needs to be compiled again.
-//! A library whose slot was never filled carries the table's own start values under the name
+//! experiment are stored in a static array of known layout, which packaging overwrites in the built
+//! file ([`fill`]). Nothing is read from disk at run time and nothing is recompiled.
+//! A library whose slot was never filled has the table's own start values under the name
 //! [`STOCK_NAME`].
 //!
 //! Layout, little endian:
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 0..16 | magic |
 //! | 16..20 | version of this layout |
@@ -30,7 +30,7 @@ pub const STOCK_NAME: &str = "stock";
 /// Most bytes a scene's name may have.
 pub const NAME_CAPACITY: usize = 64;
 
-/// Largest relative tolerance that a run can be asked for.
+/// Largest admissible relative tolerance of a run.
 pub const LARGEST_TOLERANCE: f64 = 0.5;
 
 const LAYOUT_VERSION: u32 = 1;
@@ -55,8 +55,8 @@ pub struct Experiment {
     pub tolerance: f64,
 }
 
-/// The default experiment of a library whose slot was not filled. Wear coefficients and conductances are seldom known to
-/// one per cent, so that is the tolerance.
+/// The default experiment of a library whose slot was not filled. Its tolerance is one per cent, because wear coefficients
+/// and conductances are seldom known better.
 pub const STOCK_EXPERIMENT: Experiment = Experiment { start: 0.0, stop: 1370.0, step: 0.1, tolerance: 1e-2 };
 
 /// A scene as it is packaged.
@@ -86,8 +86,8 @@ impl Packaged {
 struct Slot([u8; LENGTH]);
 
 // `#[used]`: the library must contain these bytes even though every read of them is volatile.
-// The magic is written only here, in a constant evaluated by the compiler, so the built file contains
-// it exactly once; `fill` takes what it searches for from this very slot.
+// The magic occurs only here, in a constant evaluated by the compiler, so the built file contains
+// it exactly once; `fill` takes its search pattern from this same slot.
 #[used]
 static SLOT: Slot = Slot(stock_bytes());
 
@@ -126,7 +126,7 @@ const fn stock_bytes() -> [u8; LENGTH] {
 }
 
 /// FNV-1a over everything behind the checksum. Each step is a bijection of the running value, so
-/// every change of a single byte is seen.
+/// every change of a single byte is detected.
 const fn checksum(bytes: &[u8; LENGTH]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     let mut index = BODY_AT;
@@ -140,7 +140,7 @@ const fn checksum(bytes: &[u8; LENGTH]) -> u64 {
 /// The slot's bytes as they are in the loaded library.
 fn loaded() -> [u8; LENGTH] {
     // SAFETY: `SLOT` is an initialised static, valid for reads, and never written to. The read is
-    // volatile because the file's bytes differ from what the compiler saw: it must not fold them.
+    // volatile because the file's bytes differ from those at compile time and must not be constant-folded.
     unsafe { std::ptr::read_volatile(&raw const SLOT.0) }
 }
 
@@ -166,10 +166,10 @@ fn check_name(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Checks what a packaged scene must fulfil by itself: the name, finite values and the experiment.
+/// Checks a packaged scene by itself: its name, finite values and the experiment.
 ///
 /// # Errors
-/// A sentence that names what is wrong, its value and the limit.
+/// A sentence that names the wrong entry, its value and the limit.
 pub fn check(scene: &Packaged) -> Result<(), String> {
     check_name(&scene.name)?;
     let Experiment { start, stop, step, tolerance } = scene.experiment;
@@ -244,7 +244,7 @@ fn decode(bytes: &[u8; LENGTH]) -> Result<Packaged, String> {
 /// The scene of this library; read and verified once.
 ///
 /// # Errors
-/// A sentence that says in what way the slot is damaged.
+/// A sentence that describes the damage of the slot.
 pub fn current() -> Result<&'static Packaged, &'static str> {
     static CURRENT: OnceLock<Result<Packaged, String>> = OnceLock::new();
     CURRENT.get_or_init(|| decode(&loaded())).as_ref().map_err(String::as_str)
@@ -304,8 +304,8 @@ impl Fingerprint {
 /// GUID of a scene: a fingerprint of its name, of every attribute of every row of the variable table
 /// and of every start value, as `{8-4-4-4-12}` hexadecimal digits.
 ///
-/// The XML and the library both call this function, so they agree exactly when they mean the same
-/// interface and the same scene.
+/// The XML and the library both call this function, so their GUIDs agree if and only if interface and
+/// scene are the same.
 pub fn guid(name: &str, starts: &[f64; COUNT]) -> String {
     let mut hash = Fingerprint(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d);
     hash.text(env!("CARGO_PKG_VERSION"));

@@ -1,12 +1,12 @@
-//! Values that are allowed and yet hardly meant.
+//! Warnings about values that are within their bounds but implausible.
 
 use super::{Body, FadeTable, Scene, ThermalBoundary};
 
-/// No contact of the kinds modelled here is colder than this (K), but temperatures in degrees Celsius that were given as
-/// kelvin mostly are.
+/// Lowest plausible temperature, K. Contacts of the kinds modelled here are warmer; temperatures in degrees Celsius given as
+/// kelvin are mostly below it.
 const COLDEST: f64 = 150.0;
 
-/// Temperatures that look like degrees Celsius.
+/// Warnings about temperatures that are probably in degrees Celsius.
 pub fn of_temperatures(scene: &Scene) -> Vec<String> {
     let mut given = vec![
         ("ambient_temperature".to_owned(), scene.ambient_temperature),
@@ -29,7 +29,7 @@ pub fn of_external(scene: &Scene, temperatures: [f64; 2]) -> Vec<String> {
         .collect()
 }
 
-/// The warning that a temperature is hardly meant to be as cold.
+/// The warning for a temperature below [`COLDEST`].
 fn cold(name: &str, kelvin: f64) -> String {
     // The shortest decimal that the sum of two short ones should be.
     let celsius = (1e6 * (kelvin - 273.15)).round() / 1e6;
@@ -50,7 +50,7 @@ fn of_table(name: &str, table: &FadeTable) -> Option<(String, f64)> {
     (!table.flat).then(|| (format!("{name}.temperature[1]"), table.temperature[0]))
 }
 
-/// Where 0 means another value, there is nothing to judge.
+/// Infinity for 0, which stands for another value and is not checked.
 fn off_at_zero(kelvin: f64) -> f64 {
     if kelvin == 0.0 { f64::INFINITY } else { kelvin }
 }

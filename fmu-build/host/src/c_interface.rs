@@ -25,7 +25,7 @@ use std::{ptr, slice};
 /// Changes with the layout of [`Request`] and the meaning of any argument.
 pub const INTERFACE_VERSION: u32 = 1;
 
-/// A scene, as C knows it. Arrays of length 0 may be NULL.
+/// A scene in C layout. Arrays of length 0 may be NULL.
 #[repr(C)]
 pub struct Request {
     /// Number of parameters that are set.
@@ -38,7 +38,7 @@ pub struct Request {
     pub input_count: usize,
     /// Their names.
     pub input_names: *const *const c_char,
-    /// What their columns are multiplied by; NULL: by 1.
+    /// Factors on their columns; NULL: 1.
     pub input_factors: *const f64,
     /// Rows of the schedule.
     pub row_count: usize,
@@ -90,14 +90,14 @@ pub unsafe extern "C" fn host_open(folder: *const c_char, message: *mut c_char, 
     opened
 }
 
-/// Frees what [`host_open`] returned; NULL is ignored.
+/// Frees a worker of [`host_open`]; NULL is ignored.
 ///
 /// # Safety
 /// `worker` came from [`host_open`] and is not used any more.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn host_close(worker: *mut Worker) {
     if !worker.is_null() {
-        // A panic in a destructor has no one to be told to.
+        // A panic in a destructor cannot be reported.
         // SAFETY: as the caller promises.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(worker) })));
     }
@@ -194,7 +194,7 @@ unsafe fn run(worker: &mut Worker, request: &Request) -> Result<Vec<f64>, Failur
     }
 }
 
-/// Does the work, turns a panic into a failure and tells the reason.
+/// Does the work, converts a panic into a failure and writes the reason.
 ///
 /// # Safety
 /// `message` has room for `capacity` bytes or is NULL.

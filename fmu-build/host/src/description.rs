@@ -1,4 +1,4 @@
-//! What of `modelDescription.xml` it takes to run an FMU: its identity and its variables.
+//! The parts of `modelDescription.xml` required to run an FMU: its identity and its variables.
 
 use crate::error::Failure;
 use quick_xml::events::{BytesStart, Event};
@@ -38,7 +38,7 @@ pub enum Causality {
 pub struct Variable {
     /// Its name.
     pub name: String,
-    /// What the library knows it by, within its type.
+    /// Value reference, unique within its type.
     pub reference: u32,
     /// Its type.
     pub kind: Kind,

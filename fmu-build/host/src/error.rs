@@ -1,8 +1,8 @@
-//! What can go wrong, and where.
+//! Failures of a scene and the stages in which they occur.
 
 use std::fmt;
 
-/// How far a scene came. The numbers are those of the C interface; 0 stands for success.
+/// Stage in which a scene failed. The numbers are those of the C interface; 0 stands for success.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(i32)]
 pub enum Stage {
@@ -12,7 +12,7 @@ pub enum Stage {
     Initialisation = 2,
     /// The FMU failed on the way.
     Stepping = 3,
-    /// The library is gone: it cannot be loaded or instantiated, or has reported a fatal error.
+    /// The library is unusable: it cannot be loaded or instantiated, or has reported a fatal error.
     Library = 4,
 }
 
@@ -28,12 +28,12 @@ impl Stage {
     }
 }
 
-/// Why something failed.
+/// A failure: stage and reason.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Failure {
-    /// Where.
+    /// Stage of the failure.
     pub stage: Stage,
-    /// What, with names, values and the FMU's own log messages.
+    /// Reason, with names, values and the FMU's own log messages.
     pub reason: String,
 }
 

@@ -59,7 +59,7 @@ unsafe extern "C" {
 
 macro_rules! functions {
     ($($field:ident = $symbol:literal ($($argument:ty),*) -> $result:ty;)*) => {
-        /// What the host calls.
+        /// The functions that the host calls.
         pub struct Functions { $(pub $field: unsafe extern "C" fn($($argument),*) -> $result,)* }
 
         impl Functions {

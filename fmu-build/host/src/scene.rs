@@ -14,7 +14,7 @@ pub struct Span {
     pub step: f64,
 }
 
-/// By how much of a step a time may miss a communication point, for times that were written with few digits.
+/// Tolerance for the distance of a time from a communication point, in steps, for times written with few digits.
 const MISSED: f64 = 1e-6;
 
 impl Span {
@@ -85,11 +85,11 @@ pub struct Scene<'a> {
     pub parameters: &'a [(&'a str, f64)],
     /// Names of the inputs, one for every column of the schedule. All others keep the FMU's start values.
     pub inputs: &'a [&'a str],
-    /// What the schedule's columns are multiplied by; empty: by 1.
+    /// Factors on the schedule's columns; empty: 1.
     pub factors: &'a [f64],
     /// The inputs over time.
     pub schedule: Schedule<'a>,
-    /// How they are to be read.
+    /// Interpolation between rows.
     pub interpolation: Interpolation,
     /// From when to when.
     pub span: Span,

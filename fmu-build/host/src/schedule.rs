@@ -2,7 +2,7 @@
 
 use crate::error::Failure;
 
-/// How the rows of a schedule become inputs.
+/// Interpolation of the rows of a schedule to inputs.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Interpolation {
     /// The last row at or before the beginning of a step holds over the step: piecewise constant.
@@ -65,7 +65,7 @@ impl<'a> Schedule<'a> {
     }
 }
 
-/// What of the inputs differs from the step before.
+/// Changes of the inputs since the step before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Change {
     /// A value, or a derivative: both must then be given, because setting a value clears its derivative.
@@ -156,7 +156,7 @@ impl<'a> Follower<'a> {
     fn value(&self, at: usize, time: f64, step: f64, column: usize) -> f64 {
         let Schedule { times, values, columns } = self.schedule;
         let from = values[at * columns + column];
-        // Rounding that carries a time past its row must not make a slope of nothing.
+        // A time that rounding carries past its row must not produce a spurious slope.
         if at + 1 == times.len() || time <= times[at] + SAME * step {
             return from;
         }

@@ -22,11 +22,11 @@ use std::sync::Arc;
 pub struct Worker {
     description: Arc<Description>,
     functions: Functions,
-    /// The instance; NULL before the first scene and after one that did not survive its failure.
+    /// The instance; NULL before the first scene and after a failure that destroyed it.
     handle: Handle,
     /// Whether `fmi2Reset` is due before the next scene.
     used: bool,
-    /// Why nothing can be run any more: the FMU reported a fatal error.
+    /// Reason why no further scene can be run: the FMU reported a fatal error.
     lost: Option<String>,
     guid: CString,
     resources: CString,
@@ -96,7 +96,7 @@ impl Worker {
         Ok(worker)
     }
 
-    /// What the FMU says of itself.
+    /// The FMU's model description.
     pub fn description(&self) -> &Description {
         &self.description
     }
@@ -104,8 +104,8 @@ impl Worker {
     /// Runs a scene and returns what was recorded: for every point in turn the outputs in their order.
     ///
     /// # Errors
-    /// The first thing that went wrong. Unless its stage is [`Stage::Library`], the next scene finds an instance as
-    /// good as new.
+    /// The first failure. Unless its stage is [`Stage::Library`], the next scene starts from a fresh
+    /// instance.
     pub fn run(&mut self, scene: &Scene) -> Result<Vec<f64>, Failure> {
         // A handle of its own, so that the request may point into the description while the worker changes.
         let description = Arc::clone(&self.description);
@@ -173,7 +173,7 @@ impl Worker {
         Failure::library(reason)
     }
 
-    /// What the FMU has logged, to be put behind a sentence.
+    /// The FMU's log messages, to be appended to a sentence.
     fn said(&self) -> String {
         let log = std::mem::take(&mut *self.log.borrow_mut());
         if log.is_empty() { log } else { format!(": {log}") }

@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Communication step in seconds.
     #[arg(long, default_value_t = 0.1)]
     step: f64,
-    /// How the rows of the inputs are read: held until the next row, sampled on the line between them at the
+    /// Interpolation of the rows of the inputs: held until the next row, sampled on the line between them at the
     /// beginning of each step, or linear over each step.
     #[arg(long, value_enum, default_value = "hold")]
     interpolation: Reading,
@@ -100,7 +100,7 @@ impl From<Reading> for Interpolation {
     }
 }
 
-/// What every scene of a batch shares; goes to the worker processes.
+/// Settings common to all scenes of a batch; sent to the worker processes.
 #[derive(serde::Serialize, serde::Deserialize, Clone, Debug)]
 struct Job {
     /// Of the unpacked FMU.
@@ -130,7 +130,7 @@ impl Text {
     }
 }
 
-/// What is printed with `--json`.
+/// Summary printed with `--json`.
 #[derive(serde::Serialize, Debug)]
 struct Summary {
     scenes: usize,
@@ -218,7 +218,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Everything that would fail for every scene is told once and before any is run.
+/// Checks the settings that would fail for every scene, once and before any is run.
 fn check(job: &Job) -> Result<()> {
     let worker = Worker::open(&job.folder)?;
     let description = worker.description();
@@ -250,10 +250,10 @@ fn check(job: &Job) -> Result<()> {
     Ok(())
 }
 
-/// Times the nominal value that an input is not expected to reach: far beyond it the model is not valid.
+/// Ratio to the nominal value above which an input is implausible: the model is not valid so far beyond it.
 const FAR_BEYOND: f64 = 10.0;
 
-/// What looks like another unit than the FMU's: inputs far beyond the nominal values that the FMU was made for.
+/// Warnings about inputs far beyond the nominal values of the FMU, which are probably in another unit.
 fn implausible(inputs: &Inputs, description: &Description, design: &[String]) -> Vec<String> {
     let mut warnings = Vec::new();
     for (name, nominal) in [("sliding_velocity", "nominal.velocity"), ("normal_load", "nominal.load")] {
@@ -286,7 +286,7 @@ fn unpack(fmu: &Path) -> Result<PathBuf> {
     if folder.is_dir() {
         return Ok(folder);
     }
-    // Another process may be doing the same: whoever is first has done it.
+    // Another process may be doing the same: the first one succeeds.
     let partial = folder.with_file_name(format!(".{name}.{}", std::process::id()));
     let mut archive = zip::ZipArchive::new(File::open(fmu).with_context(context)?).with_context(context)?;
     fs::create_dir_all(&partial).with_context(context)?;

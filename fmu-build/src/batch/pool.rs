@@ -1,7 +1,6 @@
 //! Worker processes and the scenes they are given.
 //!
-//! Processes, not threads: whatever a scene does to its process - a crash, a loop that somebody has to kill - costs
-//! that scene and no other.
+//! Processes, not threads: a crash or an endless loop of a scene affects that scene only.
 
 use super::Job;
 use super::tables::Table;
@@ -12,7 +11,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::sync::Mutex;
 use std::sync::mpsc;
 
-/// How often a scene is tried whose process was lost: it need not be the scene's own fault.
+/// Number of attempts for a scene whose process was lost, which need not be caused by the scene.
 const TRIES: usize = 2;
 
 /// Runs the pending scenes on `jobs` processes; `keep` takes each answer as it comes.
@@ -50,7 +49,7 @@ pub fn run(
             let (scene, answer) = answer?;
             keep(scene, &answer)
         });
-        // Nobody begins another scene once one has failed to be kept.
+        // No further scene is started once a result could not be stored.
         drop(answers);
         result
     })
@@ -117,7 +116,7 @@ impl Process {
         let mut said = String::new();
         let input = self.input.as_mut().ok_or_else(|| anyhow!("the process has ended"))?;
         let sent = input.write_all(format!("{line}\n").as_bytes()).and_then(|()| input.flush());
-        // A process that has ended is known by its silence; how it ended says more than the broken pipe.
+        // A broken pipe means that the process has ended; its exit status is the better message.
         if sent.is_err() || self.output.read_line(&mut said)? == 0 || !said.ends_with('\n') {
             let status = self.child.wait()?;
             bail!("it ended with {status}");

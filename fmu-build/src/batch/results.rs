@@ -1,4 +1,4 @@
-//! Results of a batch: kept row by row as they come, in order and whole at the end.
+//! Results of a batch: appended row by row as they come, written in order and complete at the end.
 
 use super::worker::{Answer, OK};
 use crate::project;
@@ -91,7 +91,7 @@ impl Results {
         self.rows.contains_key(&scene)
     }
 
-    /// Keeps a row, at once and for good.
+    /// Appends a row to the file immediately.
     ///
     /// # Errors
     /// Where it cannot be written.
@@ -124,7 +124,7 @@ impl Results {
     }
 }
 
-/// What tells batches apart whose rows must not be mixed: FNV-1a over everything, each part with its length.
+/// Fingerprint of a batch, so that rows of different batches are not mixed: FNV-1a over everything, each part with its length.
 pub fn fingerprint(parts: &[&[u8]]) -> String {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for part in parts {

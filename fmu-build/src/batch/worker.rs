@@ -12,12 +12,12 @@ pub const OK: &str = "ok";
 /// Status of a scene whose process was lost.
 pub const LOST: &str = "lost";
 
-/// What a scene gave.
+/// Result of a scene.
 #[derive(serde::Serialize, serde::Deserialize, Clone, PartialEq, Eq, Debug)]
 pub struct Answer {
     /// [`OK`], [`LOST`], or the stage that failed.
     pub status: String,
-    /// Why it failed; empty where it did not.
+    /// Reason for the failure; empty on success.
     pub reason: String,
     /// Results as texts that are read back as the same numbers; none where it failed.
     pub values: Vec<String>,
@@ -36,7 +36,7 @@ impl Answer {
 /// Where the other end does not keep to this.
 pub fn execute() -> Result<()> {
     match serve() {
-        // Nobody listens any more: the run was stopped, and what it lost it will run again.
+        // The pipe is closed: the run was stopped, and the lost scenes run again later.
         Err(error) if error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == ErrorKind::BrokenPipe) => {
             Ok(())
         }

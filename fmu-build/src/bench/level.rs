@@ -1,6 +1,6 @@
 //! Second half of `cargo fmu bench --line`: the line level as the FMU runs it, through the component.
 //!
-//! Steps of 1 ms with heat by its mean, in solutions of one dense system of as many unknowns and in microseconds;
+//! Steps of 1 ms with lumped heat, in solutions of one dense system of as many unknowns and in microseconds;
 //! initialisation with the punch as an elastic block; saved states; the relaxation of a flat punch on a half-plane to
 //! tau = 1.
 
@@ -21,7 +21,7 @@ const CHUNKS: usize = 10;
 /// Turns of a step with heat and without.
 const HOT_TURNS: usize = 100;
 
-/// Rigid punch on a half-plane, one way.
+/// Rigid punch on a half-plane, unidirectional sliding.
 const PUNCH: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
     ("punch.width", 0.06),
@@ -124,10 +124,10 @@ fn steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
 /// Velocity, its rate and load of a step.
 type Drive = fn(usize) -> [f64; 3];
 
-/// Name, start values and inputs of what is timed.
+/// Name, start values and inputs of a timed case.
 type Case<'a> = (&'static str, &'a [(&'static str, f64)], Drive);
 
-/// Steps of 1 ms of the reciprocating punch with heat along the contact, against the same steps without; both in turns.
+/// Steps of 1 ms of the reciprocating punch with resolved heat, against the same steps without; both in turns.
 fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
     let starts = scenes::load(Some("reciprocating_punch"))?.packaged.starts;
     let line = [("solver.fidelity", 3.0), ("solver.cells", count as f64)];
@@ -160,7 +160,7 @@ fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
                     component.set_input(1, load);
                     component.step(1e-3).map_err(|text| anyhow!(text))?;
                 }
-                // The first turns find what is kept from step to step.
+                // The first turns fill the caches.
                 if turn >= CHUNKS {
                     *fastest = fastest.min(begin.elapsed().as_secs_f64() / CHUNK as f64);
                 }
@@ -168,7 +168,7 @@ fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
             number += CHUNK;
         }
         let [hot, cold] = fastest;
-        // Where it is kept with a margin.
+        // Where the limit holds with a margin.
         let gated = name != "one way, the load changes";
         costs.push(cost(format!("doStep with heat over without, N = {count}, {name}"), hot / cold, "1", 3.0, gated));
         costs.push(cost(format!("doStep with heat, N = {count}, {name}"), 1e6 * hot, "us", target, false));
@@ -189,7 +189,7 @@ fn advance(component: &mut Component, [velocity, load]: [f64; 2]) -> Result<()> 
 /// The reciprocating punch, both bodies elastic, anew and with unchanged geometry.
 fn initialisation(costs: &mut Vec<Cost>) -> Result<()> {
     let starts = scenes::load(Some("reciprocating_punch"))?.packaged.starts;
-    // Cold: heat along the contact has bodies of its own to build.
+    // Without heat: resolved heat builds thermal bodies of its own.
     let changes = [
         ("solver.fidelity", 3.0),
         ("solver.cells", 33.0),

@@ -1,6 +1,6 @@
-//! `cargo fmu bench --line`: what a wear step of the contact line costs, in solutions of one dense system.
+//! `cargo fmu bench --line`: cost of a wear step of the contact line, in solutions of one dense system.
 //!
-//! The unit is one solution with the kept LU factors of an N x N matrix by faer, timed in turns with the steps. A step of
+//! The unit is one solution with the cached LU factors of an N x N matrix by faer, timed in turns with the steps. A step of
 //! the second-order scheme solves two contact problems of N cells.
 
 use super::{Cost, TURNS};
@@ -19,7 +19,7 @@ use verification::integrator::{Integrator, Scheme};
 /// Steps of a turn, and how many of them are timed together: few, so that other work on the machine seldom falls between.
 const STEPS: usize = 60;
 const CHUNK: usize = 4;
-/// Wear per step against the elastic displacement, both by the mean pressure.
+/// Wear per step over the elastic displacement, both under the mean pressure.
 const STEP: f64 = 0.01;
 
 /// One kind of step.
@@ -150,7 +150,7 @@ impl Line {
     /// Seconds of every chunk of steps of a turn that starts after some wear.
     fn turn(&mut self, case: &Case) -> Result<[f64; STEPS / CHUNK]> {
         self.worn.fill(0.0);
-        // What was kept from the last turn goes.
+        // Caches of the last turn are dropped.
         let count = self.worn.len();
         let none = DMatrix::zeros(count, count);
         for extra in [Some(&none), None] {
@@ -208,7 +208,7 @@ impl Line {
     }
 }
 
-/// The unit: one solution with kept factors.
+/// The unit: one solution with cached factors.
 pub(super) struct Solution {
     factors: Mat<f64>,
     forward: Vec<usize>,

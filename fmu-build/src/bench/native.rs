@@ -1,4 +1,4 @@
-//! An FMI 2.0 co-simulation library loaded into this process: just the calls that are timed.
+//! An FMI 2.0 co-simulation library loaded into this process: the timed calls only.
 
 use anyhow::{Context, Result, bail};
 use libloading::Library;
@@ -86,7 +86,7 @@ pub struct Component {
 }
 
 impl Component {
-    /// Loads a library that answers to this GUID.
+    /// Loads a library and checks that it accepts this GUID.
     ///
     /// # Errors
     /// Where it cannot be loaded or lacks a function.
@@ -181,7 +181,7 @@ impl Instance<'_> {
         ok(unsafe { (self.component.functions.reset)(self.handle.as_ptr()) }, "fmi2Reset")
     }
 
-    /// Sets two inputs, and their derivatives if there are any, steps, gets three outputs: what is timed.
+    /// The timed exchange: sets two inputs, and their derivatives if there are any, steps, gets three outputs.
     ///
     /// # Errors
     /// See [`Self::initialise`]; also where the library takes no derivatives.
@@ -224,7 +224,7 @@ impl Instance<'_> {
     }
 }
 
-/// A kept state; freed when dropped.
+/// A saved state; freed when dropped.
 pub struct State<'a> {
     instance: &'a Instance<'a>,
     functions: &'a StateFunctions,
@@ -232,7 +232,7 @@ pub struct State<'a> {
 }
 
 impl State<'_> {
-    /// Overwrites the kept state with the present one.
+    /// Overwrites the saved state with the present one.
     ///
     /// # Errors
     /// See [`Instance::initialise`].
@@ -241,7 +241,7 @@ impl State<'_> {
         ok(unsafe { (self.functions.get)(self.instance.handle.as_ptr(), &raw mut self.handle) }, "fmi2GetFMUstate")
     }
 
-    /// Puts the kept state back.
+    /// Restores the saved state.
     ///
     /// # Errors
     /// See [`Instance::initialise`].
@@ -268,7 +268,7 @@ impl Drop for State<'_> {
     }
 }
 
-/// Value references of what is exchanged.
+/// Value references of the exchanged variables.
 #[derive(Clone, Copy, Debug)]
 pub struct Variables {
     /// Sliding velocity and normal load.

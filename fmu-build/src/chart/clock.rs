@@ -1,6 +1,6 @@
 //! The clock of the charts.
 
-/// Processor time of this thread, s: what other programs take does not count.
+/// Processor time of this thread, s, independent of other programs.
 #[cfg(unix)]
 pub fn seconds() -> f64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };

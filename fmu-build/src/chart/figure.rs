@@ -5,12 +5,12 @@ use super::{Chart, table};
 use crate::plot::{Axis, Figure, Mark, Panel, Series};
 use verification::drives::Quantity;
 
-/// What stands on the horizontal axis.
+/// Quantity on the horizontal axis.
 type Cost = fn(&Point) -> f64;
 
 /// Errors below are drawn here.
 const LEAST: f64 = 1e-8;
-/// Height at which runs are marked that did not come to their end.
+/// Height at which runs that did not finish are marked.
 const FAILED: f64 = 1.5;
 const HIGHEST: f64 = 3.0;
 

@@ -1,4 +1,4 @@
-//! What the numbers of a chart say: what reaches 1 %, what it costs, and how much dearer `field` and the peers are.
+//! Findings of a chart: the cheapest settings within 1 %, their cost, and the cost ratios of `field` and the peers.
 
 use super::Chart;
 use super::measure::Point;
@@ -15,7 +15,7 @@ pub struct Findings {
     right: Option<Reached>,
     /// The cheapest within 1 % in all four.
     with_pressure: Option<Reached>,
-    /// Errors of wear depth, contact temperature and friction force that the lumped level keeps whatever its tolerance.
+    /// Model errors of the lumped level (wear depth, contact temperature, friction force), independent of its tolerance.
     lumped: Option<[f64; 3]>,
     /// `field`: setting, cost of the cheapest run, and how far it came.
     field: Option<(Reached, f64)>,
@@ -45,8 +45,8 @@ fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
     errors.fold(None, |worst: Option<f64>, error| Some(worst.map_or(error, |worst| worst.max(error))))
 }
 
-/// The cheapest own run (of a level that is no `field`) whose error over `quantities` is at most `most`; it models all of
-/// them that the truth knows.
+/// The cheapest own run (of a level other than `field`) whose error over `quantities` is at most `most`; it models all of
+/// them that the reference has.
 fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached> {
     let judged = |quantity: &Quantity| chart.points.iter().any(|point| point.error(*quantity).is_some());
     let quantities: Vec<Quantity> = quantities.iter().copied().filter(judged).collect();
@@ -72,7 +72,7 @@ pub fn of(chart: &Chart) -> Findings {
         errors
     });
     let peers = chart.points.iter().filter(|point| point.peer && !point.family.contains("FMU")).filter_map(|point| {
-        // A peer is judged by what it models.
+        // A peer is compared in the quantities that it models.
         let modelled: Vec<Quantity> = Quantity::ALL.into_iter().filter(|&q| point.error(q).is_some()).collect();
         let error = worst(point, &modelled)?;
         Some((reached(point, error), cheapest(chart, &modelled, error)?))
@@ -199,7 +199,7 @@ mod tests {
             point("lumped", 0.2, [2e-3, 0.1, f64::NAN, 0.5]),
         ];
         let chart = Chart { problem, how: String::new(), points, omissions: Vec::new(), quick: false };
-        // The truth of this chart knows no force; a run without temperature is no answer to the first question.
+        // The reference of this chart has no force; a run without temperature does not qualify for the first finding.
         let findings = of(&chart);
         assert_eq!(findings.right.as_ref().unwrap().family, "with heat");
         assert!(

@@ -1,4 +1,4 @@
-//! Where and from what the charts were made.
+//! Machine and source version of the charts.
 
 use crate::project;
 use std::process::Command;
@@ -21,7 +21,7 @@ pub fn commit() -> String {
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
     };
     let Some(commit) = git(&["rev-parse", "--short=12", "HEAD"]) else { return "unknown".into() };
-    // What the charts themselves write is no change of what they measure.
+    // Files written by the charts themselves do not count as changes of the measured code.
     let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", ".", ":!documentation", ":!docs"]);
     if changed.is_some_and(|files| !files.is_empty()) { format!("{commit} with changes") } else { commit }
 }

@@ -3,11 +3,11 @@
 use super::{Chart, clock};
 use verification::drives::{Ending, Errors, Family, Quantity, Record, Sample};
 
-/// What a run may take.
+/// Time budgets of runs.
 pub struct Budget {
-    /// Of a run that is judged, s.
+    /// Of a run on the chart, s.
     pub run: f64,
-    /// Of a run that may be the truth, s.
+    /// Of a reference run, s.
     pub truth: f64,
     /// Time that repetitions of a short run may take together, s.
     pub repeats: f64,
@@ -25,7 +25,7 @@ impl Budget {
 pub struct Point {
     /// Family it belongs to.
     pub family: String,
-    /// What it was run with.
+    /// Its settings.
     pub setting: String,
     /// Whether it is a peer's.
     pub peer: bool,
@@ -35,7 +35,7 @@ pub struct Point {
     pub steps: u64,
     /// Errors; NaN: not judged.
     pub errors: Errors,
-    /// Why it did not come to its end, and which part of the scene it did.
+    /// Reason why it did not finish, and the fraction of the scene that it completed.
     pub failure: Option<(String, f64)>,
 }
 
@@ -55,7 +55,7 @@ impl Point {
 pub fn family(chart: &mut Chart, family: &Family, truth: &[Sample], budget: &Budget) {
     let duration = chart.problem.samples.last().copied().unwrap_or(1.0);
     let mut refused: Vec<String> = Vec::new();
-    // The finest setting is too slow where a coarser one already was.
+    // A finer setting is skipped where a coarser one already exceeded the budget.
     let mut exhausted = false;
     for setting in &family.settings {
         if exhausted {

@@ -2,8 +2,8 @@
 //!
 //! A peer is a Python program that reads the scene as JSON on its standard input and writes one JSON object per line:
 //! `{"family", "setting", "initialisation", "seconds", "steps", "samples"}` for a run, samples in the order of
-//! [`Sample`] with null for what it does not model, or `{"omitted": reason}`. It takes its own processor time; importing
-//! its packages does not count.
+//! [`Sample`] with null for quantities that it does not model, or `{"omitted": reason}`. It measures its own processor time,
+//! without the import of its packages.
 
 use super::Chart;
 use super::measure::Point;
@@ -51,7 +51,7 @@ const PEERS: [Peer; 3] = [
 /// Adds the runs of every peer that can do the scene to the chart; for the others the reason to its omissions.
 ///
 /// # Errors
-/// Where the environment cannot be made or a peer breaks; its last words are in the message.
+/// Where the environment cannot be made or a peer breaks; the end of its output is in the message.
 pub fn measure(chart: &mut Chart, truth: &[Sample]) -> Result<()> {
     for peer in &PEERS {
         if !peer.scenes.contains(&chart.problem.name) {

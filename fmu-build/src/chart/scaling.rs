@@ -1,4 +1,4 @@
-//! Cost of an internal step against the number of cells, of thermal states and of Fourier waves, with kept factors.
+//! Cost of an internal step against the number of cells, of thermal states and of Fourier modes, with cached factors.
 
 use super::{clock, machine};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
@@ -43,7 +43,7 @@ impl Law {
     }
 }
 
-/// What the laws share an axis with.
+/// Laws that share an axis.
 struct Group {
     title: &'static str,
     label: &'static str,
@@ -133,7 +133,7 @@ pub fn measure(quick: bool) -> Result<Scaling> {
     Ok(Scaling { groups: vec![by_cells, by_states, by_waves], omissions, header })
 }
 
-/// Thermal states of both bodies and waves of the strip.
+/// Thermal states of both bodies and Fourier modes of the strip.
 fn sizes(values: &Values) -> Option<[f64; 2]> {
     let scene = Scene::new(values, None).ok()?;
     let Ok(ModelOperators::Line(operators)) = ModelOperators::new(&scene, steady::run_in) else { return None };
@@ -154,7 +154,7 @@ fn seconds(values: &Values, step: f64, inputs: [f64; 2]) -> Result<f64, String> 
         let (begin, before) = (clock::seconds(), component.work());
         (0..STEPS).try_for_each(|_| component.step(step))?;
         let after = component.work();
-        // The mean takes steps of its own where it carries the heat; the line's are at least one to a communication step.
+        // Lumped heat takes steps of its own; the line takes at least one per communication step.
         let steps = (after.0 + after.1 - before.0 - before.1).max(1) as f64;
         fastest = fastest.min((clock::seconds() - begin) / steps);
     }

@@ -1,4 +1,4 @@
-//! The truth of a scene: exact, found now within a limit of time, or kept from a longer search.
+//! The reference solution of a scene: exact, computed now within a limit of time, or stored from a longer computation.
 
 use super::{clock, machine};
 use crate::output::print_line;
@@ -13,7 +13,7 @@ fn path(problem: &DriveProblem) -> PathBuf {
     project::root().join("docs/accuracy/truth").join(format!("{}.csv", problem.name))
 }
 
-/// Fingerprint (FNV-1a) of everything that the truth depends on: start values, times and inputs at them.
+/// Fingerprint (FNV-1a) of everything that the reference depends on: start values, times and inputs at them.
 fn fingerprint(problem: &DriveProblem) -> u64 {
     let inputs = problem.samples.iter().flat_map(|&time| {
         let [velocity, load] = (problem.inputs)(time);
@@ -28,10 +28,10 @@ fn fingerprint(problem: &DriveProblem) -> u64 {
         .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// Samples of the truth and how it was found: the kept one where it is of this scene, else within `budget` s.
+/// Samples of the reference and its origin: the stored one if it belongs to this scene, otherwise computed within `budget` s.
 ///
 /// # Errors
-/// Where no run gives it in time, or the kept file is damaged.
+/// Where no run gives it in time, or the stored file is damaged.
 pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> {
     if matches!(problem.truth, Truth::Finest(_))
         && let Ok(text) = fs::read_to_string(path(problem))
@@ -42,7 +42,7 @@ pub fn of(problem: &DriveProblem, budget: f64) -> Result<(String, Vec<Sample>)> 
     problem.truth(&mut |setting| problem.run(setting, &clock::seconds, budget)).map_err(|text| anyhow!(text))
 }
 
-/// Finds the truth without a limit and keeps it.
+/// Computes the reference without a limit of time and stores it.
 ///
 /// # Errors
 /// Where no run gives it, or the file cannot be written.
@@ -73,7 +73,7 @@ pub fn write(problem: &DriveProblem) -> Result<()> {
     Ok(())
 }
 
-/// What a kept file says; `None` where it is of another scene.
+/// Contents of a stored file; `None` where it belongs to another scene.
 fn read(text: &str, problem: &DriveProblem) -> Result<Option<(String, Vec<Sample>)>> {
     let mut lines = text.lines();
     let mut line = || lines.next().context("the file is cut off");

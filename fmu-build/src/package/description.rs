@@ -12,7 +12,7 @@ use super::xml::{Attribute, Xml, number, numeric, text};
 /// FMI model identifier: the name of the library, and of everything else that must not change with the scene.
 pub const MODEL_IDENTIFIER: &str = "SlidingContact";
 
-/// What the model is, in one line.
+/// One-line description of the model.
 pub const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a punch on a strip";
 
 /// Categories under which the library logs; it uses no others.
@@ -215,7 +215,7 @@ fn starts_at_zero(row: &Row) -> bool {
         && matches!(row.kind, Kind::Real { unit, .. } if unit.name != "K" && unit.name != "1")
 }
 
-/// Outputs with what they depend on. At a communication point that is the inputs, the states being held. In
+/// Outputs with their dependencies. At a communication point these are the inputs, at frozen states. In
 /// initialisation mode the states themselves follow from the parameters and the inputs.
 fn structure(xml: &mut Xml) {
     let indices = |wanted: &[Causality]| {

@@ -1,4 +1,4 @@
-//! Which glibc a built library asks for.
+//! The glibc version that a built library requires.
 
 use anyhow::{Context, Result};
 use object::Endianness;
@@ -8,7 +8,7 @@ use object::read::elf::FileHeader;
 /// A version of glibc, such as 2.17.
 pub type Version = (u32, u32);
 
-/// The newest version that the library shall need: that of the oldest distributions still in use.
+/// The newest version that the library may require: that of the oldest distributions still in use.
 pub const WANTED: Version = (2, 17);
 
 /// The highest glibc version among the symbols that an ELF library imports; `None` where it imports none.

@@ -1,4 +1,4 @@
-//! Which libraries a built Windows library imports.
+//! The libraries that a built Windows library imports.
 
 use anyhow::{Context, Result, bail};
 use object::LittleEndian;
@@ -34,7 +34,7 @@ pub fn libraries(library: &[u8]) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Checks that a Windows library imports what comes with Windows and nothing else: an FMU is loaded where no
+/// Checks that a Windows library imports only libraries of Windows itself, because an FMU is loaded where no
 /// compiler's runtime is installed.
 ///
 /// # Errors

@@ -52,7 +52,7 @@ pub struct Arguments {
     write_description: bool,
 }
 
-/// How to package.
+/// Packaging options.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// File to write; `None`: `target/fmu/SlidingContact.fmu`, with the scene's name before the ending.
@@ -157,7 +157,7 @@ fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// What has to be installed before this platform's library can be built here; `None` where nothing is missing.
+/// Software to install before this platform's library can be built here; `None` where nothing is missing.
 pub fn missing(platform: Platform) -> Option<String> {
     if platform == Platform::Linux64 { None } else { toolchain::Toolchain::find(platform).err() }
 }

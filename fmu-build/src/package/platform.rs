@@ -59,7 +59,7 @@ impl Platform {
     }
 
     /// Rust target where the standard library is compiled too. The Windows one needs nothing newer than Windows 7,
-    /// so that it also runs under Wine 8, which lacks functions of Windows 10 that the prebuilt one imports.
+    /// so that it also runs under Wine 8, which is without functions of Windows 10 that the prebuilt one imports.
     pub fn target_with_sources(self) -> &'static str {
         match self {
             Platform::Win64 => "x86_64-win7-windows-gnu",

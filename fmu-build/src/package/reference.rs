@@ -1,4 +1,4 @@
-//! extra/reference: inputs, what the FMU answers to them, and the settings, to check an installation.
+//! extra/reference: inputs, the FMU's outputs for them, and the settings, to check an installation.
 //!
 //! The names and the form are those of the FMI cross check: `_in.csv`, `_ref.csv`, `_ref.opt`.
 
@@ -83,7 +83,7 @@ pub fn add(files: &mut Files, scene: &Packaged) -> Result<()> {
     Ok(())
 }
 
-/// What is fed in during one step.
+/// Inputs of one step.
 struct Inputs {
     velocity: f64,
     load: f64,
@@ -91,8 +91,8 @@ struct Inputs {
 
 impl Inputs {
     /// The load rises to its nominal value over the first tenth of the run, stays, and falls to 0 over the last
-    /// tenth. The velocity follows to and fro with the scene's stroke, or falls linearly from its nominal value to
-    /// a half where it runs one way.
+    /// tenth. The velocity is sinusoidal with the scene's stroke (reciprocating), or falls linearly from its nominal value to
+    /// a half (unidirectional).
     fn at(index: usize, scene: &Packaged) -> Inputs {
         let nominal = |name: &str| scene.starts[find(name).expect("a row of the variable table") as usize];
         let (velocity, stroke) = (nominal("nominal.velocity"), nominal("nominal.stroke"));

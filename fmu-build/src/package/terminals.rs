@@ -1,10 +1,10 @@
-//! terminalsAndIcons.xml: which inputs and outputs belong together, for tools that connect by terminals.
+//! terminalsAndIcons.xml: groups of inputs and outputs, for tools that connect by terminals.
 //!
 //! The format is that of FMI 3.0, which keeps the same folder and which importers read from FMI 2.0 files too.
 
 use super::xml::{Xml, numeric, text};
 
-/// A group of variables that meet the same neighbour.
+/// A group of variables that connect to the same neighbouring model.
 struct Terminal {
     name: &'static str,
     description: &'static str,

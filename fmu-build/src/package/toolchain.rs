@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 
 use super::platform::Platform;
 
-/// Where distributions install their toolchain.
+/// Installation folder of the distribution's toolchain.
 const SYSTEM: &str = "/usr/bin";
 
 /// A compiler with its cargo.
@@ -38,7 +38,7 @@ impl Compiler {
     }
 }
 
-/// How to build for a platform.
+/// Toolchain that builds for a platform.
 pub struct Toolchain {
     compiler: Compiler,
     /// Rust target.
@@ -115,7 +115,7 @@ impl Toolchain {
     }
 }
 
-/// Whether a program is there and answers to `--version`.
+/// Whether a program exists and runs with `--version`.
 fn runs(program: &Path) -> bool {
     let status = Command::new(program)
         .arg("--version")

@@ -1,4 +1,4 @@
-//! `cargo fmu plan --against-field`: how much dearer a step of the reference level is than one of the planned rung.
+//! `cargo fmu plan --against-field`: cost ratio of a step at the reference level to one at the planned model level.
 //!
 //! Both take the same communication steps at nominal load, so the ratio of their costs is that of whole runs.
 
@@ -19,13 +19,13 @@ use crate::chart::machine;
 use crate::output::print_line;
 use crate::scenes;
 
-/// What the planned rung has to meet.
+/// Tolerance of the planned model level.
 const TOLERANCE: f64 = 1e-2;
 
-/// Communication steps of the planned rung, and of `field`.
+/// Communication steps at the planned model level, and at `field`.
 const STEPS: [usize; 2] = [200, 6];
 
-/// Scenes without a name: on a line, where `field` is. The hot spots have a level of their own.
+/// Scenes measured by default: those with line geometry, which `field` requires. The hot spots have a level of their own.
 const SCENES: [&str; 3] = ["disc_brake", "reciprocating_punch", "pin_on_disk"];
 
 /// Measures one scene, or all, and writes a table where asked.

@@ -1,8 +1,8 @@
-//! `cargo fmu plan SCENE --inputs drive.csv`: every level on the true inputs, its error and its cost.
+//! `cargo fmu plan SCENE --inputs drive.csv`: error and cost of every level on given inputs.
 //!
-//! Errors are distances from the finest run, whose steps are ten times as fine, and whose own error is added: differences between
-//! refinements go on as a geometric series with the ratio of the last two. Levels are refined until that error is well below the
-//! tolerance. Where it does not get there, no level is named: the error is then not known.
+//! Errors are differences to the finest run, whose tolerance is a tenth, plus that run's own error: differences between
+//! refinements are extrapolated as a geometric series with the ratio of the last two. Levels are refined until that error is well
+//! below the tolerance. If it does not fall below it, no level is named, because the error is unknown.
 
 mod write;
 
@@ -30,13 +30,13 @@ const LEVELS: [Setting; 7] = [
     Setting::Line(257),
 ];
 
-/// Tolerance of the runs that the levels are held against, over the one that is asked for.
+/// Tolerance of the reference runs relative to the requested one.
 const FINER_STEPS: f64 = 0.1;
 
-/// Error of the finest run, over the tolerance, from which on nothing finer is tried; and up to which the errors of all are known.
+/// Error of the finest run relative to the tolerance below which refinement stops; and up to which all errors count as known.
 const ENOUGH: [f64; 2] = [0.1, 1.0 / 3.0];
 
-/// What is asked for.
+/// A comparison request.
 pub struct Request<'a> {
     /// The scene.
     pub scene: SceneFile,
@@ -90,7 +90,7 @@ impl Levels {
 /// Runs the command.
 ///
 /// # Errors
-/// What is wrong with the file of the inputs or with the scene; where no run converges or none meets the tolerance; where the scene
+/// Where the file of the inputs or the scene is wrong; where no run converges or none meets the tolerance; where the scene
 /// cannot be written.
 pub fn execute(request: &Request) -> Result<()> {
     let packaged = &request.scene.packaged;
@@ -170,7 +170,7 @@ fn compare(drive: &Application, tolerance: f64) -> Result<Levels> {
     let bar = ProgressBar::new(LEVELS.len() as u64)
         .with_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed} {msg}")?);
     let (mut runs, mut failed): (Vec<(Setting, Run)>, Vec<String>) = (Vec::new(), Vec::new());
-    // Runs with finer steps: the two before the last, and what the last is wrong by.
+    // Runs with finer steps: the two before the last, and the error of the last.
     let mut fine: Vec<(Setting, Vec<[f64; 3]>)> = Vec::new();
     let (mut apart, mut own) = (None, [1.0; 3]);
     for setting in LEVELS {
@@ -315,7 +315,7 @@ mod tests {
         }
     }
 
-    /// What is named as the cheapest is as far from a run that the comparison never made as it says.
+    /// The cheapest level's stated error agrees with its distance from an independent finer run.
     #[test]
     fn the_cheapest_level_on_a_short_stop_meets_the_tolerance() {
         let packaged = stock().packaged;
@@ -329,7 +329,7 @@ mod tests {
         let estimated = largest(cheapest.errors);
         assert!(error <= 1e-2, "{error}: {levels:?}");
         assert!(error <= 2.0 * estimated && estimated <= 5.0 * error.max(1e-4), "{error} {estimated}: {levels:?}");
-        // Nothing coarser would do.
+        // No coarser level meets the tolerance.
         for known in levels.candidates.iter().filter(|known| known.work < cheapest.work) {
             assert!(largest(known.errors) > 1e-2, "{known:?}");
         }

@@ -1,4 +1,4 @@
-//! Scale of a chart's axis: where a value stands, which values are marked, and how their numbers are written.
+//! Scale of a chart's axis: coordinates, tick values and tick labels.
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use std::ops::Range;

@@ -1,8 +1,8 @@
-//! Interpreters that lack something, as shell scripts: every way to an environment with pip, one after the other.
+//! Incomplete Python installations, simulated by shell scripts: tests of every way to an environment with pip.
 //!
-//! A stand-in for Python answers the few calls that making an environment needs and writes each into a list. What it
-//! lacks is named by files beside it. The environments that it makes hold a stand-in of their own, which has pip once a
-//! file `pip` lies in its package folder.
+//! A stand-in for Python implements the few calls that making an environment requires and records each in a list. Its
+//! missing parts are named by files beside it. The environments that it makes contain a stand-in of their own, which has pip once
+//! a file `pip` is in its package folder.
 
 use super::{Helpers, Interpreter, create};
 use std::fs;
@@ -126,7 +126,7 @@ fn without_any_pip_it_comes_from_the_distributions_wheel() {
 #[test]
 fn without_venv_virtualenv_makes_it_as_a_module_or_as_a_program() {
     assert_eq!(last_call("no-venv", &["venv"]), "python3 -m virtualenv /made");
-    // What venv has begun is gone before the next tool starts.
+    // The incomplete environment of venv is removed before the next tool starts.
     let lacking = ["ensurepip", "pip", "wheel", "virtualenv-module"];
     assert_eq!(last_call("no-module", &lacking), "virtualenv --python /python3 /made");
 }

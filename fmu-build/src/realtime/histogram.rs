@@ -1,4 +1,4 @@
-//! How often which time was taken.
+//! Histogram of step times.
 
 /// Lower bounds of the printed classes, microseconds; the last one is open.
 const COARSE: [f64; 12] = [0.0, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 10_000.0];

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 
 /// Highest speed of a road car, m/s: 360 km/h.
 const HIGHEST_SPEED: f64 = 100.0;
-/// Speed that cycles hardly go to, m/s: 252 km/h. The unit may be wrong.
+/// Implausible speed of a cycle, m/s: 252 km/h. The unit may be wrong.
 const UNUSUAL_SPEED: f64 = 70.0;
-/// Change of speed that tyres hardly give, m/s2.
+/// Implausible acceleration for tyres, m/s2.
 const UNUSUAL_ACCELERATION: f64 = 12.0;
 
 /// A cycle of the project by its name, or any other by its path, as a file with the columns time_s and speed_m_per_s: one
@@ -62,7 +62,7 @@ fn read(path: &Path) -> Result<Table> {
     Ok(table)
 }
 
-/// What is possible and yet hardly meant.
+/// Warnings about possible but implausible values.
 fn warnings(table: &Table) -> Vec<String> {
     let file = table.path.display();
     let mut warnings = Vec::new();

@@ -1,4 +1,4 @@
-//! Whether a scene is one of the machine that an example drives.
+//! Checks that a scene fits the machine of an example.
 
 use super::Example;
 use crate::scenes;
@@ -14,7 +14,7 @@ const CLOSED: f64 = 2.0;
 const ANNULAR: f64 = 2.0;
 const PERIODIC: f64 = 3.0;
 
-/// Largest part of the disc that pads cover.
+/// Largest fraction of the disc covered by pads.
 const PADS: f64 = 0.5;
 
 /// Refuses a scene that does not fit the example.

@@ -1,4 +1,4 @@
-//! The steady state with heat: what `cargo fmu steady` prints and draws of it.
+//! The steady state with heat: table and drawing of `cargo fmu steady`.
 
 use super::{Solved, direction, largest, number};
 use crate::plot::{Axis, Legend, Mark, Panel, Series};
@@ -32,7 +32,7 @@ fn hottest(hot: &HotState) -> f64 {
     hot.heat.range[1].iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Why a state that solves the equations is no state of a real contact: hotter than the model is valid for.
+/// Reason why a state that solves the equations is unphysical: temperatures beyond the model's validity.
 pub fn beyond_validity(scene: &Scene, hot: &HotState) -> Option<String> {
     let kelvin = hottest(hot);
     // A number that is none is beyond too.
@@ -61,7 +61,7 @@ pub fn above_limit(solved: &Solved) -> Option<String> {
     })
 }
 
-/// What is put beside the state without heat.
+/// Lines of the table beside those of the state without heat.
 pub fn lines(solved: &Solved) -> Vec<(String, String)> {
     let hot = match &solved.hot {
         None => return Vec::new(),
@@ -164,7 +164,7 @@ pub fn known(solved: &Solved) -> Option<&HotState> {
     solved.hot.as_ref().and_then(|hot| hot.as_ref().ok())
 }
 
-/// Values on the cells, with a factor, as points of a line.
+/// Cell values times a factor, as points of a line.
 type Course<'a> = dyn Fn(&[f64], f64) -> Vec<(f64, f64)> + 'a;
 
 /// Pressure and shape with heat, for the panels of those without.

@@ -1,4 +1,4 @@
-//! `cargo fmu steady --law`: when heat leaves the steady pressures alone.
+//! `cargo fmu steady --law`: influence of heat on the steady pressures against cycle length.
 
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use anyhow::{Context, Result};

@@ -17,8 +17,8 @@ use std::process::{Command, Stdio};
 /// Largest deviation from the Linux trajectory, relative to each output's range: another mathematics library rounds
 /// exponentials and powers differently in the last digit, nothing else may differ.
 const TOLERANCE: f64 = 1e-9;
-/// Part of the largest range among the outputs of a unit below which a range is rounding of those: the heat through an insulated
-/// base, which is what a balance of large numbers leaves, is not 0 but has no digits to compare.
+/// Fraction of the largest range among the outputs of a unit below which a range is rounding error: the heat through an insulated
+/// base, a difference of large numbers, is not 0 but has no significant digits.
 const ROUNDING: f64 = 1e-13;
 /// Scene that is driven.
 const SCENE: &str = "disc_brake";
@@ -74,7 +74,7 @@ pub fn check(tally: &mut Tally) {
 }
 
 impl Foreign {
-    /// What has to be installed before this platform can be tested.
+    /// Software to install before this platform can be tested.
     fn missing(&self) -> Option<String> {
         package::missing(self.platform).or_else(|| {
             let (words, packages) = self.emulator;
@@ -106,7 +106,7 @@ struct Output {
     unit: &'static str,
 }
 
-/// The drive, and what Linux makes of it.
+/// The drive and its trajectory on Linux.
 struct Drive {
     folder: PathBuf,
     guid: String,
@@ -151,7 +151,7 @@ impl Drive {
         self.expected.len() / self.outputs.len()
     }
 
-    /// Runs the host, which is the first part of the command, in the folder: Windows knows no paths of Linux.
+    /// Runs the host, which is the first part of the command, in the folder: paths of Linux are not valid on Windows.
     fn trajectory(&self, mut command: Command, library: &str, platform: Platform) -> Result<Vec<f64>> {
         let written = format!("outputs.{}", platform.folder());
         let references = ["sliding_velocity", "normal_load"]
@@ -180,7 +180,7 @@ impl Drive {
         values.iter().skip(at).step_by(self.outputs.len()).copied()
     }
 
-    /// What the deviation of every output is relative to: its range on Linux; where that is but rounding, the largest range
+    /// Reference scale of the deviation of every output: its range on Linux; where that is rounding only, the largest range
     /// among the outputs of its unit, and 1 where nothing changes.
     fn scales(&self) -> Vec<f64> {
         let range = |at: usize| {
@@ -222,7 +222,7 @@ impl Drive {
     }
 }
 
-/// Compiles the host and returns its name in the folder; for Windows also what an old Wine lacks.
+/// Compiles the host and returns its name in the folder; for Windows also a library that old versions of Wine do not have.
 fn compile(compiler: &str, platform: Platform, folder: &Path) -> Result<String> {
     let windows = platform == Platform::Win64;
     let name = format!("host-{}{}", platform.folder(), if windows { ".exe" } else { "" });

@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-/// How a step's output is counted.
+/// Format from which a step's results are counted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Counter {
     /// `test result: ok. 3 passed; 0 failed; 1 ignored; ...`, once per test binary.
@@ -212,7 +212,7 @@ fn counts_of(line: &str, counter: Counter) -> Option<Counts> {
     (counts != Counts::default()).then_some(counts)
 }
 
-/// Why a test was skipped.
+/// Reason for skipping a test.
 fn reason_of(line: &str, counter: Counter) -> Option<String> {
     match counter {
         Counter::CargoTest => {

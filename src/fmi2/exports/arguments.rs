@@ -1,7 +1,7 @@
 //! Arrays of the importer, read and written element by element.
 //!
-//! They are no slices, because nothing promises that they are aligned, that they do not overlap, or that
-//! another thread of the importer leaves them alone.
+//! They are not slices, because alignment, disjointness and the absence of concurrent writes by other threads
+//! of the importer are not guaranteed.
 
 use core::marker::PhantomData;
 
@@ -12,7 +12,7 @@ use scene::variables::COUNT;
 /// Most elements of an array of variables: each once. A larger number is an uninitialised one.
 pub const MOST_VARIABLES: usize = COUNT;
 
-/// An array that the importer gives.
+/// An input array in the importer's memory.
 #[derive(Clone, Copy)]
 pub struct Source<'a, T> {
     start: *const T,
@@ -20,7 +20,7 @@ pub struct Source<'a, T> {
     lifetime: PhantomData<&'a T>,
 }
 
-/// An array that the importer wants filled.
+/// An output array in the importer's memory.
 #[derive(Clone, Copy)]
 pub struct Sink<'a, T> {
     start: *mut T,

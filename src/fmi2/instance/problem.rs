@@ -1,4 +1,4 @@
-//! Why a call was refused: the fault, and a sentence for the log that names variable, value and limit.
+//! Reason for refusing a call: the fault, and a sentence for the log that names variable, value and limit.
 
 #![forbid(unsafe_code)]
 
@@ -10,7 +10,7 @@ use scene::variables::{self, COUNT, Causality, ValueReference, Variability};
 /// A refused or failed call.
 #[derive(Debug)]
 pub struct Problem {
-    /// What kind of problem it is; status and phase follow from it.
+    /// Kind of problem, which determines status and phase.
     pub fault: Fault,
     /// One sentence.
     pub text: String,
@@ -46,7 +46,7 @@ pub fn phase_name(phase: Phase) -> &'static str {
     Phase::ALL.iter().find(|entry| entry.0 == phase).map_or("", |entry| entry.1)
 }
 
-/// A value reference that cannot be used as asked. `wanted`: the type, `None` for String; `setting`: the
+/// The problem of a value reference that the call cannot access. `wanted`: the type, `None` for String; `setting`: the
 /// phase in which it was to be set, `None` where it was to be read.
 #[cold]
 pub fn reference_problem(reference: ValueReference, wanted: Option<Type>, setting: Option<Phase>) -> Problem {
@@ -81,7 +81,7 @@ pub fn reference_problem(reference: ValueReference, wanted: Option<Type>, settin
     Problem { fault: Fault::Reference, text }
 }
 
-/// A variable with another role than the function asks for.
+/// The problem of a variable whose causality is not the one that the function requires.
 #[cold]
 pub fn not_an(wanted: Causality, reference: ValueReference) -> Problem {
     let name = variables::lookup(reference).map_or_else(String::new, |(row, element)| row.element_name(element));

@@ -1,4 +1,4 @@
-//! FMU states: taken, brought back, freed, as bytes.
+//! FMU states: saving, restoring, freeing and serialising.
 
 #![forbid(unsafe_code)]
 
@@ -30,7 +30,7 @@ impl Instance {
         keep(saved)
     }
 
-    /// `fmi2SetFMUstate`: all is as it was then, also after an error.
+    /// `fmi2SetFMUstate`: restores the saved state, also after an error.
     pub fn set_fmu_state(&mut self, state: *mut c_void) -> Outcome {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
         let failed = |text: &dyn ToString| Problem { fault: Fault::State, text: text.to_string() };
@@ -60,7 +60,7 @@ impl Instance {
         Ok(STATES.acquire(state).map_err(problem::unknown_state)?.encoded_size(&self.scene.guid))
     }
 
-    /// `fmi2SerializeFMUstate`: into exactly as many bytes as `fmi2SerializedFMUstateSize` told.
+    /// `fmi2SerializeFMUstate`: into exactly as many bytes as `fmi2SerializedFMUstateSize` returned.
     pub fn serialize(&mut self, state: *mut c_void, bytes: Sink<'_, u8>) -> Outcome {
         let saved = STATES.acquire(state).map_err(problem::unknown_state)?;
         let written = saved.encode(&self.scene.guid).map_err(|text| Problem { fault: Fault::State, text })?;

@@ -1,4 +1,4 @@
-//! Steps in time, and what can be asked about them.
+//! Communication steps and their status functions.
 
 #![forbid(unsafe_code)]
 
@@ -8,9 +8,9 @@ use crate::fmi2::policy::{self, Fault};
 use crate::fmi2::types::{Boolean, FALSE, LAST_SUCCESSFUL_TIME, Real, StatusKind, TERMINATED};
 
 impl Instance {
-    /// `fmi2DoStep`. The step has the length that was asked for, to the last bit, and the next one
-    /// begins where the importer says that this one ends: rounding differences between its clock and
-    /// the sum of the steps do not pile up, and a constant step stays constant.
+    /// `fmi2DoStep`. The step has exactly the given length, and the next one begins at the importer's own
+    /// communication point: rounding differences between its clock and the sum of the steps do not
+    /// accumulate, and a constant step stays constant.
     #[inline(always)]
     pub fn do_step(&mut self, from: Real, step: Real) -> Outcome {
         let end = from + step;
@@ -51,13 +51,13 @@ impl Instance {
         if kind == LAST_SUCCESSFUL_TIME { Ok(self.clock.time) } else { Err(problem::no_status(kind)) }
     }
 
-    /// `fmi2GetBooleanStatus`: this slave never asks to end the simulation.
+    /// `fmi2GetBooleanStatus`: this slave never terminates the simulation.
     pub fn boolean_status(&mut self, kind: StatusKind) -> Result<Boolean, Problem> {
         if kind == TERMINATED { Ok(FALSE) } else { Err(problem::no_status(kind)) }
     }
 
-    /// `fmi2GetStatus`, `fmi2GetIntegerStatus`, `fmi2GetStringStatus`: they tell about steps that are
-    /// still running and about nothing else; there are none.
+    /// `fmi2GetStatus`, `fmi2GetIntegerStatus`, `fmi2GetStringStatus`: they report on steps that are
+    /// still running, of which there are none.
     pub fn no_status<T>(&mut self, kind: StatusKind) -> Result<T, Problem> {
         Err(problem::no_status(kind))
     }

@@ -9,7 +9,7 @@ use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE
 use crate::fmi2::types::{Integer, Real};
 use scene::variables::{self, Causality, ValueReference};
 
-/// Arguments of `fmi2GetDirectionalDerivative`, kept so that calling it again allocates nothing.
+/// Workspace of `fmi2GetDirectionalDerivative`, reused so that repeated calls allocate nothing.
 #[derive(Default)]
 pub struct Scratch {
     unknowns: Vec<ValueReference>,
@@ -19,7 +19,7 @@ pub struct Scratch {
 }
 
 impl Instance {
-    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`. Nothing is stored unless all of it is fine.
+    /// `fmi2SetReal`, `fmi2SetInteger`, `fmi2SetBoolean`. Nothing is stored unless every element is valid.
     #[inline(always)]
     pub fn set<T: Copy + Into<f64>>(
         &mut self,
@@ -51,7 +51,7 @@ impl Instance {
         Ok(())
     }
 
-    /// All of a vector's refused values in one problem; a wrong reference behind them weighs more.
+    /// All refused values of a vector in one problem; a wrong reference among the rest takes precedence.
     #[cold]
     fn refused_values<T: Copy + Into<f64>>(
         &self,
@@ -100,8 +100,8 @@ impl Instance {
         if references.count() == 0 { Ok(()) } else { Err(reference_problem(references.at(0), None, None)) }
     }
 
-    /// `fmi2SetRealInputDerivatives`: only order 1. They hold for the next step; as the inputs
-    /// themselves they are stored whatever they are, and that step refuses what is no number.
+    /// `fmi2SetRealInputDerivatives`: order 1 only, valid for the next step. Like the inputs
+    /// themselves they are stored whatever their value, and that step refuses values that are not finite.
     pub fn set_real_input_derivatives(
         &mut self,
         references: Source<'_, ValueReference>,
@@ -127,7 +127,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetRealOutputDerivatives`: order 1, at the end of the last step, with the inputs as they are.
+    /// `fmi2GetRealOutputDerivatives`: order 1, at the end of the last step, at the present inputs.
     pub fn get_real_output_derivatives(
         &mut self,
         references: Source<'_, ValueReference>,

@@ -1,4 +1,4 @@
-//! The packaged FMU in an importer written in Rust, against what fmpy recorded of the same drive.
+//! The packaged FMU in an importer written in Rust, against fmpy's recording of the same drive.
 
 use fmi::CS;
 use fmi::fmi2::import::Fmi2Import;

@@ -1,4 +1,4 @@
-"""Other importers, by their own wheels: every one must get the trajectory that fmpy gets.
+"""Other importers from their own wheels: each must reproduce fmpy's trajectory.
 
 Run by `cargo fmu test --importers`. Each importer has an environment of its own, because their pins clash; one that pip
 cannot install is skipped with pip's reason.

@@ -1,12 +1,12 @@
-//! The FMU's variables: one table, from which everything else is made.
+//! The FMU's variables: one table, from which everything else is generated.
 //!
-//! [`TABLE`] is the only place where a variable's name, causality, variability, unit, start, bounds,
-//! nominal value and description stand. The XML, the C dispatch, the documentation page, the scene
-//! file and the GUID read it. A wrong row (a duplicate name, a start out of range, a combination of
+//! [`TABLE`] is the only definition of a variable's name, causality, variability, unit, start, bounds,
+//! nominal value and description. The XML, the C dispatch, the documentation page, the scene
+//! file and the GUID are derived from it. A wrong row (a duplicate name, a start out of range, a combination of
 //! causality, variability and initial that FMI 2.0 forbids) does not compile: see [`check`].
 //!
 //! A value reference is the position of the element in the flattened table, the same number space
-//! for every type, so that a reference of the wrong type can be told from a right one.
+//! for every type, so that a reference of the wrong type is detected.
 
 mod check;
 mod rows;
@@ -31,7 +31,7 @@ pub enum Causality {
     Local,
 }
 
-/// How a variable may change in time (FMI 2.0.4, section 2.2.7).
+/// Variability of a variable in time (FMI 2.0.4, section 2.2.7).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Variability {
     /// Constant after initialisation.
@@ -44,7 +44,7 @@ pub enum Variability {
     Continuous,
 }
 
-/// How the value at initialisation comes about (FMI 2.0.4, section 2.2.7).
+/// Origin of the value at initialisation (FMI 2.0.4, section 2.2.7).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Initial {
     /// The start value.
@@ -58,7 +58,7 @@ pub enum Initial {
 pub struct EnumerationType {
     /// Name of the type, as it stands in the XML.
     pub name: &'static str,
-    /// What the choice is about.
+    /// Meaning of the enumeration.
     pub description: &'static str,
     /// Item names and descriptions; item `i` has the value `i + 1`.
     pub items: &'static [(&'static str, &'static str)],
@@ -94,7 +94,7 @@ pub enum Kind {
 }
 
 /// Start values of a row: none (calculated), one for every element, or one per element.
-/// Integers, booleans and enumeration items are kept as their exact f64.
+/// Integers, booleans and enumeration items are stored as their exact f64.
 #[derive(Clone, Copy, Debug)]
 pub enum Start {
     /// Calculated by the FMU.
@@ -105,7 +105,7 @@ pub enum Start {
     Each(&'static [f64]),
 }
 
-/// What an output depends on directly, with the states held (ModelStructure).
+/// Direct dependence of an output on the inputs at frozen states (ModelStructure).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Depends {
     /// On states only: wear, distance, energy.
@@ -119,13 +119,13 @@ pub enum Depends {
 pub struct Row {
     /// Name without index.
     pub name: &'static str,
-    /// What it means, for a user.
+    /// Meaning of the variable, for the user.
     pub description: &'static str,
     /// Role.
     pub causality: Causality,
     /// Change in time.
     pub variability: Variability,
-    /// How its first value comes about; `None` for inputs.
+    /// Origin of its initial value; `None` for inputs.
     pub initial: Option<Initial>,
     /// Type and attributes.
     pub kind: Kind,
@@ -135,7 +135,7 @@ pub struct Row {
     pub elements: u32,
     /// Direct dependence of an output.
     pub depends: Depends,
-    /// Least value of a parameter whose 0 means that it is chosen; 0: no other than the bounds say.
+    /// Least non-zero value of a parameter for which 0 means an automatic choice; 0: only the bounds apply.
     pub least_chosen: f64,
 }
 
@@ -272,12 +272,12 @@ pub fn find(name: &str) -> Option<ValueReference> {
     None
 }
 
-/// Why a value was refused; `Display` names the variable, the value and the limit.
+/// Reason for refusing a value; `Display` names the variable, the value and the limit.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Refusal {
     /// Full name of the variable.
     pub name: String,
-    /// What is wrong, with value and limit.
+    /// The fault, with value and limit.
     pub reason: String,
 }
 
@@ -289,8 +289,8 @@ impl std::fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
-/// Checks a parameter's value against its row. Inputs are not checked here: their policy is that
-/// a bad value is stored and the next step refuses it.
+/// Checks a parameter's value against its row. Inputs are not checked here: by policy
+/// an invalid value is stored and the next step refuses it.
 ///
 /// # Errors
 /// [`Refusal`] where the value is not finite, outside the bounds or no item of the enumeration.

@@ -1,4 +1,4 @@
-//! Units of the interface: SI base exponents, and the display units people read and write.
+//! Units of the interface: SI base exponents and display units.
 
 /// A unit another is shown in: `shown = factor * value + offset`, `value` in the SI unit.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub struct Unit {
     pub kelvin: i8,
     /// Exponent of rad.
     pub rad: i8,
-    /// What the value may be shown in, or written in in a scene file.
+    /// Display units, also accepted in a scene file.
     pub display: &'static [DisplayUnit],
 }
 

@@ -1,13 +1,13 @@
-//! What the FMU logs.
+//! Log messages of the FMU.
 
 use crate::functions::{Status, WARNING};
 use std::cell::RefCell;
 use std::ffi::{CStr, c_char, c_void};
 
-/// What is kept of it until it is asked for; more than this is cut.
+/// Longest stored log, bytes; longer ones are cut.
 const LONGEST_LOG: usize = 4096;
 
-/// The FMU's logger: keeps what it is told of failures.
+/// The FMU's logger: stores messages about failures.
 ///
 /// # Safety
 /// `environment` is the log of a living worker; the texts end with a zero.
@@ -19,7 +19,7 @@ pub(super) unsafe extern "C" fn keep_message(
     format: *const c_char,
     argument: *const c_char,
 ) {
-    // Only what tells why a call failed: a warning is none of the scene's that fails later.
+    // Only messages about failed calls: an earlier warning is not the reason of a later failure.
     if status <= WARNING || environment.is_null() || format.is_null() {
         return;
     }
@@ -32,7 +32,7 @@ pub(super) unsafe extern "C" fn keep_message(
         // SAFETY: the format says that the argument is a text.
         unsafe { CStr::from_ptr(argument) }
     } else {
-        // Formats with other arguments are shown as they are: half a message beats a guess at its arguments.
+        // Formats with other arguments are stored unexpanded, since the types of their arguments are unknown.
         format
     };
     // Importers expand `#r12#` to a variable's name, so a plain `#` arrives doubled.

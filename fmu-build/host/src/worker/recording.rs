@@ -1,4 +1,4 @@
-//! What is recorded of a scene: one call per type of variable and communication point.
+//! Recording of a scene's outputs: one call per type of variable and communication point.
 
 use crate::description::{Kind, Variable};
 use crate::error::{Failure, Stage};
@@ -8,7 +8,7 @@ use std::ffi::c_int;
 /// The recorded variables of one type.
 struct Group<T> {
     references: Vec<u32>,
-    /// Where their values belong in a row.
+    /// Positions of their values in a row.
     columns: Vec<usize>,
     values: Vec<T>,
 }
@@ -23,7 +23,7 @@ impl<T: Copy + Default> Group<T> {
         }
     }
 
-    /// Gets the values and puts them into the row. A group without variables asks for nothing and is 0, `fmi2OK`.
+    /// Gets the values and puts them into the row. A group without variables makes no call and returns 0, `fmi2OK`.
     #[inline]
     fn get(
         &mut self,
@@ -124,7 +124,7 @@ mod tests {
         static CALLS: Cell<usize> = const { Cell::new(0) };
     }
 
-    /// A getter that answers every reference with its number and counts how often it is called.
+    /// A getter that returns the number of every reference and counts its calls.
     unsafe extern "C" fn number<T: From<u8>>(
         _: Handle,
         references: *const u32,

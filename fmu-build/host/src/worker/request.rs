@@ -1,4 +1,4 @@
-//! A scene with its names resolved and everything checked that can be without the FMU.
+//! A scene with its names resolved and all checks done that do not require the FMU.
 
 use crate::description::{Causality, Description, Kind, Variable};
 use crate::error::Failure;

@@ -1,4 +1,4 @@
-//! The course of one scene: parameters, initialisation, steps.
+//! Execution of one scene: parameters, initialisation, steps.
 
 use super::Worker;
 use super::recording::{Getters, Recording};
@@ -40,7 +40,7 @@ impl Worker {
         }
         let status = unsafe { (self.functions.enter_initialization_mode)(handle) };
         self.check(status, STAGE, || "fmi2EnterInitializationMode".to_owned())?;
-        // Outputs of the first communication point answer to the first inputs.
+        // Outputs of the first communication point belong to the first inputs.
         let mut first = Follower::new(scene.schedule, scene.interpolation, &request.factors);
         first.advance(start, scene.span.step);
         self.set_inputs(&first, false, request, start)?;

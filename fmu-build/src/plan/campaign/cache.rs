@@ -1,8 +1,8 @@
-//! Truths and runs at fixed settings, kept in cargo's target folder: a plan changes none of them.
+//! Cache of reference solutions and runs at fixed settings in cargo's target folder; they do not depend on plans.
 //!
-//! Files are named after the scene's values and its course. Whether the code still gives the same is seen from two cheap runs
-//! that are made each time: where they differ by more than the truth may be wrong, the truth is made anew; where their work
-//! differs, the fixed settings are.
+//! Files are named after a hash of the scene's values and its input trajectory. Two cheap runs, repeated each time, detect
+//! changes of the code: where they differ by more than the admissible error of the reference, the reference is recomputed; where
+//! their work differs, the fixed settings are.
 
 use std::fs;
 use std::path::PathBuf;
@@ -14,22 +14,22 @@ use verification::applications::trial::{Run, Setting, errors, fine_run, largest,
 use super::{FIXED, TOLERANCES};
 use crate::project;
 
-/// Changes with what the files mean.
+/// Version of the file format.
 const VERSION: u32 = 3;
 
-/// Cells and tolerances of runs of which the last is the truth: the ones before tell its error.
+/// Cells and tolerances of the refinement runs: the last is the reference, the ones before give its error.
 const TRUTHS: [(usize, f64); 4] = [(33, 4e-4), (65, 2e-4), (129, 1e-4), (257, 1e-4)];
 
-/// Processor time of a run beyond which none finer is tried, s.
+/// Processor time of a run beyond which no finer one is made, s.
 const DEAR: f64 = 5.0;
 
-/// Error up to which a truth is good enough: a third of the smallest tolerance.
+/// Largest admissible error of a reference: a third of the smallest tolerance.
 const ENOUGH: f64 = 3e-4;
 
-/// The cheap runs that show whether the code still gives the same.
+/// The cheap runs that detect changes of the code.
 const WITNESSES: [(Setting, f64); 2] = [(Setting::Lumped, 1e-4), (Setting::Line(9), 1e-3)];
 
-/// Distance of a cheap run from itself, of another day, up to which a truth is kept.
+/// Largest change of a cheap run for which a cached reference stays valid.
 const SAME: f64 = 1e-4;
 
 /// A run at a fixed setting.
@@ -53,15 +53,15 @@ struct Witness {
     work: f64,
 }
 
-/// What a scene is judged by.
+/// Reference solution of a scene and its runs at fixed settings.
 #[derive(Clone, Serialize, Deserialize, Debug)]
 pub struct Reference {
     version: u32,
-    /// Main outputs of the truth at the communication points.
+    /// Main outputs of the reference at the communication points.
     pub truth: Vec<[f64; 3]>,
     /// Its cells.
     pub cells: usize,
-    /// Its own errors: what is left of the differences between the runs, whose ratio goes on.
+    /// Its own errors, extrapolated from the differences between the runs with their ratio.
     pub errors: [f64; 3],
     /// Its processor time, s.
     pub seconds: f64,
@@ -70,7 +70,7 @@ pub struct Reference {
     pub fixed: Vec<Fixed>,
 }
 
-/// FNV-1a over what a scene is.
+/// FNV-1a over the definition of a scene.
 fn key(scene: &Application) -> u64 {
     let numbers = scene.starts.iter().chain(scene.course.iter().flatten());
     numbers
@@ -90,10 +90,10 @@ fn witnesses(scene: &Application) -> Vec<Witness> {
     WITNESSES.map(of).into()
 }
 
-/// The reference of a scene: kept, or made.
+/// The reference of a scene, from the cache or computed.
 ///
 /// # Errors
-/// Where no two runs become a truth.
+/// Where fewer than two refinement runs succeed.
 pub fn reference(scene: &Application) -> Result<Reference, String> {
     let now = witnesses(scene);
     let kept = fs::read(path(scene)).ok().and_then(|bytes| serde_json::from_slice::<Reference>(&bytes).ok());
@@ -117,7 +117,7 @@ pub fn reference(scene: &Application) -> Result<Reference, String> {
         if before.seconds[1] > DEAR {
             break;
         }
-        // Finer than what can be run, the run before remains the truth.
+        // Where a finer run fails, the run before it is the reference.
         let Ok(run) = fine_run(scene, cells, tolerance) else { break };
         let apart = errors(&before.main, &run.main);
         let errors = remaining(last, apart);
@@ -143,8 +143,8 @@ pub fn reference(scene: &Application) -> Result<Reference, String> {
 }
 
 impl Reference {
-    /// Runs the fixed settings where that was not done, or is asked for anew.
-    /// One that cannot be run is left out.
+    /// Runs the fixed settings if they are not cached, or if requested anew.
+    /// Settings that cannot be run are omitted.
     pub fn run_fixed(&mut self, scene: &Application, fresh: bool) {
         if !fresh && !self.fixed.is_empty() {
             return;

@@ -1,5 +1,5 @@
-//! `cargo fmu plan --campaign`: `solver.fidelity = auto` on scenes as users build them, driven as an importer does, beside every fixed
-//! setting and with a far finer run as the truth.
+//! `cargo fmu plan --campaign`: `solver.fidelity = auto` on scenes as users build them, driven as an importer does, compared with
+//! every fixed setting and with a far finer reference run.
 //!
 //! Every third scene is held out: it is run with `--hold-out` only, so that nothing is tuned on it.
 
@@ -17,25 +17,25 @@ use verification::applications::{self, Application};
 
 use cache::{Fixed, Reference};
 
-/// Tolerances that are asked for.
+/// Tolerances of the campaign.
 pub const TOLERANCES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
 /// Settings that a user can fix.
 pub const FIXED: [Setting; 6] =
     [Setting::Lumped, Setting::Line(5), Setting::Line(9), Setting::Line(17), Setting::Line(33), Setting::Line(65)];
 
-/// Every so manieth scene is held out.
+/// Period of the held-out scenes.
 const HELD_OUT: usize = 3;
 
-/// Part of a tolerance up to which the truth's own error leaves it a judge.
+/// Largest error of the reference, as a fraction of the tolerance, at which runs are compared with it.
 const TRUTH_SHARE: f64 = 1.0 / 3.0;
 
-/// Which scenes are tried, and where what is found goes.
+/// Selection of scenes and outputs of a campaign.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Number of the first scene.
     pub first: usize,
-    /// How many scenes from there on.
+    /// Number of scenes from there on.
     pub scenes: usize,
     /// Only scenes whose name contains this.
     pub only: Option<String>,
@@ -52,7 +52,7 @@ pub struct Request {
 /// A scene at a tolerance.
 pub struct Trial {
     pub tolerance: f64,
-    /// Outputs that the truth is good enough for.
+    /// Outputs for which the reference is accurate enough.
     pub judged: [bool; 3],
     /// The automatic run, or why it failed.
     pub auto: Result<Outcome, String>,
@@ -60,7 +60,7 @@ pub struct Trial {
     pub fixed: Vec<Fixed>,
 }
 
-/// What an automatic run came to.
+/// Outcome of an automatic run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub level: String,
@@ -83,14 +83,14 @@ pub struct Tried {
     pub name: String,
     /// Largest speed over the critical one of thermoelastic instability; 0 where there is none.
     pub speed_ratio: f64,
-    /// Cells of the truth, and its own errors.
+    /// Cells of the reference, and its own errors.
     pub cells: usize,
     pub truth_errors: [f64; 3],
     pub trials: Vec<Trial>,
 }
 
 impl Trial {
-    /// Whether the truth is good enough for all outputs.
+    /// Whether the reference is accurate enough for all outputs.
     pub fn is_judged(&self) -> bool {
         self.judged == [true; 3]
     }
@@ -103,7 +103,7 @@ impl Trial {
 }
 
 impl Tried {
-    /// Whether the truth itself converges: to a third of the coarsest tolerance.
+    /// Whether the reference itself converges: to a third of the coarsest tolerance.
     pub fn converges(&self) -> bool {
         largest(self.truth_errors) <= TRUTH_SHARE * TOLERANCES[0]
     }

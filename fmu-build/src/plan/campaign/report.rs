@@ -1,4 +1,4 @@
-//! What a campaign prints: a line for every trial, and the numbers that are asked for.
+//! Report of a campaign: a line for every trial, and the summary statistics with their targets.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use verification::applications::trial::largest;
 use super::{Outcome, TOLERANCES, Trial, Tried};
 use crate::chart::machine;
 
-/// `estimated_error` from here on says that the error is not known.
+/// Values of `estimated_error` from here on mean that the error is unknown.
 const UNKNOWN: f64 = 0.999;
 
 /// A trial whose errors are known, with the largest of them.
@@ -16,7 +16,7 @@ struct Known<'a> {
     trial: &'a Trial,
     outcome: &'a Outcome,
     error: f64,
-    /// How wrong the truth may make the error.
+    /// Uncertainty of the error due to the reference's own error.
     doubt: f64,
 }
 
@@ -25,7 +25,7 @@ impl Known<'_> {
         self.error <= self.trial.tolerance
     }
 
-    /// Missed by more than twice, and not said so.
+    /// Whether the tolerance is missed by more than a factor of 2 without the estimate showing it.
     fn silently_missed(&self) -> bool {
         let error = self.error - self.doubt;
         error > 2.0 * self.trial.tolerance && self.outcome.estimated < (0.5 * error).min(UNKNOWN)
@@ -50,7 +50,7 @@ fn known<'a>(tried: &'a Tried, trial: &'a Trial) -> Option<Known<'a>> {
         return None;
     }
     let (error, doubt) = (largest(outcome.errors), largest(tried.truth_errors));
-    // A truth that is not good enough for the tolerance still shows a clear miss.
+    // A reference that is not accurate enough for the tolerance still shows a clear miss.
     (trial.is_judged() || error - doubt > trial.tolerance).then_some(Known { trial, outcome, error, doubt })
 }
 
@@ -111,7 +111,7 @@ pub fn lines(tried: &Tried) -> Vec<String> {
     tried.trials.iter().map(line).collect()
 }
 
-/// A number that is asked for, and what it is.
+/// A statistic with its target.
 pub struct Asked {
     text: String,
     /// Counted, of how many.
@@ -150,7 +150,7 @@ impl std::fmt::Display for Asked {
     }
 }
 
-/// The numbers that are asked for.
+/// The summary statistics.
 pub fn summary(all: &[Tried]) -> Vec<Asked> {
     let mut asked = Vec::new();
     let mut add = |tolerance: Option<f64>, text: &str, count: usize, of: usize, bound: Bound| {
@@ -195,7 +195,7 @@ pub fn summary(all: &[Tried]) -> Vec<Asked> {
         let said = open.iter().filter(|outcome| outcome.estimated >= UNKNOWN).count();
         add(at, "estimated_error is 1 where the truth does not converge in", said, open.len(), Bound::AtLeast(1.0));
     }
-    // Named levels: they say what they are wrong by, or that they do not know.
+    // Named levels: their error is estimated, or marked as unknown.
     let named: Vec<(f64, f64)> = all
         .iter()
         .filter(|tried| tried.converges())

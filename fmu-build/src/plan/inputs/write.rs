@@ -1,4 +1,4 @@
-//! Settings in a scene file: what else stands there, comments too, stays as it is.
+//! Writing settings into a scene file; the rest of the file, including comments, is unchanged.
 
 use std::fs;
 use std::path::Path;

@@ -73,7 +73,7 @@ const fn boolean(name: &'static str, start: bool, description: &'static str) -> 
     Row { kind: Kind::Boolean, ..real(name, &super::units::ONE, 1.0, description) }.start(start as u8 as f64)
 }
 
-/// Modifiers that read like the table of the interface document.
+/// Modifiers in the notation of the table of the interface document.
 impl Row {
     const fn shown(self, display: &'static str) -> Row {
         match self.kind {

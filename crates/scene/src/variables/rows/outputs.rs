@@ -22,7 +22,7 @@ const fn limit_reached() -> Row {
 }
 
 pub const ROWS: &[Row] = &[
-    // The three of the mission.
+    // Main outputs.
     real("wear_depth", &METRE, 1e-6, "Mean loss of height in the contact zone, both bodies together")
         .shown("um")
         .output(ON_STATES),
