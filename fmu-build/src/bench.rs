@@ -4,14 +4,13 @@
 //! both are timed in turns, so that disturbances by the machine affect both, and the fastest turn counts, because
 //! disturbances only add time.
 
-mod level;
-mod line;
 pub mod native;
 
 use crate::output::print_line;
 use crate::{package, project, scenes};
 use anyhow::{Context, Result, bail};
 use native::{Component, Instance, Variables};
+use std::ffi::OsString;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::Read;
@@ -22,7 +21,7 @@ use std::time::Instant;
 /// Communication step, s.
 pub const STEP: f64 = 0.1;
 /// Turns of every timing.
-const TURNS: usize = 30;
+pub const TURNS: usize = 30;
 /// Factor by which a time may exceed its limit before a test fails, to allow for other work on the machine. The ratio to
 /// the peer, measured under the same load, has no allowance.
 const ALLOWANCE: f64 = 3.0;
@@ -94,15 +93,21 @@ pub fn lumped(scene: Option<&str>) -> Result<PathBuf> {
 /// # Errors
 /// Where something cannot be built or loaded, or a cost exceeds its limit with the allowance.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    let costs = if arguments.line {
-        let mut costs = line::measure()?;
-        costs.extend(level::measure()?);
-        costs
-    } else {
-        measure(&lumped(arguments.scene.as_deref())?)?
-    };
-    if arguments.json {
-        print_line!("{}", serde_json::to_string_pretty(&costs)?);
+    if arguments.line {
+        let json = arguments.json.then_some("--json");
+        let all: Vec<OsString> = ["bench", "--line"].into_iter().chain(json).map(OsString::from).collect();
+        return crate::native::forward(&all);
+    }
+    report(&measure(&lumped(arguments.scene.as_deref())?)?, arguments.json)
+}
+
+/// Prints costs.
+///
+/// # Errors
+/// Where one exceeds its limit with the allowance.
+pub fn report(costs: &[Cost], json: bool) -> Result<()> {
+    if json {
+        print_line!("{}", serde_json::to_string_pretty(costs)?);
     } else {
         costs.iter().for_each(|cost| print_line!("{cost}"));
     }

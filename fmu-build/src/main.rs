@@ -3,31 +3,11 @@
 // All output goes through `output`, which handles a closed pipe.
 #![deny(clippy::print_stdout)]
 
-mod batch;
-mod bench;
-mod chart;
-mod columns;
-mod cycles;
-mod golden;
-mod output;
-mod package;
-mod plan;
-#[allow(dead_code, reason = "one command does not need every kind of axis, mark and legend")]
-mod plot;
-mod project;
-mod python;
-mod realtime;
-mod run;
-mod scenes;
-mod stability;
-mod steady;
-mod tables;
-mod test;
-mod verify;
-
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use fmu_build::native::Forwarded;
+use fmu_build::{batch, bench, native, output, package, realtime, run, test};
 
 /// Wear and heat in a sliding contact: makes, runs and tests the FMU.
 #[derive(Parser, Debug)]
@@ -44,43 +24,50 @@ enum Command {
     Test(test::Arguments),
     Bench(bench::Arguments),
     Realtime(realtime::Arguments),
-    Steady(steady::Arguments),
-    Cycles(cycles::Arguments),
-    Tables(tables::Arguments),
-    Verify(verify::Arguments),
+    #[command(about = native::STEADY)]
+    Steady(Forwarded),
+    #[command(about = native::CYCLES)]
+    Cycles(Forwarded),
+    #[command(about = native::TABLES)]
+    Tables(Forwarded),
+    #[command(about = native::VERIFY)]
+    Verify(Forwarded),
     Batch(batch::Arguments),
     /// A process of `batch`, which starts it.
     #[command(hide = true)]
     BatchWorker,
-    Stability(stability::Arguments),
-    Chart(chart::Arguments),
-    Plan(plan::Arguments),
-    Golden(golden::Arguments),
+    #[command(about = native::STABILITY)]
+    Stability(Forwarded),
+    #[command(about = native::CHART)]
+    Chart(Forwarded),
+    #[command(about = native::PLAN)]
+    Plan(Forwarded),
+    #[command(about = native::GOLDEN)]
+    Golden(Forwarded),
 }
 
 fn main() -> ExitCode {
-    let result = match CommandLine::parse().command {
-        Command::Package(arguments) => package::execute(&arguments),
-        Command::Run(arguments) => run::execute(&arguments),
-        Command::Test(arguments) => test::execute(&arguments),
-        Command::Bench(arguments) => bench::execute(&arguments),
-        Command::Realtime(arguments) => realtime::execute(&arguments),
-        Command::Steady(arguments) => steady::execute(&arguments),
-        Command::Cycles(arguments) => cycles::execute(&arguments),
-        Command::Tables(arguments) => tables::execute(&arguments),
-        Command::Verify(arguments) => verify::execute(&arguments),
-        Command::Batch(arguments) => batch::execute(&arguments),
-        Command::BatchWorker => batch::worker::execute(),
-        Command::Stability(arguments) => stability::execute(&arguments),
-        Command::Chart(arguments) => chart::execute(&arguments),
-        Command::Plan(arguments) => plan::execute(&arguments),
-        Command::Golden(arguments) => golden::execute(&arguments),
+    let arguments: Vec<_> = std::env::args_os().skip(1).collect();
+    // `cargo fmu help steady`: the help of a forwarded command is its own.
+    let result = match arguments.as_slice() {
+        [help, name, ..] if help == "help" && native::has(name) => native::forward(&arguments),
+        _ => match CommandLine::parse().command {
+            Command::Package(arguments) => package::execute(&arguments),
+            Command::Run(arguments) => run::execute(&arguments),
+            Command::Test(arguments) => test::execute(&arguments),
+            Command::Bench(arguments) => bench::execute(&arguments),
+            Command::Realtime(arguments) => realtime::execute(&arguments),
+            Command::Batch(arguments) => batch::execute(&arguments),
+            Command::BatchWorker => batch::worker::execute(),
+            Command::Steady(_)
+            | Command::Cycles(_)
+            | Command::Tables(_)
+            | Command::Verify(_)
+            | Command::Stability(_)
+            | Command::Chart(_)
+            | Command::Plan(_)
+            | Command::Golden(_) => native::forward(&arguments),
+        },
     };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
+    output::status(result)
 }

@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
-use std::process::exit;
+use std::process::{ExitCode, exit};
 
 /// Exit status after a closed output pipe, as in shells: 128 plus the number of SIGPIPE.
 const NOT_READ: i32 = 141;
@@ -26,6 +26,7 @@ pub fn print(text: fmt::Arguments<'_>) {
 }
 
 /// Prints a line; see [`print`].
+#[macro_export]
 macro_rules! print_line {
     ($($text:tt)*) => {
         $crate::output::print(format_args!("{}\n", format_args!($($text)*)))
@@ -33,13 +34,25 @@ macro_rules! print_line {
 }
 
 /// Prints a text as it is; see [`print`].
+#[macro_export]
 macro_rules! print_text {
     ($($text:tt)*) => {
         $crate::output::print(format_args!($($text)*))
     };
 }
 
-pub(crate) use {print_line, print_text};
+pub use {print_line, print_text};
+
+/// Status of the process that a command ends with; tells the error that it ends with.
+pub fn status(result: Result<()>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
 
 /// Refuses a file whose ending promises another format than the one of `ending` that is written.
 ///

@@ -9,7 +9,9 @@ use anyhow::{Context, Result, bail};
 pub fn root() -> PathBuf {
     let member =
         std::env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
-    member.parent().map_or_else(|| member.clone(), std::path::Path::to_path_buf)
+    // Members lie at several depths; the lock file is at the root alone.
+    let root = member.ancestors().skip(1).find(|folder| folder.join("Cargo.lock").is_file());
+    root.or(member.parent()).unwrap_or(&member).to_owned()
 }
 
 /// cargo's target folder, which holds all generated files.

@@ -5,7 +5,7 @@ mod cycle;
 mod scene;
 
 use crate::output::{self, print_text};
-use crate::{package, project, python, steady};
+use crate::{native, package, project, python};
 use anyhow::{Context, Result, bail};
 use std::fs;
 use std::io::{self, BufRead, BufReader};
@@ -192,8 +192,12 @@ fn steady_states(scene: &str, folder: &Path) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(folder).with_context(|| format!("creating {}", folder.display()))?;
     let write = |&(name, set): &(&str, &[&str])| {
         let path = folder.join(format!("steady_{name}.json"));
-        let state = steady::record(scene, PUNCH_CELLS, set)?;
-        fs::write(&path, format!("{state:#}\n")).with_context(|| format!("writing {}", path.display()))?;
+        let cells = PUNCH_CELLS.to_string();
+        let set = set.iter().flat_map(|&assignment| ["--set", assignment]);
+        let state = native::printed(
+            ["steady", "--json", "--cold", "--cells", &cells].into_iter().chain(set).chain(["--", scene]),
+        )?;
+        fs::write(&path, state).with_context(|| format!("writing {}", path.display()))?;
         Ok(path)
     };
     HOLDERS.iter().map(write).collect()

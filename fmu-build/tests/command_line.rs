@@ -1,4 +1,4 @@
-//! The command as a user starts it: refusals, and behaviour with a closed output pipe.
+//! The command as a user starts it: refusals, forwarded commands, and behaviour with a closed output pipe.
 
 use std::io;
 use std::path::PathBuf;
@@ -23,20 +23,8 @@ fn file(name: &str, text: &str) -> PathBuf {
 
 #[test]
 fn nobody_reading_the_output_is_no_panic() {
-    for line in [
-        "stability --list",
-        "chart --list",
-        "verify --json --filter galin",
-        "verify --filter galin",
-        "steady reciprocating_punch --cold --cells 9 --json",
-        "steady reciprocating_punch --cold --cells 9",
-        "plan pin_on_disk --json",
-        "plan pin_on_disk",
-        "tables",
-        "cycles reciprocating_punch --cycles 2 --cells 9 --cold --json",
-        "golden compare lumped_held",
-        "--help",
-    ] {
+    let set = std::env::temp_dir().join(format!("command-line-{}.ssv", std::process::id()));
+    for line in [&format!("package clutch --ssv -o {}", set.display()), "--help"] {
         let (reader, writer) = io::pipe().unwrap();
         drop(reader);
         let output = command(line).stdout(writer).output().unwrap();
@@ -54,26 +42,10 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
     let bare = file("bare.csv", "time,speed\n0,0\n60,50\n");
     let (fast, bare) = (format!("run --cycle {}", fast.display()), format!("run --cycle {}", bare.display()));
     for (line, parts) in [
-        ("plan --tolerance 7", &["7", "--tolerance", "at most 0.5"][..]),
-        ("plan --tolerance 0", &["above 0"]),
-        ("plan --tolerance nan", &["above 0"]),
-        ("tables --tolerance 7", &["at most 0.5"]),
-        ("golden compare --tolerance 7", &["at most 0.5"]),
-        ("golden compare lumped_hold", &["\"lumped_hold\" is no golden scene; they are ", "lumped_held"]),
-        ("plan -o plans.csv", &["--campaign"]),
-        ("plan --campaign --set punch.width=1", &["--set"]),
-        ("plan --campaign -o plans.parquet", &[".csv is written, not .parquet"]),
-        ("steady disc_brake -o st.png", &[".svg is written, not .png"]),
-        ("cycles reciprocating_punch -o st.png", &[".svg is written, not .png"]),
-        ("batch d.csv --fmu x.fmu --inputs i.csv -o r.parquet", &[".csv is written, not .parquet"]),
+        ("batch d.csv --fmu x.fmu --inputs i.csv -o r.parquet", &[".csv is written, not .parquet"][..]),
         ("batch --example fit --step 3", &["--step"]),
         ("package clutch -o clutch.zip", &[".fmu is written, not .zip"]),
         ("package --ssv --platform win64", &["--platform"]),
-        ("stability -o maps.svg", &["a folder must be named"]),
-        ("stability --list --json", &["--json"]),
-        ("chart --list --json", &["--json"]),
-        ("steady disc_brake --return-speed 3", &["nominal.stroke = 0 m"]),
-        ("steady reciprocating_punch --return-speed 0", &["sliding speed = 0"]),
         ("run clutch --cycle hwfet", &["does not apply to clutch"]),
         ("run vehicle_brake --step 0.2", &["does not apply to vehicle_brake"]),
         ("run --scene clutch", &["contact.geometry = annular", "covers 1.000"]),
@@ -87,24 +59,58 @@ fn what_does_not_apply_or_fit_is_refused_with_what_is_accepted() {
     }
 }
 
-#[test]
-fn a_steady_state_beyond_its_limits_is_told() {
-    let (success, table, told) = run("steady disc_brake --cells 9");
-    assert!(success && table.contains("650.0000, exceeded"), "{table}");
-    assert!(told.contains("warning: the steady state is above contact.temperature_limit = 650.0000 degC"), "{told}");
-    let (success, _, told) = run("steady disc_brake --cells 9 --set nominal.load=1e3");
-    assert!(success && !told.contains("warning"), "{told}");
-    let (success, table, told) = run("steady clutch --cells 9");
-    assert!(!success && table.contains("mean pressure"), "{table}");
-    assert!(told.contains("nominal.velocity = 29.7 m/s") && told.contains("the limit is 2226.8500 degC"), "{told}");
-    assert!(run("steady clutch --cells 9 --cold").0);
+/// A stand-in for `fmu-lab` that tells its arguments and its input, and ends with status 7.
+#[cfg(unix)]
+fn stand_in(name: &str) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let text = "#!/bin/sh\nprintf '<%s>' \"$@\"\ncat\necho told >&2\nexit 7\n";
+    let path = file(name, text);
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path
 }
 
 #[test]
-fn temperatures_that_look_like_degrees_celsius_are_told() {
-    let told = |line: &str| run(line).2;
-    let cold = "warning: ambient_temperature = 20 K is -253.15 degC";
-    assert!(told("plan pin_on_disk --set ambient_temperature=20").contains(cold));
-    assert!(told("steady reciprocating_punch --cold --cells 9 --set ambient_temperature=20").contains(cold));
-    assert_eq!(told("plan pin_on_disk"), "");
+#[cfg(unix)]
+fn commands_that_compute_natively_are_forwarded_as_they_are() {
+    let lab = stand_in("forwarded");
+    let input = file("input", "what is typed");
+    for line in [
+        "steady disc_brake --cells 9 --json --set a=1",
+        "cycles --help",
+        "help verify",
+        "help golden compare",
+        "verify -h",
+        "verify --version",
+        "tables -- --strange",
+        "golden compare --tolerance 7",
+        "plan",
+        "chart --list",
+        "stability --map wear-step",
+        "bench --line --json",
+        "bench --line",
+    ] {
+        let output = command(line)
+            .env("SLIDING_CONTACT_LAB", &lab)
+            .stdin(std::fs::File::open(&input).unwrap())
+            .output()
+            .unwrap();
+        let told: String = line.split(' ').map(|word| format!("<{word}>")).collect();
+        assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{told}what is typed"), "{line}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "told\n", "{line}");
+        assert_eq!(output.status.code(), Some(7), "{line}");
+    }
+    let (success, listed, _) = run("--help");
+    assert!(success);
+    for (name, about) in fmu_build::native::COMMANDS {
+        let line = listed.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
+        assert!(line.trim_start()[name.len()..].trim_start() == *about, "{line}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_program_that_cannot_be_started_is_told() {
+    let output = command("verify").env("SLIDING_CONTACT_LAB", "/nonexistent/fmu-lab").output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && told.starts_with("error: starting fmu-lab"), "{told}");
 }

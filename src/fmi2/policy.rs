@@ -376,9 +376,6 @@ impl Fault {
 /// Highest order of the input derivatives that are taken.
 pub const INPUT_DERIVATIVE_ORDER: i32 = 1;
 
-/// Highest order of the output derivatives that are offered; as `maxOutputDerivativeOrder` in the XML.
-pub const OUTPUT_DERIVATIVE_ORDER: i32 = 1;
-
 /// Tolerance for the equality of two times, in seconds: `1e-9 max(1, |t|)`.
 ///
 /// Used for the communication point against the end of the last step, and for the end of a step against the

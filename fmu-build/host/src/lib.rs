@@ -22,4 +22,4 @@ pub use description::{Causality, Description, Kind, Variable};
 pub use error::{Failure, Stage};
 pub use scene::{Scene, Span};
 pub use schedule::{Interpolation, Schedule};
-pub use worker::Worker;
+pub use worker::{Worker, platform};

@@ -193,7 +193,7 @@ impl Worker {
 }
 
 /// The folder of this platform's library in an FMU.
-fn platform() -> &'static str {
+pub fn platform() -> &'static str {
     match (std::env::consts::OS, std::env::consts::ARCH) {
         ("windows", "x86_64") => "win64",
         ("windows", _) => "win32",

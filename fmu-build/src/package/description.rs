@@ -3,9 +3,9 @@
 use scene::slot::Packaged;
 use scene::variables::units::{UNITS, Unit};
 use scene::variables::{
-    COUNT, Causality, Depends, EnumerationType, Initial, Kind, Row, TABLE, ValueReference, Variability, lookup,
+    COUNT, Causality, Depends, EnumerationType, Initial, Kind, OUTPUT_DERIVATIVE_ORDER, Row, TABLE, ValueReference,
+    Variability, lookup,
 };
-use sliding_contact::fmi2::policy::OUTPUT_DERIVATIVE_ORDER;
 
 use super::xml::{Attribute, Xml, number, numeric, text};
 

@@ -26,6 +26,26 @@ pub fn build(platform: Platform) -> Result<Vec<u8>> {
     std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
 }
 
+/// Builds the library that this machine itself can load, the scene slot not yet filled.
+///
+/// # Errors
+/// As [`build`].
+pub fn for_this_machine() -> Result<Vec<u8>> {
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return build(Platform::Linux64);
+    }
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.arg("build");
+    let version = Command::new("rustc").arg("-vV").output().context("starting rustc")?;
+    let version = String::from_utf8(version.stdout)?;
+    let target = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names no host")?;
+    let folder = project::target().join("system-linker");
+    cargo(command, target, &folder, &sysroot()?)?;
+    let name = format!("{}sliding_contact{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let path = folder.join(target).join("fmu").join(name);
+    std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
+}
+
 /// With the toolchain in use. The linker is zig's, which links against glibc 2.17 whatever is installed here. Where it
 /// cannot be had, the system's linker is used and the library needs at least the glibc of this machine: a warning
 /// says so.

@@ -16,6 +16,7 @@ mod xml;
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use anyhow::{Context, Result, anyhow};
 use clap::Args;
@@ -143,8 +144,36 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     files.extend(pictures.map(|(path, bytes)| (path.to_owned(), bytes.to_vec())));
     files.extend(documentation::PICTURES.map(|(name, bytes)| (format!("documentation/{name}"), bytes.to_vec())));
     licences::add(&mut files)?;
-    reference::add(&mut files, &scene.packaged)?;
+    add_reference(&mut files, &scene.packaged)?;
     Ok(files)
+}
+
+/// Runs the FMU on this machine for the reference in it: from a folder with what a host reads of it.
+fn add_reference(files: &mut Files, scene: &slot::Packaged) -> Result<()> {
+    let platform = fmu_host::platform();
+    let path = format!("binaries/{platform}/{MODEL_IDENTIFIER}{}", std::env::consts::DLL_SUFFIX);
+    // The one for macOS is for x86-64, whatever this Mac is.
+    let runs = !cfg!(all(target_os = "macos", target_arch = "aarch64"));
+    let library = match files.get(&path).filter(|_| runs) {
+        Some(packaged) => packaged.clone(),
+        None => {
+            let mut library = library::for_this_machine()?;
+            slot::fill(&mut library, scene).map_err(|reason| anyhow!(reason))?;
+            library
+        }
+    };
+    // The system takes a library for one that is loaded already where their paths are the same.
+    static RUNS: AtomicUsize = AtomicUsize::new(0);
+    let run = RUNS.fetch_add(1, Ordering::Relaxed);
+    let folder = project::target().join("fmu").join(format!("reference.{}.{run}", std::process::id()));
+    let description = files["modelDescription.xml"].clone();
+    let result = [("modelDescription.xml", description), (path.as_str(), library)]
+        .into_iter()
+        .try_for_each(|(name, bytes)| write(&folder.join(name), &bytes))
+        .and_then(|()| reference::add(files, scene, &folder));
+    // What is left of it is in the target folder.
+    let _ = fs::remove_dir_all(&folder);
+    result
 }
 
 fn report_glibc(platform: Platform, library: &[u8]) -> Result<()> {

@@ -5,9 +5,9 @@
 use super::Instance;
 use super::problem::{self, Outcome, Problem, argument, reference_problem};
 use crate::fmi2::exports::arguments::{Sink, Source};
-use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER, OUTPUT_DERIVATIVE_ORDER};
+use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER};
 use crate::fmi2::types::{Integer, Real};
-use scene::variables::{self, Causality, ValueReference};
+use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, ValueReference};
 
 /// Workspace of `fmi2GetDirectionalDerivative`, reused so that repeated calls allocate nothing.
 #[derive(Default)]

@@ -18,6 +18,9 @@ use units::Unit;
 /// Position of one scalar variable in the flattened table; the FMI value reference.
 pub type ValueReference = u32;
 
+/// Highest order of the output derivatives that are offered; as `maxOutputDerivativeOrder` in the XML.
+pub const OUTPUT_DERIVATIVE_ORDER: i32 = 1;
+
 /// Role of a variable towards the importer (FMI 2.0.4, section 2.2.7).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Causality {

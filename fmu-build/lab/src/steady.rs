@@ -102,26 +102,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
 }
 
-/// The steady state of a scene with some of its variables set, as `--json` prints it.
-///
-/// # Errors
-/// As [`execute`].
-pub fn record(scene: &str, cells: u16, set: &[&str]) -> Result<Value> {
-    let set = set.iter().map(|&assignment| assignment.to_owned()).collect();
-    let scene = Some(scene.to_owned());
-    let arguments = Arguments {
-        scene,
-        json: true,
-        cells: Some(cells),
-        return_speed: None,
-        set,
-        cold: true,
-        law: false,
-        output: None,
-    };
-    Ok(solve(&arguments)?.record())
-}
-
 /// The scene with what the command sets, its name, and the number of cells.
 fn read(arguments: &Arguments) -> Result<(String, Scene, usize)> {
     let mut scene = scenes::load(arguments.scene.as_deref())?;
