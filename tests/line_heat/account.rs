@@ -1,6 +1,6 @@
 //! Friction work is heat stored and heat lost.
 
-use crate::drive::{Drive, scene};
+use test_support::{Drive, scene};
 
 #[test]
 fn the_account_closes_on_every_path() {

@@ -1,6 +1,6 @@
 //! The operator split between contact and heat: converges to the monolithic step, and says where it diverges.
 
-use crate::drive::{Drive, reference, scene};
+use test_support::{Drive, reference, scene};
 
 const SPLIT: (&str, f64) = ("solver.scheme", 2.0);
 

@@ -1,8 +1,8 @@
 //! Where methods fail, through the component: what must come out.
 
 use super::contact::{BASE, line, stations, trapezoid};
-use super::drive::Drive;
 use sliding_contact::component::Subject;
+use test_support::Drive;
 
 const MEAN: f64 = 1e4 / 6e-4;
 

@@ -1,7 +1,7 @@
 //! Cutting a communication step where a bristle carries the friction force: what slides, sticks or changes between
 //! both comes out the same.
 
-use super::drive::{Drive, scene};
+use test_support::{Drive, scene};
 
 const OUTPUTS: [&str; 7] = [
     "dissipated_energy",

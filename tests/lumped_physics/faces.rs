@@ -1,7 +1,7 @@
 //! Convecting tops and bases lose heat as every free face does: by constant and forced convection and by radiation.
 
-use crate::drive::{CONVECTING, Drive, INSULATED};
 use crate::slab::Slab;
+use test_support::{CONVECTING, Drive, INSULATED};
 
 const AREA: f64 = 0.1;
 const AMBIENT: f64 = 300.0;

@@ -1,10 +1,10 @@
 //! Hostile numbers: every step ends in finite outputs or in an error that names what is wrong, and a failed step leaves
 //! everything as it was.
 
-use super::drive::{Drive, EXTERNAL, scene};
 use scene::variables::{COUNT, Causality, STARTS, lookup};
 use sliding_contact::component::Component;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use test_support::{Drive, EXTERNAL, scene};
 
 /// What a case must come to.
 #[derive(Clone, Copy)]
