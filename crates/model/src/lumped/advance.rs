@@ -283,7 +283,7 @@ impl Lumped {
     }
 
     /// Index of the weights for this step size (s), made if they are not among the recent ones.
-    fn propagators_of(&mut self, step: f64) -> usize {
+    pub(super) fn propagators_of(&mut self, step: f64) -> usize {
         if self.propagators.get(self.latest).is_none_or(|known| known.step != step) {
             self.latest = self.find_propagators(step);
         }
