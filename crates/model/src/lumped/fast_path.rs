@@ -483,6 +483,8 @@ mod tests {
         // Without cooling that varies, both solve the same linear equations.
         let steady_air = [("strip.convection_forced", 0.0), ("strip.emissivity", 0.0)];
         let straight = [("strip.path", 1.0)];
+        // Where friction follows the temperature, the general form takes the gain of the temperature from that at 1 W/m2 less that
+        // at none, which leaves it half of its digits (measured 5e-11).
         // The general form iterates on forced convection until it changes by 1e-6 of the tolerance; the fast path takes radiation
         // as linear where that leaves 1e-3 of the tolerance.
         let tolerance = STARTS[find("solver.tolerance").unwrap() as usize].max(1e-3);
@@ -500,7 +502,7 @@ mod tests {
             ),
             (&steady_air, &[("contact.conductance", 1e4)], false, 1e-12),
             (&steady_air, &[("contact.static_friction_ratio", 1.5)], false, 1e-12),
-            (&steady_air, &[], true, 1e-12),
+            (&steady_air, &[], true, 2e-10),
             (&forced, &[], false, 1e-6 * tolerance),
             (&radiating, &[], false, 1e-3 * tolerance),
             (&radiating, &[], true, 1e-3 * tolerance),
