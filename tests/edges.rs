@@ -1,19 +1,13 @@
 //! Inputs at the thresholds of the step, one unit in the last place beside them and at the limits of the admissible range, held
 //! and linear: a step gives finite outputs that do not jump, or fails with a reason and leaves the state unchanged.
 
-use scene::variables::{STARTS, find};
+use scene::variables::find;
 use sliding_contact::component::Component;
-use std::path::Path;
 use std::sync::Arc;
+use test_support::{changed, scene};
 
 fn component(name: &str, changes: &[(&str, f64)]) -> Component {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
-    let mut starts = STARTS;
-    starts.copy_from_slice(&scene_file::read(&path).unwrap().packaged.starts);
-    for (name, value) in changes {
-        starts[find(name).unwrap() as usize] = *value;
-    }
-    Component::new(Arc::new(starts))
+    Component::new(Arc::new(changed(&scene(name), changes)))
 }
 
 /// Scenes at both levels: closed paths, an annulus, and a straight strip that keeps its worn track.

@@ -1,18 +1,12 @@
 //! A reversal at a communication point gives the same result whether the velocity there is exactly 0 or off by rounding.
 
-use scene::variables::{STARTS, find};
+use scene::variables::find;
 use sliding_contact::component::Component;
-use std::path::Path;
 use std::sync::Arc;
+use test_support::{changed, scene};
 
 fn component(name: &str, changes: &[(&str, f64)]) -> Component {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
-    let mut starts = STARTS;
-    starts.copy_from_slice(&scene_file::read(&path).unwrap().packaged.starts);
-    for (name, value) in changes {
-        starts[find(name).unwrap() as usize] = *value;
-    }
-    Component::new(Arc::new(starts))
+    Component::new(Arc::new(changed(&scene(name), changes)))
 }
 
 /// Rises of the mean contact temperature at the communication points of a triangular velocity of amplitude `velocity` (m/s) that

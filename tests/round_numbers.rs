@@ -6,12 +6,10 @@
 //! findings.
 
 use scene::variables::{STARTS, ValueReference, find};
-use sliding_contact::component::Component;
+use sliding_contact::component::{Component, Values};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::Arc;
-use std::time::Instant;
 
 const VELOCITY: ValueReference = 0;
 const LOAD: ValueReference = 1;
@@ -130,18 +128,13 @@ struct Scene {
     velocity: f64,
 }
 
-fn start_values(name: &str) -> Vec<f64> {
-    if name == "stock" {
-        return STARTS.to_vec();
-    }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name).join("scene.toml");
-    scene_file::read(&path).unwrap().packaged.starts.to_vec()
+fn start_values(name: &str) -> Values {
+    if name == "stock" { STARTS } else { test_support::scene(name) }
 }
 
 /// All shipped scenes and the stock one, in the order of their names.
 fn names() -> Vec<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let mut names: Vec<String> = std::fs::read_dir(folder)
+    let mut names: Vec<String> = std::fs::read_dir(test_support::examples())
         .unwrap()
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.join("scene.toml").exists())
@@ -153,12 +146,11 @@ fn names() -> Vec<String> {
 }
 
 fn scene(name: &str, fidelity: f64, cells: f64, tolerance: f64) -> Scene {
-    let mut starts = STARTS;
-    starts.copy_from_slice(&start_values(name));
+    let starts = test_support::changed(
+        &start_values(name),
+        &[("solver.fidelity", fidelity), ("solver.cells", cells), ("solver.tolerance", tolerance)],
+    );
     let index = |name: &str| find(name).unwrap() as usize;
-    starts[index("solver.fidelity")] = fidelity;
-    starts[index("solver.cells")] = cells;
-    starts[index("solver.tolerance")] = tolerance;
     let (load, velocity) = (starts[index("nominal.load")], starts[index("nominal.velocity")]);
     let level = ["auto", "lumped", "line", "field"][fidelity as usize - 1];
     let name = format!("{name} {level} {cells} {tolerance:e}");
@@ -191,7 +183,7 @@ fn scenes(full: bool) -> Vec<(Scene, u64)> {
 struct Findings {
     runs: u64,
     steps: u64,
-    slowest: f64,
+    most_work: u64,
     errors: BTreeMap<String, (u64, String)>,
     defects: Vec<String>,
 }
@@ -224,12 +216,13 @@ fn run(scene: &mut Scene, number: u64, findings: &mut Findings) {
             component.set_input_derivative(LOAD, load);
         }
         let before = outputs(component);
-        let start = Instant::now();
+        let tried = |component: &Component| component.work().0 + component.work().1;
+        let tried_before = tried(component);
         let outcome = component.step(drive.step);
-        let seconds = start.elapsed().as_secs_f64();
-        if seconds > findings.slowest {
-            findings.slowest = seconds;
-            println!("slowest so far {seconds:.2} s, {:?}: {label}", component.work());
+        let work = tried(component) - tried_before;
+        if work > findings.most_work {
+            findings.most_work = work;
+            println!("most internal steps so far, {work}: {label}");
         }
         findings.steps += 1;
         let after = outputs(component);
@@ -262,19 +255,13 @@ fn campaign(runs: u64, full: bool) -> Findings {
     let mut findings = Findings::default();
     let mut number = 0;
     for (scene, share) in &mut scenes {
-        let start = Instant::now();
         for _ in 0..(runs * *share).div_ceil(shares) {
             number += 1;
             if catch_unwind(AssertUnwindSafe(|| run(scene, number, &mut findings))).is_err() {
                 findings.defects.push(format!("panic: {} run {number} {:?}", scene.name, Drive::of(number)));
             }
         }
-        println!(
-            "{}: to run {number}, {:.1} s, {} defects",
-            scene.name,
-            start.elapsed().as_secs_f64(),
-            findings.defects.len()
-        );
+        println!("{}: to run {number}, {} defects", scene.name, findings.defects.len());
     }
     println!("{} runs, {} steps, {} defects", findings.runs, findings.steps, findings.defects.len());
     findings.errors.iter().for_each(|(kind, (count, first))| println!("{count} x {kind}\n    {first}"));

@@ -1,6 +1,6 @@
 //! Energy balance: friction work equals heat stored plus heat lost.
 
-use crate::drive::{Drive, scene};
+use test_support::{Drive, scene};
 
 #[test]
 fn the_account_closes_on_every_path() {

@@ -1,11 +1,11 @@
 //! Resolved heat of an annular contact: a ring sliding on a ring.
 
-use crate::drive::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
 use elasticity::discretization::{cells_for, compliances};
 use scene::Scene;
 use sliding_contact::component::Snapshot;
 use steady::states::Sliding;
 use steady::thermal::{HotState, hot_state};
+use test_support::{CONVECTING, Drive, HELD, INSULATED, reference, scene};
 
 /// The clutch of the examples on the contact line.
 fn clutch(changes: &[(&str, f64)]) -> Drive {

@@ -1,6 +1,6 @@
 //! Resolved heat at extreme parameters: very large, very small or 0.
 
-use crate::drive::{Drive, scene};
+use test_support::{Drive, scene};
 use verification::planning::scenes::generate;
 
 fn scene_on_line(changes: &[(&str, f64)]) -> Drive {

@@ -3,8 +3,8 @@
 //! A pressure wave of the number m grows at the rate b with `z (1 + z) = 2 R`, `z^2 = 1 + b/(kd m^2)`, R the speed over
 //! `2 K m (1 - nu)/(mu E alpha)`.
 
-use crate::drive::{Drive, reference};
 use std::f64::consts::PI;
+use test_support::{Drive, reference};
 
 const STATIONS: usize = 33;
 const FRICTION: f64 = 0.3;

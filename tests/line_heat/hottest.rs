@@ -1,6 +1,6 @@
 //! The highest temperature of the contact, and surfaces beside an insulator.
 
-use crate::drive::{Drive, INSULATED};
+use test_support::{Drive, INSULATED};
 
 const CELLS: [f64; 6] = [9.0, 17.0, 33.0, 65.0, 129.0, 257.0];
 

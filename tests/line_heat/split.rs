@@ -1,6 +1,6 @@
 //! The operator split between contact and heat: convergence to the monolithic step, and its stability bound.
 
-use crate::drive::{Drive, reference, scene};
+use test_support::{Drive, reference, scene};
 
 const SPLIT: (&str, f64) = ("solver.scheme", 2.0);
 

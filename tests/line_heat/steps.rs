@@ -1,7 +1,7 @@
 //! Order in time, saved states, and quantities independent of heat without expansion.
 
-use crate::drive::{Drive, scene};
 use sliding_contact::component::Snapshot;
+use test_support::{Drive, scene};
 
 fn reciprocating(changes: &[(&str, f64)]) -> Drive {
     let line = [("solver.fidelity", 3.0), ("solver.cells", 17.0)];

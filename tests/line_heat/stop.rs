@@ -4,7 +4,7 @@
 //! `4 h_c/(mu alpha (1 + nu) E*)` = 10.1 m/s no wave grows; above, all do down to some length, and direct feedthrough of the
 //! thermal distortion would make the problem ill-posed.
 
-use crate::drive::{Drive, scene};
+use test_support::{Drive, scene};
 
 const LOAD: f64 = 14e3;
 const CONDUCTANCE: f64 = 20e3;

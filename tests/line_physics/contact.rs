@@ -1,7 +1,7 @@
 //! Pressure at one instant: closed forms, balances, the holder.
 
-use super::drive::Drive;
 use exact::{FlatPunch, HertzLine, friction_exponent};
+use test_support::Drive;
 
 /// Rigid punch, 60 mm wide and 10 mm deep, on a half-plane of E = 200 GPa, nu = .3; friction .25, no heat feeds back.
 pub const BASE: &[(&str, f64)] = &[

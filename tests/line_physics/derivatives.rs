@@ -1,8 +1,8 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
 use super::contact::line;
-use super::drive::{Drive, Random, reference};
 use scene::variables::{COUNT, Causality, Kind, ValueReference, lookup};
+use test_support::{Drive, Random, reference};
 
 const INPUTS: [(&str, f64); 7] = [
     ("sliding_velocity", 5.0),

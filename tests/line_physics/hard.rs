@@ -1,8 +1,8 @@
 //! Cases in which numerical methods tend to fail, through the component, with their required results.
 
 use super::contact::{BASE, line, stations, trapezoid};
-use super::drive::Drive;
 use sliding_contact::component::Subject;
+use test_support::Drive;
 
 const MEAN: f64 = 1e4 / 6e-4;
 

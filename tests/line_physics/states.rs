@@ -1,8 +1,8 @@
 //! Saved states: size, replay to the bit, damage.
 
 use super::contact::line;
-use super::drive::Drive;
 use sliding_contact::component::Snapshot;
+use test_support::Drive;
 
 fn drive_on(drive: &mut Drive, steps: std::ops::Range<u32>) -> Vec<u64> {
     let mut bits = Vec::new();

@@ -1,9 +1,9 @@
 //! Worn shapes: volumes, time steps, the run-in state, strokes, the stability bound of the explicit scheme.
 
 use super::contact::{BASE, line, stations, trapezoid};
-use super::drive::{Drive, scene};
 use exact::{CyclicHalfPlane, HolderKind};
 use scene::variables::STARTS;
+use test_support::{Drive, scene};
 
 fn drive_reciprocating(drive: &mut Drive, half_strokes: u32, parts: u32, velocity: f64, stroke: f64) {
     for half in 0..half_strokes {

@@ -1,6 +1,6 @@
 //! Heat: every boundary, insulators, conductances, initial and prescribed temperatures.
 
-use super::drive::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED};
+use test_support::{CONVECTING, Drive, EXTERNAL, HELD, INSULATED};
 
 const BOUNDARIES: [(&str, f64); 4] =
     [("held", HELD), ("convecting", CONVECTING), ("insulated", INSULATED), ("external", EXTERNAL)];
@@ -206,7 +206,7 @@ fn the_ambient_offset_and_the_tunable_ambient_are_the_same() {
     let end = |tunable: bool, base: f64| {
         let mut drive = Drive::stock(&[("solver.tolerance", 1e-5), ("strip.base_thermal", base)]);
         if tunable {
-            drive.0.set_parameter(super::drive::reference("ambient_temperature"), 313.15);
+            drive.0.set_parameter(test_support::reference("ambient_temperature"), 313.15);
         } else {
             drive.set("ambient_temperature_offset", 20.0);
         }

@@ -1,7 +1,7 @@
 //! Subdivided communication steps where a bristle carries the friction force: results in slip, stick and at
 //! transitions are independent of the subdivision.
 
-use super::drive::{Drive, scene};
+use test_support::{Drive, scene};
 
 const OUTPUTS: [&str; 7] = [
     "dissipated_energy",

@@ -1,7 +1,7 @@
 //! Heat loss of convecting tops and bases: constant and forced convection and radiation, as on every free face.
 
-use crate::drive::{CONVECTING, Drive, INSULATED};
 use crate::slab::Slab;
+use test_support::{CONVECTING, Drive, INSULATED};
 
 const AREA: f64 = 0.1;
 const AMBIENT: f64 = 300.0;

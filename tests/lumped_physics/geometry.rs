@@ -1,7 +1,7 @@
 //! Line and annular contact, faces, several punches, straight and closed paths.
 
-use super::drive::{Drive, HELD, INSULATED};
 use exact::reference::{LayerBase, band_mean};
+use test_support::{Drive, HELD, INSULATED};
 
 const OUTPUTS: [&str; 14] = [
     "friction_force",

@@ -1,10 +1,10 @@
 //! Extreme values: every step gives finite outputs or an error that names the cause, and a failed step leaves
 //! the state unchanged.
 
-use super::drive::{Drive, EXTERNAL, scene};
 use scene::variables::{COUNT, Causality, STARTS, lookup};
 use sliding_contact::component::Component;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use test_support::{Drive, EXTERNAL, scene};
 
 /// Required outcome of a case.
 #[derive(Clone, Copy)]

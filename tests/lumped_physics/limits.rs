@@ -1,7 +1,7 @@
 //! Limits, life, parameters that may change during a run, and bodies worn through.
 
-use super::drive::{Drive, reference};
 use sliding_contact::component::Snapshot;
+use test_support::{Drive, reference};
 
 #[test]
 fn life_and_the_wear_limit() {

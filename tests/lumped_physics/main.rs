@@ -1,12 +1,9 @@
 //! The physics of the lumped level through the component alone: steps, balances, geometry, standstill,
 //! derivatives and limits, against closed forms, fine steps and brute force.
 
-// The example scenes are files.
-
 mod balance;
 mod bristle;
 mod derivatives;
-mod drive;
 mod faces;
 mod geometry;
 mod hostile;

@@ -1,6 +1,6 @@
 //! Output derivatives against their values computed from other outputs.
 
-use super::drive::{Drive, reference, scene, scenes};
+use test_support::{Drive, reference, scene, scenes};
 
 fn rate(drive: &mut Drive, name: &str) -> f64 {
     let mut result = [f64::NAN];

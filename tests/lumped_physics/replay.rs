@@ -1,9 +1,9 @@
 //! Replay from a saved state: bitwise identical, whatever was called before saving.
 
-use super::drive::{Drive, LUMPED, Random, reference};
 use scene::variables::{COUNT, STARTS};
 use sliding_contact::component::{Component, Snapshot};
 use std::sync::Arc;
+use test_support::{Drive, LUMPED, Random, reference};
 
 const INPUTS: [&str; 3] = ["sliding_velocity", "normal_load", "ambient_temperature_offset"];
 

@@ -1,6 +1,6 @@
 //! The bristle that holds at standstill, and the caliper between actuator and punch.
 
-use super::drive::Drive;
+use test_support::Drive;
 
 const STIFFNESS: f64 = 1e6;
 /// mu F of both faces at 5 kN.

@@ -1,6 +1,6 @@
 //! Time steps: subdivision of a communication step, convergence with input derivatives, events inside a step.
 
-use super::drive::{Drive, scene, scenes};
+use test_support::{Drive, scene, scenes};
 
 /// Temperatures relative to the peak rise, the rest to their own size.
 #[derive(Clone, Copy, Debug)]
@@ -246,8 +246,7 @@ fn an_open_contact_neither_rubs_nor_wears_and_says_so_once() {
 /// A brake in the city cycle for `seconds` s, each step of 0.1 s divided into `parts`: temperatures after every step, and
 /// accepted and rejected internal steps.
 fn city(name: &str, tolerance: f64, seconds: usize, parts: u32) -> (Vec<f64>, (u64, u64)) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/udds.csv");
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = std::fs::read_to_string(test_support::examples().join("data/udds.csv")).unwrap();
     let speeds: Vec<f64> = text.lines().skip(1).map(|line| line.split_once(',').unwrap().1.parse().unwrap()).collect();
     let mut drive = Drive::from_starts(&scene(name), &[("solver.tolerance", tolerance)]);
     let mut temperatures = Vec::new();

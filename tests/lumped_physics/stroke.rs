@@ -1,7 +1,7 @@
 //! Reciprocating sliding on a straight path against a direct Fourier solution of the layer.
 
-use super::drive::{Drive, HELD};
 use std::f64::consts::PI;
+use test_support::{Drive, HELD};
 
 const CONDUCTIVITY: f64 = 54.0;
 const CAPACITY: f64 = 7200.0 * 460.0;

@@ -285,8 +285,8 @@ impl Lumped {
         Ok(())
     }
 
-    /// Index of the propagators of this step size (s), built unless cached.
-    fn propagators_of(&mut self, step: f64) -> usize {
+    /// Index of the weights for this step size (s), made if they are not among the recent ones.
+    pub(super) fn propagators_of(&mut self, step: f64) -> usize {
         if self.propagators.get(self.latest).is_none_or(|known| known.step != step) {
             self.latest = self.find_propagators(step);
         }

@@ -7,20 +7,19 @@ use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, Material, Rigid, 
 use nalgebra::{DMatrix, DVector};
 use scene::Scene;
 use scene::variables::{STARTS, find};
-use std::time::Instant;
 use steady::states::{Sliding, steady_state};
 use steady::{BoxProgramme, ReciprocatingProblem, punch_run_in};
+use test_support::Random;
 use verification::integrator::{Integrator, Scheme};
 
 const COUNT: usize = 33;
 
-struct Noise(u64);
+struct Noise(Random);
 
 impl Noise {
     /// Uniform from -1/2 to 1/2.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        self.0.between(-0.5, 0.5)
     }
 
     /// A random point between the bounds that satisfies the constraints: the one nearest to a random target, in a random
@@ -45,7 +44,7 @@ fn layer(cells: &Cells) -> Compliance {
 fn no_pair_that_wears_evenly_has_less_strain_energy_than_the_cycle() {
     let cells = Cells::graded(1.0, COUNT).unwrap();
     let (punch, strip) = (Rigid.compliance(&cells), layer(&cells));
-    let mut noise = Noise(11);
+    let mut noise = Noise(Random(11));
     for pivot_height in [None, Some(1.0)] {
         let problem = |friction| ReciprocatingProblem {
             cells: &cells,
@@ -84,7 +83,7 @@ fn no_pair_that_wears_evenly_has_less_strain_energy_than_the_cycle() {
 fn no_pressure_in_balance_dissipates_less_by_wear_than_the_run_in_one() {
     let cells = Cells::graded(1.0, COUNT).unwrap();
     let (x, w) = (cells.centres(), cells.widths());
-    let mut noise = Noise(5);
+    let mut noise = Noise(Random(5));
     for exponent in [0.3, 0.5, 1.0, 2.0, 3.0] {
         // A speed that differs from cell to cell, as on an annulus, and a lever beyond a third: part of it is empty.
         let law = |exponent: f64| CellRate {
@@ -124,7 +123,7 @@ fn no_pressure_in_balance_dissipates_less_by_wear_than_the_run_in_one() {
 }
 
 #[test]
-fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
+fn time_stepping_takes_more_than_a_hundred_cycles_to_the_direct_steady_state() {
     let mut values = STARTS;
     for (name, value) in [
         ("contact.geometry", 1.0),
@@ -154,14 +153,7 @@ fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
     let scene = Scene::new(&values, None).unwrap();
     let cells = cells_for(&scene, COUNT).unwrap();
     let bodies = compliances(&scene, &cells).unwrap();
-    let mut direct_cost = f64::INFINITY;
-    let mut state = None;
-    for _ in 0..20 {
-        let begin = Instant::now();
-        state = Some(steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap());
-        direct_cost = direct_cost.min(begin.elapsed().as_secs_f64());
-    }
-    let direct = state.unwrap();
+    let direct = steady_state(&scene, &cells, &bodies, &Sliding::nominal(&scene)).unwrap();
     // Displacement 1.5 mm sin(10 t), communication steps of .01 s within a half-stroke of pi/10 s, second order.
     let (load, mean) = (1e6, 1e6 / 0.06);
     let steps = 31;
@@ -170,7 +162,6 @@ fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
     let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; COUNT]).unwrap();
     let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3, COUNT);
     let (mut worn, mut found) = (vec![0.0; COUNT], ContactState::new(COUNT));
-    let begin = Instant::now();
     let mut cycles = 0;
     let last = loop {
         cycles += 1;
@@ -197,12 +188,7 @@ fn direct_steady_states_cost_a_thousandth_of_time_stepping() {
             break error;
         }
     };
-    let stepped_cost = begin.elapsed().as_secs_f64();
-    let ratio = stepped_cost / direct_cost;
-    println!(
-        "{cycles} cycles to {last:.1e}, {stepped_cost:.3} s stepped, {:.1} us direct: {ratio:.0} times",
-        1e6 * direct_cost
-    );
+    println!("{cycles} cycles to {last:.1e}");
+    // Work, not time: the direct state is one programme of as many unknowns as each of the 124 contact problems of a cycle.
     assert!((100..3000).contains(&cycles), "{cycles} cycles");
-    assert!(ratio > 1000.0, "{ratio}");
 }

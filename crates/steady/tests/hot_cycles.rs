@@ -1,6 +1,5 @@
 //! Steady states with heat and jumps over cycles, against time stepping.
 
-use crate::drive::{Drive, scene};
 use elasticity::Cells;
 use elasticity::discretization::{cells_for, compliances};
 use exact::GalinRelaxation;
@@ -13,6 +12,7 @@ use steady::SteadyError;
 use steady::states::{Sliding, SteadyKind, steady_state};
 use steady::thermal::law::{endless_cycles, law};
 use steady::thermal::{HotState, cycle_map, hot_state, nominal_half_strokes};
+use test_support::{Drive, scene};
 
 /// The reciprocating punch at a tenth of its size: heat is steady after 2 s (ten cycles), wear after some fifty cycles.
 const SMALL: &[(&str, f64)] = &[

@@ -6,6 +6,7 @@ use elasticity::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Materi
 use exact::{CyclicHalfPlane, HolderKind, annular_pressure, unidirectional_rotating_pressure};
 use nalgebra::DVector;
 use steady::{CycleProblem, ReciprocatingProblem, SteadyError, can_run_in_reciprocating, groove, punch_run_in};
+use test_support::Random;
 use verification::integrator::{Integrator, Scheme};
 
 const LOAD: f64 = 2.0;
@@ -35,15 +36,6 @@ fn step_once(
     let mut state = ContactState::new(worn.len());
     integrator.step(contact, worn, 0.0, length, &mut |_, c| c.clone_from(conditions), &mut state).unwrap();
     state
-}
-
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    }
 }
 
 #[test]
@@ -198,13 +190,14 @@ fn the_cycle_minimises_the_strain_energy() {
     let d = DVector::from_fn(33, |i, _| cycle.forward[i] - 1.0);
     let functional = |d: &DVector<f64>| 0.5 * (&programme.quadratic * d).dot(d) + programme.linear.dot(d);
     assert!((functional(&d) - cycle.energy).abs() < 1e-15);
-    let mut noise = Noise(7);
+    let mut noise = Random(7);
     let balance = (programme.constraints.transpose() * &programme.constraints).try_inverse().unwrap();
     let mut tried = 0;
     while tried < 1000 {
         // A random direction that keeps force and moment, cut back to the bounds.
-        let mut step =
-            DVector::from_fn(33, |i, _| if d[i].abs() < 1.0 { noise.next() } else { -d[i] * noise.next().abs() });
+        let mut step = DVector::from_fn(33, |i, _| {
+            if d[i].abs() < 1.0 { noise.between(-0.5, 0.5) } else { -d[i] * noise.between(-0.5, 0.5).abs() }
+        });
         step -= &programme.constraints * (&balance * (programme.constraints.transpose() * &step));
         let room = (0..33)
             .map(|i| if step[i] > 0.0 { (1.0 - d[i]) / step[i] } else { (-1.0 - d[i]) / step[i] })
@@ -212,7 +205,7 @@ fn the_cycle_minimises_the_strain_energy() {
         if room <= 1e-12 {
             continue;
         }
-        let other = &d + step * (room.min(1.0) * (noise.next() + 0.5));
+        let other = &d + step * (room.min(1.0) * (noise.between(-0.5, 0.5) + 0.5));
         assert!((programme.constraints.transpose() * &other - &programme.right).amax() < 1e-12);
         assert!(functional(&other) >= cycle.energy - 1e-14, "{:e}", functional(&other) - cycle.energy);
         tried += 1;
@@ -285,7 +278,7 @@ fn unidirectional_equals_time_stepping() {
 fn unidirectional_pressure_minimises_the_wear_dissipation_power() {
     let cells = Cells::graded(1.0, 33).unwrap();
     let (x, w) = (cells.centres(), cells.widths());
-    let mut noise = Noise(3);
+    let mut noise = Random(3);
     for exponent in [0.5, 1.0, 2.0] {
         let rate = power_rate(exponent);
         // A lever at which part of the contact is empty, for the bound as well.
@@ -297,15 +290,16 @@ fn unidirectional_pressure_minimises_the_wear_dissipation_power() {
         let inverse = (balance.transpose() * &balance).try_inverse().unwrap();
         let mut tried = 0;
         while tried < 1000 {
-            let mut step =
-                DVector::from_fn(33, |i, _| if pressure[i] > 0.0 { noise.next() } else { noise.next().abs() });
+            let mut step = DVector::from_fn(33, |i, _| {
+                if pressure[i] > 0.0 { noise.between(-0.5, 0.5) } else { noise.between(-0.5, 0.5).abs() }
+            });
             step -= &balance * (&inverse * (balance.transpose() * &step));
             let room = (0..33).filter(|&i| step[i] < 0.0).map(|i| -pressure[i] / step[i]).fold(f64::INFINITY, f64::min);
             if room <= 1e-9 {
                 // Empty cells that the projection would unload further stay as they are.
                 continue;
             }
-            let other = &pressure + step * (room.min(1.0) * (noise.next() + 0.5));
+            let other = &pressure + step * (room.min(1.0) * (noise.between(-0.5, 0.5) + 0.5));
             assert!(power(&other) >= state.dissipation - 1e-12, "b {exponent}");
             tried += 1;
         }

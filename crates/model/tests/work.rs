@@ -1,11 +1,10 @@
 //! Counted work of steps with resolved heat at changing speed: solutions of the contact problem, matrix factorisations, internal
 //! steps.
 
-use crate::drive::{reference, scene};
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
-use scene::Scene;
+use test_support::{changed_scene, scene};
 
 /// Work of a run: accepted internal steps per communication step; rejections, solutions and factorisations per accepted step.
 #[derive(Debug)]
@@ -18,11 +17,7 @@ struct Work {
 
 /// Steps of `step` s at the velocities `velocity(n)`, linear between them, under the nominal load; from the second hundred on.
 fn work(name: &str, changes: &[(&str, f64)], step: f64, velocity: impl Fn(u32) -> f64) -> Work {
-    let mut starts = scene(name);
-    for (name, value) in changes {
-        starts[reference(name) as usize] = *value;
-    }
-    let scene = Scene::new(&starts, None).unwrap();
+    let scene = changed_scene(&scene(name), changes);
     let tunables = Tunables {
         friction_coefficient: scene.friction_coefficient,
         ambient_temperature: scene.ambient_temperature,

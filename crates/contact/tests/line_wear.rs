@@ -7,6 +7,7 @@ use exact::{
     GalinRelaxation, annular_pressure, unidirectional_rotating_pressure, winkler_relaxation_rate,
     worn_cylinder_half_width,
 };
+use test_support::Random;
 use verification::integrator::{Integrator, Report, Scheme, StepError};
 
 /// E* = 1 and a = 1, k = 1: time is the tau of the exact solution.
@@ -313,17 +314,13 @@ fn equal_steps_with_edges_lifting() {
 fn stages_satisfy_every_condition() {
     // Exponents, stage lengths over 16 decades, rough surfaces, both holders: the residual of the nonlinear problem.
     let cells = Cells::graded(1.0, 33).unwrap();
-    let mut noise = 1u64;
-    let mut random = || {
-        noise = noise.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (noise >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Random(1);
     for exponent in [0.3, 0.5, 1.0, 1.7, 3.0] {
         let mut contact = contact(&cells, &unit_half_plane(), 0.4, vec![0.0; 33]);
         for round in 0..40 {
-            let tau = 10f64.powf(16.0 * random() - 8.0);
-            let worn: Vec<f64> = (0..33).map(|_| 3.0 * random().powi(4)).collect();
-            let load = 10f64.powf(4.0 * random() - 2.0);
+            let tau = 10f64.powf(16.0 * random.next() - 8.0);
+            let worn: Vec<f64> = (0..33).map(|_| 3.0 * random.next().powi(4)).collect();
+            let load = 10f64.powf(4.0 * random.next() - 2.0);
             let tilt = if round % 2 == 0 { Tilt::Fixed(0.1) } else { Tilt::ResultantAt(0.4) };
             let conditions = unidirectional(load, tilt, power_rate(exponent));
             let state = contact.stage(&worn, tau, &conditions).unwrap();

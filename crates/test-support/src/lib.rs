@@ -1,0 +1,80 @@
+//! What tests of several crates share; never linked into the FMU.
+//!
+//! Only integration tests may use it: it links the released form of every layer, whose types are others than those of a layer
+//! that is compiled for its own unit tests.
+
+mod drive;
+mod random;
+
+pub use drive::Drive;
+pub use random::Random;
+
+use scene::Scene;
+use scene::variables::{ValueReference, find};
+use sliding_contact::component::Values;
+use std::path::PathBuf;
+
+/// `solver.fidelity`: the level is chosen by the tolerance.
+pub const AUTO: f64 = 1.0;
+/// `solver.fidelity`: uniform pressure.
+pub const LUMPED: f64 = 2.0;
+
+/// Face of a body: held at a temperature.
+pub const HELD: f64 = 1.0;
+/// Face of a body: cooled by the air.
+pub const CONVECTING: f64 = 2.0;
+/// Face of a body: no heat passes.
+pub const INSULATED: f64 = 3.0;
+/// Face of a body: at a temperature that is an input.
+pub const EXTERNAL: f64 = 4.0;
+
+/// Value reference of a variable.
+///
+/// # Panics
+/// Where there is no variable of that name.
+pub fn reference(name: &str) -> ValueReference {
+    find(name).unwrap_or_else(|| panic!("no variable {name}"))
+}
+
+/// `starts` with changes by name.
+///
+/// # Panics
+/// Where there is no variable of a name.
+pub fn changed(starts: &Values, changes: &[(&str, f64)]) -> Values {
+    let mut starts = *starts;
+    for (name, value) in changes {
+        starts[reference(name) as usize] = *value;
+    }
+    starts
+}
+
+/// The scene of `starts` with changes by name.
+///
+/// # Panics
+/// Where there is no variable of a name, or the scene is refused.
+pub fn changed_scene(starts: &Values, changes: &[(&str, f64)]) -> Scene {
+    Scene::new(&changed(starts, changes), None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The folder of the example scenes and their data.
+pub fn examples() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples"))
+}
+
+/// Start values of an example scene by the name of its folder.
+///
+/// # Panics
+/// Where there is no such scene, or it does not read.
+pub fn scene(name: &str) -> Values {
+    scene_file::read(&examples().join(name).join("scene.toml")).unwrap().packaged.starts
+}
+
+/// Every example scene with the load and the velocity it is made for.
+pub fn scenes() -> [(&'static str, f64, f64); 4] {
+    [
+        ("disc_brake", 2.6e3, 3.8),
+        ("pin_on_disk", 10.0, 0.1),
+        ("reciprocating_punch", 1e4, 9.549e-3),
+        ("clutch", 5e3, 29.7),
+    ]
+}
