@@ -1,6 +1,7 @@
 //! Numerical tools that every part of the physics shares.
 
 pub mod acceleration;
+pub mod cache;
 pub mod dense;
 pub mod factorization;
 pub mod four_fifths;
