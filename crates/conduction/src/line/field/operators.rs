@@ -47,7 +47,6 @@ impl fmt::Debug for FieldOperators {
 pub struct Prepared {
     pub step: f64,
     pub euler: bool,
-    pub last_used: u64,
     pub factor: ThermalFactor,
     pub influence: SurfaceInfluence,
     /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
@@ -60,7 +59,6 @@ impl Prepared {
         Prepared {
             step: f64::NAN,
             euler: false,
-            last_used: 0,
             factor: operators.block.empty_factor(),
             influence: SurfaceInfluence {
                 temperature: DMatrix::zeros(count, count),
@@ -197,8 +195,6 @@ impl FieldOperators {
         prepared: &mut Prepared,
         room: &mut FieldWorkspace,
     ) -> Result<(), BlockError> {
-        // Of no use to anybody until it is done.
-        prepared.step = f64::NAN;
         self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
         let responses = &mut room.responses;
         responses.fill(0.0);
