@@ -4,7 +4,7 @@ use super::conditions::Conditions;
 use super::operators::BodyOperators;
 use super::state::LumpedState;
 use super::step::{Attempt, Propagators, Stepper};
-use super::{KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
+use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
 use crate::events::edges;
 use crate::{INPUTS, Inputs, StepFailure};
@@ -284,26 +284,8 @@ impl Lumped {
 
     /// Index of the weights for this step size (s), made if they are not among the recent ones.
     fn propagators_of(&mut self, step: f64) -> usize {
-        if self.propagators.get(self.latest).is_none_or(|known| known.step != step) {
-            self.latest = self.find_propagators(step);
-        }
-        self.latest
-    }
-
-    #[inline(never)]
-    fn find_propagators(&mut self, step: f64) -> usize {
-        if let Some(index) = self.propagators.iter().position(|known| known.step == step) {
-            return index;
-        }
-        let made = Propagators::new(&self.operators, step);
-        if self.propagators.len() < KEPT_STEPS {
-            self.propagators.push(made);
-            return self.propagators.len() - 1;
-        }
-        let index = self.oldest;
-        self.propagators[index] = made;
-        self.oldest = (self.oldest + 1) % KEPT_STEPS;
-        index
+        let operators = &self.operators;
+        self.propagators.get_or_compute(step.to_bits(), |made| *made = Propagators::new(operators, step))
     }
 
     /// Whether the step could wear a body through: only then is the state before it kept.

@@ -23,6 +23,7 @@ use crate::{INPUTS, Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
+use numerics::cache::KeyedCache;
 use numerics::scalar::Dual;
 use operators::LumpedOperators;
 use point::{Frozen, Point};
@@ -58,7 +59,7 @@ const HIGHEST_VALID_WEAR: f64 = 0.5;
 const NEAR_END: f64 = 0.9;
 
 /// Step sizes whose weights are kept.
-const KEPT_STEPS: usize = 12;
+const CACHED_STEPS: usize = 12;
 
 /// Load and speed that a run may exceed the nominal by before the plan no longer holds.
 const NOMINAL_MARGIN: f64 = 10.0;
@@ -104,11 +105,8 @@ pub struct Lumped {
     state: LumpedState,
     frozen: Frozen,
     frozen_is_current: bool,
-    /// Weights of recent step sizes; never part of the state, always rebuilt to the same bits.
-    propagators: Vec<Propagators>,
-    oldest: usize,
-    /// Index of those last used.
-    latest: usize,
+    /// Weights of recent step sizes by their bits; never part of the state, always rebuilt to the same bits.
+    propagators: KeyedCache<u64, Propagators>,
     /// The machine's vector unit.
     arch: Arch,
     flash: FlashStep,
@@ -132,9 +130,7 @@ impl Lumped {
             friction,
             tunables,
             state,
-            propagators: Vec::with_capacity(KEPT_STEPS),
-            oldest: 0,
-            latest: 0,
+            propagators: KeyedCache::new(std::iter::repeat_n(Propagators::empty(), CACHED_STEPS)),
             arch: Arch::new(),
             flash: FlashStep::empty(),
             known,

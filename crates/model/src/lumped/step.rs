@@ -31,6 +31,11 @@ pub struct Propagators {
 }
 
 impl Propagators {
+    /// Memory for the weights of a step.
+    pub fn empty() -> Propagators {
+        Propagators { step: f64::NAN, punch: None, strip: None, flash: [1.0; MAX_FLASH_STATES] }
+    }
+
     /// Weights for the step `step` (s).
     pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
         let of = |body: &BodyOperators| {
