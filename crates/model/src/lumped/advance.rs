@@ -7,11 +7,12 @@ use super::step::{Attempt, Propagators, Stepper};
 use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
 use crate::events::edges;
+use crate::step_control::{FINEST, StepController};
 use crate::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
 
-/// Finest subdivision of a communication step: 2^-40 of it.
-const FINEST: u8 = 40;
+/// Error below which the step is doubled: it falls by about eight when the step is halved.
+const DOUBLING: f64 = 0.3;
 
 /// Conditions during a piece of a communication step.
 enum InputTrajectory<'a> {
@@ -186,24 +187,24 @@ impl Lumped {
         backup: &mut Option<LumpedState>,
         budget: &mut Budget,
     ) -> Result<(), StepFailure> {
-        let mut level = self.state.refinement + u8::from(is_too_long);
+        let mut control = StepController::new(length, self.state.refinement + u8::from(is_too_long), DOUBLING);
         self.state.rejected += u64::from(is_too_long);
-        let mut part: u64 = 0;
         // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
         let mut whole = None;
-        while part < 1_u64 << level {
+        while !control.is_done() {
+            let (parts, done) = control.parts();
             let tolerance = self.operators.scene.tolerance;
             budget.spend(|| {
                 let [start, end] = [course.at(0.0), course.at(length)];
                 format!(
-                    "{part} of 2^{level} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
+                    "{done} of 2^{} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
                      normal load {} to {} N",
+                    control.level(),
                     start.velocity, end.velocity, start.load, end.load
                 )
             })?;
-            let step = length / (1_u64 << level) as f64;
-            let start = part as f64 * step;
-            if level > 0 && backup.is_none() {
+            let (start, step) = (control.start(), control.step());
+            if parts > 1 && backup.is_none() {
                 *backup = Some(self.state.clone());
             }
             let index = self.propagators_of(step);
@@ -221,7 +222,7 @@ impl Lumped {
             if let Some(at) = &varying
                 && whole.is_none()
             {
-                whole = Some(if level == 0 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
+                whole = Some(if parts == 1 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
             } else if varying.is_none() && self.has_bristle() {
                 // A change between sticking and slipping is no polynomial at any step.
                 whole = Some([now; 2]);
@@ -233,7 +234,7 @@ impl Lumped {
             self.flash.prepare(&self.operators, &self.propagators[index].flash, speeds, step);
             let mut stepper = Stepper {
                 flash: &mut self.flash,
-                cut: (1_u64 << level) as f64,
+                cut: parts as f64,
                 ends: whole.as_ref(),
                 operators: &self.operators,
                 friction: &self.friction,
@@ -256,16 +257,11 @@ impl Lumped {
                 self.state.steps += 1;
                 self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 self.judge_temperature(attempt.hottest);
-                part += 1;
-                // The error falls by about eight when the step is halved: room for doubling it.
-                if level > 0 && part.is_multiple_of(2) && attempt.error < 0.3 {
-                    level -= 1;
-                    part /= 2;
-                }
+                control.accept(attempt.error, true);
                 continue;
             }
             self.state.rejected += 1;
-            if level >= FINEST {
+            if !control.halve(1) {
                 let last = course.at(start + step);
                 return Err(StepFailure(format!(
                     "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
@@ -275,10 +271,8 @@ impl Lumped {
                     last.load
                 )));
             }
-            level += 1;
-            part *= 2;
         }
-        self.state.refinement = level;
+        self.state.refinement = control.level();
         Ok(())
     }
 
