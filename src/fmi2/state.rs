@@ -21,6 +21,7 @@
 
 use super::policy::Phase;
 use crate::component::Snapshot;
+use scene::fnv::Fnv;
 
 const MAGIC: [u8; 4] = *b"SCfs";
 const VERSION: u16 = 2;
@@ -149,10 +150,7 @@ fn field<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
 
 /// FNV-1a over all bytes but its own.
 fn checksum(bytes: &[u8]) -> u64 {
-    bytes[..CHECKSUM.start]
-        .iter()
-        .chain(&bytes[CHECKSUM.end..])
-        .fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    Fnv::of(bytes[..CHECKSUM.start].iter().chain(&bytes[CHECKSUM.end..]).copied()).0
 }
 
 #[cfg(test)]

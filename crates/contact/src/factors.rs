@@ -5,6 +5,7 @@
 use super::problem::ContactError;
 use elasticity::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
+use numerics::cache::KeyedCache;
 use numerics::dense;
 
 /// Size of the factor cache in numbers, unless fewer than [`LEAST_ENTRIES`] fit: both strokes and both stages of a step of
@@ -56,8 +57,10 @@ pub(super) struct Factors {
     count: usize,
     normal: Vec<f64>,
     shear: Vec<f64>,
-    extras: Vec<Extra>,
-    /// Index of the current added compliance in `extras`.
+    /// Extra matrices by names that tell each from all that came before; 0 is none.
+    extras: KeyedCache<u64, Vec<f64>>,
+    names: u64,
+    /// Place of the extra matrix at hand among them.
     added_compliance: Option<usize>,
     low_rank_update: CachedUpdate,
     operator: Option<Vec<f64>>,
@@ -66,25 +69,16 @@ pub(super) struct Factors {
     weights: Vec<f64>,
     total_weight: f64,
     shift: f64,
-    compositions: Vec<Composition>,
-    entries: Vec<Entry>,
-    clock: u64,
+    compositions: KeyedCache<Sum, Composition>,
+    entries: KeyedCache<(Sum, bool), Entry>,
     pub factorisations: u64,
 }
 
-#[derive(Clone, Debug)]
-struct Extra {
-    used: u64,
-    /// Unique key; 0 is none.
-    name: u64,
-    matrix: Vec<f64>,
-}
+/// Name of the extra matrix and bits of the signed friction of a compliance.
+type Sum = (u64, u64);
 
 #[derive(Clone, Debug)]
 struct Composition {
-    used: u64,
-    added_compliance: u64,
-    signed_friction: u64,
     acting: Vec<bool>,
     matrix: Vec<f64>,
 }
@@ -92,11 +86,7 @@ struct Composition {
 /// Factors for one contact set, and the pressures by a uniform and by a linear displacement.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    used: u64,
-    added_compliance: u64,
-    signed_friction: u64,
     acting: Vec<bool>,
-    shifted: bool,
     diagonal: Vec<f64>,
     active: Vec<bool>,
     /// Cells in contact, and open cells.
@@ -165,20 +155,10 @@ impl Factors {
         check_operators(count, &normal, &shear)?;
         let acting = vec![true; count];
         let room = || vec![0.0; count * largest_reduction(count)];
-        // Allocated separately rather than cloned: untouched zeros cost no physical memory.
-        let composition = |_| Composition {
-            used: 0,
-            added_compliance: 0,
-            signed_friction: f64::NAN.to_bits(),
-            acting: acting.clone(),
-            matrix: vec![0.0; count * count],
-        };
+        // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
+        let composition = |_| Composition { acting: acting.clone(), matrix: vec![0.0; count * count] };
         let entry = |_| Entry {
-            used: 0,
-            added_compliance: 0,
-            signed_friction: 0,
             acting: acting.clone(),
-            shifted: false,
             diagonal: vec![0.0; count],
             active: vec![false; count],
             index: Vec::with_capacity(count),
@@ -206,7 +186,8 @@ impl Factors {
             shift: normal.diagonal().mean(),
             normal: normal.data.into(),
             shear: shear.data.into(),
-            extras: (0..extras).map(|_| Extra { used: 0, name: 0, matrix: vec![0.0; count * count] }).collect(),
+            extras: KeyedCache::new((0..extras).map(|_| vec![0.0; count * count])),
+            names: 0,
             added_compliance: None,
             low_rank_update: CachedUpdate {
                 acting: acting.clone(),
@@ -220,9 +201,8 @@ impl Factors {
             length: cells.half_width(),
             weights: weights.to_vec(),
             total_weight: weights.iter().sum(),
-            compositions: (0..COMPOSITIONS).map(composition).collect(),
-            entries: (0..kept).map(entry).collect(),
-            clock: 0,
+            compositions: KeyedCache::new((0..COMPOSITIONS).map(composition)),
+            entries: KeyedCache::new((0..kept).map(entry)),
             factorisations: 0,
         })
     }
@@ -236,20 +216,16 @@ impl Factors {
     pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if let Some(matrix) = added_compliance {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
-            self.clock += 1;
-            let same = |known: &Extra| known.name > 0 && same_bits(&known.matrix, matrix.as_slice());
-            let known = self.extras.iter().position(same);
+            let known = self.extras.find(|_, known| same_bits(known, matrix.as_slice()));
             if let (None, Some(&value)) = (known, matrix.iter().find(|v| !v.is_finite())) {
                 return Err(ContactError::Invalid { quantity: "extra compliance", value });
             }
             let place = known.unwrap_or_else(|| {
-                let place = least_used(self.extras.iter().map(|added_compliance| added_compliance.used));
-                let own = &mut self.extras[place];
-                own.name = self.clock;
-                own.matrix.copy_from_slice(matrix.as_slice());
+                self.names += 1;
+                let place = self.extras.insert(self.names);
+                self.extras[place].copy_from_slice(matrix.as_slice());
                 place
             });
-            self.extras[place].used = self.clock;
             self.added_compliance = Some(place);
         } else {
             self.added_compliance = None;
@@ -279,7 +255,7 @@ impl Factors {
     }
 
     pub fn set_operator(&mut self, operator: Option<&DMatrix<f64>>) {
-        self.forget();
+        self.entries.clear();
         let Some(matrix) = operator else {
             self.operator = None;
             return;
@@ -291,11 +267,7 @@ impl Factors {
         }
     }
 
-    fn forget(&mut self) {
-        self.entries.iter_mut().for_each(|e| e.used = 0);
-    }
-
-    /// Shear compliance S, by columns.
+    /// `S`, by columns.
     pub fn shear(&self) -> &[f64] {
         &self.shear
     }
@@ -316,30 +288,26 @@ impl Factors {
         &self.compositions[position].matrix
     }
 
+    fn sum(&self, signed_friction: f64) -> Sum {
+        let name = self.added_compliance.and_then(|place| self.extras.key(place).copied());
+        (name.unwrap_or(0), signed_friction.to_bits())
+    }
+
     fn compose(&mut self, signed_friction: f64) -> usize {
-        self.clock += 1;
-        let bits = signed_friction.to_bits();
+        let sum = self.sum(signed_friction);
         let CachedUpdate { acting, rank, left, right, .. } = &self.low_rank_update;
-        let added_compliance = self.added_compliance.map(|place| &self.extras[place]);
-        let name = added_compliance.map_or(0, |added_compliance| added_compliance.name);
-        let fits = |c: &Composition| {
-            c.used > 0 && c.added_compliance == name && c.signed_friction == bits && c.acting == *acting
-        };
-        if let Some(position) = self.compositions.iter().position(fits) {
-            self.compositions[position].used = self.clock;
+        if let Some(position) = self.compositions.find(|key, known| *key == sum && known.acting == *acting) {
             return position;
         }
-        let position = least_used(self.compositions.iter().map(|c| c.used));
+        let added_compliance = self.added_compliance.map(|place| &self.extras[place]);
+        let position = self.compositions.insert(sum);
         let composition = &mut self.compositions[position];
-        composition.used = self.clock;
-        composition.added_compliance = name;
-        composition.signed_friction = bits;
         composition.acting.copy_from_slice(acting);
         for ((target, normal), shear) in composition.matrix.iter_mut().zip(&self.normal).zip(&self.shear) {
             *target = normal + signed_friction * shear;
         }
         if let Some(added_compliance) = added_compliance {
-            for (target, added_compliance) in composition.matrix.iter_mut().zip(&added_compliance.matrix) {
+            for (target, added_compliance) in composition.matrix.iter_mut().zip(added_compliance) {
                 *target += added_compliance;
             }
         }
@@ -356,31 +324,20 @@ impl Factors {
 
     /// Cache position of the entry for `key`, factorised on a miss; `None` where the matrix is singular.
     pub fn find(&mut self, key: Key<'_>) -> Option<usize> {
-        self.clock += 1;
-        let bits = key.signed_friction.to_bits();
-        let clock = self.clock;
-        let added_compliance = self.added_compliance.map_or(0, |place| self.extras[place].name);
-        let fits = |entry: &Entry| {
-            entry.used > 0
-                && entry.added_compliance == added_compliance
-                && entry.signed_friction == bits
-                && entry.shifted == key.shifted
+        let scalars = (self.sum(key.signed_friction), key.shifted);
+        let fits = |known: &(Sum, bool), entry: &Entry| {
+            *known == scalars
                 && entry.active == key.active
                 && entry.acting == self.low_rank_update.acting
                 && entry.index.iter().all(|&i| entry.diagonal[i].to_bits() == key.diagonal[i].to_bits())
         };
-        if let Some(position) = self.entries.iter().position(fits) {
-            self.entries[position].used = clock;
+        if let Some(position) = self.entries.find(fits) {
             return self.entries[position].regular.then_some(position);
         }
         self.factorisations += 1;
         let composed = self.compose(key.signed_friction);
-        let position = least_used(self.entries.iter().map(|e| e.used));
+        let position = self.entries.insert(scalars);
         let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
-        entry.used = self.clock;
-        entry.added_compliance = added_compliance;
-        entry.signed_friction = bits;
-        entry.shifted = key.shifted;
         entry.diagonal.copy_from_slice(key.diagonal);
         entry.active.copy_from_slice(key.active);
         entry.acting.copy_from_slice(&self.low_rank_update.acting);
@@ -432,7 +389,8 @@ impl Factors {
         if self.entries[position].has_open_rows {
             return &self.entries[position];
         }
-        let composed = self.compose(f64::from_bits(self.entries[position].signed_friction));
+        let (_, signed_friction) = self.entries.key(position).map_or((0, 0), |key| key.0);
+        let composed = self.compose(f64::from_bits(signed_friction));
         let (composition, entry) = (&self.compositions[composed].matrix, &mut self.entries[position]);
         entry.has_open_rows = true;
         let m = entry.index.len();
@@ -500,8 +458,4 @@ impl Entry {
 /// Whether two matrices are bitwise equal.
 fn same_bits(one: &[f64], other: &[f64]) -> bool {
     one.iter().zip(other).all(|(one, other)| one.to_bits() == other.to_bits())
-}
-
-fn least_used(used: impl Iterator<Item = u64>) -> usize {
-    used.enumerate().min_by_key(|(_, used)| *used).map_or(0, |(position, _)| position)
 }

@@ -5,10 +5,12 @@
 //! `cargo fmu bench --line` shows both. The widest vector unit of the machine that the build of `pulp` supports is selected
 //! at run time.
 
+mod cholesky;
 mod elimination;
 mod products;
 mod single;
 
+pub use cholesky::cholesky;
 pub use elimination::{factorise, substitute};
 pub use products::{combine, dot, multiply_add, multiply_add_each, multiply_add_pair, multiply_transposed_add};
 pub use single::SingleMatrix;

@@ -1,6 +1,7 @@
 //! Numerical tools shared by all parts of the physics.
 
 pub mod acceleration;
+pub mod cache;
 pub mod dense;
 pub mod factorization;
 pub mod four_fifths;

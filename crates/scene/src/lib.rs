@@ -1,6 +1,7 @@
 //! A scene: the parameters of the physical model, built from the values of the variable table.
 
 mod fade;
+pub mod fnv;
 mod rules;
 pub mod slot;
 pub mod variables;

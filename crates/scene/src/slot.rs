@@ -20,6 +20,7 @@
 //! | 104..136 | start, stop, step, tolerance of the default experiment |
 //! | 136.. | the start values in the order of the value references |
 
+use crate::fnv::Fnv;
 use std::sync::OnceLock;
 
 use crate::variables::{COUNT, Causality, Initial, Kind, STARTS, Start, TABLE, Variability};
@@ -128,13 +129,13 @@ const fn stock_bytes() -> [u8; LENGTH] {
 /// FNV-1a over everything behind the checksum. Each step is a bijection of the running value, so
 /// every change of a single byte is detected.
 const fn checksum(bytes: &[u8; LENGTH]) -> u64 {
-    let mut hash = 0xcbf2_9ce4_8422_2325;
+    let mut hash = Fnv::new();
     let mut index = BODY_AT;
     while index < LENGTH {
-        hash = (hash ^ bytes[index] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+        hash = hash.with(bytes[index]);
         index += 1;
     }
-    hash
+    hash.0
 }
 
 /// The slot's bytes as they are in the loaded library.

@@ -205,7 +205,8 @@ impl Description {
         if let Some(&index) = self.by_name.get(name) {
             return Ok(&self.variables[index]);
         }
-        let closest = self.variables.iter().map(|variable| (distance(name, &variable.name), &variable.name)).min();
+        let closest =
+            self.variables.iter().map(|variable| (strsim::levenshtein(name, &variable.name), &variable.name)).min();
         let hint = match closest {
             Some((away, closest)) if away <= 3.max(name.len() / 3) => format!("; did you mean {closest}?"),
             _ => String::new(),
@@ -258,22 +259,6 @@ impl Attributes {
         let text = self.required(name)?;
         text.parse().map_err(|_| format!("{name} = {text:?} is no number"))
     }
-}
-
-/// Levenshtein distance: insertions, deletions and replacements that make one text of the other.
-fn distance(one: &str, other: &str) -> usize {
-    let other: Vec<char> = other.chars().collect();
-    let mut row: Vec<usize> = (0..=other.len()).collect();
-    for (i, a) in one.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &b) in other.iter().enumerate() {
-            let replaced = diagonal + usize::from(a != b);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[other.len()]
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::worker::{Answer, OK};
 use crate::project;
 use anyhow::{Context, Result, bail};
+use scene::fnv::Fnv;
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::Write;
@@ -126,13 +127,13 @@ impl Results {
 
 /// Fingerprint of a batch, so that rows of different batches are not mixed: FNV-1a over everything, each part with its length.
 pub fn fingerprint(parts: &[&[u8]]) -> String {
-    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut hash = Fnv::new();
     for part in parts {
         for &byte in (part.len() as u64).to_le_bytes().iter().chain(*part) {
-            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            hash = hash.with(byte);
         }
     }
-    format!("{hash:016x}")
+    format!("{:016x}", hash.0)
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ use super::reduced::{ReducedHeat, first_moment, mean_decay};
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::flash::{Flash, MAX_FLASH_STATES};
 use nalgebra::DMatrix;
+use numerics::cache::KeyedCache;
 use std::sync::Arc;
 
 /// Moving source of a scene at every cell.
@@ -54,9 +55,8 @@ struct DiscStage {
 pub struct DiscHeat {
     ring: ReducedHeat,
     source: Arc<Source>,
-    /// Step, velocities, and whether it is an implicit Euler step: the arguments of `stages`.
-    key: Option<(f64, [f64; 2], bool)>,
-    stages: [DiscStage; 2],
+    /// By the bits of step and velocities, and whether it is one of implicit Euler.
+    stages: KeyedCache<([u64; 3], bool), [DiscStage; 2]>,
 }
 
 impl DiscHeat {
@@ -68,7 +68,8 @@ impl DiscHeat {
             weights: vec![Weights::default(); count * MAX_FLASH_STATES],
             influence: SurfaceInfluence { temperature: zeros(), distortion: zeros() },
         };
-        DiscHeat { ring, source: Arc::new(Source { flash, ratio }), key: None, stages: [stage(), stage()] }
+        let stages = KeyedCache::new([[stage(), stage()]]);
+        DiscHeat { ring, source: Arc::new(Source { flash, ratio }), stages }
     }
 
     fn select(&mut self, step: f64, velocity: [f64; 2], euler: bool) {
@@ -76,36 +77,13 @@ impl DiscHeat {
             true => self.ring.prepare_euler(step, velocity),
             false => self.ring.prepare(step, velocity),
         }
-        let key = Some((step, velocity, euler));
-        if self.key == key {
-            return;
-        }
-        self.key = key;
-        let source = &*self.source;
-        let at = |part: f64| velocity[0] + (velocity[1] - velocity[0]) * part;
-        for (stage, end) in [(Stage::First, GAMMA), (Stage::End, 1.0)] {
-            let DiscStage { weights, influence } = &mut self.stages[stage as usize];
-            influence.temperature.copy_from(&self.ring.influence(stage).temperature);
-            influence.distortion.copy_from(&self.ring.influence(stage).distortion);
-            for (i, (ratio, own)) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)).enumerate() {
-                let square = ratio * ratio;
-                let rate = |part: f64| source.flash.sliding_rate(square * at(part).abs()) / square;
-                let sliding = match (euler, velocity[0] == velocity[1]) {
-                    (true, _) | (false, true) => Sliding::constant(rate(1.0)),
-                    (false, false) => Sliding::new(rate(0.0), rate(0.5 * end), rate(end)),
-                };
-                for (k, weights) in own.iter_mut().enumerate() {
-                    let at_rest = source.flash.rates[k] / square;
-                    let residue = source.flash.residues[k] / ratio;
-                    *weights = match (euler, stage) {
-                        (true, _) => Weights::euler(at_rest + sliding.end, residue, step),
-                        (false, Stage::First) => Weights::first(at_rest, &sliding, residue, step),
-                        (false, Stage::End) => Weights::end(at_rest, &sliding, residue, step),
-                    };
-                }
-                influence.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
-            }
-        }
+        let key = ([step, velocity[0], velocity[1]].map(f64::to_bits), euler);
+        let Self { ring, source, stages } = self;
+        stages.get_or_compute(key, |stages| fill(stages, source, ring, step, velocity, euler));
+    }
+
+    fn stage(&self, stage: Stage) -> &DiscStage {
+        &self.stages.latest().expect("prepare comes before any step")[stage as usize]
     }
 
     /// State of the ring with its heat account, and state of the source, which is stored first.
@@ -126,7 +104,35 @@ impl DiscHeat {
     }
 }
 
-/// Rates that sliding adds to every decay rate over a stage, 1/s: at its start, mean, at its end.
+/// Weights and responses of both stages of a step.
+fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: f64, velocity: [f64; 2], euler: bool) {
+    let at = |part: f64| velocity[0] + (velocity[1] - velocity[0]) * part;
+    for (stage, end) in [(Stage::First, GAMMA), (Stage::End, 1.0)] {
+        let DiscStage { weights, influence } = &mut stages[stage as usize];
+        influence.temperature.copy_from(&ring.influence(stage).temperature);
+        influence.distortion.copy_from(&ring.influence(stage).distortion);
+        for (i, (ratio, own)) in source.ratio.iter().zip(weights.chunks_exact_mut(MAX_FLASH_STATES)).enumerate() {
+            let square = ratio * ratio;
+            let rate = |part: f64| source.flash.sliding_rate(square * at(part).abs()) / square;
+            let sliding = match (euler, velocity[0] == velocity[1]) {
+                (true, _) | (false, true) => Sliding::constant(rate(1.0)),
+                (false, false) => Sliding::new(rate(0.0), rate(0.5 * end), rate(end)),
+            };
+            for (k, weights) in own.iter_mut().enumerate() {
+                let at_rest = source.flash.rates[k] / square;
+                let residue = source.flash.residues[k] / ratio;
+                *weights = match (euler, stage) {
+                    (true, _) => Weights::euler(at_rest + sliding.end, residue, step),
+                    (false, Stage::First) => Weights::first(at_rest, &sliding, residue, step),
+                    (false, Stage::End) => Weights::end(at_rest, &sliding, residue, step),
+                };
+            }
+            influence.temperature[(i, i)] += own.iter().map(|weights| weights.own).sum::<f64>();
+        }
+    }
+}
+
+/// What sliding adds to every decay over a stage, 1/s.
 struct Sliding {
     start: f64,
     mean: f64,
@@ -226,7 +232,7 @@ impl ThermalBody for DiscHeat {
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.stages[stage as usize].influence
+        &self.stage(stage).influence
     }
 
     fn free_response(
@@ -240,7 +246,7 @@ impl ThermalBody for DiscHeat {
     ) {
         let (ring, source) = self.split(state);
         self.ring.free_response(ring, surroundings, stage, known, temperature, distortion);
-        let weights = &self.stages[stage as usize].weights;
+        let weights = &self.stage(stage).weights;
         let left = source.iter().zip(weights).enumerate();
         Self::add(
             temperature,
@@ -251,7 +257,7 @@ impl ThermalBody for DiscHeat {
     fn advance(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
         let (source, ring) = state.split_at_mut(self.source_states());
         self.ring.advance(ring, surroundings, first, end);
-        for (k, (state, weights)) in source.iter_mut().zip(&self.stages[Stage::End as usize].weights).enumerate() {
+        for (k, (state, weights)) in source.iter_mut().zip(&self.stage(Stage::End).weights).enumerate() {
             let i = k / MAX_FLASH_STATES;
             *state = weights.decay * *state + weights.known * first[i] + weights.own * end[i];
         }

@@ -31,13 +31,14 @@ use elasticity::block::{
     Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
 };
 use faer::Mat;
+use numerics::cache::KeyedCache;
 use operators::{FieldOperators, FieldWorkspace, Prepared, TALLIES, dot, extrapolate};
 use scene::{Scene, ThermalBoundary};
 use std::cell::RefCell;
 use std::sync::Arc;
 
-/// Number of step sizes whose factors are cached.
-const KEPT: usize = 4;
+/// Step sizes whose factors are kept.
+const CAPACITY: usize = 4;
 
 /// Layers of elements towards the contact's corners beyond those that elasticity needs: the mean temperature of an edge cell
 /// needs elements that are small against it.
@@ -50,9 +51,8 @@ const MESH_TOLERANCE: f64 = 1e-4;
 #[derive(Debug)]
 pub struct FieldHeat {
     operators: Arc<FieldOperators>,
-    kept: Vec<Prepared>,
-    current: usize,
-    clock: u64,
+    /// By the bits of the step and whether it is one of implicit Euler.
+    prepared: KeyedCache<(u64, bool), Prepared>,
     room: RefCell<FieldWorkspace>,
 }
 
@@ -111,8 +111,8 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
         block,
     };
     let room = FieldWorkspace::new(&operators)?;
-    let kept = (0..KEPT).map(|_| Prepared::empty(&operators)).collect();
-    Ok(Some(FieldHeat { operators: Arc::new(operators), kept, current: 0, clock: 0, room: RefCell::new(room) }))
+    let prepared = KeyedCache::new((0..CAPACITY).map(|_| Prepared::empty(&operators)));
+    Ok(Some(FieldHeat { operators: Arc::new(operators), prepared, room: RefCell::new(room) }))
 }
 
 /// The only column of a matrix.
@@ -122,22 +122,17 @@ fn vector(matrix: &Mat<f64>) -> Vec<f64> {
 
 impl FieldHeat {
     fn select(&mut self, step: f64, euler: bool) {
-        self.clock += 1;
-        let known = self.kept.iter().position(|prepared| prepared.step == step && prepared.euler == euler);
-        self.current = known.unwrap_or_else(|| {
-            let oldest = (0..KEPT).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
-            let (prepared, room) = (&mut self.kept[oldest], self.room.get_mut());
-            // The shift keeps the matrix definite, so a factor always exists.
-            self.operators
+        let (operators, room) = (&self.operators, self.room.get_mut());
+        self.prepared.get_or_compute((step.to_bits(), euler), |prepared| {
+            // The shift keeps the matrix definite, so there is always a factor.
+            operators
                 .prepare(step, euler, prepared, room)
                 .unwrap_or_else(|error| panic!("punch, step of {step} s: {error}"));
-            oldest
         });
-        self.kept[self.current].last_used = self.clock;
     }
 
     fn prepared(&self) -> &Prepared {
-        &self.kept[self.current]
+        self.prepared.latest().expect("prepare comes before any step")
     }
 
     /// Result of `observe` for the field of a state, given with the temperature offset of that field.
@@ -310,12 +305,9 @@ impl ThermalBody for FieldHeat {
 
     fn boxed(&self) -> Box<dyn ThermalBody> {
         let operators = self.operators.clone();
-        // An unused cache slot is copied without touching its memory.
-        let copy = |prepared: &Prepared| {
-            if prepared.step.is_nan() { Prepared::empty(&operators) } else { prepared.clone() }
-        };
-        let kept = self.kept.iter().map(copy).collect();
+        // Room that nothing was prepared in costs no memory until something is.
+        let prepared = self.prepared.clone_occupied(|_| Prepared::empty(&operators));
         let room = RefCell::new(FieldWorkspace::new(&operators).unwrap_or_else(|error| panic!("punch: {error}")));
-        Box::new(FieldHeat { operators, kept, current: self.current, clock: self.clock, room })
+        Box::new(FieldHeat { operators, prepared, room })
     }
 }

@@ -21,6 +21,7 @@ pub(super) use weights::{first_moment, mean_decay};
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody, cache_capacity};
 use modes::{Modes, Scratch};
 use nalgebra::DMatrix;
+use numerics::cache::KeyedCache;
 use numerics::dense;
 use std::cell::RefCell;
 use std::ops::Range;
@@ -124,11 +125,8 @@ pub struct ReducedHeat {
     operators: Arc<ReducedOperators>,
     modes: Arc<Modes>,
     scratch: RefCell<Scratch>,
-    kept: Vec<Weights>,
-    /// Cache capacity of `kept`.
-    most: usize,
-    current: usize,
-    clock: u64,
+    /// By the bits of the step and whether it is one of implicit Euler. It has no memory until the first step.
+    weights: KeyedCache<(u64, bool), Weights>,
 }
 
 impl ReducedHeat {
@@ -137,10 +135,8 @@ impl ReducedHeat {
         operators.passed = [&operators.ambient_flow, &operators.far_flow].map(|flow| operators.passed(flow));
         let modes = Modes::new(&mut operators, sorted);
         let scratch = RefCell::new(modes.scratch());
-        // One more for the longer step of the growth guard.
-        let most = cache_capacity(operators.widths.len()) + 1;
         let (operators, modes) = (Arc::new(operators), Arc::new(modes));
-        Self { operators, modes, scratch, kept: Vec::new(), most, current: 0, clock: 0 }
+        Self { operators, modes, scratch, weights: KeyedCache::new([]) }
     }
 
     /// Number of states that belong to modes. The state vector also has the first-order states of the quasi-static modes, at
@@ -157,22 +153,23 @@ impl ReducedHeat {
 
     /// Selects the weights of a step size, from the cache or computed.
     fn select(&mut self, step: f64, euler: bool) {
-        if self.kept.is_empty() {
-            self.kept = (0..self.most).map(|_| self.operators.allocate()).collect();
+        let Self { operators, modes, scratch, weights } = self;
+        if weights.capacity() == 0 {
+            // The longer step by which growth is looked for is one more.
+            let capacity = cache_capacity(operators.widths.len()) + 1;
+            *weights = KeyedCache::new((0..capacity).map(|_| operators.allocate()));
         }
-        self.clock += 1;
-        let known = self.kept.iter().position(|weights| weights.step == step && weights.euler == euler);
-        self.current = known.unwrap_or_else(|| {
-            // An unused slot if there is one.
-            let oldest = (0..self.kept.len()).min_by_key(|&i| self.kept[i].last_used).unwrap_or(0);
-            self.operators.fill(&self.modes, &mut self.kept[oldest], step, euler, self.scratch.get_mut());
-            oldest
+        weights.get_or_compute((step.to_bits(), euler), |weights| {
+            operators.fill(modes, weights, step, euler, scratch.get_mut());
         });
-        self.kept[self.current].last_used = self.clock;
+    }
+
+    fn weights(&self) -> &Weights {
+        self.weights.latest().expect("prepare comes before any step")
     }
 
     fn stage(&self, stage: Stage) -> &StageWeights {
-        &self.kept.get(self.current).expect("prepare comes before any step").stages[stage as usize]
+        &self.weights().stages[stage as usize]
     }
 
     /// Propagates the states into the scratch up to a stage without its own flux; `until` are the surroundings until then.
@@ -306,7 +303,7 @@ impl ThermalBody for ReducedHeat {
     }
 
     fn advance_from_end(&self, state: &mut [f64], surroundings: &Surroundings, first: &[f64], end: &[f64]) {
-        let (operators, step) = (&*self.operators, self.kept[self.current].step);
+        let (operators, step) = (&*self.operators, self.weights().step);
         let ports = [surroundings.mean_cooling(), surroundings.ambient, surroundings.mean_far()];
         let (states, tallies) = state.split_at_mut(operators.states());
         // The scratch holds the states without the last flux, from the preceding free response.
@@ -367,7 +364,7 @@ impl ThermalBody for ReducedHeat {
         self.modes.add_heat(&scratch.heat, &self.stage(Stage::End).own, &mut scratch.values);
         CooledAhead {
             temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),
-            rise: self.kept[self.current].cooled_rise,
+            rise: self.weights().cooled_rise,
             lagging: 0.0,
         }
     }

@@ -19,6 +19,7 @@ use super::trajectory::{InputTrajectory, StageConditions};
 use crate::StepFailure;
 use crate::budget::Budget;
 use crate::lumped;
+use crate::step_control::{FINEST, StepController, halvings};
 use conduction::line::{GAMMA, Stage};
 use contact::wear::law::REFERENCE_PRESSURE;
 use contact::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, WearingContact};
@@ -27,8 +28,11 @@ use nalgebra::DMatrix;
 use numerics::maximum::maximum;
 use scene::Scheme;
 
-/// Finest subdivision: 2^-40 of the piece.
-const FINEST: u8 = 40;
+/// Error below which the step is doubled: it goes as the square of the step.
+const DOUBLING: f64 = 0.175;
+
+/// Order of the error.
+const ORDER: u8 = 2;
 
 /// log2 of the number of parts of a piece from which on the thermal error no longer refines the step.
 const FOLLOWING: u8 = 8;
@@ -117,14 +121,11 @@ impl Line {
             // Without resolved heat there is nothing to split.
             Scheme::Staggered | Scheme::Monolithic => {}
         }
-        let mut level = self.state.refinement;
-        let (mut part, mut failures) = (0_u64, 0);
-        while part < 1_u64 << level {
-            let step = length / (1_u64 << level) as f64;
-            let start = part as f64 * step;
-            if self.too_far(path, start, step) && level < FINEST {
-                level += 1;
-                part *= 2;
+        let mut control = StepController::new(length, self.state.refinement, DOUBLING);
+        let mut failures = 0;
+        while !control.is_done() {
+            let (start, step) = (control.start(), control.step());
+            if self.too_far(path, start, step) && control.halve(1) {
                 continue;
             }
             match &mut self.attempts_left {
@@ -141,19 +142,14 @@ impl Line {
                     self.accept(path, start, step);
                     self.state.steps += 1;
                     self.state.error = self.state.error.max(error.powi(2) * operators.scene.tolerance);
-                    part += 1;
                     failures = 0;
                     // The error is O(h^2): this margin permits doubling the step.
                     let rejected_by_growth =
                         self.state.heat.as_mut().is_some_and(|heat| heat.was_rejected_by_growth(2.0 * step));
-                    if level > 0 && part.is_multiple_of(2) && error < 0.175 && !rejected_by_growth {
-                        level -= 1;
-                        part /= 2;
-                    }
+                    control.accept(error, !rejected_by_growth);
                     continue;
                 }
-                Outcome::Tried(error) if error.is_finite() => (0.5 * error.log2()).ceil().clamp(1.0, 10.0) as u8,
-                Outcome::Tried(_) => 2,
+                Outcome::Tried(error) => halvings(error, ORDER),
                 Outcome::Outgrown => {
                     if let Some(heat) = &mut self.state.heat {
                         heat.rejected_by_growth = [step, f64::from(RETRY_DELAY)];
@@ -171,18 +167,15 @@ impl Line {
                 }
             };
             self.state.rejected += 1;
-            if level >= FINEST {
+            if !control.halve(halvings) {
                 return Err(StepFailure(format!(
                     "no solution of pressure and wear in a step of {step} s (piece of {length} s cut by 2^{FINEST}); \
                      sliding velocity {} m/s",
                     path.velocity(start)
                 )));
             }
-            let before = level;
-            level = (level + halvings).min(FINEST);
-            part <<= level - before;
         }
-        self.state.refinement = level;
+        self.state.refinement = control.level();
         Ok(())
     }
 

@@ -7,14 +7,15 @@ use super::conditions::Conditions;
 use super::operators::BodyOperators;
 use super::state::LumpedState;
 use super::step::{Attempt, Propagators, Stepper};
-use super::{KEPT_STEPS, Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
+use super::{Lumped, NEAR_END, NOMINAL_MARGIN, limit, limits_of_temperature, limits_of_wear};
 use crate::budget::Budget;
 use crate::events::edges;
+use crate::step_control::{FINEST, StepController};
 use crate::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
 
-/// Finest subdivision of a communication step: 2^-40 of it.
-const FINEST: u8 = 40;
+/// Error below which the step is doubled: it falls by about eight when the step is halved.
+const DOUBLING: f64 = 0.3;
 
 /// Input trajectory: conditions during a piece of a communication step.
 enum InputTrajectory<'a> {
@@ -189,24 +190,24 @@ impl Lumped {
         backup: &mut Option<LumpedState>,
         budget: &mut Budget,
     ) -> Result<(), StepFailure> {
-        let mut level = self.state.refinement + u8::from(is_too_long);
+        let mut control = StepController::new(length, self.state.refinement + u8::from(is_too_long), DOUBLING);
         self.state.rejected += u64::from(is_too_long);
-        let mut part: u64 = 0;
-        // Conditions at the ends of the piece once it is divided: before, they are those of its only part.
+        // Conditions at the ends of the piece, once it is cut: until then they are those of the only part.
         let mut whole = None;
-        while part < 1_u64 << level {
+        while !control.is_done() {
+            let (parts, done) = control.parts();
             let tolerance = self.operators.scene.tolerance;
             budget.spend(|| {
                 let [start, end] = [course.at(0.0), course.at(length)];
                 format!(
-                    "{part} of 2^{level} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
+                    "{done} of 2^{} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
                      normal load {} to {} N",
+                    control.level(),
                     start.velocity, end.velocity, start.load, end.load
                 )
             })?;
-            let step = length / (1_u64 << level) as f64;
-            let start = part as f64 * step;
-            if level > 0 && backup.is_none() {
+            let (start, step) = (control.start(), control.step());
+            if parts > 1 && backup.is_none() {
                 *backup = Some(self.state.clone());
             }
             let index = self.propagators_of(step);
@@ -224,7 +225,7 @@ impl Lumped {
             if let Some(at) = &varying
                 && whole.is_none()
             {
-                whole = Some(if level == 0 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
+                whole = Some(if parts == 1 { [at[0], at[3]] } else { [course.at(0.0), course.at(length)] });
             } else if varying.is_none() && self.has_bristle() {
                 // A transition between sticking and slipping is not polynomial at any step size.
                 whole = Some([now; 2]);
@@ -236,7 +237,7 @@ impl Lumped {
             self.flash.prepare(&self.operators, &self.propagators[index].flash, speeds, step);
             let mut stepper = Stepper {
                 flash: &mut self.flash,
-                cut: (1_u64 << level) as f64,
+                cut: parts as f64,
                 ends: whole.as_ref(),
                 operators: &self.operators,
                 friction: &self.friction,
@@ -259,16 +260,11 @@ impl Lumped {
                 self.state.steps += 1;
                 self.state.error = self.state.error.max(attempt.error * self.operators.scene.tolerance);
                 self.judge_temperature(attempt.hottest);
-                part += 1;
-                // The error falls by about eight when the step is halved: this margin permits doubling it.
-                if level > 0 && part.is_multiple_of(2) && attempt.error < 0.3 {
-                    level -= 1;
-                    part /= 2;
-                }
+                control.accept(attempt.error, true);
                 continue;
             }
             self.state.rejected += 1;
-            if level >= FINEST {
+            if !control.halve(1) {
                 let last = course.at(start + step);
                 return Err(StepFailure(format!(
                     "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
@@ -278,35 +274,15 @@ impl Lumped {
                     last.load
                 )));
             }
-            level += 1;
-            part *= 2;
         }
-        self.state.refinement = level;
+        self.state.refinement = control.level();
         Ok(())
     }
 
     /// Index of the weights for this step size (s), made if they are not among the recent ones.
-    pub(super) fn propagators_of(&mut self, step: f64) -> usize {
-        if self.propagators.get(self.latest).is_none_or(|known| known.step != step) {
-            self.latest = self.find_propagators(step);
-        }
-        self.latest
-    }
-
-    #[inline(never)]
-    fn find_propagators(&mut self, step: f64) -> usize {
-        if let Some(index) = self.propagators.iter().position(|known| known.step == step) {
-            return index;
-        }
-        let made = Propagators::new(&self.operators, step);
-        if self.propagators.len() < KEPT_STEPS {
-            self.propagators.push(made);
-            return self.propagators.len() - 1;
-        }
-        let index = self.oldest;
-        self.propagators[index] = made;
-        self.oldest = (self.oldest + 1) % KEPT_STEPS;
-        index
+    fn propagators_of(&mut self, step: f64) -> usize {
+        let operators = &self.operators;
+        self.propagators.get_or_compute(step.to_bits(), |made| *made = Propagators::new(operators, step))
     }
 
     /// Whether the step could wear a body through: only then is the initial state saved.

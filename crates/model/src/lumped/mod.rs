@@ -23,6 +23,7 @@ use crate::{INPUTS, Inputs, StepFailure};
 use conditions::{Conditions, Tunables};
 use contact::friction::FrictionLaw;
 use flash_step::FlashStep;
+use numerics::cache::KeyedCache;
 use numerics::scalar::Dual;
 use operators::LumpedOperators;
 use point::{Frozen, Point};
@@ -57,8 +58,8 @@ const HIGHEST_VALID_WEAR: f64 = 0.5;
 /// Fraction of a body's height up to which a step may wear without a saved initial state.
 const NEAR_END: f64 = 0.9;
 
-/// Cache capacity of propagators, in step sizes.
-const KEPT_STEPS: usize = 12;
+/// Step sizes whose weights are kept.
+const CACHED_STEPS: usize = 12;
 
 /// Factor by which load and speed may exceed their nominal values before the plan becomes invalid.
 const NOMINAL_MARGIN: f64 = 10.0;
@@ -104,12 +105,9 @@ pub struct Lumped {
     state: LumpedState,
     frozen: Frozen,
     frozen_is_current: bool,
-    /// Cache of propagators for recent step sizes; never part of the state, always rebuilt to the same bits.
-    propagators: Vec<Propagators>,
-    oldest: usize,
-    /// Index of the last one used.
-    latest: usize,
-    /// Vector unit of the machine.
+    /// Weights of recent step sizes by their bits; never part of the state, always rebuilt to the same bits.
+    propagators: KeyedCache<u64, Propagators>,
+    /// The machine's vector unit.
     arch: Arch,
     flash: FlashStep,
     /// Conditions last computed, and their inputs.
@@ -132,9 +130,7 @@ impl Lumped {
             friction,
             tunables,
             state,
-            propagators: Vec::with_capacity(KEPT_STEPS),
-            oldest: 0,
-            latest: 0,
+            propagators: KeyedCache::new(std::iter::repeat_n(Propagators::empty(), CACHED_STEPS)),
             arch: Arch::new(),
             flash: FlashStep::empty(),
             known,

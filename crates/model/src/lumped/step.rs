@@ -32,7 +32,12 @@ pub struct Propagators {
 }
 
 impl Propagators {
-    /// Propagators for the step `step` (s).
+    /// Memory for the weights of a step.
+    pub fn empty() -> Propagators {
+        Propagators { step: f64::NAN, punch: None, strip: None, flash: [1.0; MAX_FLASH_STATES] }
+    }
+
+    /// Weights for the step `step` (s).
     pub fn new(operators: &LumpedOperators, step: f64) -> Propagators {
         let of = |body: &BodyOperators| {
             let cools = body.air.each_ref().map(Air::acts);

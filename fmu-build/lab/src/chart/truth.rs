@@ -19,13 +19,7 @@ fn fingerprint(problem: &DriveProblem) -> u64 {
         let [velocity, load] = (problem.inputs)(time);
         [time, velocity, load]
     });
-    problem
-        .starts
-        .iter()
-        .copied()
-        .chain(inputs)
-        .flat_map(f64::to_le_bytes)
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    ::scene::fnv::Fnv::of(problem.starts.iter().copied().chain(inputs).flat_map(f64::to_le_bytes)).0
 }
 
 /// Samples of the reference and its origin: the stored one if it belongs to this scene, otherwise computed within `budget` s.

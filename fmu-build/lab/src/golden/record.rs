@@ -3,6 +3,7 @@
 //! Numbers are written with as many digits as tell them from their neighbours, so that reading gives the same bits.
 
 use anyhow::{Context, Result, bail};
+use scene::fnv::Fnv;
 use std::fmt::Write;
 
 /// Stands for the number before it.
@@ -14,16 +15,14 @@ pub struct Hash(pub u64);
 
 impl Default for Hash {
     fn default() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
+        Self(Fnv::new().0)
     }
 }
 
 impl Hash {
     /// Takes a number in.
     pub fn add(&mut self, value: f64) {
-        for byte in value.to_bits().to_le_bytes() {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        }
+        self.0 = value.to_le_bytes().into_iter().fold(Fnv(self.0), Fnv::with).0;
     }
 
     /// The hash of these numbers.

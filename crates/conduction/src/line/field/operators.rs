@@ -50,7 +50,6 @@ impl fmt::Debug for FieldOperators {
 pub struct Prepared {
     pub step: f64,
     pub euler: bool,
-    pub last_used: u64,
     pub factor: ThermalFactor,
     pub influence: SurfaceInfluence,
     /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
@@ -63,7 +62,6 @@ impl Prepared {
         Prepared {
             step: f64::NAN,
             euler: false,
-            last_used: 0,
             factor: operators.block.empty_factor(),
             influence: SurfaceInfluence {
                 temperature: DMatrix::zeros(count, count),
@@ -200,8 +198,6 @@ impl FieldOperators {
         prepared: &mut Prepared,
         room: &mut FieldWorkspace,
     ) -> Result<(), BlockError> {
-        // Invalid until complete.
-        prepared.step = f64::NAN;
         self.block.factorize_into(&mut prepared.factor, self.shift(step, euler), &mut room.workspace)?;
         let responses = &mut room.responses;
         responses.fill(0.0);

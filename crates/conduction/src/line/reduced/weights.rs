@@ -11,9 +11,6 @@ use numerics::dense;
 #[derive(Clone, Debug)]
 pub struct Weights {
     pub step: f64,
-    /// Whether it is an implicit Euler step.
-    pub euler: bool,
-    pub last_used: u64,
     pub stages: [StageWeights; 2],
     /// See [`CooledAhead::rise`](crate::line::CooledAhead::rise).
     pub cooled_rise: [[f64; FACES]; FACES],
@@ -48,17 +45,11 @@ impl ReducedOperators {
             own: states(),
             influence: SurfaceInfluence { temperature: dense::untouched(cells), distortion: dense::untouched(cells) },
         };
-        Weights {
-            step: f64::NAN,
-            euler: false,
-            last_used: 0,
-            stages: [stage(), stage()],
-            cooled_rise: [[0.0; FACES]; FACES],
-        }
+        Weights { step: f64::NAN, stages: [stage(), stage()], cooled_rise: [[0.0; FACES]; FACES] }
     }
 
     pub(super) fn fill(&self, modes: &Modes, weights: &mut Weights, step: f64, euler: bool, scratch: &mut Scratch) {
-        (weights.step, weights.euler) = (step, euler);
+        weights.step = step;
         let [first, end] = &mut weights.stages;
         if euler {
             for stage in [&mut *first, &mut *end] {

@@ -30,6 +30,7 @@ use crate::line::operators::LineOperators;
 use crate::lumped::limit;
 use crate::{INPUTS, StepFailure};
 use conduction::line::{GAMMA, Stage};
+use numerics::dense;
 use numerics::maximum::maximum;
 use scene::Fidelity;
 use std::fmt::{self, Write};
@@ -265,27 +266,6 @@ impl ThermalCoupling {
                 self.matrix[j * count + i] += PENALTY * largest * weights[i] * weights[j];
             }
         }
-        cholesky(&mut self.matrix, count)
+        dense::cholesky(&mut self.matrix, count)
     }
-}
-
-/// Cholesky factorisation of the lower triangle in place, by columns; false where the matrix is not positive definite.
-fn cholesky(matrix: &mut [f64], count: usize) -> bool {
-    for k in 0..count {
-        let (done, rest) = matrix.split_at_mut((k + 1) * count);
-        let column = &mut done[k * count..];
-        if column[k] <= 0.0 || column[k].is_nan() {
-            return false;
-        }
-        let root = column[k].sqrt();
-        column[k..].iter_mut().for_each(|entry| *entry /= root);
-        for (offset, target) in rest.chunks_exact_mut(count).enumerate() {
-            let j = k + 1 + offset;
-            let factor = column[j];
-            if factor != 0.0 {
-                target[j..].iter_mut().zip(&column[j..]).for_each(|(entry, value)| *entry -= factor * value);
-            }
-        }
-    }
-    true
 }

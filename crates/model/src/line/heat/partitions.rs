@@ -7,6 +7,7 @@
 
 use super::partition::HeatPartition;
 use conduction::line::cache_capacity;
+use numerics::cache::KeyedCache;
 use std::ops::{Index, IndexMut};
 
 /// Slot of uncached heat partitions, built for one step only.
@@ -15,50 +16,33 @@ const PASSING: usize = 0;
 /// LRU cache of the heat partitions of both stages; indexed by stage. Nothing is allocated after construction.
 #[derive(Debug)]
 pub struct PartitionCache {
-    sets: Vec<Set>,
-    /// Current slot of either stage.
+    /// By the bits of step and reference velocity; the one in slot k has the place k + 1.
+    cache: KeyedCache<[u64; 2], [HeatPartition; 2]>,
+    passing: [HeatPartition; 2],
+    /// Places of those of either stage.
     current: [usize; 2],
-    clock: u64,
-}
-
-/// Heat partitions of both stages, and the time of their last use (0: never).
-#[derive(Clone, Debug)]
-struct Set {
-    used: u64,
-    partitions: [HeatPartition; 2],
-}
-
-impl Set {
-    /// Empty slot.
-    fn like(partition: &HeatPartition) -> Set {
-        Set { used: 0, partitions: [partition.like(), partition.like()] }
-    }
 }
 
 impl PartitionCache {
     /// Empty cache of heat partitions on `count` cells.
     pub fn new(partition: &HeatPartition, count: usize) -> PartitionCache {
-        let most = 1 + cache_capacity(count);
-        PartitionCache { sets: (0..most).map(|_| Set::like(partition)).collect(), current: [PASSING; 2], clock: 0 }
+        let memory = || [partition.like(), partition.like()];
+        let cache = KeyedCache::new((0..cache_capacity(count)).map(|_| memory()));
+        PartitionCache { cache, passing: memory(), current: [PASSING; 2] }
     }
 
-    /// Makes the slot of a step (s) and reference velocity (m/s) current; false: a cache miss, its partitions have to be built.
-    pub fn take(&mut self, key: (f64, f64)) -> bool {
-        self.clock += 1;
-        let known = (PASSING + 1..self.sets.len()).find(|&place| self.sets[place].partitions[1].is_for(key));
-        let place = known.unwrap_or_else(|| {
-            (PASSING + 1..self.sets.len()).min_by_key(|&place| self.sets[place].used).unwrap_or(PASSING)
-        });
-        self.sets[place].used = self.clock;
-        self.current = [place; 2];
+    /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.
+    pub fn take(&mut self, (step, velocity): (f64, f64)) -> bool {
+        let key = [step.to_bits(), velocity.to_bits()];
+        let known = self.cache.lookup(&key);
+        self.current = [1 + known.unwrap_or_else(|| self.cache.insert(key)); 2];
         known.is_some()
     }
 
     /// Makes the uncached slot current for a stage.
     pub fn take_passing(&mut self, stage: usize) -> &mut HeatPartition {
         self.current[stage] = PASSING;
-        self.sets[PASSING].used = self.clock;
-        &mut self.sets[PASSING].partitions[stage]
+        &mut self.passing[stage]
     }
 
     /// Current slot of a stage.
@@ -71,21 +55,27 @@ impl Index<usize> for PartitionCache {
     type Output = HeatPartition;
 
     fn index(&self, stage: usize) -> &HeatPartition {
-        &self.sets[self.current[stage]].partitions[stage]
+        match self.current[stage] {
+            PASSING => &self.passing[stage],
+            place => &self.cache[place - 1][stage],
+        }
     }
 }
 
 impl IndexMut<usize> for PartitionCache {
     fn index_mut(&mut self, stage: usize) -> &mut HeatPartition {
-        &mut self.sets[self.current[stage]].partitions[stage]
+        match self.current[stage] {
+            PASSING => &mut self.passing[stage],
+            place => &mut self.cache[place - 1][stage],
+        }
     }
 }
 
 impl Clone for PartitionCache {
     fn clone(&self) -> PartitionCache {
-        // Zeroed memory from the system is not touched until it is used.
-        let copy = |set: &Set| if set.used == 0 { Set::like(&set.partitions[0]) } else { set.clone() };
-        PartitionCache { sets: self.sets.iter().map(copy).collect(), ..*self }
+        // Zeros that the system hands out are not touched until they are used.
+        let memory = |pair: &[HeatPartition; 2]| pair.each_ref().map(HeatPartition::like);
+        PartitionCache { cache: self.cache.clone_occupied(memory), passing: self.passing.clone(), ..*self }
     }
 }
 
@@ -110,7 +100,7 @@ mod tests {
         let partition = || HeatPartition::new(&[1.0; 5], &[1.0; 5], 0.7).in_single_precision();
         let most = cache_capacity(5);
         let mut partitions = PartitionCache::new(&partition(), 5);
-        assert_eq!(partitions.sets.len(), 1 + most);
+        assert_eq!(partitions.cache.capacity(), most);
         let mut built = 0;
         let mut take = |partitions: &mut PartitionCache, step: usize| {
             if !partitions.take((step as f64, 0.1)) {
@@ -137,6 +127,6 @@ mod tests {
         let mut copy = partitions.clone();
         assert!(copy.take((2.0, 0.1)) && !copy.take((1.0, 0.1)));
         take(&mut partitions, 1);
-        assert_eq!((built, partitions.sets.len()), (most + 2, 1 + most));
+        assert_eq!((built, partitions.cache.capacity()), (most + 2, most));
     }
 }

@@ -73,9 +73,7 @@ pub struct Reference {
 /// FNV-1a over the definition of a scene.
 fn key(scene: &Application) -> u64 {
     let numbers = scene.starts.iter().chain(scene.course.iter().flatten());
-    numbers
-        .flat_map(|number| number.to_bits().to_le_bytes())
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    ::scene::fnv::Fnv::of(numbers.flat_map(|number| number.to_le_bytes())).0
 }
 
 fn path(scene: &Application) -> PathBuf {
