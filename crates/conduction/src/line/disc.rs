@@ -329,7 +329,7 @@ mod tests {
     use crate::slab::{Base, CoolingPort, Slab};
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
-    use scene::Scene;
+    use scene::{Scene, ThermalBoundary};
     use scene::variables::{STARTS, reference};
 
     /// Two pads on a disc of 12 mm.
@@ -355,9 +355,9 @@ mod tests {
             height: scene.strip.height,
             conductivity: scene.strip.conductivity,
             capacity: scene.strip.capacity(),
-            surface_transfer: scene.strip.convection,
+            surface_transfer: scene.strip.convection * (1.0 - scene.coverage()),
             volume_transfer: 0.0,
-            base: Base::Insulated,
+            base: if scene.strip.far_thermal == ThermalBoundary::Held { Base::Held } else { Base::Insulated },
             cooling: CoolingPort::Surface,
         };
         let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));
