@@ -7,6 +7,7 @@
 mod level;
 mod line;
 pub mod native;
+mod stop;
 
 use crate::output::print_line;
 use crate::{package, project, scenes};
@@ -23,6 +24,8 @@ use std::time::Instant;
 pub const STEP: f64 = 0.1;
 /// Turns of every timing.
 const TURNS: usize = 30;
+/// Turns of a whole brake stop.
+const STOP_TURNS: usize = 3;
 /// How much a time may exceed its limit before a test fails: other work on the machine takes its share. The ratio to
 /// the peer, measured under the same load, gets no allowance.
 const ALLOWANCE: f64 = 3.0;
@@ -97,6 +100,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let costs = if arguments.line {
         let mut costs = line::measure()?;
         costs.extend(level::measure()?);
+        costs.extend(stop::measure()?);
         costs
     } else {
         measure(&lumped(arguments.scene.as_deref())?)?
