@@ -3,7 +3,7 @@
 use crate::line::GAMMA;
 use crate::line::strip::CONTACT;
 use crate::line::strip::answer::{Answer, Parts};
-use crate::line::strip::blocks::Blocks;
+use crate::line::strip::distance::Nodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::abreast::Turning;
 use crate::line::strip::state_layout::{self, stage_weights};
@@ -24,18 +24,15 @@ pub struct Interval<'a> {
 /// Where answers are built: responses of the waves, split by parity and on the cells; of temperature and distortion.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    blocks: [Blocks; 2],
+    nodes: Nodes,
     slow: [DMatrix<f64>; 2],
     /// Gains of the waves, and a number for each.
     pub influence: [Vec<Complex<f64>>; 2],
-    terms: Vec<f64>,
     /// Factors by which the modes turn; weights of fluxes in the states of one level, and what a stage's own flux leaves in the modes:
     /// of temperature and distortion; real and imaginary parts by turns.
     phases: [Vec<f64>; 2],
     fluxes: [Vec<f64>; 4],
     own: [Vec<f64>; 4],
-    /// Room for a block and a row of it.
-    turned: Vec<f64>,
 }
 
 impl Workspace {
@@ -43,24 +40,19 @@ impl Workspace {
         let (count, waves) = (operators.widths.len(), operators.waves.len());
         let moving = if operators.expands { count } else { 0 };
         Workspace {
-            blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
+            nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
-            terms: vec![0.0; waves],
             phases: [0; 2].map(|_| vec![0.0; waves]),
             fluxes: [0; 4].map(|_| vec![0.0; waves]),
             own: [0; 4].map(|_| vec![0.0; waves]),
-            turned: vec![0.0; (operators.half + 1) * operators.half],
         }
     }
 
     /// Sums the waves by their gains.
     pub fn sum_waves(&mut self, operators: &StripOperators) {
-        let moving = 1 + usize::from(operators.expands);
-        for (blocks, influence) in self.blocks.iter_mut().zip(&self.influence).take(moving) {
-            blocks.clear();
-            blocks.add_waves(influence, &operators.shapes, &mut self.terms);
-        }
+        let [warm, moved] = &self.influence;
+        operators.distance_sum.find([warm, moved], &mut self.nodes);
     }
 }
 
@@ -93,21 +85,18 @@ impl Interval<'_> {
     /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
     pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, answer: &mut Answer) {
         let mean = &operators.mean;
-        let Workspace { blocks, slow, turned, .. } = workspace;
-        for (moving, slow) in slow.iter_mut().enumerate() {
-            if moving == 1 && !operators.expands {
-                continue;
-            }
+        let Workspace { nodes, slow, .. } = workspace;
+        let level = |moving: usize| {
             let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
             let mut level = observed.direct[CONTACT];
             for k in 0..mean.count {
                 level += observed.states[k] * mean.input[CONTACT][k] * self.mean_weight[k][OWN];
             }
-            level *= operators.remembered();
-            if moving == 1 {
-                level *= operators.mean_distortion;
-            }
-            blocks[moving].unfold(&operators.widths, level / operators.period, turned, slow);
+            let distortion = if moving == 1 { operators.mean_distortion } else { 1.0 };
+            level * operators.remembered() * distortion / operators.period
+        };
+        operators.distance_sum.set(nodes, &operators.widths, [level(0), level(1)], slow);
+        for (moving, slow) in slow.iter().enumerate().take(1 + usize::from(operators.expands)) {
             let gain = if moving == 1 { &mut answer.influence.distortion } else { &mut answer.influence.temperature };
             gain.copy_from(slow);
             answer.parts().set_uniform(moving, slow);
