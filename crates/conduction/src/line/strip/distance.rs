@@ -31,6 +31,8 @@ use std::f64::consts::PI;
 const WINDOW: usize = 10;
 /// Least sigma: over how many times the band, and the distances, the grids reach.
 const LEAST_OVERSAMPLING: f64 = 1.5;
+/// Places below wave number 0 that a window reaches.
+const BELOW: usize = WINDOW / 2;
 /// Least number of nodes of the transform.
 const FEWEST_NODES: usize = 64;
 /// Points of the quadrature of the window's transform.
@@ -76,7 +78,7 @@ pub struct DistanceSum {
     unit: f64,
     /// M, a power of 2.
     size: usize,
-    /// By mode: first place in the spectrum, and the weights there.
+    /// By mode: first place among those of the wave numbers from -w/2 on, and the weights there.
     spread: Vec<(usize, [f64; WINDOW])>,
     /// exp(2 pi i k/M), k < M/2, real and imaginary parts.
     roots: [Vec<f64>; 2],
@@ -90,6 +92,8 @@ pub struct DistanceSum {
 /// Memory for one sum.
 #[derive(Clone, Debug)]
 pub struct Nodes {
+    /// Of the wave numbers from -w/2 on: real and imaginary part of temperature, then of distortion.
+    gathered: Vec<[f64; 4]>,
     /// Spectrum and its transform, real and imaginary parts by turns.
     spectrum: [Vec<f64>; 4],
     /// k of temperature and of distortion at a node and at the one opposite.
@@ -115,7 +119,7 @@ impl DistanceSum {
             let first = (place - 0.5 * WINDOW as f64).ceil();
             let factor = 0.5 / window.transform(wave.number * delta, &rule);
             let weights = std::array::from_fn(|k| factor * window.value(place - first - k as f64));
-            (first.rem_euclid(size as f64) as usize, weights)
+            ((first + BELOW as f64) as usize, weights)
         });
         let turn = |k: usize| 2.0 * PI * k as f64 / size as f64;
         let mut sum = DistanceSum {
@@ -178,29 +182,31 @@ impl DistanceSum {
 
     /// Memory for a sum.
     pub fn nodes(&self) -> Nodes {
-        Nodes { spectrum: [0; 4].map(|_| vec![0.0; self.size]), values: vec![[0.0; 4]; self.behind + self.scale.len()] }
+        let places = self.spread.iter().map(|(first, _)| first + WINDOW).max().unwrap_or(WINDOW);
+        Nodes {
+            gathered: vec![[0.0; 4]; places],
+            spectrum: [0; 4].map(|_| vec![0.0; self.size]),
+            values: vec![[0.0; 4]; self.behind + self.scale.len()],
+        }
     }
 
     /// Finds k at the nodes from the gains of temperature and of distortion.
     pub fn find(&self, gains: [&[Complex<f64>]; 2], nodes: &mut Nodes) {
-        let Nodes { spectrum, values } = nodes;
+        let Nodes { gathered, spectrum, values } = nodes;
+        Arch::new().dispatch(Gather { sum: self, gains, gathered });
         let [re, im, ..] = spectrum;
         re.fill(0.0);
         im.fill(0.0);
         // Masks in place of remainders: the size is a power of 2.
         let mask = self.size - 1;
-        let ([warm, moved], per_unit) = (gains, 1.0 / self.unit);
-        for ((first, weights), (warm, moved)) in self.spread.iter().zip(warm.iter().zip(moved)) {
-            let moved = moved * per_unit;
-            // (g + i d) at q and (g* + i d*) at -q: the sum is real in g and in d.
-            for (k, weight) in weights.iter().enumerate() {
-                let at = (first + k) & mask;
-                re[at] += weight * (warm.re - moved.im);
-                im[at] += weight * (warm.im + moved.re);
-                let opposite = (self.size - at) & mask;
-                re[opposite] += weight * (warm.re + moved.im);
-                im[opposite] += weight * (moved.re - warm.im);
-            }
+        for (place, [warm_re, warm_im, moved_re, moved_im]) in gathered.iter().enumerate() {
+            // g + i d at q and g* + i d* at -q: the sum is real in g and in d.
+            let at = (place + self.size - BELOW) & mask;
+            re[at] += warm_re - moved_im;
+            im[at] += warm_im + moved_re;
+            let opposite = (self.size - at) & mask;
+            re[opposite] += warm_re + moved_im;
+            im[opposite] += moved_re - warm_im;
         }
         let into = Arch::new().dispatch(Transform { roots: &self.roots, spectrum });
         let (re, im) = (&spectrum[into], &spectrum[into + 1]);
@@ -218,6 +224,32 @@ impl DistanceSum {
     pub fn set(&self, nodes: &Nodes, widths: &[f64], level: [f64; 2], influence: &mut [DMatrix<f64>; 2]) {
         let [warm, moved] = influence.each_mut().map(|matrix| matrix.as_mut_slice());
         Arch::new().dispatch(Means { sum: self, nodes, widths, level, warm, moved });
+    }
+}
+
+/// The gains brought to the grid of wave numbers.
+struct Gather<'a> {
+    sum: &'a DistanceSum,
+    gains: [&'a [Complex<f64>]; 2],
+    gathered: &'a mut [[f64; 4]],
+}
+
+impl WithSimd for Gather<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { sum, gains: [warm, moved], gathered } = self;
+        let per_unit = 1.0 / sum.unit;
+        gathered.fill([0.0; 4]);
+        for ((first, weights), (warm, moved)) in sum.spread.iter().zip(warm.iter().zip(moved)) {
+            let gain = [warm.re, warm.im, per_unit * moved.re, per_unit * moved.im];
+            for (place, weight) in gathered[*first..][..WINDOW].iter_mut().zip(weights) {
+                for part in 0..4 {
+                    place[part] += weight * gain[part];
+                }
+            }
+        }
     }
 }
 

@@ -60,16 +60,17 @@ impl Turning<'_> {
         let numbers = &self.numbers[..count];
         let begin = numbers.partition_point(|number| number * turn < least);
         let end = begin.max(numbers.partition_point(|number| number * drift <= LARGEST_DRIFT));
-        let whole = begin + (end - begin) / LANES * LANES;
+        // Fewer modes than lanes are left to the scalar form as well.
+        let end = if end - begin < LANES { begin } else { end };
         let [a, b, c, d] = weights;
         Arch::new().dispatch(Abreast {
             turning: self,
             begin,
-            end: whole,
+            end,
             states: [rates, decays],
             weights: [&mut *a, &mut *b, &mut *c, &mut *d],
         });
-        for w in (0..begin).chain(whole..count) {
+        for w in (0..begin).chain(end..count) {
             let motion = Motion { turning: self.velocity.map(|v| numbers[w] * v), step: self.step };
             let phase = Complex::new(self.phases[0][w], self.phases[1][w]);
             let [rate, damping] = self.damping;
@@ -98,6 +99,8 @@ impl WithSimd for Abreast<'_> {
             (0.5 * step * (from + to), 0.5 * step * (to - from), 0.125 * step * (to - from).abs());
         let [rate, damping] = turning.damping;
         for first in (begin..end).step_by(LANES) {
+            // The last ones overlap those before.
+            let first = first.min(end - LANES);
             let at = first..first + LANES;
             let read = |values: &[f64]| -> Lanes { std::array::from_fn(|l| values[at.clone()][l]) };
             let (q, rates, decays) = (read(turning.numbers), read(rates), read(decays));
