@@ -2,6 +2,7 @@
 
 mod level;
 mod line;
+mod stop;
 
 use anyhow::Result;
 use fmu_build::bench::{Cost, TURNS, report};
@@ -17,6 +18,9 @@ pub struct Arguments {
     json: bool,
 }
 
+/// Turns of a whole brake stop.
+const STOP_TURNS: usize = 3;
+
 /// Runs the command.
 ///
 /// # Errors
@@ -24,5 +28,6 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let mut costs = line::measure()?;
     costs.extend(level::measure()?);
+    costs.extend(stop::measure()?);
     report(&costs, arguments.json)
 }

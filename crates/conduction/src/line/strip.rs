@@ -28,6 +28,7 @@ mod amplitudes;
 mod answer;
 mod blocks;
 mod depth;
+mod distance;
 mod error_sweep;
 mod kept;
 mod moving_kernel;

@@ -45,7 +45,7 @@ const PUNCH: &[(&str, f64)] = &[
     ("nominal.duration", 100.0),
 ];
 
-fn component(starts: &Values, changes: &[(&str, f64)]) -> Result<Component> {
+pub(super) fn component(starts: &Values, changes: &[(&str, f64)]) -> Result<Component> {
     let mut starts = *starts;
     for (name, value) in changes {
         starts[find(name).with_context(|| format!("no variable {name}"))? as usize] = *value;
@@ -56,7 +56,7 @@ fn component(starts: &Values, changes: &[(&str, f64)]) -> Result<Component> {
     Ok(component)
 }
 
-fn cost(quantity: String, value: f64, unit: &'static str, limit: f64, gated: bool) -> Cost {
+pub(super) fn cost(quantity: String, value: f64, unit: &'static str, limit: f64, gated: bool) -> Cost {
     Cost { quantity: quantity.leak(), value, unit, peer: None, limit, gated }
 }
 

@@ -3,6 +3,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use super::depth::{Depth, DepthModes, Expansion};
+use super::distance::DistanceSum;
 use super::error_sweep::ErrorSweep;
 use super::kept::Kept;
 use super::robin_correction::RobinCorrection;
@@ -119,6 +120,8 @@ pub struct StripOperators {
     /// Their wave numbers, 1/m.
     pub numbers: Vec<f64>,
     pub shapes: Arc<Shapes>,
+    /// Sum over the modes on all pairs of cells.
+    pub distance_sum: DistanceSum,
     /// `2 count/L`: what a wave's amplitude counts in the temperature.
     pub weight: Vec<f64>,
     /// Places of the states of all waves.
@@ -323,8 +326,11 @@ impl StripOperators {
             fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
         };
         let table = VelocityTable::new(static_correction, slow, limit, tolerance);
+        let products = |other: &[f64]| temperature.iter().zip(other).map(|(b, d)| (b * d).abs()).sum::<f64>();
+        let unit = products(&distortion) / products(&temperature);
         let mut operators = StripOperators {
             half: shapes.half(),
+            distance_sum: DistanceSum::new(cells, &waves, unit),
             period,
             diffusivity,
             free_length: (period - widths.iter().sum::<f64>()).max(0.0),

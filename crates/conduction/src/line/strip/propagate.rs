@@ -24,6 +24,7 @@
 //!
 //! Theory: docs/theory.md, section 5.3.
 
+pub mod abreast;
 mod chirp;
 
 use nalgebra::Complex;
@@ -50,6 +51,7 @@ pub struct Motion {
 
 impl Motion {
     /// Factor by which the wave turns over the interval, without decay.
+    #[cfg(test)]
     pub fn phase(&self) -> Complex<f64> {
         Complex::from_polar(1.0, 0.5 * self.step * (self.turning[0] + self.turning[1]))
     }
@@ -89,6 +91,18 @@ impl Motion {
     }
 }
 
+/// Terms of the series for `q dv h/8`: drift^m/m! below 1e-8 ends it.
+#[inline]
+fn terms(drift: f64) -> usize {
+    let mut terms = 1;
+    let mut size = drift;
+    while size > 1e-8 && terms < MOST_TERMS {
+        terms += 1;
+        size *= drift / terms as f64;
+    }
+    terms
+}
+
 /// `integral exp(z u + i eta u (1-u)) {1, u} du` over (0, 1); `factor` = e^z.
 #[inline]
 fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, Complex<f64>) {
@@ -100,14 +114,7 @@ fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, 
         let all = (factor - 1.0) * inverse;
         return (all, (factor - all) * inverse);
     }
-    let drift = 0.25 * eta.abs();
-    // (drift)^m/m! below 1e-8 ends the series.
-    let mut terms = 1;
-    let mut size = drift;
-    while size > 1e-8 && terms < MOST_TERMS {
-        terms += 1;
-        size *= drift / terms as f64;
-    }
+    let terms = terms(0.25 * eta.abs());
     let turned = |value: Complex<f64>| Complex::new(-eta * value.im, eta * value.re);
     let square = z * z;
     let modulus = z.norm_sqr().sqrt();

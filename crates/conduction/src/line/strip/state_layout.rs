@@ -7,6 +7,7 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use pulp::{Arch, Simd, WithSimd};
+use std::f64::consts::FRAC_2_PI;
 use std::ops::Range;
 
 /// Where the states of one level stand; its length is the number of waves that have one, the longest.
@@ -182,6 +183,47 @@ pub fn carry(
     Arch::new().dispatch(Carry(state_layout, before, after, carrier, heat));
 }
 
+/// Turns weights of a falling and of a rising flux in the states of one level into those of the known flux and of the stage's own, input
+/// included, and adds what both leave in the modes: temperature and distortion, as `seen`; real and imaginary parts by turns. At the
+/// end of a step the known flux has this share of the falling one; `None`: all of it, the first stage.
+pub fn stage_weights(
+    share: Option<f64>,
+    seen: Parts<'_>,
+    weights: [&mut [f64]; 4],
+    known: [&mut [f64]; 4],
+    own: &mut [Vec<f64>; 4],
+) {
+    struct StageWeights<'a>(Option<f64>, Parts<'a>, [&'a mut [f64]; 4], [&'a mut [f64]; 4], &'a mut [Vec<f64>; 4]);
+    impl WithSimd for StageWeights<'_> {
+        type Output = ();
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, _: S) {
+            let Self(share, [warm, moved], [a, b, c, d], mut known, own) = self;
+            let count = warm.len();
+            let ([share, taken], moved) = (share.map_or([1.0, 0.0], |share| [share, share]), &moved[..count]);
+            let (a, b, c, d) = (&mut a[..count], &mut b[..count], &mut c[..count], &mut d[..count]);
+            for (part, (falling, rising)) in [(a, c), (b, d)].into_iter().enumerate() {
+                let [first, second] = [part, part + 2];
+                let [known_warm, known_moved] =
+                    known.get_disjoint_mut([first, second]).expect("two parts").map(|sum| &mut sum[..count]);
+                let [own_warm, own_moved] =
+                    own.get_disjoint_mut([first, second]).expect("two parts").map(|sum| &mut sum[..count]);
+                for w in 0..count {
+                    let before = warm[w] * (share * falling[w]);
+                    let here = warm[w] * (falling[w] + rising[w] - taken * falling[w]);
+                    (falling[w], rising[w]) = (before, here);
+                    known_warm[w] += before * warm[w];
+                    known_moved[w] += before * moved[w];
+                    own_warm[w] += here * warm[w];
+                    own_moved[w] += here * moved[w];
+                }
+            }
+        }
+    }
+    Arch::new().dispatch(StageWeights(share, seen, weights, known, own));
+}
+
 /// Factors of the states: the decay of each, times the turn and the common decay `damping` of its wave.
 pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<'_>, factors: [&mut [f64]; 2]) {
     struct Turn<'a>(&'a [Level], &'a [f64], f64, Parts<'a>, [&'a mut [f64]; 2]);
@@ -207,13 +249,18 @@ pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<
     Arch::new().dispatch(Turn(state_layout, decay, damping, phases, factors));
 }
 
-/// Largest angle, rad, that the polynomials of [`phases`] take.
-const SMALL_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
+/// Largest angle, rad, whose quarter turns are counted exactly.
+const LARGEST_ANGLE: f64 = 5e5;
+
+/// pi/2 in three parts, the first two of 33 bits: their products with the number of quarter turns are exact (Cody and Waite).
+#[expect(clippy::excessive_precision, reason = "parts of pi/2 to the bit")]
+const QUARTER: [f64; 3] =
+    [1.570_796_326_734_125_614_17, 6.077_100_506_303_965_976_60e-11, 2.022_266_248_795_950_631_54e-21];
 
 /// `cos` and `sin` of `angle` times each of the numbers, which rise.
 pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
-    struct Small<'a>(f64, &'a [f64], &'a mut [f64], &'a mut [f64]);
-    impl WithSimd for Small<'_> {
+    struct Phases<'a>(f64, &'a [f64], &'a mut [f64], &'a mut [f64]);
+    impl WithSimd for Phases<'_> {
         type Output = ();
 
         #[inline(always)]
@@ -222,7 +269,9 @@ pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64])
             let count = numbers.len();
             let (cosine, sine) = (&mut cosine[..count], &mut sine[..count]);
             for w in 0..count {
-                let x = angle * numbers[w];
+                let whole = angle * numbers[w];
+                let turns = (whole * FRAC_2_PI).round_ties_even();
+                let x = ((whole - turns * QUARTER[0]) - turns * QUARTER[1]) - turns * QUARTER[2];
                 let square = x * x;
                 // Taylor's series: at pi/4 what follows is below rounding.
                 let mut even = 0.0;
@@ -233,14 +282,19 @@ pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64])
                 for factor in ODD {
                     odd = odd * square + factor;
                 }
-                cosine[w] = 1.0 + square * even;
-                sine[w] = x + x * square * odd;
+                let (c, s) = (1.0 + square * even, x + x * square * odd);
+                // Quarter turns beyond whole ones, 0 to 3.
+                let quarter = turns - 4.0 * (0.25 * turns).floor();
+                let across = quarter == 1.0 || quarter == 3.0;
+                let (c, s) = if across { (s, c) } else { (c, s) };
+                cosine[w] = if quarter == 1.0 || quarter == 2.0 { -c } else { c };
+                sine[w] = if quarter >= 2.0 { -s } else { s };
             }
         }
     }
     let largest = numbers.last().map_or(0.0, |number| (angle * number).abs());
-    if largest <= SMALL_ANGLE {
-        return Arch::new().dispatch(Small(angle, numbers, cosine, sine));
+    if largest <= LARGEST_ANGLE {
+        return Arch::new().dispatch(Phases(angle, numbers, cosine, sine));
     }
     for (number, (cosine, sine)) in numbers.iter().zip(cosine.iter_mut().zip(sine)) {
         (*sine, *cosine) = (angle * number).sin_cos();
@@ -275,7 +329,7 @@ mod tests {
 
     #[test]
     fn turns_are_cosines_and_sines() {
-        for angle in [0.0, 1e-9, -0.003, 0.01, 0.12, -5.0] {
+        for angle in [0.0, 1e-9, -0.003, 0.01, 0.12, -5.0, 130.0, -7e3, 6e4, -1e5] {
             let numbers: Vec<f64> = (1..40).map(|n| 0.2 * f64::from(n)).collect();
             let (mut cosine, mut sine) = (vec![0.0; 39], vec![0.0; 39]);
             phases(angle, &numbers, &mut cosine, &mut sine);

@@ -4,11 +4,11 @@
 
 use crate::line::GAMMA;
 use crate::line::strip::CONTACT;
-use crate::line::strip::answer::Answer;
-use crate::line::strip::blocks::Blocks;
+use crate::line::strip::answer::{Answer, Parts};
+use crate::line::strip::distance::Nodes;
 use crate::line::strip::operators::StripOperators;
-use crate::line::strip::propagate::Motion;
-use crate::line::strip::state_layout::of_mode;
+use crate::line::strip::propagate::abreast::Turning;
+use crate::line::strip::state_layout::{self, stage_weights};
 use nalgebra::{Complex, DMatrix};
 
 /// Index of the stage's own flux among its weights.
@@ -26,13 +26,15 @@ pub struct Interval<'a> {
 /// Where answers are built: responses of the waves, split by parity and on the cells; of temperature and distortion.
 #[derive(Clone, Debug)]
 pub struct Workspace {
-    blocks: [Blocks; 2],
+    nodes: Nodes,
     slow: [DMatrix<f64>; 2],
     /// Gains of the waves, and a number for each.
     pub influence: [Vec<Complex<f64>>; 2],
-    terms: Vec<f64>,
-    /// Room for a block and a row of it.
-    turned: Vec<f64>,
+    /// Factors by which the modes turn; weights of fluxes in the states of one level, and what a stage's own flux leaves in the modes:
+    /// of temperature and distortion; real and imaginary parts by turns.
+    phases: [Vec<f64>; 2],
+    fluxes: [Vec<f64>; 4],
+    own: [Vec<f64>; 4],
 }
 
 impl Workspace {
@@ -40,35 +42,23 @@ impl Workspace {
         let (count, waves) = (operators.widths.len(), operators.waves.len());
         let moving = if operators.expands { count } else { 0 };
         Workspace {
-            blocks: [Blocks::zeros(operators.half), Blocks::zeros(operators.half)],
+            nodes: operators.distance_sum.nodes(),
             slow: [DMatrix::zeros(count, count), DMatrix::zeros(moving, moving)],
             influence: [vec![Complex::from(0.0); waves], vec![Complex::from(0.0); waves]],
-            terms: vec![0.0; waves],
-            turned: vec![0.0; (operators.half + 1) * operators.half],
+            phases: [0; 2].map(|_| vec![0.0; waves]),
+            fluxes: [0; 4].map(|_| vec![0.0; waves]),
+            own: [0; 4].map(|_| vec![0.0; waves]),
         }
     }
 
     /// Sums the waves by their gains.
     pub fn sum_waves(&mut self, operators: &StripOperators) {
-        let moving = 1 + usize::from(operators.expands);
-        for (blocks, influence) in self.blocks.iter_mut().zip(&self.influence).take(moving) {
-            blocks.clear();
-            blocks.add_waves(influence, &operators.shapes, &mut self.terms);
-        }
+        let [warm, moved] = &self.influence;
+        operators.distance_sum.find([warm, moved], &mut self.nodes);
     }
 }
 
 impl Interval<'_> {
-    /// Weights of the known flux and the stage's own from those of a flux falling to 0 and one rising from 0 over the
-    /// interval. In the first stage the flux is `q1 + e (1 - t/(gamma h))`, at the end
-    /// `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
-    fn stage_fluxes<T>(&self, falling: T, rising: T) -> [T; 2]
-    where
-        T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
-    {
-        stage_fluxes(self.at_end, falling, rising)
-    }
-
     /// The answer for a velocity that is linear over the interval.
     pub fn respond(
         &self,
@@ -77,15 +67,12 @@ impl Interval<'_> {
         workspace: &mut Workspace,
         answer: &mut Answer,
     ) {
-        let [warm, moved] = &mut workspace.influence;
-        warm.fill(Complex::from(0.0));
-        moved.fill(Complex::from(0.0));
-        self.weigh_states(operators, velocity, answer, |wave, k, own| {
-            warm[wave] += own * operators.temperature[k];
-            moved[wave] += own * operators.distortion[k];
-        });
-        for influence in [warm, moved] {
-            influence.iter_mut().zip(&operators.weight).for_each(|(gain, weight)| *gain *= *weight);
+        self.weigh(operators, velocity, workspace, answer);
+        for (influence, own) in workspace.influence.iter_mut().zip(workspace.own.chunks_exact(2)) {
+            let parts = own[0].iter().zip(&own[1]).zip(&operators.weight);
+            influence.iter_mut().zip(parts).for_each(|(gain, ((re, im), weight))| {
+                *gain = Complex::new(weight * re, weight * im);
+            });
         }
         workspace.sum_waves(operators);
         self.assemble(operators, workspace, answer);
@@ -100,21 +87,18 @@ impl Interval<'_> {
     /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
     pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, answer: &mut Answer) {
         let mean = &operators.mean;
-        let Workspace { blocks, slow, turned, .. } = workspace;
-        for (moving, slow) in slow.iter_mut().enumerate() {
-            if moving == 1 && !operators.expands {
-                continue;
-            }
+        let Workspace { nodes, slow, .. } = workspace;
+        let level = |moving: usize| {
             let observed = if moving == 1 { &mean.mean_temperature } else { &mean.contact_temperature };
             let mut level = observed.direct[CONTACT];
             for k in 0..mean.count {
                 level += observed.states[k] * mean.input[CONTACT][k] * self.mean_weight[k][OWN];
             }
-            level *= operators.remembered();
-            if moving == 1 {
-                level *= operators.mean_distortion;
-            }
-            blocks[moving].unfold(&operators.widths, level / operators.period, turned, slow);
+            let distortion = if moving == 1 { operators.mean_distortion } else { 1.0 };
+            level * operators.remembered() * distortion / operators.period
+        };
+        operators.distance_sum.set(nodes, &operators.widths, [level(0), level(1)], slow);
+        for (moving, slow) in slow.iter().enumerate().take(1 + usize::from(operators.expands)) {
             let gain = if moving == 1 { &mut answer.influence.distortion } else { &mut answer.influence.temperature };
             gain.copy_from(slow);
             answer.parts().set_uniform(moving, slow);
@@ -130,48 +114,47 @@ impl Interval<'_> {
         }
     }
 
-    /// The weights of the known fluxes and, at the end, those in the states, without the gains.
-    pub fn weigh(&self, operators: &StripOperators, velocity: [f64; 2], answer: &mut Answer) {
-        self.weigh_states(operators, velocity, answer, |_, _, _| {});
-    }
-
-    /// The same; `see` gets wave, state and the weight of the stage's own flux in it.
-    #[inline(always)]
-    fn weigh_states(
+    /// The weights of the known fluxes and, at the end, those in the states, without the gains. What the stage's own flux leaves in
+    /// the modes is in the workspace.
+    pub fn weigh(
         &self,
         operators: &StripOperators,
         velocity: [f64; 2],
+        workspace: &mut Workspace,
         answer: &mut Answer,
-        mut see: impl FnMut(usize, usize, Complex<f64>),
     ) {
-        let (fade, damping) = self.damping_of_images(operators, velocity);
-        let parts = answer.parts();
-        for (wave, &number) in operators.numbers.iter().enumerate() {
-            let motion = Motion { turning: velocity.map(|v| number * v), step: self.length };
-            let phase = motion.phase();
-            let mut carried = [Complex::from(0.0); 2];
-            for k in of_mode(&operators.state_layout, wave) {
-                let (_, falling, rising) =
-                    motion.weights_of_decay(operators.rate[k] + fade, damping * self.decay[k], phase);
-                let [known, own] = self.stage_fluxes(falling, rising).map(|weight| weight * operators.temperature[k]);
-                if self.at_end {
-                    parts.weights[0][k] = known.re;
-                    parts.weights[1][k] = known.im;
-                    parts.weights[2][k] = own.re;
-                    parts.weights[3][k] = own.im;
+        let (rate, factor) = self.damping_of_images(operators, velocity);
+        let Workspace { phases: [cosine, sine], fluxes, own, .. } = workspace;
+        state_layout::phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
+        let turning = Turning {
+            velocity,
+            step: self.length,
+            numbers: &operators.numbers,
+            phases: [cosine, sine],
+            damping: [rate, factor],
+        };
+        let Parts { weights: mut kept, mut carried, .. } = answer.parts();
+        carried.iter_mut().for_each(|part| part.fill(0.0));
+        own.iter_mut().for_each(|part| part.fill(0.0));
+        for level in &operators.state_layout {
+            let mut weights = fluxes.each_mut().map(|part| &mut part[..level.len()]);
+            let [a, b, c, d] = &mut weights;
+            turning.weights(&operators.rate[level.clone()], &self.decay[level.clone()], [a, b, c, d]);
+            let seen = [&operators.temperature[level.clone()], &operators.distortion[level.clone()]];
+            let share = self.at_end.then_some(1.0 / (1.0 - GAMMA));
+            stage_weights(share, seen, [a, b, c, d], carried.each_mut().map(|part| &mut part[..]), own);
+            if self.at_end {
+                for (kept, found) in kept.iter_mut().zip(&weights) {
+                    kept[level.clone()].copy_from_slice(found);
                 }
-                carried[0] += known * operators.temperature[k];
-                carried[1] += known * operators.distortion[k];
-                see(wave, k, own);
             }
-            parts.carried[0][wave] = carried[0].re;
-            parts.carried[1][wave] = carried[0].im;
-            parts.carried[2][wave] = carried[1].re;
-            parts.carried[3][wave] = carried[1].im;
         }
     }
 }
 
+/// Weights of the known flux and the stage's own from those of a flux falling to 0 and one rising from 0 over the
+/// interval. In the first stage the flux is `q1 + e (1 - t/(gamma h))`, at the end
+/// `[q1 (1 - t/h) + q2 (t/h - gamma)]/(1 - gamma)`.
 pub fn stage_fluxes<T>(at_end: bool, falling: T, rising: T) -> [T; 2]
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,

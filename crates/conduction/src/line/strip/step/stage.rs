@@ -97,7 +97,7 @@ impl StageWeights {
             immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut answer.influence));
         }
         if interpolated && drift > LEAST_DRIFT {
-            interval.weigh(operators, velocity, answer);
+            interval.weigh(operators, velocity, workspace, answer);
         }
         self.carry(operators, velocity);
     }

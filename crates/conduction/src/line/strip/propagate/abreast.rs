@@ -1,0 +1,185 @@
+//! The weights of [`Motion::weights`](super::Motion::weights) for the states of many modes at once, compiled for the vector unit.
+//!
+//! Where a mode turns by a radian or more, the recurrence of the module above may run upwards from its closed forms
+//!
+//! ```text
+//! T_0 = (e^z - 1)/z,    T_1 = [e^z (z - 2) + z + 2]/z^3,    T_(m+1) = [T_(m-1) - 2 (2m+1) T_m]/z^2
+//! ```
+//!
+//! whatever |z|: what T_(m+1) lacks by cancellation, `2 (2m+1)/|z|^2` times what T_m lacks, counts by another factor eta, and
+//! `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the turn theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. So no lane needs another
+//! formula than its neighbours. Modes that turn less, or whose drift is large, are left to the scalar form. Nothing is fused, so every
+//! machine gives the same bits.
+
+use super::{LARGEST_DRIFT, LEAST_DRIFT, Motion, terms};
+use nalgebra::Complex;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Modes abreast.
+const LANES: usize = 8;
+/// Least turn (rad) at which the recurrence runs upwards: by this, and by this times eps, so that each of up to twelve terms at most doubles
+/// what the one before lacks.
+const LEAST_TURN: f64 = 1.0;
+const LEAST_TURN_BY_CHANGE: f64 = 25.0;
+
+/// How all modes turn over an interval.
+#[derive(Clone, Copy)]
+pub struct Turning<'a> {
+    /// Velocities at its ends, m/s, and its length, s.
+    pub velocity: [f64; 2],
+    pub step: f64,
+    /// Wave numbers q, 1/m, which rise, and the factor by which each mode turns, real and imaginary parts.
+    pub numbers: &'a [f64],
+    pub phases: [&'a [f64]; 2],
+    /// Rate (1/s) that is added to every decay, and its factor over the interval.
+    pub damping: [f64; 2],
+}
+
+/// Values of as many modes.
+type Lanes = [f64; LANES];
+
+#[inline(always)]
+fn each(value: impl Fn(usize) -> f64) -> Lanes {
+    std::array::from_fn(value)
+}
+
+/// Product of complex numbers.
+#[inline(always)]
+fn product([a, b]: [Lanes; 2], [c, d]: [Lanes; 2]) -> [Lanes; 2] {
+    [each(|l| a[l] * c[l] - b[l] * d[l]), each(|l| a[l] * d[l] + b[l] * c[l])]
+}
+
+impl Turning<'_> {
+    /// Weights (s) in the states of one level, of the first of the modes, of a flux falling from 1 to 0 and of one rising from 0 to 1:
+    /// real and imaginary parts of both by turns. `rates` and `decays` are those of the states.
+    pub fn weights(&self, rates: &[f64], decays: &[f64], weights: [&mut [f64]; 4]) {
+        let count = rates.len();
+        let [from, to] = self.velocity;
+        let (turn, drift) = (0.5 * self.step * (from + to).abs(), 0.125 * self.step * (to - from).abs());
+        let least = LEAST_TURN.max(LEAST_TURN_BY_CHANGE * (to - from).abs() / (from + to).abs());
+        let numbers = &self.numbers[..count];
+        let begin = numbers.partition_point(|number| number * turn < least);
+        let end = begin.max(numbers.partition_point(|number| number * drift <= LARGEST_DRIFT));
+        // Fewer modes than lanes are left to the scalar form as well.
+        let end = if end - begin < LANES { begin } else { end };
+        let [a, b, c, d] = weights;
+        Arch::new().dispatch(Abreast {
+            turning: self,
+            begin,
+            end,
+            states: [rates, decays],
+            weights: [&mut *a, &mut *b, &mut *c, &mut *d],
+        });
+        for w in (0..begin).chain(end..count) {
+            let motion = Motion { turning: self.velocity.map(|v| numbers[w] * v), step: self.step };
+            let phase = Complex::new(self.phases[0][w], self.phases[1][w]);
+            let [rate, damping] = self.damping;
+            let (_, falling, rising) = motion.weights_of_decay(rates[w] + rate, damping * decays[w], phase);
+            (a[w], b[w], c[w], d[w]) = (falling.re, falling.im, rising.re, rising.im);
+        }
+    }
+}
+
+struct Abreast<'a> {
+    turning: &'a Turning<'a>,
+    begin: usize,
+    end: usize,
+    states: [&'a [f64]; 2],
+    weights: [&'a mut [f64]; 4],
+}
+
+impl WithSimd for Abreast<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { turning, begin, end, states: [rates, decays], weights: [a, b, c, d] } = self;
+        let (step, [from, to]) = (turning.step, turning.velocity);
+        let (middle, change, drift) =
+            (0.5 * step * (from + to), 0.5 * step * (to - from), 0.125 * step * (to - from).abs());
+        let [rate, damping] = turning.damping;
+        for first in (begin..end).step_by(LANES) {
+            // The last ones overlap those before.
+            let first = first.min(end - LANES);
+            let at = first..first + LANES;
+            let read = |values: &[f64]| -> Lanes { std::array::from_fn(|l| values[at.clone()][l]) };
+            let (q, rates, decays) = (read(turning.numbers), read(rates), read(decays));
+            let (cosine, sine) = (read(turning.phases[0]), read(turning.phases[1]));
+            let factor = [each(|l| cosine[l] * (damping * decays[l])), each(|l| sine[l] * (damping * decays[l]))];
+            let z = [each(|l| -(rates[l] + rate) * step), each(|l| q[l] * middle)];
+            let inverse = {
+                let scale = each(|l| 1.0 / (z[0][l] * z[0][l] + z[1][l] * z[1][l]));
+                [each(|l| z[0][l] * scale[l]), each(|l| -z[1][l] * scale[l])]
+            };
+            let square = product(inverse, inverse);
+            // T_0 and T_1.
+            let mut lower = product([each(|l| factor[0][l] - 1.0), factor[1]], inverse);
+            let ends = product(factor, [each(|l| z[0][l] - 2.0), z[1]]);
+            let ends = [each(|l| ends[0][l] + z[0][l] + 2.0), each(|l| ends[1][l] + z[1][l])];
+            let mut upper = product(product(ends, square), inverse);
+            let (mut all, mut tilt) = (lower, upper);
+            let eta = each(|l| q[l] * change);
+            let mut weight = [[1.0; LANES], [0.0; LANES]];
+            let largest = drift * q[LANES - 1];
+            let count = if largest < LEAST_DRIFT { 0 } else { terms(largest) };
+            for m in 1..=count {
+                let multiple = 2.0 * (2 * m + 1) as f64;
+                let rest =
+                    [each(|l| lower[0][l] - multiple * upper[0][l]), each(|l| lower[1][l] - multiple * upper[1][l])];
+                (lower, upper) = (upper, product(rest, square));
+                weight = [each(|l| -eta[l] * weight[1][l]), each(|l| eta[l] * weight[0][l])];
+                let (own, next) = (product(weight, lower), product(weight, upper));
+                for part in 0..2 {
+                    all[part] = each(|l| all[part][l] + own[part][l]);
+                    tilt[part] = each(|l| tilt[part][l] + next[part][l]);
+                }
+            }
+            let tilt = product(tilt, z);
+            for (part, [falling, rising]) in [[&mut *a, &mut *c], [&mut *b, &mut *d]].into_iter().enumerate() {
+                let (falling, rising) = (&mut falling[at.clone()], &mut rising[at.clone()]);
+                for l in 0..LANES {
+                    falling[l] = 0.5 * step * (all[part][l] + tilt[part][l]);
+                    rising[l] = 0.5 * step * (all[part][l] - tilt[part][l]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The scalar form, at rates and velocities on both sides of what is done abreast.
+    #[test]
+    fn weights_are_those_of_single_states() {
+        let numbers: Vec<f64> = (1..=61).map(|n| 9.0 * f64::from(n)).collect();
+        let step = 5e-3;
+        for velocity in
+            [[10.0, 9.985], [10.0, 10.0], [-2.0, -2.3], [0.4, 0.39], [0.1, -0.1], [0.0, 3.0], [40.0, 10.0], [0.0, 0.0]]
+        {
+            for damping in [0.0, 12.0] {
+                let damping = [damping, f64::exp(-damping * step)];
+                let rates: Vec<f64> = numbers.iter().map(|q| 1.6e-5 * q * q + 0.1 * q).collect();
+                let decays: Vec<f64> = rates.iter().map(|rate| (-rate * step).exp()).collect();
+                let motion = |q: f64| Motion { turning: velocity.map(|v| q * v), step };
+                let phases: Vec<Complex<f64>> = numbers.iter().map(|q| motion(*q).phase()).collect();
+                let parts = [phases.iter().map(|z| z.re).collect::<Vec<_>>(), phases.iter().map(|z| z.im).collect()];
+                let turning = Turning { velocity, step, numbers: &numbers, phases: [&parts[0], &parts[1]], damping };
+                // Fewer states than modes.
+                let count = 59;
+                let mut found = [0; 4].map(|_| vec![0.0; count]);
+                turning.weights(&rates[..count], &decays[..count], found.each_mut().map(|part| &mut part[..]));
+                for w in 0..count {
+                    let (_, falling, rising) = motion(numbers[w]).weights(rates[w] + damping[0], phases[w]);
+                    let scale = falling.norm() + rising.norm();
+                    let apart = (falling - Complex::new(found[0][w], found[1][w])).norm()
+                        + (rising - Complex::new(found[2][w], found[3][w])).norm();
+                    // Of small drifts the single states leave out what they keep beside modes of larger ones.
+                    let allowed = if motion(numbers[w]).drift() < LEAST_DRIFT { LEAST_DRIFT } else { 1e-7 };
+                    assert!(apart < allowed * scale.max(1e-3 * step), "{velocity:?} {w}: {apart:e} of {scale:e}");
+                }
+            }
+        }
+    }
+}
