@@ -1,7 +1,7 @@
 """Drives a lumped brake written with pythonfmu, and the FMU of this project, through the same cycle in fmpy.
 
 Reads the scene as JSON from standard input - `fmu` is the path of this project's FMU, `folder` a place to work in - and
-writes one JSON object per run (see fmu-build/src/chart/peers.rs). Both FMUs are unpacked before; the time is that of
+writes one JSON object per run (see fmu-build/lab/src/chart/peers.rs). Both FMUs are unpacked before; the time is that of
 fmpy's `simulate_fmu`: instantiation, initialisation, stepping and recording.
 """
 

@@ -1,7 +1,7 @@
 """The elastic punch on an elastic strip, to and fro, cold or hot, with scikit-fem: a finite-element model as an expert
 would set it up for this scene, with every factor kept.
 
-Reads the scene as JSON from standard input and writes one JSON object per run (see fmu-build/src/chart/peers.rs).
+Reads the scene as JSON from standard input and writes one JSON object per run (see fmu-build/lab/src/chart/peers.rs).
 
 Both bodies are meshed with quadrilaterals of second order, graded to the ends of the contact and to the contact
 line. Their stiffness matrices are factorised once and condensed onto the contact line: normal and shear compliance of N

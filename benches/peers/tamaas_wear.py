@@ -1,6 +1,6 @@
 """Isothermal wear of a flat punch on a half-plane with Tamaas, as a competent user of it would compute it.
 
-Reads the scene as JSON from standard input and writes one JSON object per run (see fmu-build/src/chart/peers.rs).
+Reads the scene as JSON from standard input and writes one JSON object per run (see fmu-build/lab/src/chart/peers.rs).
 
 Tamaas solves the contact of an elastic half-plane with a rigid surface, periodic along x, by conjugate gradients on FFTs.
 Archard's law is stepped around it, explicitly: the surface loses k p ds. Two schemes, Euler's and Heun's, with steps

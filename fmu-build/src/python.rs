@@ -9,8 +9,10 @@ use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::thread;
 
 /// Oldest Python that the pinned packages serve.
 const OLDEST: (u32, u32) = (3, 10);
@@ -20,7 +22,9 @@ const PIP: &str = "pip==25.3";
 /// Purpose of the environment; each tier includes the ones before it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub enum Tier {
-    /// Building and driving the FMU.
+    /// Building the FMU.
+    Build,
+    /// Driving it.
     Run,
     /// The fmpy tests.
     Test,
@@ -32,7 +36,8 @@ pub enum Tier {
 type Requirements = (&'static str, &'static str);
 
 /// Pinned packages of every tier: tier, name of its stamp, requirements.
-const REQUIREMENTS: [(Tier, &str, &str); 3] = [
+const REQUIREMENTS: [(Tier, &str, &str); 4] = [
+    (Tier::Build, "build", include_str!("../python/build.txt")),
     (Tier::Run, "run", include_str!("../python/run.txt")),
     (Tier::Test, "test", include_str!("../python/test.txt")),
     (Tier::Importers, "importers", include_str!("../python/importers.txt")),
@@ -49,6 +54,22 @@ const PEERS: Requirements = ("peers", include_str!("../../benches/peers/requirem
 /// Where no Python of 3.10 or newer, no pip or not every package could be had; the message says what to type.
 pub fn environment() -> Result<PathBuf> {
     environment_for(Tier::Run)
+}
+
+/// As [`environment`], with the rest of its packages installed while `work` is done, which needs those of [`Tier::Build`]
+/// only: compiling seldom keeps every core busy.
+///
+/// # Errors
+/// As [`environment`], and those of the work.
+pub fn environment_beside<T>(work: impl FnOnce() -> Result<T>) -> Result<(PathBuf, T)> {
+    environment_for(Tier::Build)?;
+    thread::scope(|scope| {
+        // cargo shows its own progress.
+        let rest = scope.spawn(|| ensure_with("python", &requirements(Tier::Run), ProgressDrawTarget::hidden));
+        let done = work();
+        let python = rest.join().unwrap_or_else(|panic| resume_unwind(panic))?;
+        Ok((python, done?))
+    })
 }
 
 /// Makes the environment for `tier` unless it is there and returns its Python.
@@ -81,6 +102,11 @@ fn requirements(tier: Tier) -> Vec<Requirements> {
 }
 
 fn ensure(name: &str, wanted: &[Requirements]) -> Result<PathBuf> {
+    ensure_with(name, wanted, ProgressDrawTarget::stderr)
+}
+
+/// As [`ensure`], with its progress shown there.
+fn ensure_with(name: &str, wanted: &[Requirements], progress: fn() -> ProgressDrawTarget) -> Result<PathBuf> {
     let folder = project::target().join(name);
     let python = executable(&folder);
     if is_current(&folder, wanted) {
@@ -95,7 +121,7 @@ fn ensure(name: &str, wanted: &[Requirements]) -> Result<PathBuf> {
     }
     // The lock is released when the file is closed, also where the process is killed.
     if !is_current(&folder, wanted) {
-        make(&folder, wanted)?;
+        make(&folder, wanted, progress)?;
     }
     Ok(python)
 }
@@ -116,7 +142,7 @@ fn is_current(folder: &Path, wanted: &[Requirements]) -> bool {
         && wanted.iter().all(|(name, text)| fs::read_to_string(stamp(folder, name)).is_ok_and(|found| found == *text))
 }
 
-fn make(folder: &Path, wanted: &[Requirements]) -> Result<()> {
+fn make(folder: &Path, wanted: &[Requirements], progress: fn() -> ProgressDrawTarget) -> Result<()> {
     let python = executable(folder);
     // A tier is added to an environment that holds the ones below; anything else starts afresh.
     if !is_current(folder, &wanted[..1]) {
@@ -135,18 +161,18 @@ fn make(folder: &Path, wanted: &[Requirements]) -> Result<()> {
         if fs::read_to_string(stamp(folder, name)).is_ok_and(|found| found == text) {
             continue;
         }
-        install(&python, folder, name, text)?;
+        install(&python, folder, name, text, progress())?;
         fs::write(stamp(folder, name), text)?;
     }
     Ok(())
 }
 
 /// Installs exactly what the file names - no dependency is resolved - and has pip check that nothing is missing.
-fn install(python: &Path, folder: &Path, name: &str, text: &str) -> Result<()> {
+fn install(python: &Path, folder: &Path, name: &str, text: &str, progress: ProgressDrawTarget) -> Result<()> {
     let file = folder.join(format!("{name}.requirements.txt"));
     fs::write(&file, text)?;
     let pins = text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')).count();
-    let bar = ProgressBar::with_draw_target(Some(pins as u64), ProgressDrawTarget::stderr());
+    let bar = ProgressBar::with_draw_target(Some(pins as u64), progress);
     bar.set_style(ProgressStyle::with_template("  Python packages [{bar:30}] {pos}/{len} {msg}")?);
     let mut child = Command::new(python)
         .args(["-m", "pip", "install", "--no-input", "--no-deps", "--progress-bar", "off", "--requirement"])

@@ -118,16 +118,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     let output = arguments.output.clone().unwrap_or_else(|| example.output());
     let cycle = cycle::file(arguments.cycle.as_deref().unwrap_or(CYCLE), &output)?;
-    let python = python::environment()?;
-    let fmu = match &arguments.fmu {
+    let (python, fmu) = match &arguments.fmu {
         Some(file) if file.is_file() => {
+            let python = python::environment()?;
             scene::check_fmu(example, file)?;
-            file.clone()
+            (python, file.clone())
         }
         Some(file) => bail!("there is no file {}", file.display()),
         None => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
-            package::build(Some(scene), &package::Options::default())?
+            python::environment_beside(|| package::build(Some(scene), &package::Options::default()))?
         }
     };
     let mut command = script(example, &python, &fmu, &output);

@@ -428,7 +428,9 @@ mod tests {
     #[test]
     fn a_variable_that_is_set_changes_the_state() {
         let rotating = ["holder.constraint=translate_and_rotate", "holder.pivot_height=30 mm"];
-        let record = record("reciprocating_punch", 33, &rotating).unwrap();
+        let mut cold = arguments("reciprocating_punch");
+        (cold.set, cold.cold) = (rotating.map(str::to_owned).to_vec(), true);
+        let record = solve(&cold).unwrap().record();
         assert_eq!(record["holder"]["constraint"], "translate_and_rotate");
         assert_eq!(record["holder"]["pivot_height"], 0.03);
         // Moment balance about the pivot: the pressure's resultant stands mu H before the middle.

@@ -9,7 +9,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use super::glibc;
 use super::platform::Platform;
 use super::toolchain::Toolchain;
-use crate::{project, python};
+use crate::project;
+use crate::python::{self, Tier};
 
 /// Cargo's separator of compiler flags in `CARGO_ENCODED_RUSTFLAGS`; it lets paths contain spaces.
 const SEPARATOR: &str = "\u{1f}";
@@ -80,7 +81,7 @@ fn with_toolchain(platform: Platform) -> Result<PathBuf> {
 
 /// cargo-zigbuild of the project's Python environment, ready to build.
 fn zigbuild() -> Result<Command> {
-    let python = python::environment()
+    let python = python::environment_for(Tier::Build)
         .context("cargo-zigbuild, which links for old Linux distributions, cannot be installed")?;
     let scripts = python.parent().unwrap_or(Path::new("")).to_owned();
     let mut command = Command::new(scripts.join("cargo-zigbuild"));
