@@ -163,7 +163,7 @@ def run(options):
 
 
 def life_of(table, distance):
-    """Wear life of every scene: repetitions of the schedule until a body's wear limit, in km where the distance is known."""
+    """Wear life of every scene: number of passes of the schedule until a body's wear limit, in km where the distance is known."""
     lives = []
     for body in ("punch", "strip"):
         limit, wear = table[f"{body}.wear_limit"].to_numpy(), table[f"wear_depth_{body}"].to_numpy()

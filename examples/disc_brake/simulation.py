@@ -80,7 +80,7 @@ def describe(fmu):
 
 
 def with_optional_inputs(signals, description):
-    """The signals with a column of 0, which is neutral, for every input that they lack: fmpy warns of each."""
+    """The signals with a column of 0, the neutral value, for every missing input: fmpy warns of each."""
     inputs = [variable.name for variable in description.modelVariables if variable.causality == "input"]
     complete = np.zeros(len(signals), dtype=[("time", np.float64), *((name, np.float64) for name in inputs)])
     for name in signals.dtype.names:

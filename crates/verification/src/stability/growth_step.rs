@@ -116,9 +116,9 @@ pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Ver
             break;
         }
         // A change below rounding is not measurable.
-        let faded =
+        let decayed =
             amplitudes.last().is_some_and(|last: &Complex<f64>| (amplitude - last).norm() < 1e-7 * amplitude.norm());
-        if faded {
+        if decayed {
             break;
         }
         amplitudes.push(amplitude);
