@@ -59,7 +59,7 @@ class ImplicitMaster:
         self.evaluations = []  # evaluations with the states held in each step
 
     def residual(self, slip, target, step):
-        """R for the contact as it is now, and the torque."""
+        """Residual R at the present state of the contact, and the torque."""
         torque = self.contact.torque()
         return slip - target + step * torque / self.plant.slip_inertia, torque
 

@@ -1,4 +1,4 @@
-"""Drives the FMU with fmpy and records what it answers."""
+"""Drives the FMU with fmpy and records its outputs."""
 
 import sys
 import time
@@ -40,7 +40,7 @@ OUTPUTS = (
 
 @dataclass(frozen=True)
 class Recording:
-    """What a run gave."""
+    """Results of a run."""
 
     table: np.ndarray  # structured: time, inputs, outputs
     units: dict  # name to unit
@@ -94,7 +94,7 @@ LINE = {"solver.fidelity": 3, "solver.cells": LINE_CELLS, "solver.tolerance": 1e
 
 
 def level(description):
-    """The level that the scene asks for: auto, lumped, line or field."""
+    """Level of the scene: auto, lumped, line or field."""
     variable = next(variable for variable in description.modelVariables if variable.name == "solver.fidelity")
     items = {item.value: item.name for item in variable.declaredType.items}
     return items[str(variable.start)]

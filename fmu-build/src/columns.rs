@@ -229,7 +229,7 @@ mod tests {
             ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line: 3"),
         ] {
             let told = format!("{:#}", table(name, text).unwrap_err());
-            assert!(told.contains(wanted), "{told}\nlacks {wanted}");
+            assert!(told.contains(wanted), "{told}\nis without {wanted}");
         }
     }
 }

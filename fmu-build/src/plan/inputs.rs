@@ -311,7 +311,7 @@ mod tests {
         ] {
             let told =
                 format!("{:#}", with_inputs(name, text, |path| drive("stock", &packaged.starts, path)).unwrap_err());
-            assert!(told.contains(wanted), "{told}\nlacks {wanted}");
+            assert!(told.contains(wanted), "{told}\nis without {wanted}");
         }
     }
 

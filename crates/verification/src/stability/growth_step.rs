@@ -382,7 +382,7 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
             judged[1].points.iter().filter(|point| point.x > 1.0).count(),
         ),
         format!(
-            "In {} more runs that step sees the growth, at a rate that is off by more than a tenth.",
+            "In {} more runs that step shows the growth, at a rate that is off by more than a tenth.",
             judged[1].count(Verdict::Inexact)
         ),
         format!(
