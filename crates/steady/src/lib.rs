@@ -41,7 +41,7 @@ pub enum SteadyError {
         /// Largest lever at which the contact can be in equilibrium, in m.
         limit: f64,
     },
-    /// Reciprocating sliding with a punch free to rotate: it rocks itself round.
+    /// Reciprocating sliding with a punch free to rotate: wear increases the tilt without bound.
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
         lever: f64,
@@ -63,9 +63,9 @@ pub enum SteadyError {
     NothingWears,
     /// A run-in punch is requested, but only the strip wears: the punch keeps its shape.
     OnlyStripWears,
-    /// A strip that wears on a straight reciprocating track: its ends are hardly visited and never run in.
+    /// A strip that wears on a straight reciprocating track: its ends are rarely in contact and never run in.
     WearingStripReciprocating,
-    /// With heat: no heat can leave the bodies.
+    /// With heat: the bodies lose no heat.
     NoHeatLeaves {
         /// Path by which heat could leave, which is closed.
         closed: &'static str,
