@@ -360,7 +360,7 @@ impl Component {
             self.messages.add(
                 Subject::Warning,
                 format_args!(
-                    "the importer's tolerance {given:e} is outside {least:e} to {largest}: {:e} is taken",
+                    "the importer's tolerance {given:e} is outside {least:e} to {largest}: {:e} is used",
                     scene.tolerance
                 ),
             );
@@ -386,7 +386,7 @@ impl Component {
             if !value.is_finite() {
                 let name = lookup(index as ValueReference).map_or_else(String::new, |(row, at)| row.element_name(at));
                 return Err(format!(
-                    "{name} = {value} after initialisation: the model of these parameters has no numbers"
+                    "{name} = {value} after initialisation: the model of these parameters has no finite solution"
                 ));
             }
         }
@@ -450,8 +450,8 @@ impl Component {
             (limit::WEAR, "a wear limit is reached (limit_reached bit 1)"),
             (
                 limit::VALIDITY,
-                "the scene has left the model's validity (limit_reached bit 4): load or speed far above nominal, \
-                 contact above 2500 K, half of a body worn off, or a worn track met again that was already forgotten",
+                "the run is outside the model's validity (limit_reached bit 4): load or speed far above nominal, \
+                 contact above 2500 K, half of a body worn off, or a return to a part of the worn track that is no longer stored",
             ),
         ];
         for (bit, text) in texts {

@@ -1,4 +1,4 @@
-"""The elastic punch on an elastic strip, to and fro, cold or hot, with scikit-fem: a finite-element model as an expert
+"""The reciprocating elastic punch on an elastic strip, cold or hot, with scikit-fem: a finite-element model as an expert
 would set it up for this scene, with every factor kept.
 
 Reads the scene as JSON from standard input and writes one JSON object per run (see fmu-build/lab/src/chart/peers.rs).

@@ -21,7 +21,7 @@ PERIOD = 16  # half-widths
 # Error of a contact solution as Tamaas measures it, relative to the height of the surface: 1e-8 gives the same pressures at
 # twice the cost, 1e-3 others by up to a fifth.
 CONJUGATE_GRADIENTS = 1e-5
-REPEATS = 0.1  # processor time that repetitions of a short run may take together, s
+REPEATS = 0.1  # total processor time of the repeated measurements of a short run, s
 DEEP = 30.0  # depth of the surface beside the punch, which never touches
 
 

@@ -138,7 +138,7 @@ def units(job, fmu):
 
 
 def write_part(job, block, columns, fingerprint):
-    """Writes a block's file under another name and renames it: nobody ever sees half of it."""
+    """Writes a block's file under another name and renames it: the file is complete or absent."""
     unit = {**units(job, _open[(job.fmu, job.library)]), "scene": "1", "cpu_seconds": "s"}
     fields, arrays = [], []
     for name, values in columns.items():

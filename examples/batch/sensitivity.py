@@ -1,4 +1,4 @@
-"""What of the design's variables moves a result: from the scenes as they are, no further runs needed."""
+"""Sensitivity of a result to the design's variables, from the scenes already run."""
 
 from dataclasses import dataclass
 
@@ -47,7 +47,7 @@ def analyse(x, y, seed=0, resamplings=100):
     for row in resampled:
         chosen = random.integers(0, y.size, y.size)
         row[:] = [first_order(x[chosen, column], y[chosen]) for column in columns]
-    # Scenes drawn twice inflate the index; the spread is what the bootstrap is asked for.
+    # Scenes drawn twice inflate the index; only the spread of the bootstrap is used.
     spread = np.percentile(resampled, [2.5, 97.5], axis=0) - np.median(resampled, axis=0)
     ranks = np.apply_along_axis(rankdata, 0, x)
     constant = np.ptp(y) == 0.0

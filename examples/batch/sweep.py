@@ -101,7 +101,7 @@ class Progress:
 
 
 def prepare(options):
-    """Job, design, and the distance that one run of the schedule stands for [m] (`None`: not known)."""
+    """Job, design, and the distance that one run of the schedule stands for [m] (`None`: unknown)."""
     import road_load
 
     design = Design.read(options.design, options.scenes, options.seed)
@@ -163,7 +163,7 @@ def run(options):
 
 
 def life_of(table, distance):
-    """Wear life of every scene: repetitions of the schedule until a body's wear limit, in km where the distance is known."""
+    """Wear life of every scene: number of passes of the schedule until a body's wear limit, in km where the distance is known."""
     lives = []
     for body in ("punch", "strip"):
         limit, wear = table[f"{body}.wear_limit"].to_numpy(), table[f"wear_depth_{body}"].to_numpy()
@@ -289,11 +289,11 @@ def benchmark(options):
         print(json.dumps(result, indent=2))
         return
     print(f"One scene ({options.schedule}, {steps} steps, instance reused): {1e3 * cpu:.2f} ms of CPU, {1e9 * cpu / steps:.0f} ns a step")
-    print(f"  {1.0 / cpu:.0f} scenes per second and core, wanted {WANTED_PACE:.0f}")
+    print(f"  {1.0 / cpu:.0f} scenes per second and core, target {WANTED_PACE:.0f}")
     print(f"{len(design.rows())} scenes of the design, {options.workers} workers, best of 3 turns:")
     print(f"  plain processes {processes:7.2f} s   ({', '.join(f'{s:.2f}' for s in walls['processes'])})")
     print(f"  Dask            {dask:7.2f} s   ({', '.join(f'{s:.2f}' for s in walls['dask'])})")
-    print(f"  lost to Dask {100 * result['lost_to_dask']:.1f} %, wanted at most {100 * WANTED_LOSS:.0f} %")
+    print(f"  lost to Dask {100 * result['lost_to_dask']:.1f} %, target at most {100 * WANTED_LOSS:.0f} %")
     if options.scheduler is None:
         print(
             f"  of CPU time: {min(cpus['processes']):.2f} s and {min(cpus['dask']):.2f} s, all of Dask included: "

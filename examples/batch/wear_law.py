@@ -84,7 +84,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Fit:
-    """What the records say."""
+    """Result of a fit."""
 
     names: tuple  # of the parameters
     values: np.ndarray

@@ -51,7 +51,7 @@ HOT = {"ambient_temperature": 523.15}
 
 @dataclass(frozen=True)
 class Run:
-    """A table and what it took."""
+    """A table and the work of the run."""
 
     table: np.ndarray
     step: float  # s

@@ -19,7 +19,7 @@ class Unpacked:
         return float(self.variables[name].start)
 
     def level(self):
-        """The level that the scene asks for: auto, lumped, line or field."""
+        """Level of the scene: auto, lumped, line or field."""
         variable = self.variables["solver.fidelity"]
         return {item.value: item.name for item in variable.declaredType.items}[str(variable.start)]
 

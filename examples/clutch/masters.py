@@ -5,11 +5,12 @@ iteration do. `ImplicitMaster` finds the slip at the end of the step with the to
 
     R(w) = w - w_n - h drive + h T(w)/J = 0,
 
-by Newton's method. The contact answers in two ways: at once, with its states held (set the slip, get the torque), and
-at the end of a step, which is taken back where it was not the last (fmi2GetFMUstate, fmi2SetFMUstate). The derivative
-comes from fmi2GetDirectionalDerivative, which holds the states too. So the equation is first solved at once, where
-each evaluation costs two calls and the corner of the friction law at zero slip may take a few of them; what the step
-adds - heat that changes friction - is small, and Newton's method over steps of the contact starts close to its goal.
+by Newton's method. The torque is available in two ways: by direct feedthrough, with the states of the contact frozen (set
+the slip, get the torque), and at the end of a step, which is undone where it was not the last (fmi2GetFMUstate,
+fmi2SetFMUstate). The derivative is that of fmi2GetDirectionalDerivative, with the states frozen too. The equation is first
+solved with frozen states, where an evaluation costs two calls and the corner of the friction law at zero slip may take a few
+of them. The change of the states within the step, by heat that changes friction, is small, so Newton's method over steps of
+the contact starts close to its solution.
 """
 
 TOLERANCE = 1e-6  # imbalance of the torque that ends the iteration, over its scale
@@ -58,7 +59,7 @@ class ImplicitMaster:
         self.evaluations = []  # evaluations with the states held in each step
 
     def residual(self, slip, target, step):
-        """R for the contact as it is now, and the torque."""
+        """Residual R at the present state of the contact, and the torque."""
         torque = self.contact.torque()
         return slip - target + step * torque / self.plant.slip_inertia, torque
 

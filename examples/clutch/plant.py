@@ -1,4 +1,4 @@
-"""Engine and vehicle on either side of the clutch, and what bounds the step of an explicit master.
+"""Engine and vehicle on either side of the clutch, and the step limit of an explicit master.
 
     J_e dw_e/dt = T_e - T,     J_v dw_v/dt = T - T_r,     slip w = w_e - w_v
 

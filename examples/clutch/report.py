@@ -39,7 +39,7 @@ def engagement(run, mean_radius):
 
 
 def implicit(run):
-    """What the implicit master took."""
+    """Work of the implicit master."""
     values, counts = np.unique(run.iterations, return_counts=True)
     return {
         "iterations_most": int(run.iterations.max()),

@@ -1,4 +1,4 @@
-"""Drives the disc brake's FMU through a drive cycle: CSV, plots and a table of what came out. With `--stops` also one stop
+"""Drives the disc brake's FMU through a drive cycle: CSV, plots and a table of results. With `--stops` also one stop
 from 100 km/h and a fade run of fifteen, at the lumped level and on the contact line.
 
 Run by `cargo fmu run`, which builds the FMU and the Python environment; by hand:

@@ -36,7 +36,7 @@ class Summary:
         return asdict(self)
 
     def rows(self):
-        """What is compared between levels, and what the run tells of itself, as pairs of texts."""
+        """Quantities compared between levels, and the statistics of the run, as pairs of texts."""
         return (
             ("Driven", f"{self.duration_s:.0f} s, {self.distance_km:.2f} km"),
             ("Contact temperature", f"peak {self.contact_temperature_peak_degC:.1f} degC, "

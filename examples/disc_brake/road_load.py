@@ -34,7 +34,7 @@ class Car:
 
 @dataclass(frozen=True)
 class Brake:
-    """What of the brake turns force into load; see `Brake.of` for where it comes from."""
+    """Properties of the brake that relate brake force to load; see `Brake.of` for where it comes from."""
 
     mean_radius: float  # m
     friction_coefficient: float  # 1

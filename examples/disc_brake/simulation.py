@@ -1,4 +1,4 @@
-"""Drives the FMU with fmpy and records what it answers."""
+"""Drives the FMU with fmpy and records its outputs."""
 
 import sys
 import time
@@ -40,7 +40,7 @@ OUTPUTS = (
 
 @dataclass(frozen=True)
 class Recording:
-    """What a run gave."""
+    """Results of a run."""
 
     table: np.ndarray  # structured: time, inputs, outputs
     units: dict  # name to unit
@@ -80,7 +80,7 @@ def describe(fmu):
 
 
 def with_optional_inputs(signals, description):
-    """The signals with a column of 0, which is neutral, for every input that they lack: fmpy warns of each."""
+    """The signals with a column of 0, the neutral value, for every missing input: fmpy warns of each."""
     inputs = [variable.name for variable in description.modelVariables if variable.causality == "input"]
     complete = np.zeros(len(signals), dtype=[("time", np.float64), *((name, np.float64) for name in inputs)])
     for name in signals.dtype.names:
@@ -94,7 +94,7 @@ LINE = {"solver.fidelity": 3, "solver.cells": LINE_CELLS, "solver.tolerance": 1e
 
 
 def level(description):
-    """The level that the scene asks for: auto, lumped, line or field."""
+    """Level of the scene: auto, lumped, line or field."""
     variable = next(variable for variable in description.modelVariables if variable.name == "solver.fidelity")
     items = {item.value: item.name for item in variable.declaredType.items}
     return items[str(variable.start)]

@@ -28,7 +28,7 @@ def read(path):
     state = json.loads(Path(path).read_text(encoding="utf-8"))
     strokes = {1 if stroke["direction"] == "forward" else -1: stroke for stroke in state["strokes"]}
     if set(strokes) != {1, -1}:
-        raise ValueError(f"{path}: {state['scene']} does not slide to and fro: nominal.stroke is {state['stroke']} m")
+        raise ValueError(f"{path}: {state['scene']} is not reciprocating: nominal.stroke is {state['stroke']} m")
     holder = state["holder"]
     name = "translate" if holder["constraint"] == "translate" else "rotate"
     x = np.array(state["profile_x"])

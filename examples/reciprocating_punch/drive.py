@@ -1,4 +1,4 @@
-"""A punch sliding to and fro until its wear is steady: pressure of successive half-strokes, edge pressures, worn shape,
+"""A reciprocating punch until its wear is steady: pressure of successive half-strokes, edge pressures, worn shape,
 for a punch that can only translate and for one that can also rotate about a pivot, beside the direct steady states; and the
 same with the heat of friction, which distorts both bodies.
 

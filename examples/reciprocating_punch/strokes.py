@@ -1,4 +1,4 @@
-"""The reciprocating punch's FMU at the level of the contact line, slid to and fro."""
+"""The reciprocating punch's FMU at the level of the contact line in reciprocating sliding."""
 
 import shutil
 import time
@@ -133,7 +133,7 @@ def hot(unpacked, parameters):
 
 
 def slide(unpacked, parameters, load, cycles, acceleration=1.0):
-    """Slides to and fro for `cycles` cycles under a dead load."""
+    """Reciprocating sliding of `cycles` cycles under a dead load."""
     length, speeds = step_length(), velocities()
     chosen, rows, numbers = set(recorded(cycles).tolist()), [], []
     watched = unpacked.references(

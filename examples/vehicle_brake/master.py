@@ -1,4 +1,4 @@
-"""A co-simulation master on fmpy's FMU2Slave: all components step at once, then outputs are handed on (Jacobi).
+"""A co-simulation master on fmpy's FMU2Slave: all components step in parallel, then outputs are exchanged (Jacobi).
 
 Inputs are held over a step, which is an error of first order in the step. `extrapolate` also hands on how they changed
 over the last step (fmi2SetRealInputDerivatives) to components that can use it, which makes it one of second order.

@@ -92,8 +92,8 @@ impl Table {
 /// Reads a file with the time and some of the `accepted` quantities.
 ///
 /// # Errors
-/// Names file, line, column and value: where the file cannot be read, has no row, lacks a required column, has one that
-/// is not accepted or stands twice, a unit that does not fit, a cell that is no finite number, or a time that does not
+/// Names file, line, column and value: where the file cannot be read, has no row, a required column is missing, a column
+/// is not accepted or stands twice, or it has a unit that does not fit, a cell that is no finite number, or a time that does not
 /// increase.
 pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
     let file = path.display();
@@ -229,7 +229,7 @@ mod tests {
             ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line: 3"),
         ] {
             let told = format!("{:#}", table(name, text).unwrap_err());
-            assert!(told.contains(wanted), "{told}\nlacks {wanted}");
+            assert!(told.contains(wanted), "{told}\nis without {wanted}");
         }
     }
 }

@@ -154,7 +154,7 @@ pub struct Panel {
     pub y: Axis,
     /// Curves, drawn in this order.
     pub series: Vec<Series>,
-    /// Place of the legend.
+    /// Position of the legend.
     pub legend: Legend,
 }
 

@@ -60,7 +60,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         return tally.close();
     }
     if arguments.only {
-        tally.skip("everything else", "not asked for: --only");
+        tally.skip("everything else", "not requested: --only");
     } else {
         usual(&mut tally);
     }
@@ -68,12 +68,12 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         tally.step("importer tests", |step| step.run(importers()?, Counter::CargoTest));
         tally.step("other importers", |step| step.run(wheels()?, Counter::Pytest));
     } else {
-        tally.skip("importer tests", "not asked for: --importers");
+        tally.skip("importer tests", "not requested: --importers");
     }
     if arguments.platforms || arguments.all {
         platforms::check(&mut tally);
     } else {
-        tally.skip("platforms", "not asked for: --platforms");
+        tally.skip("platforms", "not requested: --platforms");
     }
     tally.close()
 }

@@ -28,9 +28,9 @@ impl Component {
         let (velocity, load, duration) = (scene.nominal_velocity, scene.nominal_load, scene.nominal_duration);
         let planned_work = prepared.planned_work();
         let beyond = format_args!(
-            "the run leaves what solver.fidelity = auto was planned for: {speed} m/s, {} N and {work} J of friction, planned for \
-             nominal.velocity = {velocity} m/s, nominal.load = {load} N and {planned_work} J in nominal.duration = {duration} s; the \
-             level stays, and estimated_error is 1 from here on",
+            "the run exceeds the conditions planned for solver.fidelity = auto: {speed} m/s, {} N and {work} J of friction, \
+             planned for nominal.velocity = {velocity} m/s, nominal.load = {load} N and {planned_work} J in nominal.duration = \
+             {duration} s; the level is unchanged, and estimated_error is 1 from here on",
             inputs[1]
         );
         self.messages.add(Subject::Warning, beyond);

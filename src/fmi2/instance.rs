@@ -83,7 +83,7 @@ impl Instance {
             return refuse("the instance name is missing");
         }
         if kind != CO_SIMULATION {
-            return refuse(&format!("this FMU is for co-simulation (fmuType 1); fmuType {kind} was asked for"));
+            return refuse(&format!("this FMU is for co-simulation (fmuType 1); fmuType {kind} was requested"));
         }
         let scene = match scene() {
             Ok(scene) => scene,

@@ -73,10 +73,10 @@ def test_distance_and_energy_of_a_ramp_are_exact(stock, name):
     friction = stock.start("contact.friction_coefficient") * stock.start("contact.faces")
     # Piecewise polynomials between the zeros of v and F: three Gauss points per piece are exact.
     zeros = [-a * duration / (b - a) for a, b in ((v0, v1), (f0, f1)) if a * b < 0.0]
-    knots = sorted([0.0, duration, *zeros])
+    breakpoints = sorted([0.0, duration, *zeros])
     points, weights = np.polynomial.legendre.leggauss(3)
     distance = energy = 0.0
-    for low, high in zip(knots, knots[1:]):
+    for low, high in zip(breakpoints, breakpoints[1:]):
         at = 0.5 * (low + high) + 0.5 * (high - low) * points
         speed = np.abs(v0 + (v1 - v0) * at / duration)
         load = np.maximum(0.0, f0 + (f1 - f0) * at / duration)

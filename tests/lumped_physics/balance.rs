@@ -190,7 +190,7 @@ fn bodies_start_at_their_own_temperature_or_the_ambient_one() {
     assert!((drive.get("punch.mean_temperature") - 295.0).abs() < 1e-9);
     assert!((drive.get("strip.mean_temperature") - 400.0).abs() < 1e-7, "{}", drive.get("strip.mean_temperature"));
     // Apart, the surfaces keep their own temperatures: the mean is half of either.
-    // But for the boundary layer that the air makes at once, of a tenth of the tolerance at most.
+    // Except for the boundary layer of the instantaneous response to the air, of a tenth of the tolerance at most.
     assert!((drive.get("contact_temperature") - 347.5).abs() < 1e-4 * 105.0, "{}", drive.get("contact_temperature"));
     // Nothing happens to bodies at rest with their surroundings.
     let mut still = Drive::stock(&[("ambient_temperature", 280.0), ("ambient_temperature_offset", 15.0)]);

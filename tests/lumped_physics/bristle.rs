@@ -90,7 +90,7 @@ fn cutting_the_engagement_of_a_clutch_changes_at_most_the_tolerance() {
 #[test]
 fn cutting_reversals_and_changes_between_sticking_and_slipping_changes_at_most_the_tolerance() {
     let courses: &[(&str, &[[f64; 4]])] = &[
-        ("to and fro", &[[0.5, -0.5, 2e3, 2e3], [-0.5, 0.8, 2e3, 2e3]]),
+        ("reciprocating", &[[0.5, -0.5, 2e3, 2e3], [-0.5, 0.8, 2e3, 2e3]]),
         ("break-away by a falling load", &[[0.5, 0.0, 2e3, 2e3], [0.0, 0.002, 2e3, 0.0]]),
         ("break-away by speed", &[[0.0, 0.0, 2e3, 2e3], [0.0, 0.02, 2e3, 2e3], [0.02, 0.02, 2e3, 2e3]]),
         ("load rises faster than it slips", &[[0.02, 0.02, 2e2, 2e2], [0.02, 0.0, 2e2, 4e4], [0.05, 0.1, 4e4, 1e4]]),

@@ -30,7 +30,7 @@ const PER_FACE: [&str; 7] = [
     "sliding_distance",
 ];
 
-fn warm(changes: &[(&str, f64)], load: f64) -> Drive {
+fn heated(changes: &[(&str, f64)], load: f64) -> Drive {
     let mut drive = Drive::stock(changes);
     drive.set("sliding_velocity", 6.0).set("normal_load", load);
     for _ in 0..20 {
@@ -47,8 +47,8 @@ fn same(what: &str, a: f64, b: f64, factor: f64) {
 #[test]
 fn faces_scale_forces_heat_and_volumes_only() {
     let hot = [("strip.emissivity", 0.5), ("contact.friction_fade.factor[2]", 0.8)];
-    let mut one = warm(&[hot.as_slice(), &[("contact.faces", 1.0)]].concat(), 5e3);
-    let mut three = warm(&[hot.as_slice(), &[("contact.faces", 3.0)]].concat(), 5e3);
+    let mut one = heated(&[hot.as_slice(), &[("contact.faces", 1.0)]].concat(), 5e3);
+    let mut three = heated(&[hot.as_slice(), &[("contact.faces", 3.0)]].concat(), 5e3);
     for name in OUTPUTS {
         same(name, one.get(name), three.get(name), 3.0);
         assert!(one.get(name) != 0.0, "{name}");
@@ -64,7 +64,7 @@ fn punches_share_the_load_and_the_path() {
     let cooled = [("punch.convection", 0.0), ("strip.convection_forced", 0.0), ("strip.convection", 0.0)];
     let one_change = [cooled.as_slice(), &[("strip.length", 0.4), ("punch.count", 1.0)]].concat();
     let two_change = [cooled.as_slice(), &[("strip.length", 0.8), ("punch.count", 2.0)]].concat();
-    let (mut one, mut two) = (warm(&one_change, 3e3), warm(&two_change, 6e3));
+    let (mut one, mut two) = (heated(&one_change, 3e3), heated(&two_change, 6e3));
     for name in PER_FACE {
         same(name, one.get(name), two.get(name), 1.0);
     }
@@ -186,13 +186,13 @@ fn unidirectional_starts_like_a_half_space() {
 fn worn_depth_times_its_area_is_the_volume() {
     // Closed: the strip loses its height all along. Straight: half of a full pass under the contact.
     let load = 3e3;
-    let mut closed = warm(&[("strip.length", 0.6), ("strip.wear_coefficient", 1e-14)], load);
+    let mut closed = heated(&[("strip.length", 0.6), ("strip.wear_coefficient", 1e-14)], load);
     let worn = |coefficient: f64| coefficient * load * 6.0 * 20.0;
     let depth = closed.get("depth");
     assert!((closed.get("wear_depth_strip") * 0.6 * depth / worn(1e-14) - 1.0).abs() < 1e-9);
     assert!((closed.get("wear_depth_punch") * closed.area() / worn(2e-14) - 1.0).abs() < 1e-9);
     assert!((closed.get("wear_depth") - closed.get("wear_depth_punch") - closed.get("wear_depth_strip")).abs() < 1e-18);
-    let mut straight = warm(&[("strip.path", 1.0), ("strip.wear_coefficient", 1e-14)], load);
+    let mut straight = heated(&[("strip.path", 1.0), ("strip.wear_coefficient", 1e-14)], load);
     assert!((straight.get("wear_volume_strip") / (2.0 * worn(1e-14)) - 1.0).abs() < 1e-9);
     let pass = 1e-14 * load / straight.area() * straight.get("punch.width");
     let groove = straight.get("wear_depth_strip");

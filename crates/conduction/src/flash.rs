@@ -347,7 +347,7 @@ mod tests {
             let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
             let flash = Flash::new(&source, 1000.0, 1e-3);
             let (table, slowest) = (&flash.speed, flash.decays.rate[0]);
-            let (mut felt, mut worst): (f64, f64) = (0.0, 0.0);
+            let (mut relative, mut worst): (f64, f64) = (0.0, 0.0);
             // From below the table to above it, with steps that sample every part of its intervals.
             for step in 0..40_000 {
                 let speed = 1e-9 * (f64::from(step) * 1.1e-3).exp();
@@ -355,11 +355,11 @@ mod tests {
                 let error = (by_cubic - by_spline).abs();
                 worst = worst.max(error / (by_spline + slowest));
                 if by_spline > 1e-3 {
-                    felt = felt.max(error / by_spline);
+                    relative = relative.max(error / by_spline);
                 }
             }
-            println!("{path:?}: {felt:e} {worst:e}");
-            assert!(felt < 1e-6 && worst < 1e-3, "{path:?}: {felt:e} {worst:e}");
+            println!("{path:?}: {relative:e} {worst:e}");
+            assert!(relative < 1e-6 && worst < 1e-3, "{path:?}: {relative:e} {worst:e}");
         }
     }
 

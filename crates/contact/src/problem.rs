@@ -120,7 +120,7 @@ impl fmt::Display for ContactError {
             ),
             Self::Rigid => write!(f, "two rigid bodies have no contact pressure on cells: one must be elastic"),
             Self::NoEquilibrium => {
-                write!(f, "no equilibrium of the contact: friction and rotation let the pressure run away")
+                write!(f, "no equilibrium of the contact: the pressure is unbounded under friction and rotation")
             }
         }
     }

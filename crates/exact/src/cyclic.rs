@@ -37,8 +37,8 @@ pub struct CyclicHalfPlane {
 }
 
 impl CyclicHalfPlane {
-    /// Solution for a friction coefficient and a holder; `None` where no steady cycle exists because the punch rocks itself
-    /// round (m >= 1).
+    /// Solution for a friction coefficient and a holder; `None` where no steady cycle exists because wear increases the
+    /// tilt without bound (m >= 1).
     pub fn new(friction: f64, holder: HolderKind) -> Option<Self> {
         let (m, sign) = match holder {
             HolderKind::Translate { poissons_ratio } => {

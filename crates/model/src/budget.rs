@@ -53,8 +53,8 @@ impl Budget {
             solutions => format!(" and {solutions} solutions of the contact (at most {})", self.most),
         };
         Err(StepFailure(format!(
-            "a communication step needs more work than is allowed: after {} internal steps (at most {MOST_STEPS}){solutions} {}; \
-             shorter communication steps, fewer solver.cells or a larger solver.tolerance need less",
+            "a communication step exceeds the work limit: after {} internal steps (at most {MOST_STEPS}){solutions} {}; \
+             shorter communication steps, fewer solver.cells or a larger solver.tolerance reduce the work",
             self.steps,
             rest()
         )))

@@ -88,10 +88,10 @@ impl CriticalSpeed {
     pub fn what_grows(&self, friction: f64, speed: f64) -> &'static str {
         let own = self.modelled(friction);
         if own > 0.0 && speed > own {
-            "from which on a pressure wave grows"
+            "the critical speed, above which pressure perturbations grow"
         } else {
-            "from which on a wave grows that bends the strip between its two faces; the contact line models one face and does \
-             not show it"
+            "the critical speed of an antisymmetric mode, which bends the strip between its two faces; the contact line \
+             models one face and does not contain that mode"
         }
     }
 

@@ -122,7 +122,7 @@ impl ModelOperators {
         let scene = self.scene();
         if scene.stick_stiffness > 0.0 && scene.regularization_velocity > 0.0 {
             warnings.push(format!(
-                "contact.stick_stiffness = {} N/m carries the force at standstill, so contact.regularization_velocity = {} m/s \
+                "contact.stick_stiffness = {} N/m activates the bristle model, so contact.regularization_velocity = {} m/s \
                  has no effect",
                 scene.stick_stiffness, scene.regularization_velocity
             ));

@@ -169,7 +169,7 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
     for (text, expected) in WRONG {
         let message = parse(&format!("name = \"a\"\n{text}")).expect_err(text).to_string();
         for part in *expected {
-            assert!(message.contains(part), "{text:?} gave {message:?}, which lacks {part:?}");
+            assert!(message.contains(part), "{text:?} gave {message:?}, without {part:?}");
         }
     }
 }

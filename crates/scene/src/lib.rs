@@ -50,9 +50,9 @@ pub enum ThermalBoundary {
     Held,
     /// Heat transfer to ambient air.
     Convecting,
-    /// No heat passes.
+    /// Adiabatic.
     Insulated,
-    /// Temperature of an input.
+    /// Temperature prescribed by an input.
     External,
 }
 
@@ -220,7 +220,7 @@ pub struct Scene {
     pub nominal_duration: f64,
     pub nominal_stroke: f64,
     pub fidelity: Fidelity,
-    /// Cells of the contact line; 0: chosen.
+    /// Number of cells of the contact line; 0: automatic.
     pub cells: usize,
     /// Heat of a contact line.
     pub heat_along_contact: HeatAlongContact,

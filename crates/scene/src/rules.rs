@@ -118,7 +118,7 @@ fn heat(scene: &Scene) -> Result<(), Broken> {
     if friction && insulators == [true, true] {
         return broken(format!(
             "punch.conductivity = 0 and strip.conductivity = 0 with contact.friction_coefficient = {}: \
-             the friction heat can go nowhere; at least one must be > 0 W/(m.K)",
+             neither body can conduct the friction heat; at least one must be > 0 W/(m.K)",
             scene.friction_coefficient
         ));
     }
@@ -193,8 +193,8 @@ fn level(scene: &Scene) -> Result<(), Broken> {
     }
     if scene.fidelity != Fidelity::Lumped && (1..FEWEST_CELLS).contains(&scene.cells) {
         return broken(format!(
-            "solver.cells = {} must be 0 (chosen) or from {FEWEST_CELLS} on: on fewer cells the pressure has no shape; solver.fidelity \
-             = lumped has one uniform pressure",
+            "solver.cells = {} must be 0 (automatic) or at least {FEWEST_CELLS}: fewer cells cannot represent a pressure \
+             distribution; solver.fidelity = lumped has a uniform pressure",
             scene.cells
         ));
     }

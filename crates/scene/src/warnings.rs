@@ -33,7 +33,9 @@ pub fn of_external(scene: &Scene, temperatures: [f64; 2]) -> Vec<String> {
 fn cold(name: &str, kelvin: f64) -> String {
     // The shortest decimal that the sum of two short ones should be.
     let celsius = (1e6 * (kelvin - 273.15)).round() / 1e6;
-    format!("{name} = {kelvin} K is {celsius} degC: temperatures are in kelvin, below {COLDEST} K is hardly meant")
+    format!(
+        "{name} = {kelvin} K is {celsius} degC: temperatures are in kelvin; values below {COLDEST} K are implausible"
+    )
 }
 
 fn of_body(name: &str, face: &str, body: &Body) -> Vec<(String, f64)> {

@@ -86,8 +86,8 @@ impl CycleProblem<'_> {
     ///
     /// by Newton's method with an active set in the pressure difference r = p+ - p-, of which both pressures are Lipschitz
     /// continuous functions for every exponent; lambda1 and jump1 only where the punch can rotate. For b = 1 and equal durations
-    /// this is the quadratic programme of [`super::ReciprocatingProblem`]. Where no steady cycle exists - the punch rocks itself
-    /// round - the iteration does not converge and returns an error.
+    /// this is the quadratic programme of [`super::ReciprocatingProblem`]. Where no steady cycle exists - wear increases the tilt
+    /// without bound - the iteration does not converge and returns an error.
     pub fn solve(&self) -> Result<Cycle, SteadyError> {
         self.check()?;
         let (count, x, weights) = (self.cells.count(), self.cells.centres(), self.cells.widths());

@@ -41,7 +41,7 @@ pub enum SteadyError {
         /// Largest lever at which the contact can be in equilibrium, in m.
         limit: f64,
     },
-    /// Reciprocating sliding with a punch free to rotate: it rocks itself round.
+    /// Reciprocating sliding with a punch free to rotate: wear increases the tilt without bound.
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
         lever: f64,
@@ -63,9 +63,9 @@ pub enum SteadyError {
     NothingWears,
     /// A run-in punch is requested, but only the strip wears: the punch keeps its shape.
     OnlyStripWears,
-    /// A strip that wears on a straight reciprocating track: its ends are hardly visited and never run in.
+    /// A strip that wears on a straight reciprocating track: its ends are rarely in contact and never run in.
     WearingStripReciprocating,
-    /// With heat: no heat can leave the bodies.
+    /// With heat: the bodies lose no heat.
     NoHeatLeaves {
         /// Path by which heat could leave, which is closed.
         closed: &'static str,
@@ -114,15 +114,15 @@ impl fmt::Display for SteadyError {
             }
             Self::RocksItselfRound { lever, limit, exponent } => write!(
                 f,
-                "no steady state: sliding to and fro, the punch rocks itself round, mu H = {lever} m is not below \
+                "no steady cycle in reciprocating sliding: wear increases the tilt without bound, mu H = {lever} m is not below \
                  {limit} m, the limit for wear with the pressure exponent {exponent}"
             ),
             Self::NoCycle { lever, half_width, iterations } => write!(
                 f,
                 "no steady state found in {iterations} iterations: with mu H = {lever} m on a half-width of \
-                 {half_width} m the punch may rock itself round"
+                 {half_width} m the tilt may grow without bound"
             ),
-            Self::NothingWears => write!(f, "no run-in state: nothing wears that could reshape the contact"),
+            Self::NothingWears => write!(f, "no run-in state: no wear reshapes the contact"),
             Self::OnlyStripWears => write!(
                 f,
                 "no run-in shape: only the strip wears, evenly on a closed path or as a groove that stays behind on a \
@@ -130,9 +130,11 @@ impl fmt::Display for SteadyError {
             ),
             Self::WearingStripReciprocating => write!(
                 f,
-                "no steady state: the strip wears on a straight to-and-fro track, whose ends are hardly visited"
+                "no steady state: the strip wears on a straight reciprocating track, whose ends are rarely in contact"
             ),
-            Self::NoHeatLeaves { closed } => write!(f, "no steady state with heat: no heat can leave, since {closed}"),
+            Self::NoHeatLeaves { closed } => {
+                write!(f, "no steady state with heat: the bodies lose no heat, since {closed}")
+            }
             Self::NotSettled { iterations, change } => write!(
                 f,
                 "no steady state with heat found in {iterations} iterations: the last one changed the temperature by \

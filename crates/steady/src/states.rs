@@ -132,8 +132,8 @@ pub struct SteadyState {
 /// | periodic | punch | uniform pressure |
 ///
 /// # Errors
-/// States that do not exist: nothing wears, a wearing strip on a straight reciprocating track, tipping, a punch that rocks itself
-/// round; two rigid bodies; values out of range.
+/// States that do not exist: nothing wears, a wearing strip on a straight reciprocating track, tipping, a tilt
+/// that wear increases without bound; two rigid bodies; values out of range.
 pub fn steady_state(
     scene: &Scene,
     cells: &Cells,

@@ -78,7 +78,7 @@ fn reciprocating_on_the_half_plane() {
             assert!(distance <= cells.widths()[cell], "N {count}: clipped edge off by {distance}");
         }
         let order = (errors[0] / errors[3]).log2() / 3.0;
-        println!("to and fro, m {:.4}: {errors:?}, order {order:.2}", exact.m);
+        println!("reciprocating, m {:.4}: {errors:?}, order {order:.2}", exact.m);
         // The error wavers with the place of the clipped edge in its cell: no clean order, but it falls.
         assert!(errors[1] < 1e-3 && errors[3] < 0.3 * errors[0], "{errors:?}, order {order}");
     }

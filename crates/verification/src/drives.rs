@@ -2,7 +2,7 @@
 //! examples.
 //!
 //! A [`DriveProblem`] is a scene with its inputs over time, its sample times, and its truth: a closed form, an integral
-//! equation, or a run far finer than all judged ones. A [`Setting`] is one way to solve it; the result is a [`Record`],
+//! equation, or a run far finer than all judged ones. A [`Setting`] is a method of solving it; the result is a [`Record`],
 //! whose [`Errors`] are those of the main output quantities. Time is measured with the caller's clock.
 
 mod brake;

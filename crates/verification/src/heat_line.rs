@@ -192,7 +192,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
     {
         for peclet in [1.0, 100.0, 1e6] {
             all.push(Problem {
-                name: format!("moving band by cells, one way, layer of {height} l, {label} base, Pe = {peclet}"),
+                name: format!("moving band by cells, unidirectional, layer of {height} l, {label} base, Pe = {peclet}"),
                 quantity: "mean T k/(q l)",
                 exact: Box::new(move || Ok(band_mean(peclet, Some((height, base))))),
                 scale: None,
@@ -215,7 +215,9 @@ fn between_knots(all: &mut Vec<Problem>) {
     const COUNT: usize = 24;
     for tolerance in [1e-3, 1e-4] {
         all.push(Problem {
-            name: format!("moving band by cells, one way, {COUNT} speeds from Pe = 1 to 1000, tolerance {tolerance}"),
+            name: format!(
+                "moving band by cells, unidirectional, {COUNT} speeds from Pe = 1 to 1000, tolerance {tolerance}"
+            ),
             quantity: "largest relative error of the mean T",
             exact: Box::new(|| Ok(0.0)),
             scale: Some(1.0),
@@ -235,7 +237,7 @@ fn between_knots(all: &mut Vec<Problem>) {
                 Ok(errors.fold(0.0, f64::max))
             }),
             bound: 0.1 * tolerance,
-            reason: "table over the velocity, whose knots stand closer where more is asked for",
+            reason: "table over the velocity, whose interpolation nodes are closer at tighter tolerances",
         });
     }
 }

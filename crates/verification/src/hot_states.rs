@@ -153,7 +153,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
         let all_changes = [way, changes].concat();
         let direct = all_changes.clone();
         all.push(Problem {
-            name: format!("direct hot state one way against long stepping, {name}"),
+            name: format!("direct unidirectional hot state against long stepping, {name}"),
             quantity: "rise of the contact temperature, K",
             exact: Box::new(move || {
                 let mut driven = Driven::new(&[SMALL, &all_changes].concat())?;
@@ -181,7 +181,7 @@ fn reciprocating(all: &mut Vec<Problem>) {
         let pressure = scale.is_none();
         all.push(Problem {
             name: format!(
-                "direct hot cycle to and fro against 300 stepped cycles, {}",
+                "direct reciprocating hot cycle against 300 stepped cycles, {}",
                 if pressure { "pressure" } else { "heat" }
             ),
             quantity,

@@ -53,7 +53,7 @@ fn cycle(
 fn unidirectional(all: &mut Vec<Problem>) {
     for lever in [0.1, 1.0 / 6.0] {
         all.push(deviation(
-            format!("one-way punch free to rotate, lever {lever:.3} of the width, 129 cells"),
+            format!("unidirectional punch free to rotate, lever {lever:.3} of the width, 129 cells"),
             "largest error of p/pm",
             move || {
                 let cells = Cells::graded(0.5, 129).map_err(text)?;
@@ -97,7 +97,7 @@ fn half_planes(all: &mut Vec<Problem>) {
     for (name, pivot_height, holder) in cases {
         let exact = move || CyclicHalfPlane::new(0.25, holder).ok_or_else(|| "no steady cycle".to_owned());
         all.push(deviation(
-            format!("to and fro on a half-plane, mu = .25, {name}, 65 cells"),
+            format!("reciprocating on a half-plane, mu = .25, {name}, 65 cells"),
             "largest error of the cell means of p+/pm at |x| < .8 a",
             move || {
                 let exact = exact()?;
@@ -111,7 +111,7 @@ fn half_planes(all: &mut Vec<Problem>) {
             "the clipped edge lies anywhere in a cell",
         ));
         all.push(Problem {
-            name: format!("to and fro on a half-plane, mu = .25, {name}, clipped edge of 65 cells"),
+            name: format!("reciprocating on a half-plane, mu = .25, {name}, clipped edge of 65 cells"),
             quantity: "distance from the middle over a, 1",
             exact: Box::new(move || Ok(exact()?.inner_half_width())),
             scale: Some(1.0),
@@ -162,7 +162,7 @@ fn stepping(all: &mut Vec<Problem>) {
     for (name, height) in [("translating", None), ("free to rotate", Some(1.1))] {
         let cells = || Cells::graded(1.0, 33).map_err(text);
         all.push(deviation(
-            format!("to and fro by 400 cycles of time stepping, {name}, 33 cells"),
+            format!("reciprocating, by 400 cycles of time stepping, {name}, 33 cells"),
             "largest |p+ + p- - 2 pm|/pm of the half-stroke means",
             move || {
                 let [forward, backward] = stepped(&cells()?, 0.3, height, 0.7)?;
@@ -192,7 +192,7 @@ fn stepping(all: &mut Vec<Problem>) {
 fn even_wear(all: &mut Vec<Problem>) {
     for exponent in [0.3, 0.5, 2.0, 3.0] {
         all.push(deviation(
-            format!("to and fro on a half-plane, b = {exponent}, half-strokes of 1 and .6"),
+            format!("reciprocating on a half-plane, b = {exponent}, half-strokes of 1 and .6"),
             "largest deviation of the depth per cycle from its mean, over it",
             move || {
                 let cells = Cells::graded(1.0, 65).map_err(text)?;
@@ -250,7 +250,7 @@ fn block_cycle(count: usize) -> Result<(Cells, Reciprocating), String> {
 fn block_table(all: &mut Vec<Problem>) {
     for (index, exact) in BLOCK_PRESSURES.into_iter().enumerate() {
         all.push(Problem {
-            name: format!("elastic block to and fro, {} tenths of the width, 129 cells", index + 1),
+            name: format!("reciprocating elastic block, {} tenths of the width, 129 cells", index + 1),
             quantity: "p+/pm, 1",
             exact: known(exact),
             scale: Some(1.0),
@@ -263,7 +263,7 @@ fn block_table(all: &mut Vec<Problem>) {
         });
     }
     all.push(Problem {
-        name: "elastic block to and fro, clipped edge of 129 cells".into(),
+        name: "reciprocating elastic block, clipped edge of 129 cells".into(),
         quantity: "clipped width over a, 1",
         exact: known(BLOCK_CLIPPED),
         scale: Some(1.0),

@@ -269,7 +269,7 @@ fn steps_hide_growth_beyond_the_curve_of_theory_and_the_default_never_does() {
             assert_eq!(verdict, Verdict::Right, "{method:?} {ratio} {step}: {error}");
         }
     }
-    // Modes that decay within a step, and modes that faster growing shorter ones would overtake over a longer run.
+    // Modes that decay within a step, and modes that shorter, faster growing ones would exceed in a longer run.
     let finer = waves(16, Method::Default).unwrap();
     for (ratio, step) in [(0.32, 6.0), (0.41, 10.0), (0.53, 6.0), (0.69, 10.0), (18.6, 0.1), (24.0, 0.25), (31.0, 0.06)]
     {

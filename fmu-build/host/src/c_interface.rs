@@ -11,7 +11,7 @@
 //!
 //! Texts are UTF-8 and end with a zero. `message` takes a text of at most `capacity` bytes, its zero included; it may
 //! be NULL. Results: 0 success, else the number of a [`Stage`]; then nothing in `outputs` is meant. A worker must not
-//! be used by two threads at once, and not in a process forked from the one that opened it.
+//! be used by two threads concurrently, and not in a process forked from the one that opened it.
 
 use crate::error::{Failure, Stage};
 use crate::scene::{Scene, Span};

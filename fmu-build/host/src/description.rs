@@ -111,7 +111,7 @@ impl Description {
     /// Reads the text of `modelDescription.xml`.
     ///
     /// # Errors
-    /// Where it is no XML, not of FMI 2.0, not for co-simulation, or lacks a required attribute.
+    /// Where it is no XML, not of FMI 2.0, not for co-simulation, or a required attribute is missing.
     pub fn parse(text: &str) -> Result<Self, Failure> {
         let broken = |reason: String| Failure::library(format!("modelDescription.xml: {reason}"));
         let mut description = Self {

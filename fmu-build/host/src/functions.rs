@@ -24,7 +24,7 @@ pub fn status_name(status: Status) -> &'static str {
         3 => "fmi2Error",
         FATAL => "fmi2Fatal",
         5 => "fmi2Pending",
-        _ => "a status that FMI 2.0 does not know",
+        _ => "a status that FMI 2.0 does not define",
     }
 }
 
@@ -98,7 +98,7 @@ impl Functions {
     /// Loads a library and finds its functions. They must not be called after the library is dropped.
     ///
     /// # Errors
-    /// Where it cannot be loaded, lacks a function or is of another version or type platform.
+    /// Where it cannot be loaded, a function is missing, or it is of another version or type platform.
     pub fn load(path: &Path) -> Result<(Self, Library), Failure> {
         let failed = |reason: String| Failure::library(format!("loading {}: {reason}", path.display()));
         // SAFETY: loading runs the library's initialisers; that is what loading an FMU means.

@@ -103,7 +103,7 @@ fn course(arguments: &Arguments) -> Result<Course> {
     let mut scene = Scene::new(&file.packaged.starts, Some(file.packaged.experiment.tolerance))?;
     if scene.nominal_stroke == 0.0 || scene.nominal_velocity == 0.0 {
         bail!(
-            "the scene {name} does not slide to and fro: nominal.stroke = {} m, nominal.velocity = {} m/s",
+            "the scene {name} is not reciprocating: nominal.stroke = {} m, nominal.velocity = {} m/s",
             scene.nominal_stroke,
             scene.nominal_velocity
         );

@@ -73,7 +73,7 @@ pub struct Arguments {
 pub fn execute(arguments: &Arguments) -> Result<()> {
     output::check_ending(arguments.output.as_deref(), "csv")?;
     if arguments.output.is_some() && !(arguments.campaign || arguments.against_field) {
-        bail!("--output holds the table of --campaign or --against-field, and neither is asked for");
+        bail!("--output holds the table of --campaign or --against-field, and neither is given");
     }
     if arguments.campaign {
         return campaign::execute(&campaign::Request {
@@ -159,7 +159,7 @@ fn record(plan: &Plan) -> Value {
         "tolerance": plan.tolerance,
         "level": plan.model_level.level(),
         "cells": plan.model_level.cells(),
-        "rung": plan.model_level.to_string(),
+        "model_level": plan.model_level.to_string(),
         "meets_tolerance": plan.meets,
         "reason": plan.reason,
         "order": plan.order,

@@ -123,7 +123,7 @@ fn solve(arguments: &Arguments) -> Result<Solved> {
         (None, _) => {}
         (Some(speed), Sliding::Reciprocating { speeds, .. }) => speeds[1] = speed,
         (Some(speed), _) => bail!(
-            "--return-speed {speed} m/s: the scene {name} slides one way (nominal.stroke = {} m)",
+            "--return-speed {speed} m/s: the scene {name} slides in one direction (nominal.stroke = {} m)",
             scene.nominal_stroke
         ),
     }
@@ -143,7 +143,7 @@ fn solve(arguments: &Arguments) -> Result<Solved> {
 fn write_law(arguments: &Arguments) -> Result<()> {
     let (name, scene, _) = read(arguments)?;
     if scene.nominal_stroke == 0.0 {
-        bail!("the law is one of to-and-fro sliding; the scene {name} slides one way (nominal.stroke = 0 m)");
+        bail!("the law is one of reciprocating sliding; the scene {name} is unidirectional (nominal.stroke = 0 m)");
     }
     let law = law::Law::new(&name, &scene, arguments.cells.map_or(LAW_CELLS, usize::from))?;
     if arguments.json {
@@ -180,9 +180,9 @@ fn largest(values: &[f64]) -> f64 {
 impl Solved {
     fn kind(&self) -> &'static str {
         match (self.state.kind, self.state.strokes.len()) {
-            (SteadyKind::RunIn, 1) => "run in, sliding one way",
-            (SteadyKind::RunIn, _) => "run in, sliding to and fro",
-            (SteadyKind::Groove, _) => "steady groove of the wearing strip, sliding one way",
+            (SteadyKind::RunIn, 1) => "run-in, unidirectional",
+            (SteadyKind::RunIn, _) => "run-in, reciprocating",
+            (SteadyKind::Groove, _) => "steady groove of the wearing strip, unidirectional",
             (SteadyKind::Elastic, _) => "elastic: even wear of a closed path reshapes nothing",
         }
     }
@@ -394,7 +394,7 @@ mod tests {
     fn the_reciprocating_punch_is_printed_recorded_and_drawn() {
         let solved = solve(&arguments("reciprocating_punch")).unwrap();
         let table = solved.table();
-        for text in ["run in, sliding to and fro", "peak pressure, MPa", "  33.3333\n", "jump of the approach"] {
+        for text in ["run-in, reciprocating", "peak pressure, MPa", "  33.3333\n", "jump of the approach"] {
             assert!(table.contains(text), "{text} is missing in\n{table}");
         }
         let record = solved.record();
@@ -422,7 +422,7 @@ mod tests {
         }
         let solved = solve(&closed).unwrap();
         let refused = solved.record()["heat"]["refused"].as_str().unwrap().to_owned();
-        assert!(refused.contains("no heat can leave") && solved.table().contains(&refused), "{refused}");
+        assert!(refused.contains("the bodies lose no heat") && solved.table().contains(&refused), "{refused}");
     }
 
     #[test]

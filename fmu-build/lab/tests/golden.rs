@@ -1,4 +1,4 @@
-//! What the code computes is what it computed: every golden scene against its record, and that a change would be seen.
+//! Regression test: every golden scene against its record, and detection of a change.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -89,7 +89,7 @@ impl Component {
     /// Loads a library and checks that it accepts this GUID.
     ///
     /// # Errors
-    /// Where it cannot be loaded or lacks a function.
+    /// Where it cannot be loaded or a function is missing.
     pub fn load(path: &Path, guid: &str) -> Result<Self> {
         // SAFETY: loading runs the library's initialisers; both libraries are made by this project.
         let library = unsafe { Library::new(path) }.with_context(|| format!("loading {}", path.display()))?;

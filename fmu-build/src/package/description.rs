@@ -17,8 +17,8 @@ pub const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a pun
 
 /// Categories under which the library logs; it uses no others.
 pub const LOG_CATEGORIES: [(&str, &str); 3] = [
-    ("logStatusWarning", "What one should know although the simulation goes on"),
-    ("logStatusError", "Why a call was refused or failed"),
+    ("logStatusWarning", "Conditions that do not end the simulation"),
+    ("logStatusError", "Reasons of refused or failed calls"),
     ("logEvents", "Choices made at initialisation, limits reached, changes of the contact"),
 ];
 

@@ -191,7 +191,7 @@ pub fn missing(platform: Platform) -> Option<String> {
     if platform == Platform::Linux64 { None } else { toolchain::Toolchain::find(platform).err() }
 }
 
-/// Writes a file and the folders above it; a reader never sees half of it.
+/// Writes a file and the folders above it; the file is complete or absent.
 fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let context = || format!("writing {}", path.display());
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {

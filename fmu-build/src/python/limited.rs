@@ -9,11 +9,11 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-/// `lacks NAME`: whether the stand-in lacks something. `make FOLDER [pip]`: makes an environment.
+/// `missing NAME`: whether something is missing in the stand-in. `make FOLDER [pip]`: makes an environment.
 const COMMON: &str = r#"#!/bin/sh
 here='HERE'
 echo "$(basename "$0") $*" >> "$here/calls"
-lacks() { [ -e "$here/no-$1" ]; }
+missing() { [ -e "$here/no-$1" ]; }
 make() {
     mkdir -p "$1/bin" "$1/packages"
     cp "$here/environment" "$1/bin/python"
@@ -22,14 +22,14 @@ make() {
 "#;
 
 const BASE: &str = r#"case "$*" in
-    "-c import venv") ! lacks venv ;;
-    "-c import ensurepip") ! lacks ensurepip ;;
-    "-c import pip") ! lacks pip ;;
-    "-m venv --clear --without-pip "*) ! lacks venv && make "$5" ;;
+    "-c import venv") ! missing venv ;;
+    "-c import ensurepip") ! missing ensurepip ;;
+    "-c import pip") ! missing pip ;;
+    "-m venv --clear --without-pip "*) ! missing venv && make "$5" ;;
     # As on a system that ships ensurepip without its wheels, if so told.
-    "-m venv --clear "*) lacks wheels && exit 1; make "$4" pip ;;
-    "-m pip install --no-input --target "*) ! lacks pip && [ "$7" = "pip==25.3" ] && touch "$6/pip" ;;
-    "-m virtualenv "*) ! lacks virtualenv-module && make "$3" pip ;;
+    "-m venv --clear "*) missing wheels && exit 1; make "$4" pip ;;
+    "-m pip install --no-input --target "*) ! missing pip && [ "$7" = "pip==25.3" ] && touch "$6/pip" ;;
+    "-m virtualenv "*) ! missing virtualenv-module && make "$3" pip ;;
     *) exit 2 ;;
 esac
 "#;
@@ -43,10 +43,10 @@ case "$*" in
 esac
 "#;
 
-const VIRTUALENV: &str = r#"! lacks virtualenv && [ ! -e "$3" ] && [ "$1 $2" = "--python $here/python3" ] && make "$3" pip
+const VIRTUALENV: &str = r#"! missing virtualenv && [ ! -e "$3" ] && [ "$1 $2" = "--python $here/python3" ] && make "$3" pip
 "#;
 
-const UV: &str = r#"! lacks uv && [ ! -e "$5" ] && [ "$1 $2 $3 $4" = "venv --seed --python $here/python3" ] && make "$5" pip
+const UV: &str = r#"! missing uv && [ ! -e "$5" ] && [ "$1 $2 $3 $4" = "venv --seed --python $here/python3" ] && make "$5" pip
 "#;
 
 /// A folder with the stand-ins, removed in the end.
@@ -62,7 +62,7 @@ impl Drop for System {
 }
 
 impl System {
-    fn without(test: &str, lacking: &[&str]) -> Self {
+    fn without(test: &str, missing: &[&str]) -> Self {
         let folder = std::env::temp_dir().join(format!("sliding-contact-limited-{test}-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let common = COMMON.replace("HERE", folder.to_str().unwrap());
@@ -71,10 +71,10 @@ impl System {
             fs::write(&path, format!("{common}{rest}")).unwrap();
             fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
         }
-        for name in lacking {
+        for name in missing {
             fs::write(folder.join(format!("no-{name}")), "").unwrap();
         }
-        let wheels = if lacking.contains(&"wheel") { Vec::new() } else { vec![folder.join("pip-25.3.whl")] };
+        let wheels = if missing.contains(&"wheel") { Vec::new() } else { vec![folder.join("pip-25.3.whl")] };
         let helpers = Helpers { wheels, virtualenv: folder.join("virtualenv"), uv: folder.join("uv") };
         Self { folder, helpers }
     }
@@ -93,8 +93,8 @@ impl System {
     }
 }
 
-fn last_call(test: &str, lacking: &[&str]) -> String {
-    let system = System::without(test, lacking);
+fn last_call(test: &str, missing: &[&str]) -> String {
+    let system = System::without(test, missing);
     let call = system.create().unwrap();
     assert!(has_pip(&system.environment()), "{call}");
     call
@@ -111,8 +111,8 @@ fn a_whole_interpreter_makes_it_alone() {
 
 #[test]
 fn without_ensurepip_the_interpreters_own_pip_is_put_in() {
-    for lacking in [["ensurepip"], ["wheels"]] {
-        let call = last_call(lacking[0], &lacking);
+    for missing in [["ensurepip"], ["wheels"]] {
+        let call = last_call(missing[0], &missing);
         assert!(call.starts_with("python3 -m pip install --no-input --target /made/"), "{call}");
     }
 }
@@ -127,14 +127,14 @@ fn without_any_pip_it_comes_from_the_distributions_wheel() {
 fn without_venv_virtualenv_makes_it_as_a_module_or_as_a_program() {
     assert_eq!(last_call("no-venv", &["venv"]), "python3 -m virtualenv /made");
     // The incomplete environment of venv is removed before the next tool starts.
-    let lacking = ["ensurepip", "pip", "wheel", "virtualenv-module"];
-    assert_eq!(last_call("no-module", &lacking), "virtualenv --python /python3 /made");
+    let missing = ["ensurepip", "pip", "wheel", "virtualenv-module"];
+    assert_eq!(last_call("no-module", &missing), "virtualenv --python /python3 /made");
 }
 
 #[test]
 fn uv_is_the_last_way() {
-    let lacking = ["ensurepip", "pip", "wheel", "virtualenv-module", "virtualenv"];
-    assert_eq!(last_call("no-virtualenv", &lacking), "uv venv --seed --python /python3 /made");
+    let missing = ["ensurepip", "pip", "wheel", "virtualenv-module", "virtualenv"];
+    assert_eq!(last_call("no-virtualenv", &missing), "uv venv --seed --python /python3 /made");
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn check(example: Example, name: &str, start: &dyn Fn(&str) -> Option<f64>) -> R
         ),
         Example::ReciprocatingPunch => (
             !closed && of("nominal.stroke")? > 0.0,
-            "a punch that slides to and fro: strip.path = straight, nominal.stroke above 0 m",
+            "a reciprocating punch: strip.path = straight, nominal.stroke above 0 m",
         ),
         Example::HotSpots => {
             (closed && geometry == PERIODIC, "a ring on a ring: strip.path = closed, contact.geometry = periodic")
@@ -114,7 +114,7 @@ mod tests {
     fn a_refusal_names_the_variables_and_their_values() {
         let told = format!("{:#}", check_scene(Example::DiscBrake, "clutch").unwrap_err());
         for part in ["clutch", "disc_brake", "contact.geometry = annular", "covers 1.000 of its path"] {
-            assert!(told.contains(part), "{told} lacks {part}");
+            assert!(told.contains(part), "{told} does not contain {part}");
         }
     }
 }

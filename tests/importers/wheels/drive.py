@@ -1,4 +1,4 @@
-"""Drives the FMU with one importer. Runs in the environment of that importer, which may lack numpy.
+"""Drives the FMU with one importer. Runs in the environment of that importer, in which numpy may be missing.
 
     python drive.py IMPORTER FMU STEP INPUTS OUTPUTS NAME ...
 

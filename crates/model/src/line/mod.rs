@@ -436,7 +436,7 @@ impl Line {
     fn watch(&mut self) -> Result<(), StepFailure> {
         if let Some(name) = self.state.not_finite() {
             return Err(StepFailure(format!(
-                "{name} along the contact line is no finite number after the step: no solution was found"
+                "{name} along the contact line is not finite after the step: no solution was found"
             )));
         }
         let scene = &self.operators.scene;
@@ -446,7 +446,7 @@ impl Line {
             let lowest = heat.lowest() + self.mean.state().reference;
             if lowest.is_nan() || lowest < 0.0 {
                 return Err(StepFailure(format!(
-                    "heat along the contact line has lost its balance: a surface of {lowest} K, which cannot be below 0 K, at \
+                    "the heat balance of the contact line failed: a surface temperature of {lowest} K, below 0 K, at \
                      punch.conductivity = {} and strip.conductivity = {} W/(m.K)",
                     scene.punch.conductivity, scene.strip.conductivity
                 )));

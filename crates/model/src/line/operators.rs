@@ -323,12 +323,12 @@ impl LineOperators {
         let bound = if self.scene.scheme == Scheme::Explicit { self.explicit_bound() } else { String::new() };
         let heat = match &self.heat {
             Some(bodies) => format!(
-                "heat along the contact line, thermal states: punch {}{}, strip {}, with its distortion of the shape",
+                "resolved heat, thermal states: punch {}{}, strip {}, with thermal distortion",
                 bodies.states[0],
                 if self.scene.fidelity == Fidelity::Field { " (finite elements, unreduced)" } else { "" },
                 bodies.states[1]
             ),
-            None => "heat by its mean, without distortion of the shape".into(),
+            None => "lumped heat, without thermal distortion".into(),
         };
         format!("{} cells{chosen}; the strip {strip}; {heat}{bound}", self.count())
     }
@@ -389,8 +389,8 @@ impl LineOperators {
             && scene.friction_coefficient * height >= limit
         {
             warnings.push(format!(
-                "sliding to and fro, the punch rocks itself round: contact.friction_coefficient x holder.pivot_height = {} m \
-                 is not below {limit} m, so no steady cycle exists",
+                "reciprocating sliding has no steady cycle: wear increases the tilt without bound, since \
+                 contact.friction_coefficient x holder.pivot_height = {} m is not below {limit} m",
                 scene.friction_coefficient * height
             ));
         }

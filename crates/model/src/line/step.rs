@@ -129,7 +129,7 @@ impl Line {
                 continue;
             }
             match &mut self.attempts_left {
-                Some(0) => return Err(StepFailure("the internal steps that were allowed are used up".into())),
+                Some(0) => return Err(StepFailure("the allowed number of internal steps is exhausted".into())),
                 Some(left) => *left -= 1,
                 None => {}
             }

@@ -176,7 +176,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
     let reason = match (good, doubt) {
         (_, Some(reason)) => reason,
         _ if !comparison.is_known => {
-            "the cells do not converge over the nominal duration: its error is not known".to_owned()
+            "the cells do not converge over the nominal duration: its error is unknown".to_owned()
         }
         (Some(_), _) => "the cheapest whose estimated error is below the tolerance".to_owned(),
         (None, _) => {

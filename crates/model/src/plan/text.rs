@@ -10,9 +10,9 @@ impl Plan {
     /// The plan's level in one line.
     pub fn summary(&self) -> String {
         let heat = match self.model_level {
-            ModelLevel::Lumped => "heat of the mean",
-            ModelLevel::Line { heat: HeatAlongContact::ByItsMean, .. } => "heat by its mean",
-            ModelLevel::Line { .. } => "heat on the cells",
+            ModelLevel::Lumped => "lumped heat",
+            ModelLevel::Line { heat: HeatAlongContact::ByItsMean, .. } => "lumped heat",
+            ModelLevel::Line { .. } => "resolved heat",
         };
         format!(
             "auto takes {}, {heat}, order {}, thermal states: punch {}, strip {}, moving source {}: {}",
@@ -41,7 +41,7 @@ impl Plan {
                 effect.name,
                 effect.measure,
                 short(effect.number),
-                if effect.kept { "kept".into() } else { format!("dropped, costs {}", short(effect.error)) }
+                if effect.kept { "kept".into() } else { format!("dropped, error {}", short(effect.error)) }
             ));
         }
         for (name, value) in self.groups() {

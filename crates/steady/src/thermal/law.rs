@@ -142,7 +142,7 @@ fn cold_state(scene: &Scene, cells: &Cells, compliances: &[Compliance; 2]) -> Re
     match Sliding::nominal(scene) {
         sliding @ Sliding::Reciprocating { .. } => steady_state(scene, cells, compliances, &sliding),
         Sliding::Unidirectional { .. } => {
-            Err(SteadyError::Heat("the law is one of to-and-fro sliding: nominal.stroke = 0 m".into()))
+            Err(SteadyError::Heat("the law is one of reciprocating sliding: nominal.stroke = 0 m".into()))
         }
     }
 }

@@ -60,7 +60,7 @@ pub(super) fn problem() -> Result<DriveProblem, String> {
     let ambient = starts[const { scene::variables::reference("ambient_temperature") } as usize];
     Ok(DriveProblem {
         name: "unidirectional_pin",
-        title: "One-way pin: a flat rigid pin wears on a track of steel",
+        title: "Unidirectional pin: a flat rigid pin wears on a track of steel",
         data: "2 x 2 mm, 100 N, 0.5 m/s for 10 s, mu 0.3, wear 4.5e-6 mm3/(N m), track 1.9 mm high on a held base, Peclet number 18",
         starts,
         inputs: Box::new(|_| [VELOCITY, LOAD]),

@@ -61,7 +61,7 @@ pub(super) fn cold() -> Result<DriveProblem, String> {
     ];
     Ok(DriveProblem {
         name: "reciprocating_punch",
-        title: "Reciprocating punch: an elastic block wears on an elastic strip, to and fro, cold",
+        title: "Reciprocating punch: an elastic block wears on an elastic strip, cold",
         data: "60 x 10 mm steel on steel, 10 kN, 1.5 mm sin(10 t), mu 0.25, wear 3.9e-5 mm3/(N m) times 100 over 12 cycles",
         starts: starts(Some(&scene()?), &changes)?,
         inputs: Box::new(inputs),

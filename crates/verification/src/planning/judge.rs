@@ -103,11 +103,11 @@ impl Judged {
     }
 }
 
-/// Number of repetitions of a timed planning.
+/// Number of timed plannings of a scene.
 const REPETITIONS: usize = 3;
 
 /// Plans a scene at a tolerance; processor time of that without building the chosen model level, and of building it, s: the
-/// least over repetitions of the same work. Load by other threads on the same core or cache is included, so the machine
+/// least over repeated runs of the same work. Load by other threads on the same core or cache is included, so the machine
 /// should be idle.
 ///
 /// # Errors

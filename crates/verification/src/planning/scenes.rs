@@ -76,7 +76,7 @@ impl Group {
             Group::Pin => "pin",
             Group::Reciprocating => "reciprocating",
             Group::Disc => "disc",
-            Group::Unidirectional => "one-way",
+            Group::Unidirectional => "unidirectional",
             Group::Annular => "annular",
         }
     }

@@ -10,7 +10,7 @@ use super::half_spaces::HalfSpaces;
 use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
 /// Summary of the map.
-pub const SUMMARY: &str = "contact conductance 0 to 10¹² W/(m².K) by step: the heat split against its closed form";
+pub const SUMMARY: &str = "contact conductance 0 to 10¹² W/(m².K) by step: the heat partition against its closed form";
 
 /// Conductivity of the punch over that of the strip.
 const RATIO: f64 = 0.02;

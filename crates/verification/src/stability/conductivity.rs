@@ -13,7 +13,7 @@ use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 
 /// Summary of the map.
 pub const SUMMARY: &str =
-    "conductivity of one body 0 to 1 times the other's by step: the heat split against its closed form";
+    "conductivity of one body 0 to 1 times the other's by step: the heat partition against its closed form";
 
 /// Conductance that represents perfect contact.
 const CONDUCTANCE: f64 = 1e12;
@@ -79,7 +79,7 @@ fn assemble(points: Vec<Point>, shares: Vec<(f64, f64)>) -> Map {
         ],
     };
     Map {
-        title: "A body that hardly conducts",
+        title: "A body of low conductivity",
         header: vec![
             "Two half-spaces of equal heat capacity in perfect contact (10¹² W/(m².K)), heated by friction from rest; line \
              level, solver.tolerance = 10⁻³, ten communication steps, against the closed form."

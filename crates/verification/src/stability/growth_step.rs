@@ -116,9 +116,9 @@ pub fn run(contact: &WaveContact, method: Method, ratio: f64, step: f64) -> (Ver
             break;
         }
         // A change below rounding is not measurable.
-        let faded =
+        let decayed =
             amplitudes.last().is_some_and(|last: &Complex<f64>| (amplitude - last).norm() < 1e-7 * amplitude.norm());
-        if faded {
+        if decayed {
             break;
         }
         amplitudes.push(amplitude);
@@ -382,7 +382,7 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
             judged[1].points.iter().filter(|point| point.x > 1.0).count(),
         ),
         format!(
-            "In {} more runs that step sees the growth, at a rate that is off by more than a tenth.",
+            "In {} more runs that step shows the growth, at a rate that is off by more than a tenth.",
             judged[1].count(Verdict::Inexact)
         ),
         format!(

@@ -134,15 +134,15 @@ fn hot_steps(count: usize, target: f64, costs: &mut Vec<Cost>) -> Result<()> {
     let cold = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
     let unidirectional = [("nominal.stroke", 0.0), ("strip.path", 1.0)];
     let cases: [Case<'_>; 3] = [
-        ("to and fro", &[], |n| {
+        ("reciprocating", &[], |n| {
             let velocity = |n: usize| 0.015 * (0.01 * n as f64).cos();
             [velocity(n), (velocity(n + 1) - velocity(n)) / 1e-3, 1e4]
         }),
-        ("one way, the speed changes", &unidirectional, |n| {
+        ("unidirectional, the speed changes", &unidirectional, |n| {
             let velocity = |n: usize| 0.012 + 0.003 * (0.01 * n as f64).cos();
             [velocity(n), (velocity(n + 1) - velocity(n)) / 1e-3, 1e4]
         }),
-        ("one way, the load changes", &unidirectional, |n| [0.0095, 0.0, 1e4 + 100.0 * (0.3 * n as f64).sin()]),
+        ("unidirectional, the load changes", &unidirectional, |n| [0.0095, 0.0, 1e4 + 100.0 * (0.3 * n as f64).sin()]),
     ];
     for (name, changes, drive) in cases {
         let mut both = [

@@ -44,7 +44,7 @@ const CASES: [Case; 8] = [
         drive: |n| [2.0 + 0.02 * (0.3 * n).sin(), 1.0, 0.2],
     },
     Case {
-        name: "to and fro",
+        name: "reciprocating",
         // An edge cell touches down and lifts off within every stroke.
         limit: Some(25.0),
         exponent: 1.0,

@@ -9,7 +9,7 @@ pub struct Budget {
     pub run: f64,
     /// Of a reference run, s.
     pub truth: f64,
-    /// Time that repetitions of a short run may take together, s.
+    /// Largest total time of the repeated measurements of a short run, s.
     pub repeats: f64,
 }
 

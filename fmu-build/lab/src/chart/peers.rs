@@ -38,7 +38,7 @@ const PEERS: [Peer; 3] = [
         script: "scikit_fem_punch.py",
         name: "scikit-fem",
         scenes: &["reciprocating_punch", "hot_punch"],
-        elsewhere: "the peer is written for the two blocks that slide to and fro",
+        elsewhere: "the peer is written for the two reciprocating blocks",
     },
     Peer {
         script: "pythonfmu_brake.py",

@@ -28,10 +28,10 @@ pub struct Value {
     pub now: f64,
 }
 
-/// What differs in a scene.
+/// Differences in a scene.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Differences {
-    /// What cannot be compared value by value: messages, communication points, variables.
+    /// Differences that are not of values: messages, communication points, variables.
     pub structure: Vec<String>,
     /// The first kept value that differs.
     pub first: Option<Value>,
@@ -81,8 +81,8 @@ impl fmt::Display for Value {
 
 /// The least scale of a variable's differences; the scale is the variable's largest magnitude in the scene where that is more.
 ///
-/// What is rounding around 0, as the heat flow through a base that no heat has reached yet, is not to be told from 0: a
-/// thousandth of the variable's nominal value. Errors and residuals are relative numbers already.
+/// A thousandth of the variable's nominal value: rounding around 0, as of the heat flow through a base that no heat has reached
+/// yet, counts as 0. Errors and residuals are relative numbers already.
 fn least_scale(variable: &str) -> f64 {
     if variable.contains("error") || variable.contains("change_of") {
         return 1.0;
@@ -114,7 +114,7 @@ fn wording(message: &str) -> String {
         .collect()
 }
 
-/// What differs between a record and what is computed now.
+/// Differences between a record and the present results.
 pub fn compare(recorded: &Record, now: &Record, allowed: Allowed) -> Differences {
     let mut found = Differences::default();
     let exact = allowed == Allowed::Nothing;

@@ -1,4 +1,4 @@
-//! What of a machine the bits of the results depend on.
+//! Properties of a machine that the bits of the results depend on.
 //!
 //! Three things: how the C library computes exp, sin, pow and so on (it chooses by processor), how wide the vectors are in
 //! which products of matrices are summed up, and in which blocks they are (by the sizes of the caches). Each shows in

@@ -1,4 +1,4 @@
-//! What is kept of a scene, and the text that holds it.
+//! Record of a scene, and its text format.
 //!
 //! Numbers are written with as many digits as tell them from their neighbours, so that reading gives the same bits.
 
@@ -45,7 +45,7 @@ pub struct Series {
     pub values: Vec<f64>,
 }
 
-/// What is kept of a scene.
+/// Record of a scene.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Record {
     /// The error that the scene ended with.

@@ -25,7 +25,7 @@ const MEASURED: [&str; 1] = ["planning_seconds"];
 /// Numbers of a command that count its work.
 const COUNTED: [&str; 3] = ["compared_steps", "computed", "cycles_computed"];
 
-/// What the component has done so far; the only place that asks for more than the FMU tells.
+/// Work counters of the component so far; the only access to more than the FMU's outputs.
 fn work(component: &Component) -> [(&'static str, u64); 8] {
     let (steps, rejected) = component.work();
     let contact = component.contact_work();

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 pub struct GoldenScene {
     /// Name of the scene and of its record.
     pub name: String,
-    /// What it is there for.
+    /// Purpose of the scene.
     pub what: String,
     /// A shipped scene; the stock scene where there is none.
     pub scene: Option<String>,
@@ -23,7 +23,7 @@ pub struct GoldenScene {
     /// Inputs while initialising.
     #[serde(default)]
     pub start: BTreeMap<String, f64>,
-    /// What is done after initialisation.
+    /// Segments after initialisation.
     #[serde(default)]
     pub drive: Vec<Segment>,
     /// How often all of it is done.
@@ -59,7 +59,7 @@ pub struct Segment {
     pub replay: Replay,
 }
 
-/// What takes a segment the second time.
+/// Way in which a segment is replayed.
 #[derive(Clone, Copy, PartialEq, Eq, Deserialize, Default, Debug)]
 #[serde(rename_all = "lowercase")]
 pub enum Replay {

@@ -34,9 +34,9 @@ const SCENES: [&str; 3] = ["disc_brake", "reciprocating_punch", "pin_on_disk"];
 /// Where a scene, a level or a step fails.
 pub fn measure(scene: Option<&str>, output: Option<&Path>) -> Result<()> {
     let mut table = format!(
-        "# Processor time of a communication step on the rung planned for an error of {TOLERANCE:e}, and of solver.fidelity = field; \
-         nominal load and speed from a cold start.\n# {}; commit {}.\n\
-         scene,rung,planned_error,step_s,rung_seconds,field_seconds,ratio\n",
+        "# Processor time of a communication step of the model level planned for an error of {TOLERANCE:e}, and of \
+         solver.fidelity = field; nominal load and speed from a cold start.\n# {}; commit {}.\n\
+         scene,model_level,planned_error,step_s,model_level_seconds,field_seconds,ratio\n",
         machine::name(),
         machine::commit()
     );
@@ -85,7 +85,7 @@ fn seconds_per_step(scene: &Scene, operators: &ModelOperators, step: f64, steps:
     let begin = processor_seconds();
     for count in 0..steps {
         if scene.nominal_stroke > 0.0 {
-            // To and fro with the nominal speed as the mean.
+            // Reciprocating with the nominal speed as the mean.
             let phase = PI * scene.nominal_velocity / scene.nominal_stroke * step * count as f64;
             inputs[0] = 0.5 * PI * scene.nominal_velocity * phase.cos();
         }

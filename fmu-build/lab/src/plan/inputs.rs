@@ -197,7 +197,7 @@ fn compare(drive: &Application, tolerance: f64) -> Result<Levels> {
     }
     bar.finish_and_clear();
     let Some((finest, truth)) = fine.last().filter(|_| fine.len() > 2) else {
-        bail!("too few levels can be run to know an error: {}", failed.join("; "));
+        bail!("too few levels can be run to estimate an error: {}", failed.join("; "));
     };
     let known = largest(own) <= ENOUGH[1] * tolerance;
     let candidate = |(setting, run): &(Setting, Run)| {
@@ -311,7 +311,7 @@ mod tests {
         ] {
             let told =
                 format!("{:#}", with_inputs(name, text, |path| drive("stock", &packaged.starts, path)).unwrap_err());
-            assert!(told.contains(wanted), "{told}\nlacks {wanted}");
+            assert!(told.contains(wanted), "{told}\nis without {wanted}");
         }
     }
 

@@ -199,10 +199,10 @@ mod tests {
                 let scale = mode.wave_number.max(loss).max(1.0);
                 for (x, sign) in [(-0.02, 1.0), (0.02, -1.0)] {
                     let slope = -mode.wave_number * mode.at_radius(mean + x).1;
-                    let lacking = slope - sign * loss * mode.value(x);
+                    let residual = slope - sign * loss * mode.value(x);
                     assert!(
-                        lacking.abs() < 1e-8 * scale * mode.value(-0.02).abs().max(1.0),
-                        "{mean} {loss} {m}: {lacking}"
+                        residual.abs() < 1e-8 * scale * mode.value(-0.02).abs().max(1.0),
+                        "{mean} {loss} {m}: {residual}"
                     );
                 }
                 // Between insulated sides and sides of prescribed temperature, and no mode omitted.

@@ -223,7 +223,9 @@ impl CycleMap {
     ) -> Result<CycleMap, CycleError> {
         if operators.strip_wear == StripWear::Track {
             return Err(CycleError::Unsuitable(
-                "cycles: the strip wears on a straight to-and-fro track, whose ends are hardly visited".into(),
+                "cycles: no steady cycle of a strip that wears on a straight reciprocating track, whose ends are rarely in \
+                 contact"
+                    .into(),
             ));
         }
         if operators.follows_heat() && operators.heat.is_none() {
@@ -254,7 +256,7 @@ impl CycleMap {
                     add(&mut rates, duration / period, &body.decay_rates_while_sliding(velocity));
                 }
                 if rates.is_empty() {
-                    return Err(CycleError::Unsuitable("cycles: a body does not say how its temperatures fade".into()));
+                    return Err(CycleError::Unsuitable("cycles: a thermal body has no decay rates".into()));
                 }
                 *size = rates.len();
                 decay_rates.extend(rates);

@@ -97,7 +97,7 @@ impl Line {
                 let w = self.operators.wear_against_growth(friction, acceleration);
                 write!(
                     text,
-                    "wear_acceleration = {acceleration} holds thermoelastic instability back: k K/(mu alpha (1 + nu) kd) = {w} \
+                    "wear_acceleration = {acceleration} suppresses thermoelastic instability: k K/(mu alpha (1 + nu) kd) = {w} \
                      with it is above {UNNOTICED_WEAR}"
                 )
             }

@@ -16,7 +16,7 @@ const fn limit_reached() -> Row {
         0,
         7,
         0,
-        "Sum of 1: a wear limit is reached, 2: the temperature limit is exceeded, 4: the scene has left the model's validity; each logged once",
+        "Sum of 1: a wear limit is reached, 2: the temperature limit is exceeded, 4: the run is outside the model's validity; each logged once",
     );
     Row { kind: Kind::Integer { min: None, max: None }, variability: Variability::Discrete, ..row.output(ON_INPUTS) }
 }
@@ -54,7 +54,7 @@ pub const ROWS: &[Row] = &[
         .shown("mm")
         .output(ON_INPUTS),
     real("friction_power", &WATT, 1e3, "Friction force times velocity, all faces").shown("kW").output(ON_INPUTS),
-    real("friction_coefficient", &ONE, 0.3, "Friction coefficient as it is now, after fade and Stribeck effect")
+    real("friction_coefficient", &ONE, 0.3, "Present friction coefficient, including fade and Stribeck effect")
         .output(ON_INPUTS),
     real("friction_force_kinetic", &NEWTON, 1e3, "Magnitude of the friction force while sliding, >= 0, all faces")
         .shown("kN")
@@ -63,7 +63,7 @@ pub const ROWS: &[Row] = &[
         "friction_force_limit",
         &NEWTON,
         1e3,
-        "The most friction force that the contact can hold at standstill, >= 0, all faces",
+        "Static friction limit: largest friction force in stick, >= 0, all faces",
     )
     .shown("kN")
     .output(ON_INPUTS),
@@ -77,7 +77,7 @@ pub const ROWS: &[Row] = &[
     .output(ON_INPUTS),
     real("critical_speed", &METRE_PER_SECOND, 10.0, "Speed above which the scene is thermoelastically unstable; 0: none")
         .output(ON_INPUTS),
-    real("bristle_deflection", &METRE, 1e-6, "Deflection of the bristle that carries the force at standstill (contact.stick_stiffness > 0)")
+    real("bristle_deflection", &METRE, 1e-6, "Bristle deflection of the friction model in stick (contact.stick_stiffness > 0)")
         .shown("um")
         .output(ON_STATES),
     real("bristle_energy", &JOULE, 1e-3, "Elastic energy in the bristles of all faces: integral of friction_power minus dissipated_energy")
@@ -85,7 +85,7 @@ pub const ROWS: &[Row] = &[
     // Contact.
     real("pressure_mean", &PASCAL, 1e6, "Mean contact pressure").shown("MPa").output(ON_INPUTS),
     real("pressure_max", &PASCAL, 1e6, "Highest contact pressure").shown("MPa").output(ON_INPUTS),
-    real("contact_fraction", &ONE, 1.0, "Part of the contact zone that carries pressure").output(ON_INPUTS),
+    real("contact_fraction", &ONE, 1.0, "Fraction of the contact zone in contact").output(ON_INPUTS),
     real("tilt", &RADIAN, 1e-4, "Rotation of the punch; positive lowers the edge at +x").shown("deg").output(ON_INPUTS),
     real("approach", &METRE, 1e-6, "Approach of the bodies from first touch, positive when pressed together or worn")
         .shown("um")
@@ -136,13 +136,13 @@ pub const ROWS: &[Row] = &[
         "Power dissipated by wear, the functional of Paczelt and Mroz: integral of pressure times wear rate of both bodies, all faces",
     )
     .output(ON_INPUTS),
-    real("remaining_life", &ONE, 1.0, "Part of the wear limit still left, the lower of both bodies; 1 without a limit")
+    real("remaining_life", &ONE, 1.0, "Remaining fraction of the wear limit, the lower of both bodies; 1 without a limit")
         .shown("%")
         .output(ON_STATES),
     // Bookkeeping.
     real("sliding_distance", &METRE, 1e3, "Distance slid").shown("km").output(ON_STATES),
     real("dissipated_energy", &JOULE, 1e4, "Friction heat since initialisation, all faces").shown("kJ").output(ON_STATES),
-    real("estimated_error", &ONE, 1e-3, "Whole relative error of wear depth, temperature rise and friction force; 1: not known")
+    real("estimated_error", &ONE, 1e-3, "Estimated total relative error of wear depth, temperature rise and friction force; 1: unknown")
         .output(ON_STATES),
     real("estimated_step_error", &ONE, 1e-3, "Relative error bound of the reduction of the bodies and of the time steps alone")
         .output(ON_STATES),

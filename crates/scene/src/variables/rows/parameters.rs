@@ -29,10 +29,10 @@ pub static THERMAL_BOUNDARY: EnumerationType = EnumerationType {
     name: "ThermalBoundary",
     description: "Thermal condition of the face opposite to the contact",
     items: &[
-        ("held", "At a given constant temperature"),
-        ("convecting", "To ambient air"),
-        ("insulated", "No heat passes"),
-        ("external", "At the temperature of an input"),
+        ("held", "Constant prescribed temperature"),
+        ("convecting", "Convection to ambient air"),
+        ("insulated", "Adiabatic"),
+        ("external", "Temperature prescribed by an input"),
     ],
 };
 pub static GEOMETRY: EnumerationType = EnumerationType {
@@ -56,7 +56,7 @@ pub static INITIAL_SHAPE: EnumerationType = EnumerationType {
 };
 pub static CONSTRAINT: EnumerationType = EnumerationType {
     name: "HolderConstraint",
-    description: "What the holder lets the punch do",
+    description: "Degrees of freedom of the punch in its holder",
     items: &[
         ("translate", "Approach only"),
         ("translate_and_rotate", "Approach and rotation about a pivot at holder.pivot_height"),
@@ -64,12 +64,12 @@ pub static CONSTRAINT: EnumerationType = EnumerationType {
 };
 pub static FIDELITY: EnumerationType = EnumerationType {
     name: "Fidelity",
-    description: "How much is modelled",
+    description: "Model level",
     items: &[
-        ("auto", "The cheapest that meets the tolerance at nominal conditions"),
+        ("auto", "The cheapest level that meets the tolerance at nominal conditions"),
         ("lumped", "Uniform pressure, a few thermal states"),
         ("line", "Pressure, wear and shape on cells along the contact"),
-        ("field", "The line with an unreduced punch, at its finest: the reference"),
+        ("field", "Contact line on the finest cells with an unreduced finite-element punch: the reference"),
     ],
 };
 pub static SCHEME: EnumerationType = EnumerationType {
@@ -399,7 +399,7 @@ pub const CONTACT: &[Row] = &[
         "contact.stick_stiffness",
         &NEWTON_PER_METRE,
         1e7,
-        "Stiffness of the bristle that carries the force at standstill, all faces together; 0: off",
+        "Bristle stiffness of the friction model in stick, all faces together; 0: off",
     )
     .within(0.0, 1e15),
     real(
@@ -414,7 +414,7 @@ pub const CONTACT: &[Row] = &[
         "contact.conductance",
         &HEAT_TRANSFER,
         1e4,
-        "Thermal contact conductance h_c between the two surfaces; 0: none passes",
+        "Thermal contact conductance h_c between the two surfaces; 0: insulating",
     )
     .within(0.0, 1e15)
     .start(2e4),
@@ -428,13 +428,13 @@ pub const CONTACT: &[Row] = &[
         "contact.temperature_limit",
         &KELVIN,
         1000.0,
-        "Contact temperature above which limit_reached shows 2; 0: no limit",
+        "Limit of contact_temperature_max, above which bit 2 of limit_reached is set; 0: no limit",
     )
     .within(0.0, 1e5),
 ];
 
 pub const HOLDER_AND_SOLVER: &[Row] = &[
-    choice("holder.constraint", &CONSTRAINT, 1, "What the holder lets the punch do"),
+    choice("holder.constraint", &CONSTRAINT, 1, "Degrees of freedom of the punch in its holder"),
     real("holder.pivot_height", &METRE, 1e-2, "Height of the pivot above the contact").shown("mm").within(0.0, 10.0),
     real(
         "holder.stiffness",
@@ -448,23 +448,26 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
         .within(1.0, 1e4)
         .start(293.15)
         .tunable(),
-    real("nominal.load", &NEWTON, 1e3, "Load that the plan is made for").shown("kN").within(0.0, 1e9).start(5e3),
-    real("nominal.velocity", &METRE_PER_SECOND, 10.0, "Sliding velocity that the plan is made for")
+    real("nominal.load", &NEWTON, 1e3, "Nominal normal load per face, used by the plan of solver.fidelity = auto")
+        .shown("kN")
+        .within(0.0, 1e9)
+        .start(5e3),
+    real("nominal.velocity", &METRE_PER_SECOND, 10.0, "Nominal sliding velocity (mean speed if reciprocating), used by the plan")
         .within(0.0, 1e4)
         .start(10.0),
     real(
         "nominal.duration",
         &SECOND,
         1e3,
-        "Time for which nominal load and velocity act, all in all, that the plan is made for",
+        "Total time for which nominal load and velocity act, used by the plan",
     )
     .within(1e-6, 1e10)
     .start(4.0),
-    real("nominal.stroke", &METRE, 1e-2, "Length of one stroke that the plan is made for; 0: one-way")
+    real("nominal.stroke", &METRE, 1e-2, "Stroke length of reciprocating sliding, used by the plan; 0: unidirectional")
         .shown("mm")
         .within(0.0, 1e4),
-    choice("solver.fidelity", &FIDELITY, 1, "How much is modelled"),
-    integer("solver.cells", 0, 1025, 0, "Cells of the contact line; 0: chosen"),
+    choice("solver.fidelity", &FIDELITY, 1, "Model level"),
+    integer("solver.cells", 0, 1025, 0, "Number of cells of the contact line; 0: automatic"),
     real(
         "solver.tolerance",
         &ONE,

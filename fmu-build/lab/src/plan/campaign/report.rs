@@ -140,8 +140,8 @@ impl std::fmt::Display for Asked {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [count, of] = self.count;
         let asked = match self.bound {
-            Bound::AtLeast(part) => format!("{:.0} % asked", 100.0 * part),
-            Bound::None => "none asked".into(),
+            Bound::AtLeast(part) => format!("{:.0} % required", 100.0 * part),
+            Bound::None => "none required".into(),
         };
         let at = self.tolerance.map_or(String::new(), |tolerance| format!("{tolerance:.0e}: "));
         let part = if of > 0 { 100.0 * count as f64 / of as f64 } else { 0.0 };

@@ -74,7 +74,7 @@ mod tests {
             [3.0, 17.0, 0.01]
         );
         for kept in ["# A brake.\n", "# Why lumped.\n", "\"line\"  # so far", "[punch]\nwidth = \"60 mm\" # wide\n"] {
-            assert!(line.contains(kept), "{line}\nlacks {kept}");
+            assert!(line.contains(kept), "{line}\nis without {kept}");
         }
         // Back to the lumped level: no cells are left.
         let lumped = changed(&line, Setting::Lumped, 1e-2).unwrap();

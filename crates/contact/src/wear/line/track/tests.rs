@@ -78,15 +78,15 @@ fn shape_after_strokes_reciprocating_is_that_of_brute_force() {
     }
     assert!(largest < 1e-11, "cell means: {largest:e}");
     // Mean depths under the contact, at positions unrelated to the track's cells.
-    let mut felt = vec![0.0; 17];
+    let mut worn = vec![0.0; 17];
     for position in [-0.2, 0.0, 0.4321, 1.1, x] {
-        track.depth_under(position, &mut felt);
+        track.depth_under(position, &mut worn);
         for i in 0..17 {
             let points = 800;
             let at = |m: usize| position + cells.edges()[i] + cells.widths()[i] * (m as f64 + 0.5) / points as f64;
             let exact = (0..points).map(|m| brute_force(&cells, &motions, at(m))).sum::<f64>() / points as f64;
             // Depths are some 2e-5; where a point enters or leaves, W has kinks.
-            assert!((felt[i] - exact).abs() < 2e-8, "position {position} cell {i}: {:e} {exact:e}", felt[i]);
+            assert!((worn[i] - exact).abs() < 2e-8, "position {position} cell {i}: {:e} {exact:e}", worn[i]);
         }
     }
 }
@@ -101,14 +101,14 @@ fn operator_is_the_depth_that_a_deposit_leaves() {
             let mut track = LineTrack::new(&cells, 3.0);
             let depth: Vec<f64> = (0..count).map(|_| 1.0 + 0.01 * random.next()).collect();
             track.deposit(0.3, 0.3 + travel, &depth);
-            let mut felt = vec![0.0; count];
-            track.depth_under(0.3 + travel, &mut felt);
+            let mut worn = vec![0.0; count];
+            track.depth_under(0.3 + travel, &mut worn);
             track.operator(travel, &mut operator);
             let exact = &operator * nalgebra::DVector::from_column_slice(&depth);
             // Standstill leaves a jump of the depth at both edges, which a cell cannot resolve.
             let inner = if travel.abs() < 0.02 { 2..count.max(4) - 2 } else { 0..count };
             for i in inner.filter(|i| *i < count) {
-                let error = felt[i] - exact[i];
+                let error = worn[i] - exact[i];
                 assert!(error.abs() < 4e-3, "N {count} travel {travel} cell {i}: {error:e} of {}", exact[i]);
             }
             // The sum of a row is the fraction of the time that the strip under the cell has been in contact.
@@ -215,14 +215,14 @@ fn the_window_forgets_and_says_so() {
     for step in 0..400 {
         track.deposit(0.1 * f64::from(step), 0.1 * f64::from(step + 1), &depth);
     }
-    let mut felt = [0.0; 9];
-    track.depth_under(40.0, &mut felt);
+    let mut worn = [0.0; 9];
+    track.depth_under(40.0, &mut worn);
     // One long motion leaves the same groove.
     let mut long = LineTrack::new(&cells, 0.0);
     long.deposit(0.0, 40.0, &[0.4; 9]);
     let mut again = [0.0; 9];
     long.depth_under(40.0, &mut again);
-    assert!(difference(&felt, &again) < 1e-12, "{felt:?} {again:?}");
+    assert!(difference(&worn, &again) < 1e-12, "{worn:?} {again:?}");
     assert!(!track.revisited() && !long.revisited());
     for track in [&mut track, &mut long] {
         track.deposit(40.0, 39.8, &depth);
@@ -249,8 +249,8 @@ fn averaging_keeps_the_volume_and_ends_with_the_stroke() {
         track.deposit(from, to, &depth);
     }
     assert!((track.volume() / (10.0 * volume) - 1.0).abs() < 1e-12);
-    let mut felt = vec![0.0; 33];
-    track.depth_under(0.01, &mut felt);
+    let mut worn = vec![0.0; 33];
+    track.depth_under(0.01, &mut worn);
     let mut saved = Vec::new();
     track.save(&mut saved);
     let averaged = track.clone();
@@ -260,7 +260,7 @@ fn averaging_keeps_the_volume_and_ends_with_the_stroke() {
     assert!((track.volume() / (10.0 * volume) - 1.0).abs() < 1e-12);
     let mut resolved = vec![0.0; 33];
     track.depth_under(0.01, &mut resolved);
-    assert!(difference(&felt, &resolved) < 2e-6, "{:e}", difference(&felt, &resolved));
+    assert!(difference(&worn, &resolved) < 2e-6, "{:e}", difference(&worn, &resolved));
     // Restored from the numbers and from a copy.
     let mut copy = track.clone();
     copy.copy_from(&averaged);
