@@ -95,13 +95,13 @@ fn distortion_is_missed_under_the_explicit_scheme_only() {
 #[test]
 fn auto_that_carries_heat_by_its_mean_does_not_speak_of_the_explicit_scheme() {
     use model::line::operators::LineOperators;
-    use scene::{HeatAlongContact, Scene};
+    use scene::{HeatResolution, Scene};
     let mut values = Packaged::stock().starts;
     values[reference("solver.fidelity") as usize] = LINE;
     values[reference("solver.cells") as usize] = 9.0;
     let mut scene = Scene::new(&values, None).unwrap();
     assert!(scene.strip.thermal_expansion > 0.0);
-    scene.heat_along_contact = HeatAlongContact::ByItsMean;
+    scene.heat_resolution = HeatResolution::Lumped;
     let operators = LineOperators::new(&scene, steady::run_in).unwrap();
     assert!(operators.heat.is_none());
     assert_eq!(operators.warnings(), SILENT);

@@ -38,7 +38,7 @@ const fn case(name: &'static str, scene: &'static [(&'static str, f64)], expecte
 const SLIDING: &[(&str, f64)] = &[("sliding_velocity", 10.0), ("normal_load", 5e3)];
 
 /// Names of the outputs that are not finite, and of temperatures below 0 K.
-fn nonsense(component: &mut Component) -> Vec<String> {
+fn invalid_outputs(component: &mut Component) -> Vec<String> {
     let mut found = Vec::new();
     for reference in 0..COUNT as u32 {
         let (row, element) = lookup(reference).unwrap();
@@ -71,7 +71,7 @@ fn run(case: &Case) -> Result<(), String> {
         Ok(drive) => drive,
         Err(text) => return ended(text),
     };
-    let found = nonsense(&mut drive.0);
+    let found = invalid_outputs(&mut drive.0);
     if !found.is_empty() {
         return Err(format!("after initialisation {found:?}"));
     }
@@ -88,7 +88,7 @@ fn run(case: &Case) -> Result<(), String> {
             let _ = bits(&mut drive.0);
             return ended(text);
         }
-        let found = nonsense(&mut drive.0);
+        let found = invalid_outputs(&mut drive.0);
         if !found.is_empty() {
             return Err(format!("after step {number} {found:?}"));
         }

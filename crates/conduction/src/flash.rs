@@ -169,13 +169,13 @@ struct SpeedTable {
 const FREE_BITS: u32 = 48;
 
 /// Nodes of the speed table per unit of ln v.
-const KNOTS_PER_UNIT: f64 = 3.0;
+const NODES_PER_UNIT: f64 = 3.0;
 
 impl SpeedTable {
     fn new(source: &MovingSource, decays: &Decays) -> SpeedTable {
         let own = source.slab().diffusivity() / source.half_length();
         let (low, high) = ((1e-3 * own).ln(), (1e8 * own).ln());
-        let count = ((high - low) * KNOTS_PER_UNIT).ceil() as usize + 1;
+        let count = ((high - low) * NODES_PER_UNIT).ceil() as usize + 1;
         let mut values = Vec::with_capacity(count);
         let mut guess = 0.0;
         let resistances = resistances(source, low, count);
@@ -220,7 +220,7 @@ impl SpeedTable {
     /// sigma and its derivative with respect to the speed (> 0), from the spline.
     #[inline(never)]
     fn by_spline(&self, speed: f64) -> (f64, f64) {
-        let position = (speed.ln() - self.low) * KNOTS_PER_UNIT;
+        let position = (speed.ln() - self.low) * NODES_PER_UNIT;
         let last = self.nodes.len() - 1;
         let (logarithm, slope) = if position <= 0.0 {
             (self.nodes[0].0 + position * self.nodes[0].1, self.nodes[0].1)
@@ -235,13 +235,13 @@ impl SpeedTable {
             (left + x * (left_slope + x * (c2 + x * c3)), left_slope + x * (2.0 * c2 + x * 3.0 * c3))
         };
         let rate = logarithm.exp();
-        (rate, rate * slope * KNOTS_PER_UNIT / speed)
+        (rate, rate * slope * NODES_PER_UNIT / speed)
     }
 }
 
 /// Resistances at `count` nodes from the speed exp(`low`) on.
 fn resistances(source: &MovingSource, low: f64, count: usize) -> Vec<f64> {
-    let at = |node: usize| source.resistance((low + node as f64 / KNOTS_PER_UNIT).exp());
+    let at = |node: usize| source.resistance((low + node as f64 / NODES_PER_UNIT).exp());
     if !source.spreads() {
         return (0..count).map(at).collect();
     }

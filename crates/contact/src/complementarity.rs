@@ -308,7 +308,7 @@ impl ContactSolver {
             }
         }
         self.counter.fallbacks += 1;
-        self.pivoted(problem, balance, memory)?;
+        self.pivot_active_set(problem, balance, memory)?;
         self.solve_on(problem, balance, memory).map(|_| ()).ok_or(ContactError::NoEquilibrium)
     }
 

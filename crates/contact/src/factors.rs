@@ -16,11 +16,11 @@ const MOST_ENTRIES: usize = 12;
 /// Number of signed friction values whose compliance is cached.
 const COMPOSITIONS: usize = 2;
 /// Largest number of cached added compliances: those of the step sizes between which a step control alternates.
-const MOST_EXTRAS: usize = 6;
-const LEAST_EXTRAS: usize = 2;
+const MOST_ADDED: usize = 6;
+const LEAST_ADDED: usize = 2;
 
 /// Largest rank of a [`LowRankUpdate`] on `count` cells.
-pub fn largest_reduction(count: usize) -> usize {
+pub fn largest_update_rank(count: usize) -> usize {
     count.div_ceil(4)
 }
 
@@ -29,7 +29,7 @@ pub fn largest_reduction(count: usize) -> usize {
 pub struct LowRankUpdate<'a> {
     /// Cells with influence. The product is a function of them and of the added compliance alone.
     pub acting: &'a [bool],
-    /// N x m by columns, m at most [`largest_reduction`].
+    /// N x m by columns, m at most [`largest_update_rank`].
     pub left: &'a [f64],
     /// m x N by columns.
     pub right: &'a [f64],
@@ -58,7 +58,7 @@ pub(super) struct Factors {
     normal: Vec<f64>,
     shear: Vec<f64>,
     /// Extra matrices by names that tell each from all that came before; 0 is none.
-    extras: KeyedCache<u64, Vec<f64>>,
+    added_compliances: KeyedCache<u64, Vec<f64>>,
     names: u64,
     /// Place of the extra matrix at hand among them.
     added_compliance: Option<usize>,
@@ -154,7 +154,7 @@ impl Factors {
         let count = weights.len();
         check_operators(count, &normal, &shear)?;
         let acting = vec![true; count];
-        let room = || vec![0.0; count * largest_reduction(count)];
+        let room = || vec![0.0; count * largest_update_rank(count)];
         // Every piece of memory by itself, not as a copy: zeros that nobody has touched yet cost nothing.
         let composition = |_| Composition { acting: acting.clone(), matrix: vec![0.0; count * count] };
         let entry = |_| Entry {
@@ -179,14 +179,14 @@ impl Factors {
             arms: vec![0.0; count],
             centre: 0.0,
         };
-        let extras = (MEMO_NUMBERS / (count * count)).clamp(LEAST_EXTRAS, MOST_EXTRAS);
+        let added_compliances = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ADDED, MOST_ADDED);
         let kept = (MEMO_NUMBERS / (count * count)).clamp(LEAST_ENTRIES, MOST_ENTRIES);
         Ok(Self {
             count,
             shift: normal.diagonal().mean(),
             normal: normal.data.into(),
             shear: shear.data.into(),
-            extras: KeyedCache::new((0..extras).map(|_| vec![0.0; count * count])),
+            added_compliances: KeyedCache::new((0..added_compliances).map(|_| vec![0.0; count * count])),
             names: 0,
             added_compliance: None,
             low_rank_update: CachedUpdate {
@@ -216,14 +216,14 @@ impl Factors {
     pub fn set_added_compliance(&mut self, added_compliance: Option<&DMatrix<f64>>) -> Result<(), ContactError> {
         if let Some(matrix) = added_compliance {
             assert_eq!(matrix.shape(), (self.count, self.count), "extra compliance is N x N");
-            let known = self.extras.find(|_, known| same_bits(known, matrix.as_slice()));
+            let known = self.added_compliances.find(|_, known| same_bits(known, matrix.as_slice()));
             if let (None, Some(&value)) = (known, matrix.iter().find(|v| !v.is_finite())) {
                 return Err(ContactError::Invalid { quantity: "extra compliance", value });
             }
             let place = known.unwrap_or_else(|| {
                 self.names += 1;
-                let place = self.extras.insert(self.names);
-                self.extras[place].copy_from_slice(matrix.as_slice());
+                let place = self.added_compliances.insert(self.names);
+                self.added_compliances[place].copy_from_slice(matrix.as_slice());
                 place
             });
             self.added_compliance = Some(place);
@@ -289,7 +289,7 @@ impl Factors {
     }
 
     fn sum(&self, signed_friction: f64) -> Sum {
-        let name = self.added_compliance.and_then(|place| self.extras.key(place).copied());
+        let name = self.added_compliance.and_then(|place| self.added_compliances.key(place).copied());
         (name.unwrap_or(0), signed_friction.to_bits())
     }
 
@@ -299,7 +299,7 @@ impl Factors {
         if let Some(position) = self.compositions.find(|key, known| *key == sum && known.acting == *acting) {
             return position;
         }
-        let added_compliance = self.added_compliance.map(|place| &self.extras[place]);
+        let added_compliance = self.added_compliance.map(|place| &self.added_compliances[place]);
         let position = self.compositions.insert(sum);
         let composition = &mut self.compositions[position];
         composition.acting.copy_from_slice(acting);

@@ -112,14 +112,14 @@ impl Pivoting {
         let (n, free) = (self.basis.len(), first.len());
         let size = 2 * free;
         let at = |i: usize, j: usize| matrix[i + j * (n + free)];
-        let pivoted = |k: usize| if k < free { first[k] } else { n + k - free };
+        let pivot_active_set = |k: usize| if k < free { first[k] } else { n + k - free };
         self.order.clear();
         self.order.extend(first);
         self.order.extend((0..n).filter(|i| !first.contains(i)));
         let mut block = [0.0; BLOCK * BLOCK];
         for l in 0..size {
             for k in 0..size {
-                block[k + l * size] = at(pivoted(k), pivoted(l));
+                block[k + l * size] = at(pivot_active_set(k), pivot_active_set(l));
             }
         }
         let mut exchanged = [0; BLOCK];
@@ -142,18 +142,18 @@ impl Pivoting {
             if c < free {
                 unit[c] = 1.0;
             } else {
-                unit = std::array::from_fn(|k| if k < size { -at(pivoted(k), self.order[c]) } else { 0.0 });
+                unit = std::array::from_fn(|k| if k < size { -at(pivot_active_set(k), self.order[c]) } else { 0.0 });
             }
             let taken = solve(unit);
             for (r, &cell) in self.order.iter().enumerate() {
                 let own = if c < free || r < free { 0.0 } else { at(cell, self.order[c]) };
-                let shared = (0..size).map(|k| at(cell, pivoted(k)) * taken[k]).sum::<f64>();
+                let shared = (0..size).map(|k| at(cell, pivot_active_set(k)) * taken[k]).sum::<f64>();
                 self.columns[(r, n + c)] = -if r < free { taken[r] } else { own + shared };
             }
         }
-        let taken = solve(std::array::from_fn(|k| if k < size { -q[pivoted(k)] } else { 0.0 }));
+        let taken = solve(std::array::from_fn(|k| if k < size { -q[pivot_active_set(k)] } else { 0.0 }));
         for (r, &cell) in self.order.iter().enumerate() {
-            let shared = (0..size).map(|k| at(cell, pivoted(k)) * taken[k]).sum::<f64>();
+            let shared = (0..size).map(|k| at(cell, pivot_active_set(k)) * taken[k]).sum::<f64>();
             self.columns[(r, 2 * n + 1)] = if r < free { taken[r] } else { q[cell] + shared };
         }
         Ok(())

@@ -10,5 +10,5 @@ pub mod problem;
 pub mod wear;
 
 pub use complementarity::{ContactProblem, ContactSolver, pair_compliance, pair_operators};
-pub use factors::{LowRankUpdate, check_operators, largest_reduction};
+pub use factors::{LowRankUpdate, check_operators, largest_update_rank};
 pub use problem::{ContactError, ContactState, Normal, Tilt, WorkCounter};

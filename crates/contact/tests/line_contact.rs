@@ -1,6 +1,6 @@
 //! Contact pressure on cells against closed forms: Hertz and flat punches, cell means at |x| < .9 a.
 
-use contact::wear::line::{CellRate, Conditions, ContactRate, Disturbance, Status, WearingContact};
+use contact::wear::line::{CellRate, Conditions, ContactRate, Disturbance, WarmStart, WearingContact};
 use contact::{ContactSolver, ContactState, Normal, Tilt, pair_compliance, pair_operators};
 use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
 use exact::{FlatPunch, HertzLine, friction_exponent};
@@ -180,13 +180,13 @@ fn steps_allocate_nothing_and_replay_to_the_last_bit() {
         // Saved as numbers, restored into a contact that has not taken these steps.
         let (mut numbers, saved) = (Vec::new(), worn.clone());
         contact.status().save(&mut numbers);
-        assert_eq!(numbers.len(), Status::saved_len(33));
+        assert_eq!(numbers.len(), WarmStart::saved_len(33));
         for n in 40..80 {
             step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
         }
-        let mut status = Status::new(33);
+        let mut status = WarmStart::new(33);
         status.load(&mut numbers.iter()).unwrap();
-        assert!(Status::new(33).load(&mut numbers[1..].iter()).is_none());
+        assert!(WarmStart::new(33).load(&mut numbers[1..].iter()).is_none());
         let (mut other, mut replayed, mut end) = (wearing(33), saved, ContactState::new(33));
         other.set_status(&status);
         let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, 33);

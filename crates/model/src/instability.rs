@@ -97,7 +97,7 @@ impl CriticalSpeed {
 
     /// Lower bound of the critical speed of the waves that a contact line resolves, at this friction coefficient, m/s: with only
     /// one body absorbing heat, the more unstable one. Heat uptake by the mate increases the critical speed.
-    pub fn harmless(&self, friction: f64) -> f64 {
+    pub fn stable_speed(&self, friction: f64) -> f64 {
         self.alone / friction
     }
 }

@@ -87,10 +87,10 @@ impl ModelOperators {
     }
 
     /// The same contact line with lumped heat, without new elastic bodies. The lumped level is unchanged.
-    pub fn with_mean_heat(&self) -> ModelOperators {
+    pub fn with_lumped_heat(&self) -> ModelOperators {
         match self {
             ModelOperators::Lumped(_) => self.clone(),
-            ModelOperators::Line(operators) => ModelOperators::Line(Arc::new(operators.with_heat_by_its_mean())),
+            ModelOperators::Line(operators) => ModelOperators::Line(Arc::new(operators.with_lumped_heat())),
         }
     }
 

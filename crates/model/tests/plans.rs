@@ -5,7 +5,7 @@ use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::plan::{self, model_level::ModelLevel};
 use scene::variables::STARTS;
-use scene::{HeatAlongContact, Scene};
+use scene::{HeatResolution, Scene};
 use test_support::{changed_scene, scene};
 use verification::planning::runs;
 use verification::planning::scenes::{Group, generate};
@@ -22,16 +22,16 @@ fn the_same_scene_has_the_same_plan() {
 #[test]
 fn finer_cells_have_smaller_errors_at_a_higher_cost_and_the_cheapest_that_suffices_is_chosen() {
     let plan = plan::make(&generate(5).scene(1e-2).unwrap(), steady::run_in).unwrap().plan;
-    for heat in [HeatAlongContact::ByItsMean, HeatAlongContact::OnTheCells] {
+    for heat in [HeatResolution::Lumped, HeatResolution::Resolved] {
         let mut alike: Vec<_> =
             plan.candidates.iter().filter(|candidate| candidate.model_level.heat() == Some(heat)).collect();
         alike.sort_by_key(|candidate| candidate.model_level.cells());
-        assert!(heat == HeatAlongContact::ByItsMean || alike.len() >= 3, "{plan:#?}");
+        assert!(heat == HeatResolution::Lumped || alike.len() >= 3, "{plan:#?}");
         for pair in alike.windows(2) {
             assert!(pair[1].cost > pair[0].cost && pair[1].run_cost > pair[0].run_cost, "{plan:#?}");
             // Lumped heat is the same on all cells, and with it the errors of temperature and force.
             let (fewer, more) = (pair[0].error(), pair[1].error());
-            let falls = more < fewer || heat == HeatAlongContact::ByItsMean && more == fewer;
+            let falls = more < fewer || heat == HeatResolution::Lumped && more == fewer;
             assert!(falls, "{plan:#?}");
         }
     }
@@ -64,7 +64,7 @@ fn above_the_critical_speed_the_error_is_not_known() {
     let plan = plan::make(&changed_scene(&scene("hot_spots"), &changes), steady::run_in).unwrap().plan;
     assert!(plan.groups.speed_over_critical > 1.0, "{plan:#?}");
     assert!(!plan.meets && plan.estimated_error == Some(plan::UNKNOWN), "{plan:#?}");
-    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatResolution::Resolved, .. }), "{plan:#?}");
 }
 
 /// Where a rise by all of the friction heat would take more than all of the friction away, a friction of the repetition before
@@ -73,8 +73,7 @@ fn above_the_critical_speed_the_error_is_not_known() {
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);
     let [coarse, fine] = [17, 33].map(|cells| {
-        let scene =
-            ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells }.apply(&generated.scene(1e-2).unwrap());
+        let scene = ModelLevel::Line { cells, heat: HeatResolution::Resolved }.apply(&generated.scene(1e-2).unwrap());
         runs::run(&generated, &scene).unwrap()
     });
     let errors = runs::distance(&coarse, &fine);
@@ -86,7 +85,7 @@ fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
 #[test]
 fn wear_is_found_to_rounding_at_129_cells() {
     let generated = generate(120);
-    let model_level = ModelLevel::Line { cells: 129, heat: HeatAlongContact::OnTheCells };
+    let model_level = ModelLevel::Line { cells: 129, heat: HeatResolution::Resolved };
     let operators = ModelOperators::new(&model_level.apply(&generated.scene(1e-4).unwrap()), steady::run_in).unwrap();
     let record = runs::run_with(&generated, &operators).unwrap();
     println!("{:?} internal steps", record.steps);
@@ -108,7 +107,7 @@ fn a_disc_brake_needs_no_more_than_the_lumped_level() {
 #[test]
 fn a_clutch_at_full_slip_needs_its_heat_along_the_radius() {
     let plan = plan_of("clutch", 5e-2);
-    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatResolution::Resolved, .. }), "{plan:#?}");
     let distortion = plan.effects.iter().find(|effect| effect.name == "thermal distortion").unwrap();
     assert!(distortion.kept, "{plan:#?}");
 }
@@ -129,7 +128,7 @@ fn on(model_level: ModelLevel, scene: &Scene, inputs: &[f64; INPUTS]) -> Model {
 fn an_open_or_standing_contact_pays_for_conduction_only() {
     let scene = Scene::new(&STARTS, None).unwrap();
     let ambient = scene.ambient_temperature;
-    for heat in [HeatAlongContact::ByItsMean, HeatAlongContact::OnTheCells] {
+    for heat in [HeatResolution::Lumped, HeatResolution::Resolved] {
         let run = [5.0, 3e3, 0.0, 0.0, 0.0, ambient, ambient];
         let mut model = on(ModelLevel::Line { cells: 17, heat }, &scene, &run);
         let mut work = |inputs: [f64; INPUTS]| {
@@ -152,7 +151,7 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
         let work = format!("{heat:?}: sliding {sliding:?}, standing {standing:?}, open {open:?}");
         println!("{work}");
         assert!(sliding.0 >= 40, "{work}");
-        if heat == HeatAlongContact::ByItsMean {
+        if heat == HeatResolution::Lumped {
             assert_eq!((standing.0, open.0), (0, 0), "{work}");
         } else {
             assert_eq!((open.1, open.3), (0, 0), "{work}");
@@ -168,6 +167,6 @@ fn an_open_or_standing_contact_pays_for_conduction_only() {
 fn accelerated_wear_is_compared_as_well() {
     let changes = [("wear_acceleration", 10.0), ("nominal.duration", 2.5), ("solver.tolerance", 1e-2)];
     let plan = plan::make(&changed_scene(&scene("reciprocating_punch"), &changes), steady::run_in).unwrap().plan;
-    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatAlongContact::OnTheCells, .. }), "{plan:#?}");
+    assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatResolution::Resolved, .. }), "{plan:#?}");
     assert!(plan.meets && plan.estimated_error.is_some_and(|error| error < 1e-2), "{plan:#?}");
 }

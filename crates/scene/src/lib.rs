@@ -8,7 +8,7 @@ pub mod variables;
 mod warnings;
 
 pub use fade::FadeTable;
-pub use rules::Broken;
+pub use rules::BrokenRule;
 
 use crate::variables::{COUNT, TOLERANCES, reference};
 
@@ -103,14 +103,14 @@ pub enum Fidelity {
 
 /// Lumped or resolved heat of a contact line. Not a parameter: set by the plan, or by the line itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum HeatAlongContact {
+pub enum HeatResolution {
     /// Resolved heat where its distribution feeds back on pressure, friction or wear; lumped heat elsewhere.
     #[default]
-    WhereItFeedsBack,
+    ResolvedWhereCoupled,
     /// Lumped heat: one mean flux and temperature.
-    ByItsMean,
+    Lumped,
     /// Resolved heat wherever the scene allows it: the mean temperature then depends on the pressure distribution.
-    OnTheCells,
+    Resolved,
 }
 
 /// Time stepping.
@@ -223,7 +223,7 @@ pub struct Scene {
     /// Number of cells of the contact line; 0: automatic.
     pub cells: usize,
     /// Heat of a contact line.
-    pub heat_along_contact: HeatAlongContact,
+    pub heat_resolution: HeatResolution,
     pub scheme: Scheme,
     pub tolerance: f64,
     pub wear_acceleration: f64,
@@ -271,8 +271,8 @@ impl Scene {
     /// where `solver.tolerance` is 0.
     ///
     /// # Errors
-    /// [`Broken`] rules that join several parameters, such as a tipping punch.
-    pub fn new(v: &[f64; COUNT], importer_tolerance: Option<f64>) -> Result<Scene, Broken> {
+    /// [`BrokenRule`] rules that join several parameters, such as a tipping punch.
+    pub fn new(v: &[f64; COUNT], importer_tolerance: Option<f64>) -> Result<Scene, BrokenRule> {
         let mean_radius = value!(v, "contact.mean_radius");
         let path = if value!(v, "strip.path") == 1.0 { Path::Straight } else { Path::Closed };
         let given_length = value!(v, "strip.length");
@@ -338,7 +338,7 @@ impl Scene {
                 _ => Fidelity::Field,
             },
             cells: value!(v, "solver.cells") as usize,
-            heat_along_contact: HeatAlongContact::WhereItFeedsBack,
+            heat_resolution: HeatResolution::ResolvedWhereCoupled,
             scheme: match value!(v, "solver.scheme") as i32 {
                 1 => Scheme::Monolithic,
                 2 => Scheme::Staggered,

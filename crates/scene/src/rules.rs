@@ -5,15 +5,15 @@ use super::{Constraint, Fidelity, Geometry, InitialShape, MechanicalBody, Path, 
 
 /// A rule that the parameters break: names the variables, their values and the limit.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Broken(pub String);
+pub struct BrokenRule(pub String);
 
-impl std::fmt::Display for Broken {
+impl std::fmt::Display for BrokenRule {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         formatter.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Broken {}
+impl std::error::Error for BrokenRule {}
 
 /// Relative rounding tolerance for the equality of lengths.
 const ROUNDING: f64 = 1e-9;
@@ -21,7 +21,7 @@ const ROUNDING: f64 = 1e-9;
 /// Fewest cells of a contact line: a uniform, a linear and a quadratic pressure component.
 const FEWEST_CELLS: usize = 3;
 
-pub(super) fn check(scene: &Scene) -> Result<(), Broken> {
+pub(super) fn check(scene: &Scene) -> Result<(), BrokenRule> {
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
@@ -31,11 +31,11 @@ pub(super) fn check(scene: &Scene) -> Result<(), Broken> {
     level(scene)
 }
 
-fn broken<T>(text: String) -> Result<T, Broken> {
-    Err(Broken(text))
+fn broken<T>(text: String) -> Result<T, BrokenRule> {
+    Err(BrokenRule(text))
 }
 
-fn path(scene: &Scene) -> Result<(), Broken> {
+fn path(scene: &Scene) -> Result<(), BrokenRule> {
     let (width, length, radius) = (scene.width, scene.length, scene.mean_radius);
     if scene.path == Path::Closed && length <= 0.0 {
         return broken("strip.path = closed needs strip.length > 0 m or contact.mean_radius > 0 m; both are 0".into());
@@ -99,7 +99,7 @@ fn path(scene: &Scene) -> Result<(), Broken> {
     Ok(())
 }
 
-fn holder(scene: &Scene) -> Result<(), Broken> {
+fn holder(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.constraint == Constraint::TranslateAndRotate && scene.geometry == Geometry::Line {
         let (lever, half_width) = (scene.friction_coefficient * scene.pivot_height, 0.5 * scene.width);
         if lever >= half_width {
@@ -112,7 +112,7 @@ fn holder(scene: &Scene) -> Result<(), Broken> {
     Ok(())
 }
 
-fn heat(scene: &Scene) -> Result<(), Broken> {
+fn heat(scene: &Scene) -> Result<(), BrokenRule> {
     let insulators = [scene.punch.conductivity, scene.strip.conductivity].map(|conductivity| conductivity == 0.0);
     let friction = scene.friction_coefficient > 0.0;
     if friction && insulators == [true, true] {
@@ -132,7 +132,7 @@ fn heat(scene: &Scene) -> Result<(), Broken> {
     Ok(())
 }
 
-fn wear(scene: &Scene) -> Result<(), Broken> {
+fn wear(scene: &Scene) -> Result<(), BrokenRule> {
     for (name, body) in [("punch", &scene.punch), ("strip", &scene.strip)] {
         if body.initial_wear >= body.height {
             return broken(format!(
@@ -153,14 +153,14 @@ fn wear(scene: &Scene) -> Result<(), Broken> {
     Ok(())
 }
 
-fn shape(scene: &Scene) -> Result<(), Broken> {
+fn shape(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.initial_shape == InitialShape::Parabolic(0.0) {
         return broken("contact.initial_shape = parabolic needs contact.initial_radius > 0 m; it is 0".into());
     }
     Ok(())
 }
 
-fn tables(scene: &Scene) -> Result<(), Broken> {
+fn tables(scene: &Scene) -> Result<(), BrokenRule> {
     for (name, table) in [
         ("contact.friction_fade", &scene.friction_fade),
         ("punch.wear_fade", &scene.punch.wear_fade),
@@ -178,7 +178,7 @@ fn tables(scene: &Scene) -> Result<(), Broken> {
     Ok(())
 }
 
-fn level(scene: &Scene) -> Result<(), Broken> {
+fn level(scene: &Scene) -> Result<(), BrokenRule> {
     let rigid = [scene.punch.mechanical, scene.strip.mechanical] == [MechanicalBody::Rigid; 2];
     if rigid && matches!(scene.fidelity, Fidelity::Line | Fidelity::Field) {
         return broken(

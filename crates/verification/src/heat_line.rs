@@ -72,7 +72,7 @@ pub(super) fn problems() -> Vec<Problem> {
     let mut all = Vec::new();
     jaeger(&mut all);
     unidirectional(&mut all);
-    between_knots(&mut all);
+    between_nodes(&mut all);
     closed_paths(&mut all);
     oscillating(&mut all);
     squares(&mut all);
@@ -210,7 +210,7 @@ fn unidirectional(all: &mut Vec<Problem>) {
 }
 
 /// Unidirectional on fresh material at velocities between the nodes of the velocity table.
-fn between_knots(all: &mut Vec<Problem>) {
+fn between_nodes(all: &mut Vec<Problem>) {
     const HEIGHT: f64 = 2.0;
     const COUNT: usize = 24;
     for tolerance in [1e-3, 1e-4] {

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 use model::line::cycle::map::sliding_scene;
 use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
-use model::line::heat::bodies::on_the_cells;
+use model::line::heat::bodies::is_resolved;
 use model::line::operators::LineOperators;
 use scene::Scene;
 use serde_json::{Value, json};
@@ -121,7 +121,7 @@ fn course(arguments: &Arguments) -> Result<Course> {
     let period = half_strokes[0].1 + half_strokes[1].1;
     // The reduced bodies must be accurate over the whole duration.
     scene.nominal_duration = scene.nominal_duration.max(period * arguments.cycles);
-    let warm = !arguments.cold && on_the_cells(&scene);
+    let warm = !arguments.cold && is_resolved(&scene);
     let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
     let operators = LineOperators::with_heat(&sliding_scene(&scene), warm, steady::run_in)
         .map_err(|error| anyhow::anyhow!(error))

@@ -329,8 +329,8 @@ mod tests {
     use crate::slab::{Base, CoolingPort, Slab};
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
-    use scene::{Scene, ThermalBoundary};
     use scene::variables::{STARTS, reference};
+    use scene::{Scene, ThermalBoundary};
 
     /// Two pads on a disc of 12 mm.
     fn disc() -> (DiscHeat, Flash, Vec<f64>) {

@@ -272,7 +272,7 @@ impl ThermalBody for FieldHeat {
         operators.field(state, origin, start);
         operators.solve_both(prepared, start, Some([first, end]), surroundings, workspace, [early, late]);
         let temperature = operators.cooled_means(late).map(|mean| mean + origin);
-        CooledAhead { temperature, rise: prepared.cooled_rise, lagging: 0.0 }
+        CooledAhead { temperature, rise: prepared.cooled_rise, not_extrapolated: 0.0 }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, _flux: &[f64]) -> [f64; 2] {

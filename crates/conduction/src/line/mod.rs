@@ -124,7 +124,7 @@ pub struct CooledAhead {
     /// Their increase (rows) per flux by the air at the end of the step (columns) for fixed fluxes at its start, K m2/W.
     pub rise: [[f64; FACES]; FACES],
     /// Part of the first of `temperature` that is not extrapolated but taken at the start of the step.
-    pub lagging: f64,
+    pub not_extrapolated: f64,
 }
 
 /// Surface influence matrices of one stage, N x N: responses of the cells (rows) to a unit flux into each cell (columns).

@@ -365,7 +365,7 @@ impl ThermalBody for ReducedHeat {
         CooledAhead {
             temperature: self.operators.faces().map(|face| face.of(&scratch.values, end, &surroundings.ports())),
             rise: self.weights().cooled_rise,
-            lagging: 0.0,
+            not_extrapolated: 0.0,
         }
     }
 

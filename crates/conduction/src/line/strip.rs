@@ -451,9 +451,9 @@ impl ThermalBody for StripHeat {
         });
         // What the waves have under the contact they lack beside it: see `cooled_temperature`.
         let lacking = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
-        let lagging = -lacking * self.held_mean(state);
-        temperature[BESIDE] += lagging;
-        CooledAhead { temperature, rise, lagging }
+        let not_extrapolated = -lacking * self.held_mean(state);
+        temperature[BESIDE] += not_extrapolated;
+        CooledAhead { temperature, rise, not_extrapolated }
     }
 
     fn flows(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {

@@ -11,7 +11,7 @@ impl ContactSolver {
     /// bordered matrix is positive semidefinite. The first pivot is on the outermost cells; under a load it eliminates a
     /// uniform displacement of all cells, however large thermal distortion makes it. Lengths along x in half-widths,
     /// pressure in metres of displacement.
-    pub(super) fn pivoted(
+    pub(super) fn pivot_active_set(
         &mut self,
         problem: &ContactProblem<'_>,
         balance: &Balance,

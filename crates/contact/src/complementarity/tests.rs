@@ -83,7 +83,7 @@ fn pivoting_alone_finds_the_same_contact() {
             let problem = ContactProblem { gap: &gap, signed_friction: 0.0, diagonal: &diagonal, normal, tilt };
             let balance = solver.balance(&problem).unwrap();
             let mut memory = solver.memory.clone();
-            solver.pivoted(&problem, &balance, &mut memory).unwrap();
+            solver.pivot_active_set(&problem, &balance, &mut memory).unwrap();
             assert_eq!(memory.set, newton, "{normal:?} {tilt:?} {seed}");
         }
         assert_eq!(solver.counter().fallbacks, 0);
@@ -367,7 +367,7 @@ fn a_load_holds_a_contact_that_its_heat_lifts_by_more_than_it_is_pressed() {
             let balance = solver.balance(&problem).unwrap();
             let mut memory = solver.memory.clone();
             memory.set.fill(true);
-            solver.pivoted(&problem, &balance, &mut memory).unwrap();
+            solver.pivot_active_set(&problem, &balance, &mut memory).unwrap();
             assert!(memory.set.iter().zip(&cold.pressure).all(|(set, p)| *set == (*p > 0.0)), "{seed}");
         }
     }

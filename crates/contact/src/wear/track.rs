@@ -27,7 +27,7 @@ pub struct Track {
     count: usize,
     depth: [f64; CELLS],
     /// Bounds of the discarded cells: those below the first or above the second.
-    forgotten: Option<(i64, i64)>,
+    discarded: Option<(i64, i64)>,
     revisited: bool,
 }
 
@@ -37,7 +37,7 @@ impl Track {
         let width = 2.0 * half_length;
         // The window holds the stroke, the contact and as much again on both sides.
         let cell = (width / 8.0).max((stroke + 3.0 * width) / (CELLS - 4) as f64);
-        Track { cell, half_length, first: 0, count: 0, depth: [0.0; CELLS], forgotten: None, revisited: false }
+        Track { cell, half_length, first: 0, count: 0, depth: [0.0; CELLS], discarded: None, revisited: false }
     }
 
     /// Whether the contact returned to a discarded part of the track.
@@ -68,12 +68,12 @@ impl Track {
                 from = (to - room + 1).min(low);
                 to = from + room - 1;
             }
-            let (below, above) = self.forgotten.unwrap_or((i64::MIN, i64::MAX));
+            let (below, above) = self.discarded.unwrap_or((i64::MIN, i64::MAX));
             let below = if from > span_low && self.count > 0 { below.max(from) } else { below };
             let above = if to < span_high { above.min(to) } else { above };
-            self.forgotten = Some((below, above));
+            self.discarded = Some((below, above));
         }
-        if let Some((below, above)) = self.forgotten
+        if let Some((below, above)) = self.discarded
             && (low < below || high > above)
         {
             self.revisited = true;
@@ -155,10 +155,10 @@ impl Track {
 
     /// Appends the numbers of a saved state, in order; see [`Track::load`].
     pub fn save(&self, out: &mut Vec<f64>) {
-        let (below, above) = self.forgotten.unwrap_or((i64::MIN, i64::MAX));
+        let (below, above) = self.discarded.unwrap_or((i64::MIN, i64::MAX));
         out.extend([self.cell, self.half_length]);
         out.extend([self.first as f64, self.count as f64, f64::from(u8::from(self.revisited))]);
-        out.extend([below as f64, above as f64, f64::from(u8::from(self.forgotten.is_some()))]);
+        out.extend([below as f64, above as f64, f64::from(u8::from(self.discarded.is_some()))]);
         out.extend(&self.depth[..self.count]);
     }
 
@@ -167,14 +167,14 @@ impl Track {
         let mut next = || numbers.next().copied();
         (self.cell, self.half_length) = (next()?, next()?);
         let (first, count, revisited) = (next()?, next()?, next()?);
-        let (below, above, forgotten) = (next()?, next()?, next()?);
+        let (below, above, discarded) = (next()?, next()?, next()?);
         if !(0.0..=CELLS as f64).contains(&count) || !first.is_finite() {
             return None;
         }
         self.first = first as i64;
         self.count = count as usize;
         self.revisited = revisited != 0.0;
-        self.forgotten = (forgotten != 0.0).then_some((below as i64, above as i64));
+        self.discarded = (discarded != 0.0).then_some((below as i64, above as i64));
         self.depth = [0.0; CELLS];
         for slot in &mut self.depth[..self.count] {
             *slot = next()?;

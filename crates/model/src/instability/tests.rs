@@ -287,7 +287,7 @@ fn two_faces_add_the_waves_that_bend_the_strip() {
         .map(|n| critical(&Layers::new(&ring, FarFace::Antisymmetric, number(n)), 0.4))
         .fold(f64::INFINITY, f64::min);
     assert!((two.at(0.4) / exact - 1.0).abs() < 5e-3, "{} {exact}", two.at(0.4));
-    assert!(two.harmless(0.4) <= two.modelled(0.4));
+    assert!(two.stable_speed(0.4) <= two.modelled(0.4));
     // A convecting base is not a mid plane.
     ring.strip.far_thermal = scene::ThermalBoundary::Convecting;
     let open = CriticalSpeed::new(&ring);
@@ -300,7 +300,7 @@ fn nothing_grows_where_nothing_is_lifted_or_gives_way() {
     for bodies in [[(cold(PAD), 0.01), (cold(IRON), 0.01)], [(INSULATOR, 0.01), (cold(IRON), 0.01)]] {
         let found = CriticalSpeed::new(&scene(bodies));
         assert_eq!((found.at(0.4), found.modelled(0.4)), (0.0, 0.0));
-        assert_eq!(found.harmless(0.4), f64::INFINITY);
+        assert_eq!(found.stable_speed(0.4), f64::INFINITY);
     }
     let mut rigid = scene([(PAD, 0.01), (IRON, 0.01)]);
     rigid.punch.mechanical = scene::MechanicalBody::Rigid;

@@ -51,7 +51,7 @@ const MANY: usize = 72;
 
 /// Linearization point of the operators reused from step to step.
 #[derive(Clone, Copy, Debug, Default)]
-struct FrozenJacobian {
+struct FrozenCoefficients {
     /// Sliding velocity, m/s.
     velocity: f64,
     /// The step under way has this velocity throughout, so that the operators are exact for it.
@@ -84,18 +84,18 @@ pub struct ThermalCoupling {
     /// Kinetic friction coefficient of the cells at their temperature (without Stribeck factor).
     pub kinetic_coefficient: Vec<f64>,
     /// Wear depth rates of punch and strip at the reference pressure, m/s.
-    pub laws: [Vec<f64>; 2],
+    pub reference_wear_rates: [Vec<f64>; 2],
     /// Ambient, far-face temperatures and cooling of the bodies during the step under way.
     pub surroundings: [Surroundings; 2],
     /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
-    lagging: [f64; 2],
+    unpredicted_rise: [f64; 2],
     /// Thermal distortion: displacement of both surfaces at the end of the step, m into the bodies.
     pub distortion: Vec<f64>,
     /// Length of the step under way, s, and the sliding velocities at its ends, m/s.
     step: f64,
     velocity: [f64; 2],
     /// Linearization point of the operators reused from step to step.
-    reference: FrozenJacobian,
+    reference: FrozenCoefficients,
     /// The operators of the stage were refactored: built from its own surface influence matrices instead of those at the
     /// linearization point.
     refactored: [bool; 2],
@@ -132,7 +132,7 @@ pub struct ThermalCoupling {
     /// Bound of the growth rate of thermoelastic waves; heat partition of the stage examined by the growth guard, and workspace
     /// for its matrix, N x N.
     growth: FastestGrowth,
-    watched: HeatPartition,
+    guard_partition: HeatPartition,
     matrix: Vec<f64>,
     growth_guard: GrowthGuard,
     free_response: [Vec<f64>; 2],
@@ -167,13 +167,13 @@ impl ThermalCoupling {
             temperature: [pair(), pair()],
             friction: pair(),
             kinetic_coefficient: zeros(),
-            laws: pair(),
+            reference_wear_rates: pair(),
             surroundings: [Surroundings::default(); 2],
             distortion: zeros(),
-            lagging: [0.0; 2],
+            unpredicted_rise: [0.0; 2],
             step: 0.0,
             velocity: [0.0; 2],
-            reference: FrozenJacobian::default(),
+            reference: FrozenCoefficients::default(),
             refactored: [false; 2],
             iterations: 0,
             acceleration: Acceleration::new(count),
@@ -192,7 +192,7 @@ impl ThermalCoupling {
             contact_temperature: zeros(),
             difference: zeros(),
             growth: FastestGrowth::new(&operators.scene, smallest),
-            watched: partition(),
+            guard_partition: partition(),
             matrix: vec![0.0; count * count],
             growth_guard: GrowthGuard::new(count),
             free_response: pair(),
@@ -214,10 +214,10 @@ impl Clone for ThermalCoupling {
             temperature: self.temperature.clone(),
             friction: self.friction.clone(),
             kinetic_coefficient: self.kinetic_coefficient.clone(),
-            laws: self.laws.clone(),
+            reference_wear_rates: self.reference_wear_rates.clone(),
             surroundings: self.surroundings,
             distortion: self.distortion.clone(),
-            lagging: self.lagging,
+            unpredicted_rise: self.unpredicted_rise,
             step: self.step,
             velocity: self.velocity,
             reference: self.reference,
@@ -239,7 +239,7 @@ impl Clone for ThermalCoupling {
             contact_temperature: self.contact_temperature.clone(),
             difference: self.difference.clone(),
             growth: self.growth.clone(),
-            watched: self.watched.clone(),
+            guard_partition: self.guard_partition.clone(),
             matrix: self.matrix.clone(),
             growth_guard: self.growth_guard.clone(),
             free_response: self.free_response.clone(),

@@ -143,8 +143,8 @@ impl Line {
         self.mean.set_state(mean);
         self.state.copy_from(line);
         self.contact.set_status(&self.state.status);
-        self.tell_friction();
-        self.forget_shown();
+        self.pass_friction_to_lumped();
+        self.invalidate_equilibrium();
     }
 
     /// Work counters of the contact solver.
@@ -173,19 +173,19 @@ impl Line {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
         self.mean.set_tunables(tunables);
-        self.tell_friction();
+        self.pass_friction_to_lumped();
         self.state.end_inputs = [f64::NAN; INPUTS];
-        self.forget_shown();
+        self.invalidate_equilibrium();
     }
 
     /// Passes the friction coefficient of the contact line, at its temperatures, to the lumped level.
-    fn tell_friction(&mut self) {
+    fn pass_friction_to_lumped(&mut self) {
         if let Some(heat) = &self.state.heat {
             self.mean.set_friction_coefficient(heat.kinetic_coefficient);
         }
     }
 
-    fn forget_shown(&mut self) {
+    fn invalidate_equilibrium(&mut self) {
         self.shown.0 = [f64::NAN; INPUTS];
     }
 
@@ -219,9 +219,9 @@ impl Line {
                 own.copy_bodies_from(before);
             }
             self.contact.set_status(&self.state.status);
-            self.tell_friction();
+            self.pass_friction_to_lumped();
         }
-        self.forget_shown();
+        self.invalidate_equilibrium();
         outcome
     }
 
@@ -283,7 +283,7 @@ impl Line {
         let operators = self.operators.clone();
         let decides_load = operators.decides_load();
         if self.heat.is_some() {
-            return self.warm_piece(inputs, slopes, length);
+            return self.piece_with_resolved_heat(inputs, slopes, length);
         }
         let follows_heat = operators.follows_heat();
         if !decides_load {
@@ -312,7 +312,7 @@ impl Line {
     }
 
     /// Advances over a piece with resolved heat: the lumped level only integrates distance and a bristle.
-    fn warm_piece(
+    fn piece_with_resolved_heat(
         &mut self,
         inputs: &[f64; INPUTS],
         slopes: Option<&[f64; INPUTS]>,
@@ -328,19 +328,19 @@ impl Line {
             }
             let heat = self.step_mean(&loaded, rates.as_ref(), length, true)?;
             self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
-            self.tell_friction();
+            self.pass_friction_to_lumped();
             return Ok(());
         }
         let heat = LumpedTemperature::constant(self.mean.state().reference, 0.0);
         if !self.operators.decides_load() {
             self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
-            self.tell_friction();
+            self.pass_friction_to_lumped();
             return self.mean.step(inputs, slopes, length);
         }
         let mut loaded = *inputs;
         loaded[1] = self.carried(inputs);
         self.step_line(&InputTrajectory::new(self, inputs, slopes, length, heat), length)?;
-        self.tell_friction();
+        self.pass_friction_to_lumped();
         let last = self.state.carried;
         let mut rates = slopes.copied().unwrap_or([0.0; INPUTS]);
         rates[1] = (last - loaded[1]) / length;

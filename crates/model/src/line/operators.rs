@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 2.5, 3.1, 8.1.
 
-use super::heat::bodies::{Bodies, on_the_cells};
+use super::heat::bodies::{Bodies, is_resolved};
 use super::hottest::Hottest;
 use super::profile::{Profile, cell_means};
 use crate::lumped;
@@ -13,7 +13,7 @@ use contact::{ContactState, Normal, Tilt, check_operators};
 use elasticity::discretization::{cells_for, compliances, load_weights, relative_radii};
 use elasticity::{Cells, Compliance};
 use nalgebra::DMatrix;
-use scene::{Constraint, FadeTable, Fidelity, Geometry, HeatAlongContact, InitialShape, Path, Scene, Scheme};
+use scene::{Constraint, FadeTable, Fidelity, Geometry, HeatResolution, InitialShape, Path, Scene, Scheme};
 use std::sync::Arc;
 
 /// Default number of cells: relative error of the pressure of about 1e-3 away from the edges.
@@ -37,7 +37,7 @@ pub enum StripWear {
 
 /// Nonuniformity of a pressure, relative to its mean.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Unevenness {
+pub struct Nonuniformity {
     /// Root mean square of its deviation from the mean.
     pub pressure: f64,
     /// Root mean square of the change by shear coupling.
@@ -98,7 +98,7 @@ impl LineOperators {
     /// # Errors
     /// A text with the numbers where the bodies or the run-in shape do not exist.
     pub fn new(scene: &Scene, run_in: RunIn) -> Result<LineOperators, String> {
-        Self::with_heat(scene, on_the_cells(scene), run_in)
+        Self::with_heat(scene, is_resolved(scene), run_in)
     }
 
     /// Builds the contact line with the reduced bodies of `known`, the lumped level of the same scene.
@@ -110,7 +110,7 @@ impl LineOperators {
         known: &lumped::operators::LumpedOperators,
         run_in: RunIn,
     ) -> Result<LineOperators, String> {
-        Self::build(scene, on_the_cells(scene), Some(known), run_in)
+        Self::build(scene, is_resolved(scene), Some(known), run_in)
     }
 
     /// Builds the contact line with resolved or lumped heat, whether heat feeds back or not.
@@ -248,9 +248,9 @@ impl LineOperators {
     }
 
     /// The same contact with lumped heat; no matrix is built anew.
-    pub fn with_heat_by_its_mean(&self) -> LineOperators {
+    pub fn with_lumped_heat(&self) -> LineOperators {
         let mut scene = self.scene.clone();
-        scene.heat_along_contact = HeatAlongContact::ByItsMean;
+        scene.heat_resolution = HeatResolution::Lumped;
         LineOperators {
             mean: Arc::new(lumped::operators::LumpedOperators::with_heat_of(
                 &mean_scene(&scene, false),
@@ -278,7 +278,7 @@ impl LineOperators {
     }
 
     /// Nonuniformity of the pressure of the unworn, cold contact at nominal load.
-    pub fn unevenness(&self) -> Unevenness {
+    pub fn unevenness(&self) -> Nonuniformity {
         let scene = &self.scene;
         let friction = scene.friction_coefficient;
         let coupled = if scene.shear_coupling && scene.geometry != Geometry::Annular { friction } else { 0.0 };
@@ -298,13 +298,13 @@ impl LineOperators {
             let square: f64 = self.cells.widths().iter().enumerate().map(|(i, c)| c * of(i) * of(i)).sum();
             (square / width).sqrt()
         };
-        let Some(full) = pressure(coupled, lever) else { return Unevenness::default() };
+        let Some(full) = pressure(coupled, lever) else { return Nonuniformity::default() };
         let mean = self.cells.integral(&full) / width;
         let apart = |other: Option<Vec<f64>>| match other {
             Some(other) if mean > 0.0 => root_mean_square(&|i| full[i] - other[i]) / mean,
             _ => 0.0,
         };
-        Unevenness {
+        Nonuniformity {
             pressure: if mean > 0.0 { root_mean_square(&|i| full[i] - mean) / mean } else { 0.0 },
             shear: if coupled == 0.0 { 0.0 } else { apart(pressure(0.0, lever)) },
             rotation: if lever == 0.0 { 0.0 } else { apart(pressure(coupled, 0.0)) },

@@ -5,7 +5,7 @@
 use super::heat::state::HeatState;
 use super::operators::{LineOperators, StripWear};
 use crate::INPUTS;
-use contact::wear::line::{LineTrack, Status};
+use contact::wear::line::{LineTrack, WarmStart};
 use numerics::maximum::all_finite;
 
 /// State of the contact line. Vectors have N values, one per cell.
@@ -42,7 +42,7 @@ pub struct LineState {
     /// Load per face at the lumped level at the end of the last step, N.
     pub carried: f64,
     /// Active set for the warm start of the contact solver.
-    pub status: Status,
+    pub status: WarmStart,
     /// log2 of the number of parts of the last communication step.
     pub refinement: u8,
     /// Bits of `limit_reached` set so far.
@@ -76,7 +76,7 @@ impl LineState {
             fastest: 0.0,
             direction: 0.0,
             carried: 0.0,
-            status: Status::new(operators.count()),
+            status: WarmStart::new(operators.count()),
             refinement: 0,
             limits: 0,
             error: 0.0,

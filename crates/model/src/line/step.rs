@@ -22,7 +22,7 @@ use crate::lumped;
 use crate::step_control::{FINEST, StepController, halvings};
 use conduction::line::{GAMMA, Stage};
 use contact::wear::law::REFERENCE_PRESSURE;
-use contact::wear::line::{Coefficient, ContactRate, LineTrack, StageError, Status, WearingContact};
+use contact::wear::line::{Coefficient, ContactRate, LineTrack, StageError, WarmStart, WearingContact};
 use contact::{ContactState, Normal};
 use nalgebra::DMatrix;
 use numerics::maximum::maximum;
@@ -62,7 +62,7 @@ pub struct Work {
     pub shown: ContactState,
     pub rate: ContactRate,
     pub still: Vec<f64>,
-    pub status: Status,
+    pub status: WarmStart,
     /// Load per depth, and the approach of the unworn bodies under it.
     pub reference: (f64, f64),
     pub mean: lumped::state::LumpedState,
@@ -90,7 +90,7 @@ impl Work {
             shown: ContactState::new(count),
             rate: ContactRate::new(count),
             still: zeros(),
-            status: Status::new(operators.count()),
+            status: WarmStart::new(operators.count()),
             reference: (f64::NAN, 0.0),
             mean: lumped::state::LumpedState::empty(),
             budget: Budget::new(count),
@@ -103,7 +103,7 @@ enum Outcome {
     /// Error in units of the tolerance.
     Tried(f64),
     /// Rejected by the growth guard.
-    Outgrown,
+    RejectedByGrowthGuard,
     /// No solution.
     Failed(StageError),
 }
@@ -113,7 +113,7 @@ impl Line {
     pub(super) fn step_line(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let operators = self.operators.clone();
         if self.heat.is_none() && (!operators.wears() || path.idle()) {
-            return self.stand(path, length);
+            return self.advance_without_wear(path, length);
         }
         match operators.scene.scheme {
             Scheme::Explicit => return self.explicit(path, length),
@@ -125,7 +125,7 @@ impl Line {
         let mut failures = 0;
         while !control.is_done() {
             let (start, step) = (control.start(), control.step());
-            if self.too_far(path, start, step) && control.halve(1) {
+            if self.exceeds_travel_limit(path, start, step) && control.halve(1) {
                 continue;
             }
             match &mut self.attempts_left {
@@ -150,7 +150,7 @@ impl Line {
                     continue;
                 }
                 Outcome::Tried(error) => halvings(error, ORDER),
-                Outcome::Outgrown => {
+                Outcome::RejectedByGrowthGuard => {
                     if let Some(heat) = &mut self.state.heat {
                         heat.rejected_by_growth = [step, f64::from(RETRY_DELAY)];
                     }
@@ -213,13 +213,13 @@ impl Line {
     }
 
     /// Whether the travel exceeds its limit: with a worn track in the strip, a quarter of the half-width in one step.
-    pub(super) fn too_far(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
+    pub(super) fn exceeds_travel_limit(&self, path: &InputTrajectory, start: f64, step: f64) -> bool {
         let travel = step * path.velocity(start + 0.5 * step).abs();
         self.state.track.as_ref().is_some_and(|track| travel > track.longest_travel())
     }
 
     /// Advances a piece without wear: only the position on a track and the load change.
-    fn stand(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
+    fn advance_without_wear(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let travel = length * path.velocity(0.5 * length);
         self.state.position += travel;
         if travel != 0.0
@@ -371,8 +371,8 @@ impl Line {
         let resolved = step > path.length() / f64::from(1_u32 << FOLLOWING);
         if self.heat.is_some() && resolved {
             let coefficient = late.kinetic_coefficient * self.friction.stribeck(path.velocity(start + step));
-            if !self.follows_growth(early.speed.max(late.speed), coefficient, step) {
-                return Outcome::Outgrown;
+            if !self.passes_growth_guard(early.speed.max(late.speed), coefficient, step) {
+                return Outcome::RejectedByGrowthGuard;
             }
         }
         let wear = if estimate == 0.0 { 0.0 } else { estimate / bound };

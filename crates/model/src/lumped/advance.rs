@@ -35,14 +35,14 @@ impl InputTrajectory<'_> {
 }
 
 /// Single-step attempt on the fast path, compiled for every vector unit; no operation is fused, so all give the same bits.
-struct AtOnce<'a, const CONSTANT: bool> {
+struct SingleStepAttempt<'a, const CONSTANT: bool> {
     stepper: Stepper<'a>,
     state: &'a mut LumpedState,
     /// Conditions at the start and at the three points.
     at: [&'a Conditions; 4],
 }
 
-impl<const CONSTANT: bool> NullaryFnOnce for AtOnce<'_, CONSTANT> {
+impl<const CONSTANT: bool> NullaryFnOnce for SingleStepAttempt<'_, CONSTANT> {
     type Output = Option<Attempt>;
 
     #[inline(always)]
@@ -76,14 +76,14 @@ impl Lumped {
                 attempt => is_too_long = attempt.is_some(),
             }
         }
-        self.by_pieces(inputs, slopes, step, is_too_long)
+        self.general_step(inputs, slopes, step, is_too_long)
     }
 
     /// Tries the whole communication step at constant inputs on the fast path; `None` where that does not apply. Unless the error
     /// of the attempt is at most 1, the state is unchanged.
     #[inline]
     fn attempt_single_step(&mut self, inputs: &[f64; INPUTS], step: f64) -> Option<Attempt> {
-        self.know(inputs);
+        self.update_conditions(inputs);
         let index = self.propagators_of(step);
         let propagators = &self.propagators[index];
         let stepper = Stepper {
@@ -95,13 +95,13 @@ impl Lumped {
             tunables: &self.tunables,
             propagators,
         };
-        self.arch.dispatch(AtOnce::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] })
+        self.arch.dispatch(SingleStepAttempt::<true> { stepper, state: &mut self.state, at: [&self.known.1; 4] })
     }
 
     /// Completes a step taken on the fast path.
     #[inline]
     fn conclude(&mut self, inputs: &[f64; INPUTS], step: f64, attempt: &Attempt) -> Result<(), StepFailure> {
-        let (state, within) = (&mut self.state, &self.operators.unremarkable);
+        let (state, within) = (&mut self.state, &self.operators.fast_path_bounds);
         state.steps += 1;
         state.error = state.error.max(attempt.error * self.operators.scene.tolerance);
         let is_unremarkable = state.punch.depth < within.depth[0]
@@ -121,7 +121,7 @@ impl Lumped {
 
     /// General form of the step; `is_too_long` if a single step over the whole of it has been rejected.
     #[inline(never)]
-    fn by_pieces(
+    fn general_step(
         &mut self,
         inputs: &[f64; INPUTS],
         slopes: Option<&[f64; INPUTS]>,
@@ -248,8 +248,8 @@ impl Lumped {
             if self.operators.fast_path {
                 let (stepper, state) = (stepper.reborrow(), &mut self.state);
                 attempt = match &varying {
-                    Some(at) => self.arch.dispatch(AtOnce::<false> { stepper, state, at: at.each_ref() }),
-                    None => self.arch.dispatch(AtOnce::<true> { stepper, state, at: [&now; 4] }),
+                    Some(at) => self.arch.dispatch(SingleStepAttempt::<false> { stepper, state, at: at.each_ref() }),
+                    None => self.arch.dispatch(SingleStepAttempt::<true> { stepper, state, at: [&now; 4] }),
                 };
             }
             let attempt = attempt.unwrap_or_else(|| match &varying {
@@ -280,7 +280,7 @@ impl Lumped {
     }
 
     /// Index of the weights for this step size (s), made if they are not among the recent ones.
-    fn propagators_of(&mut self, step: f64) -> usize {
+    pub(super) fn propagators_of(&mut self, step: f64) -> usize {
         let operators = &self.operators;
         self.propagators.get_or_compute(step.to_bits(), |made| *made = Propagators::new(operators, step))
     }

@@ -367,7 +367,7 @@ impl Stepper<'_> {
         let step = self.propagators.step;
         let mean = |values: Pair| step * (QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1]);
         let worn = rates.map(mean);
-        let room = &operators.unremarkable.depth_before_step;
+        let room = &operators.fast_path_bounds.depth_before_step;
         if state.punch.depth + worn[0] > room[0] || state.strip.depth + worn[1] > room[1] {
             return None;
         }

@@ -80,7 +80,7 @@ pub fn partition<S: Scalar>(punch: Side<S>, strip: Side<S>, q: S, conductance: f
 
 /// Heat partition of separated surfaces: no heat passes. The surface temperature of an insulator is that of the other surface.
 #[inline]
-pub fn apart<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
+pub fn separated<S: Scalar>(punch: Side<S>, strip: Side<S>) -> HeatPartition<S> {
     let levels = match (punch.gain, strip.gain) {
         (Some(_), None) => [punch.level; 2],
         (None, Some(_)) => [strip.level; 2],
@@ -100,7 +100,7 @@ pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
     if fade.flat || gain.value() == 0.0 {
         return level + gain * (friction.coefficient * fade.factor[0]);
     }
-    let first = fade.temperature.iter().position(|knot| level.value() < *knot).unwrap_or(8);
+    let first = fade.temperature.iter().position(|node| level.value() < *node).unwrap_or(8);
     for segment in first..8 {
         // mu = a + b T on the segment that ends at temperature[segment].
         let (a, b) = match segment {

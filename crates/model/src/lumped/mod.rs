@@ -162,14 +162,14 @@ impl Lumped {
     pub fn set_state(&mut self, state: &LumpedState) {
         self.state.clone_from(state);
         self.frozen_is_current = false;
-        self.forget_conditions();
+        self.invalidate_conditions();
     }
 
     /// Sets the parameters that may change between steps.
     pub fn set_tunables(&mut self, tunables: Tunables) {
         self.friction.coefficient = tunables.friction_coefficient;
         self.tunables = tunables;
-        self.forget_conditions();
+        self.invalidate_conditions();
     }
 
     /// Sets a friction coefficient that replaces the tunable parameter.
@@ -178,7 +178,7 @@ impl Lumped {
     }
 
     /// Invalidates the conditions last computed, by NaN inputs.
-    fn forget_conditions(&mut self) {
+    fn invalidate_conditions(&mut self) {
         self.known.0 = [f64::NAN; INPUTS];
     }
 
@@ -210,13 +210,13 @@ impl Lumped {
     }
 
     fn conditions(&mut self, inputs: &[f64; INPUTS]) -> Conditions {
-        self.know(inputs);
+        self.update_conditions(inputs);
         self.known.1
     }
 
     /// Computes the conditions of `inputs`, unless they are the last ones.
     #[inline]
-    fn know(&mut self, inputs: &[f64; INPUTS]) {
+    fn update_conditions(&mut self, inputs: &[f64; INPUTS]) {
         // Bitwise and without a branch per input: one vector comparison.
         let differs =
             self.known.0.iter().zip(inputs).fold(0, |differs, (known, now)| differs | known.to_bits() ^ now.to_bits());

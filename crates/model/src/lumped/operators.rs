@@ -121,7 +121,7 @@ pub struct LumpedOperators {
     /// The fast path is possible: see [`super::fast_path`].
     pub fast_path: bool,
     /// Bounds of the fast path.
-    pub unremarkable: FastPathBounds,
+    pub fast_path_bounds: FastPathBounds,
     /// Half of the contact's thermal resistance, K m2/W; 0 without conductance.
     pub half_resistance: f64,
     /// Fraction of a closed path covered by the punches.
@@ -183,7 +183,7 @@ impl LumpedOperators {
         let follows = |body: &BodyOperators| body.wear.active() && body.wear.follows_temperature(fades);
         let mut operators = LumpedOperators {
             fast_path: false,
-            unremarkable: FastPathBounds::new(scene),
+            fast_path_bounds: FastPathBounds::new(scene),
             half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
             strip_coverage: scene.coverage(),
             wear_follows_temperature: follows(&punch) || follows(&strip),

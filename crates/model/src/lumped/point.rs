@@ -5,7 +5,7 @@
 use super::air::{Air, BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::bristle::Bristle;
 use super::conditions::{Conditions, Tunables};
-use super::interface::{HeatPartition, Side, agree, apart, partition};
+use super::interface::{HeatPartition, Side, agree, partition, separated};
 use super::operators::{BodyOperators, LumpedOperators};
 use super::state::{BodyState, LumpedState};
 use conduction::STEFAN_BOLTZMANN;
@@ -207,7 +207,7 @@ pub fn evaluate<S: Scalar>(
     // Friction heat per unit of the kinetic friction coefficient at temperature.
     let driver = conditions.stribeck * conditions.slip * pressure * operators.power_factor;
     let solve = |flux: S| {
-        if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { apart(sides.0, sides.1) }
+        if closed { partition(sides.0, sides.1, flux, scene.conductance) } else { separated(sides.0, sides.1) }
     };
     let mean = |partition: &HeatPartition<S>| (partition.punch_temperature + partition.strip_temperature) * 0.5;
     let reference = S::from(state.reference);

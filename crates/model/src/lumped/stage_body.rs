@@ -132,7 +132,7 @@ impl<'a> StageBody<'a> {
         for stage in 0..2 {
             let point = 2 * stage;
             // Residual of the cooling law at each face, and Jacobian with respect to the fluxes of both faces.
-            let (mut lack, mut matrix) = ([0.0; FACES], [[1.0, 0.0], [0.0, 1.0]]);
+            let (mut residual, mut matrix) = ([0.0; FACES], [[1.0, 0.0], [0.0, 1.0]]);
             for face in 0..FACES {
                 if !self.cools[face] {
                     continue;
@@ -141,12 +141,12 @@ impl<'a> StageBody<'a> {
                 let t = self.cooled[face][stage] + self.add_to(observed, point);
                 let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage]);
                 let slope = cooling_slope(air, reference, t, forced[stage]);
-                lack[face] = wanted - self.flux[PORTS_OF_FACES[face]][stage];
+                residual[face] = wanted - self.flux[PORTS_OF_FACES[face]][stage];
                 for (entry, port) in matrix[face].iter_mut().zip(PORTS_OF_FACES) {
                     *entry += slope * observed.gain[port][point][stage];
                 }
             }
-            let step = solve(&matrix, lack);
+            let step = solve(&matrix, residual);
             for (port, step) in PORTS_OF_FACES.into_iter().zip(step) {
                 // NaN passes this test too.
                 if step != 0.0 {

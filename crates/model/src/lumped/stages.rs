@@ -26,7 +26,7 @@ pub struct Stages {
     pub rates: [[f64; 2]; 2],
     /// Gain of the strip's contact temperature including its moving source.
     strip_gain: [[f64; 2]; 3],
-    partition: Splitting,
+    partition: StageHeatPartition,
     /// s v Stribeck at the stages: heat per kinetic friction coefficient and pressure.
     driver: [f64; 2],
     /// Sliding speed in the wear law.
@@ -61,7 +61,7 @@ impl Stages {
         let (first, last) = (&conditions[1], &conditions[3]);
         // The load does not change its sign within a piece: its middle determines whether the contact is closed.
         let closed = conditions[2].load > 0.0;
-        let partition = Splitting::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
+        let partition = StageHeatPartition::new(punch, strip, &strip_gain, operators.scene.conductance, closed);
         let loads = [first.load, last.load];
         let power = operators.power_factor;
         Stages {
@@ -131,7 +131,7 @@ impl Stages {
         };
         let before = self.temperature;
         if closed != self.partition.closed {
-            self.partition = Splitting::new(punch, strip, &self.strip_gain, conductance, closed);
+            self.partition = StageHeatPartition::new(punch, strip, &self.strip_gain, conductance, closed);
         }
         self.partition.levels(punch, strip);
         if self.bristle.is_some() {
@@ -426,7 +426,7 @@ fn scaled(values: [f64; 2], mean: f64) -> [f64; 2] {
 
 /// Linear map from the friction heats of both stages to the fluxes and the contact temperatures.
 #[derive(Clone, Copy)]
-struct Splitting {
+struct StageHeatPartition {
     punch_level: [f64; 2],
     strip_level: [f64; 2],
     punch_gain: [[f64; 2]; 2],
@@ -438,7 +438,7 @@ struct Splitting {
     closed: bool,
 }
 
-impl Splitting {
+impl StageHeatPartition {
     fn new(punch: &StageBody, strip: &StageBody, strip_gain: &[[f64; 2]; 3], conductance: f64, closed: bool) -> Self {
         let punch_gain = [punch.gain(0), punch.gain(2)];
         let strip_gain = [strip_gain[0], strip_gain[2]];
@@ -460,7 +460,7 @@ impl Splitting {
             [matrix[1][1] / determinant, -matrix[0][1] / determinant],
             [-matrix[1][0] / determinant, matrix[0][0] / determinant],
         ];
-        Splitting {
+        StageHeatPartition {
             punch_level: [0.0; 2],
             strip_level: [0.0; 2],
             punch_gain,

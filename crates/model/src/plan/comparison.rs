@@ -26,10 +26,10 @@ use super::cost::{self, build_cost};
 use super::model_level::{CELLS, ModelLevel};
 use super::trajectory::{NominalTrajectory, Run, distance};
 use crate::levels::ModelOperators;
-use crate::line::heat::bodies::on_the_cells;
+use crate::line::heat::bodies::is_resolved;
 use crate::line::operators::RunIn;
 use numerics::maximum::maximum;
-use scene::{HeatAlongContact, Scene};
+use scene::{HeatResolution, Scene};
 
 /// Cost of a comparison beyond which cells are not doubled again, in the counted microseconds of [`cost`], which assume new
 /// operators in every step: some 100 ms.
@@ -51,7 +51,7 @@ const RATIO: (f64, f64) = (1.5, 4.0);
 const CONVERGING: (f64, f64) = (1.1, 0.05);
 
 /// Least fraction of a unidirectional trajectory that a line has to cover for an extrapolation to its end.
-const TELLING: f64 = 0.2;
+const LEAST_COVERED: f64 = 0.2;
 
 /// Bounds of the power of time by which an error is extrapolated, and largest extrapolation in lengths of the run.
 const GROWTH: (f64, f64) = (0.0, 0.5);
@@ -96,7 +96,7 @@ struct Progress<'a> {
     run_in: RunIn,
     course: &'a NominalTrajectory,
     /// Choice between lumped and resolved heat on the contact line.
-    heat: HeatAlongContact,
+    heat: HeatResolution,
     levels: Vec<Level>,
     /// Error of reduction and time steps over `estimated_step_error`: of the lumped level, of a line with lumped heat, and of one
     /// with resolved heat.
@@ -124,10 +124,10 @@ pub fn compare(
     let first = if scene.cells > 0 { scene.cells } else { CELLS[0] };
     // Strokes are run with the wear of the whole duration, so their operators are not those of the user's run.
     let run_scene = &course.scene(scene);
-    let whole = ModelLevel::Line { cells: first, heat: HeatAlongContact::WhereItFeedsBack }.apply(run_scene);
-    let heat = match by_cells && on_the_cells(&whole) {
-        true => HeatAlongContact::OnTheCells,
-        false => HeatAlongContact::ByItsMean,
+    let whole = ModelLevel::Line { cells: first, heat: HeatResolution::ResolvedWhereCoupled }.apply(run_scene);
+    let heat = match by_cells && is_resolved(&whole) {
+        true => HeatResolution::Resolved,
+        false => HeatResolution::Lumped,
     };
     let mut progress = Progress {
         course,
@@ -223,19 +223,19 @@ impl Progress<'_> {
         let model_level = ModelLevel::Line { cells, heat: self.heat };
         let line = mean.line_beside(&model_level.apply(scene), self.run_in)?;
         self.cost += build_cost(&line);
-        if self.heat == HeatAlongContact::OnTheCells {
-            self.add(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean }, line.with_mean_heat())?;
+        if self.heat == HeatResolution::Resolved {
+            self.add(ModelLevel::Line { cells, heat: HeatResolution::Lumped }, line.with_lumped_heat())?;
         }
         self.add(model_level, line)?;
         let told = self.course.repeats > 1.0
-            || self.levels.last().is_some_and(|level| self.course.part(level.run.history.len()) >= TELLING);
+            || self.levels.last().is_some_and(|level| self.course.part(level.run.history.len()) >= LEAST_COVERED);
         if told {
             return Ok(());
         }
         if self.lines().count() > 2 {
             self.levels.pop();
             return Err(format!(
-                "{cells} cells cover less than {TELLING} of the nominal duration in the steps they may take"
+                "{cells} cells cover less than {LEAST_COVERED} of the nominal duration in the steps they may take"
             ));
         }
         self.falls_short = true;
@@ -270,9 +270,9 @@ impl Progress<'_> {
         let (Some(finest), Some(before)) = (lines.next(), lines.next()) else {
             return Err("one contact line has nothing to be compared with".into());
         };
-        let between = self.carried_on(&before.run, &finest.run);
+        let between = self.extrapolated_difference(&before.run, &finest.run);
         let measured = lines.next().map(|earlier| {
-            let earlier = self.carried_on(&earlier.run, &before.run);
+            let earlier = self.extrapolated_difference(&earlier.run, &before.run);
             largest(earlier) / largest(between)
         });
         // Equality to the last bit counts as the best ratio.
@@ -284,7 +284,7 @@ impl Progress<'_> {
             None => measured.is_none_or(|ratio| ratio >= CONVERGING.0) || largest(between) <= CONVERGING.1,
         };
         let candidates = self.levels.iter().map(|level| {
-            let apart = self.carried_on(&level.run, &finest.run);
+            let apart = self.extrapolated_difference(&level.run, &finest.run);
             Candidate {
                 model_level: level.model_level,
                 errors: std::array::from_fn(|output| apart[output] + own[output]),
@@ -302,7 +302,7 @@ impl Progress<'_> {
     }
 
     /// Difference of two runs over their common part, for temperature and force extrapolated to the nominal duration.
-    fn carried_on(&self, run: &Run, finer: &Run) -> [f64; 3] {
+    fn extrapolated_difference(&self, run: &Run, finer: &Run) -> [f64; 3] {
         let count = run.history.len().min(finer.history.len());
         let apart = distance(&run.history[..count], &finer.history[..count]);
         let (part, half) = (self.course.part(count), count / 2);
@@ -346,7 +346,7 @@ impl Progress<'_> {
 fn kind(model_level: ModelLevel) -> usize {
     match model_level.heat() {
         None => 0,
-        Some(HeatAlongContact::ByItsMean) => 1,
+        Some(HeatResolution::Lumped) => 1,
         Some(_) => 2,
     }
 }

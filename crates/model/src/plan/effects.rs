@@ -6,7 +6,7 @@ use super::Candidate;
 use super::groups::Groups;
 use super::model_level::ModelLevel;
 use crate::levels::ModelOperators;
-use scene::{HeatAlongContact, Scene};
+use scene::{HeatResolution, Scene};
 
 /// Physical effect.
 #[derive(Clone, PartialEq, Debug)]
@@ -40,7 +40,7 @@ pub fn judge(
     };
     let distortion = groups.distortion_over_approach;
     let line = chosen != ModelLevel::Lumped;
-    let by_cells = chosen.heat() == Some(HeatAlongContact::OnTheCells);
+    let by_cells = chosen.heat() == Some(HeatResolution::Resolved);
     let find =
         |wanted: ModelLevel| candidates.iter().find(|candidate| candidate.model_level == wanted).map(Candidate::error);
     let cells = match fine {
@@ -48,8 +48,8 @@ pub fn judge(
         ModelOperators::Lumped(_) => 1,
     };
     let uniform = find(ModelLevel::Lumped).unwrap_or(0.0);
-    let exact = find(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
-    let mean = find(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean });
+    let exact = find(ModelLevel::Line { cells, heat: HeatResolution::Resolved });
+    let mean = find(ModelLevel::Line { cells, heat: HeatResolution::Lumped });
     let heat_error = match (mean, exact) {
         (Some(mean), Some(exact)) => (mean - exact).max(0.0),
         _ => 0.0,

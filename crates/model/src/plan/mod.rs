@@ -190,7 +190,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
     };
     let groups = Groups::new(scene, comparison.rise);
     let effects = effects::judge(scene, &groups, &comparison.line, candidates, chosen.model_level);
-    let (states, order, reduction_error) = made_of(&operators);
+    let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
         model_level: chosen.model_level,
@@ -216,7 +216,7 @@ fn decide(scene: &Scene, comparison: Comparison, doubt: Option<String>, run_in: 
 
 fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>, run_in: RunIn) -> Result<Planned, String> {
     let operators = ModelOperators::new(&ModelLevel::Lumped.apply(scene), run_in)?;
-    let (states, order, reduction_error) = made_of(&operators);
+    let (states, order, reduction_error) = composition(&operators);
     let plan = Plan {
         tolerance: scene.tolerance,
         model_level: ModelLevel::Lumped,
@@ -241,7 +241,7 @@ fn only_lumped(scene: &Scene, reason: String, estimated_error: Option<f64>, run_
 }
 
 /// Thermal states of punch, strip and moving source, order of the time steps, error of the reduced bodies.
-fn made_of(operators: &ModelOperators) -> ([usize; 3], u8, f64) {
+fn composition(operators: &ModelOperators) -> ([usize; 3], u8, f64) {
     let (mean, line, order) = match operators {
         ModelOperators::Lumped(mean) => (mean, None, 3),
         ModelOperators::Line(line) => (&line.mean, line.heat.as_ref(), 2),

@@ -2,7 +2,7 @@
 //!
 //! Theory: docs/theory.md, section 8.1.
 
-use scene::{Fidelity, HeatAlongContact, Scene};
+use scene::{Fidelity, HeatResolution, Scene};
 use std::fmt;
 
 /// Numbers of cells of the line level.
@@ -18,7 +18,7 @@ pub enum ModelLevel {
         /// Number of cells N.
         cells: usize,
         /// Lumped or resolved heat.
-        heat: HeatAlongContact,
+        heat: HeatResolution,
     },
 }
 
@@ -30,7 +30,7 @@ impl ModelLevel {
             ModelLevel::Lumped => scene.fidelity = Fidelity::Lumped,
             ModelLevel::Line { cells, heat } => {
                 scene.fidelity = Fidelity::Line;
-                (scene.cells, scene.heat_along_contact) = (cells, heat);
+                (scene.cells, scene.heat_resolution) = (cells, heat);
             }
         }
         scene
@@ -45,7 +45,7 @@ impl ModelLevel {
     }
 
     /// Lumped or resolved heat of a contact line.
-    pub fn heat(self) -> Option<HeatAlongContact> {
+    pub fn heat(self) -> Option<HeatResolution> {
         match self {
             ModelLevel::Lumped => None,
             ModelLevel::Line { heat, .. } => Some(heat),
@@ -65,7 +65,7 @@ impl fmt::Display for ModelLevel {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ModelLevel::Lumped => f.write_str("lumped"),
-            ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean } => {
+            ModelLevel::Line { cells, heat: HeatResolution::Lumped } => {
                 write!(f, "line, {cells} cells, mean heat")
             }
             ModelLevel::Line { cells, .. } => write!(f, "line, {cells} cells"),

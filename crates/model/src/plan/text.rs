@@ -4,14 +4,14 @@
 
 use super::Plan;
 use super::model_level::ModelLevel;
-use scene::HeatAlongContact;
+use scene::HeatResolution;
 
 impl Plan {
     /// The plan's level in one line.
     pub fn summary(&self) -> String {
         let heat = match self.model_level {
             ModelLevel::Lumped => "lumped heat",
-            ModelLevel::Line { heat: HeatAlongContact::ByItsMean, .. } => "lumped heat",
+            ModelLevel::Line { heat: HeatResolution::Lumped, .. } => "lumped heat",
             ModelLevel::Line { .. } => "resolved heat",
         };
         format!(

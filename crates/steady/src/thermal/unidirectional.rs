@@ -145,10 +145,10 @@ impl Problem<'_> {
     fn pass(&mut self, iterate: &[f64], closed: &[bool]) -> Result<Found, SteadyError> {
         let count = self.contact.cells.count();
         let (relative, rest) = iterate.split_at(count);
-        let (felt, cooled) = rest.split_at(count);
+        let (local_temperature, cooled) = rest.split_at(count);
         let (ambient, velocity) = (self.scene().ambient_temperature, self.velocity());
         let kinetic_coefficient: Vec<f64> =
-            felt.iter().map(|t| self.friction.kinetic_coefficient(t + ambient)).collect();
+            local_temperature.iter().map(|t| self.friction.kinetic_coefficient(t + ambient)).collect();
         let stribeck: f64 = self.friction.stribeck(velocity);
         let sign: f64 = self.friction.sign(velocity);
         let weights = &self.contact.weights;
@@ -156,7 +156,8 @@ impl Problem<'_> {
         let carried: f64 = (0..count).map(share).sum();
         let average = (0..count).map(|i| share(i) * kinetic_coefficient[i]).sum::<f64>() / carried;
         self.contact.strokes[0].friction = sign * average * stribeck;
-        self.contact.strokes[0].rates = std::array::from_fn(|body| self.rate(body, felt, &kinetic_coefficient));
+        self.contact.strokes[0].rates =
+            std::array::from_fn(|body| self.rate(body, local_temperature, &kinetic_coefficient));
 
         let surroundings = self.surroundings(cooled);
         let zero = vec![0.0; count];
@@ -175,7 +176,8 @@ impl Problem<'_> {
         let slip: Vec<f64> = kinetic_coefficient
             .map(|(kinetic_coefficient, radius)| kinetic_coefficient * stribeck * sign * velocity * radius)
             .collect();
-        let extra = &self.partition.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
+        let thermal_compliance =
+            &self.partition.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
         // Heat exchange between the surfaces without friction.
         let mut exchanged = zero.clone();
         self.partition.punch_flux(conducts, [&base[0], &base[1]], &zero, &mut exchanged);
@@ -184,7 +186,7 @@ impl Problem<'_> {
             let exchanged = DVector::from_column_slice(&exchanged);
             undeformed += &punch.distortion * &exchanged - &strip.distortion * &exchanged;
         }
-        let pressure = self.pressure(&undeformed, &extra)?;
+        let pressure = self.pressure(&undeformed, &thermal_compliance)?;
         let friction: Vec<f64> = (0..count).map(|i| if closed[i] { slip[i] * pressure[i] } else { 0.0 }).collect();
         let mut flux = [zero.clone(), zero.clone()];
         self.partition.punch_flux(conducts, [&base[0], &base[1]], &friction, &mut flux[0]);
@@ -205,7 +207,7 @@ impl Problem<'_> {
                 temperature[insulator][i] = temperature[1 - insulator][i] + friction[i] * self.half_resistance;
             }
         }
-        let moved = undeformed + extra * DVector::from_column_slice(&pressure);
+        let moved = undeformed + thermal_compliance * DVector::from_column_slice(&pressure);
         let states = std::array::from_fn(|side| match &self.bodies[side] {
             Some(body) => {
                 let mut state = vec![0.0; body.states()];
@@ -222,19 +224,20 @@ impl Problem<'_> {
     }
 
     /// Wear depth rate of a body on the cells at their temperatures: for the mating ring of an annulus the mean round the circle.
-    fn rate(&self, body: usize, felt: &[f64], kinetic_coefficient: &[f64]) -> CellRate {
+    fn rate(&self, body: usize, local_temperature: &[f64], kinetic_coefficient: &[f64]) -> CellRate {
         let (scene, law, speed) = (self.scene(), &self.laws[body], self.velocity().abs());
         let factor = scene.wear_acceleration * if self.annular() && body == 1 { scene.coverage() } else { 1.0 };
         let at = |((t, kinetic_coefficient), radius): ((&f64, &f64), &f64)| -> f64 {
             factor * law.rate(REFERENCE_PRESSURE, speed * radius, *kinetic_coefficient, t + scene.ambient_temperature)
         };
-        let coefficient = felt.iter().zip(kinetic_coefficient).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
+        let coefficient =
+            local_temperature.iter().zip(kinetic_coefficient).zip(&self.radii).map(at).collect::<Vec<f64>>().into();
         let term = WearTerm { coefficient, exponent: law.pressure_exponent };
         CellRate { reference_pressure: REFERENCE_PRESSURE, terms: if law.active() { vec![term] } else { Vec::new() } }
     }
 
-    /// Pressure on the gap displaced by `undeformed` (m) by heat without friction, with the thermal compliance `extra` (m/Pa).
-    fn pressure(&self, undeformed: &DVector<f64>, extra: &DMatrix<f64>) -> Result<Vec<f64>, SteadyError> {
+    /// Pressure on the gap displaced by `undeformed` (m) by heat without friction, with the thermal compliance `thermal_compliance` (m/Pa).
+    fn pressure(&self, undeformed: &DVector<f64>, thermal_compliance: &DMatrix<f64>) -> Result<Vec<f64>, SteadyError> {
         let contact = &self.contact;
         let stroke = &contact.strokes[0];
         let (tilt, load) = (contact.tilt(stroke), contact.load);
@@ -250,11 +253,12 @@ impl Problem<'_> {
             }
             SteadyKind::Groove => {
                 let rate = per_distance(&stroke.rates[1], stroke.velocity);
-                let (compliance, direction) = (contact.compliance(stroke) + extra, direction(stroke.velocity));
+                let (compliance, direction) =
+                    (contact.compliance(stroke) + thermal_compliance, direction(stroke.velocity));
                 groove(contact.cells, compliance, &gap(), rate, direction, Normal::Load(load), tilt)?.pressure
             }
             SteadyKind::Elastic => {
-                let compliance = contact.compliance(stroke) + extra;
+                let compliance = contact.compliance(stroke) + thermal_compliance;
                 let mut solver = ContactSolver::with_weights(contact.cells, &contact.weights, compliance)?;
                 solver.solve(&gap(), Normal::Load(load), tilt)?.pressure
             }

@@ -4,9 +4,9 @@
 
 use super::runs::{Record, distance, processor_seconds, run, run_with};
 use super::scenes::Generated;
-use model::line::heat::bodies::possible_on_the_cells;
+use model::line::heat::bodies::can_be_resolved;
 use model::plan::{self, Planned, model_level::ModelLevel};
-use scene::{HeatAlongContact, Scene};
+use scene::{HeatResolution, Scene};
 
 /// Numbers of cells of the competing fixed settings.
 const FIXED: [usize; 3] = [9, 17, 33];
@@ -43,7 +43,7 @@ pub fn truth(generated: &Generated, cells: usize) -> Result<Truth, String> {
 }
 
 fn best(scene: &Scene, cells: usize) -> ModelLevel {
-    let heat = if possible_on_the_cells(scene) { HeatAlongContact::OnTheCells } else { HeatAlongContact::ByItsMean };
+    let heat = if can_be_resolved(scene) { HeatResolution::Resolved } else { HeatResolution::Lumped };
     ModelLevel::Line { cells, heat }
 }
 
@@ -144,9 +144,9 @@ pub fn judge(generated: &Generated, tolerance: f64, truth: &Truth) -> Result<Jud
     let chosen = outcome(planned.plan.model_level, &record);
     let mut model_levels = vec![ModelLevel::Lumped];
     for cells in FIXED {
-        model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::ByItsMean });
-        if possible_on_the_cells(&scene) {
-            model_levels.push(ModelLevel::Line { cells, heat: HeatAlongContact::OnTheCells });
+        model_levels.push(ModelLevel::Line { cells, heat: HeatResolution::Lumped });
+        if can_be_resolved(&scene) {
+            model_levels.push(ModelLevel::Line { cells, heat: HeatResolution::Resolved });
         }
     }
     let fixed = model_levels

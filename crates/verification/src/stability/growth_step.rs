@@ -91,7 +91,7 @@ pub fn split_growth(ratio: f64, step: f64) -> f64 {
 }
 
 /// Step size from which on the error of the growth rate of the operator split exceeds [`AGREEMENT`].
-fn split_off_from(ratio: f64) -> f64 {
+fn split_inaccurate_from(ratio: f64) -> f64 {
     let exact = WaveScene::new(CELLS).exact(ratio).re;
     let allowed = AGREEMENT * (1.0 + exact.abs());
     root(-12.0, 8.0, |exponent| (split_growth(ratio, exponent.exp()) - exact).abs() - allowed).exp()
@@ -319,8 +319,10 @@ fn assemble(points: [Vec<Point>; 3], theory: Vec<(f64, f64)>, measured: Vec<(f64
     let critical = || curve("exact: grows to the right", vec![(1.0, 0.008), (1.0, 300.0)], true);
     let farthest = measured.iter().map(|&(ratio, step)| (ratio / hidden_from(step) - 1.0).abs()).fold(0.0, f64::max);
     let [split, unguarded, default] = points;
-    let late: Vec<(f64, f64)> =
-        (0..=60).map(|k| 0.3 * 110f64.powf(f64::from(k) / 60.0)).map(|ratio| (ratio, split_off_from(ratio))).collect();
+    let late: Vec<(f64, f64)> = (0..=60)
+        .map(|k| 0.3 * 110f64.powf(f64::from(k) / 60.0))
+        .map(|ratio| (ratio, split_inaccurate_from(ratio)))
+        .collect();
     let judged = [
         Panel {
             title: "operator split (solver.scheme = staggered)".to_owned(),

@@ -91,7 +91,7 @@ impl<'a> Assembly<'a> {
         self.depth.capacity
     }
 
-    pub fn temperature_at_frozen_state(&self) -> bool {
+    pub fn top_is_prescribed(&self) -> bool {
         self.depth.top == Top::Held
     }
 
@@ -106,7 +106,7 @@ impl<'a> Assembly<'a> {
     pub fn input(&self, wave: &Wave, shape: &Shape) -> [f64; PORTS] {
         let cooling = self.exposure(wave) * self.seen(shape);
         let ambient = self.cooled.transfer * cooling + self.top_transfer() * wave.integral * shape.top;
-        let far = match self.temperature_at_frozen_state() {
+        let far = match self.top_is_prescribed() {
             true => self.through_held_top(wave, shape),
             false => self.top_exposure(wave) * shape.top,
         };
@@ -115,7 +115,7 @@ impl<'a> Assembly<'a> {
 
     /// Heat flow of a state through a top of prescribed temperature, in W/m over the norm of the state.
     fn through_held_top(&self, wave: &Wave, shape: &Shape) -> f64 {
-        if !self.temperature_at_frozen_state() {
+        if !self.top_is_prescribed() {
             return 0.0;
         }
         // Conducted through the height and not lost at the face.
@@ -151,7 +151,7 @@ impl<'a> Assembly<'a> {
             By::Sides => wave.integral * depth.height,
             By::Face => wave.integral,
         };
-        if self.temperature_at_frozen_state() {
+        if self.top_is_prescribed() {
             steady.contact[AMBIENT] = transfer * steady.contact[COOLING];
             steady.seen[AMBIENT] = transfer * steady.seen[COOLING];
             steady.contact[FAR] = wave.integral - steady.contact[AMBIENT];
@@ -300,7 +300,7 @@ impl<'a> Assembly<'a> {
             let sum = (0.5 * width / std::f64::consts::PI).powi(2) / count;
             let beyond = square * self.depth.height / (length * self.depth.conductivity) * sum;
             operators.cooled.ports[COOLING] += beyond;
-            if self.temperature_at_frozen_state() {
+            if self.top_is_prescribed() {
                 operators.cooled.ports[AMBIENT] += self.across.transfer * beyond;
                 operators.cooled.ports[FAR] -= self.across.transfer * beyond;
             }
@@ -356,7 +356,7 @@ impl<'a> Assembly<'a> {
         }
         // The flux into the far face passes it inwards.
         far.ports[FAR] -= top_length;
-        if self.temperature_at_frozen_state() {
+        if self.top_is_prescribed() {
             let projected: f64 = operators.uniform.iter().map(|uniform| uniform * uniform).sum();
             operators.stored_by_far = operators.heat_capacity - projected;
         }

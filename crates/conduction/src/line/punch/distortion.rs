@@ -289,7 +289,7 @@ impl Assembly<'_> {
             }
             // Air and the prescribed top temperature together make the body uniform.
             by_port.push((fields.len(), COOLING, exposure));
-            if self.temperature_at_frozen_state() {
+            if self.top_is_prescribed() {
                 by_port.push((fields.len(), AMBIENT, self.cooled.transfer * exposure));
                 by_port.push((fields.len(), FAR, -self.cooled.transfer * exposure));
             }
@@ -343,8 +343,8 @@ impl Assembly<'_> {
                 *sum += weight * value;
             }
         }
-        let port = if self.temperature_at_frozen_state() { FAR } else { AMBIENT };
-        if self.temperature_at_frozen_state() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
+        let port = if self.top_is_prescribed() { FAR } else { AMBIENT };
+        if self.top_is_prescribed() || self.cooled.transfer > 0.0 || self.top_transfer() > 0.0 {
             for (sum, value) in operators.distortion_by_port[port].iter_mut().zip(uniform) {
                 *sum += value;
             }

@@ -76,7 +76,7 @@ impl Assembly<'_> {
         let beyond = self.modes.len().max(1)..SUMMED_MODES.max(self.modes.len());
         let impedance = |wave: &Wave| self.depth.steady_impedance(wave.decay);
         let mut steady = self.waves.sum(beyond.clone(), |_, wave| impedance(wave));
-        let mut moment = self.waves.sum(beyond, |_, wave| self.time_to_follow(wave.decay) * impedance(wave));
+        let mut moment = self.waves.sum(beyond, |_, wave| self.time_constant(wave.decay) * impedance(wave));
         for (m, mode) in self.modes.iter().enumerate() {
             if let Some(shape) = &mode.immediate {
                 let gain = shape.contact * shape.contact / shape.rate;
@@ -161,7 +161,7 @@ impl Assembly<'_> {
 
     /// Time constant (s) with which the steady distortion of a mode without states follows its flux: `3/(4 kd m^2)` of a
     /// deep body.
-    fn time_to_follow(&self, decay: f64) -> f64 {
+    fn time_constant(&self, decay: f64) -> f64 {
         let diffusivity = self.depth.diffusivity();
         // Complex-step derivative: free of cancellation.
         let step = 1e-20 * diffusivity * decay * decay;

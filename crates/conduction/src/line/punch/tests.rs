@@ -335,7 +335,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     let areas = [0.2, 0.06];
     let [[_, by_far], [by_sides, _]] = ahead.rise;
     assert!((by_far * areas[0] / (by_sides * areas[1]) - 1.0).abs() < 1e-6, "{ahead:?}");
-    assert!(ahead.lagging == 0.0);
+    assert!(ahead.not_extrapolated == 0.0);
     let (mut early, mut moved) = (vec![0.0; 9], vec![0.0; 9]);
     run.heat.free_response(&run.state, &run.surroundings, Stage::First, &zero, &mut early, &mut moved);
     run.step(step, &zero, &zero);

@@ -244,7 +244,7 @@ impl Modes {
     }
 
     /// Adds the responses of the states to a stage's own fluxes to its surface influence matrices.
-    pub fn add_gains(&self, stage: &mut StageWeights, contact: &[f64], scratch: &mut Scratch) {
+    pub fn add_influence(&self, stage: &mut StageWeights, contact: &[f64], scratch: &mut Scratch) {
         let Scratch { heat, surface, columns, shown, .. } = scratch;
         for (surface, states) in surface.iter_mut().zip(&self.states) {
             *surface = states.clone().map(|k| contact[k] * stage.own[k]).sum();

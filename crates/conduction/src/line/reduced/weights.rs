@@ -59,7 +59,7 @@ impl ReducedOperators {
                     stage.falling[k] = 0.0;
                     (stage.known[k], stage.own[k]) = (0.0, self.contact[k] * stage.constant[k]);
                 }
-                self.fill_gains(modes, stage, scratch);
+                self.fill_influence(modes, stage, scratch);
             }
             weights.cooled_rise = self.cooled_rise(end);
             return;
@@ -81,7 +81,7 @@ impl ReducedOperators {
             end.own[k] = contact * (end.constant[k] - known);
         }
         for stage in [&mut *first, &mut *end] {
-            self.fill_gains(modes, stage, scratch);
+            self.fill_influence(modes, stage, scratch);
         }
         weights.cooled_rise = self.cooled_rise(end);
     }
@@ -99,10 +99,10 @@ impl ReducedOperators {
         })
     }
 
-    fn fill_gains(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
+    fn fill_influence(&self, modes: &Modes, stage: &mut StageWeights, scratch: &mut Scratch) {
         stage.influence.temperature.copy_from(&self.temperature_by_flux);
         stage.influence.distortion.copy_from(&self.distortion_by_flux);
-        modes.add_gains(stage, &self.contact, scratch);
+        modes.add_influence(stage, &self.contact, scratch);
     }
 }
 

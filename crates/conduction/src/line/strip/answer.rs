@@ -194,7 +194,7 @@ impl Answer {
     }
 
     /// Becomes the sum of four answers, with what answers at once added to the gains.
-    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: AtOnce<'_>) {
+    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: SingleStepAttempt<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
         let parts = answers.map(|answer| answer.influence.temperature.as_slice());
@@ -208,10 +208,16 @@ impl Answer {
 
 /// One or two responses at once (temperature and distortion, N x N; the second empty where nothing expands), each with its
 /// share.
-pub type AtOnce<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
+pub type SingleStepAttempt<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
 
 /// Sum of four matrices and one or two more.
-fn sum(target: &mut [f64], [a, b, c, d]: [&[f64]; 4], factors: [f64; 4], immediate: AtOnce<'_>, moving: usize) {
+fn sum(
+    target: &mut [f64],
+    [a, b, c, d]: [&[f64]; 4],
+    factors: [f64; 4],
+    immediate: SingleStepAttempt<'_>,
+    moving: usize,
+) {
     let [f, g, h, i] = factors;
     match immediate {
         [(one, share)] => dense::combine(target, [a, b, c, d, one[moving].as_slice()], [f, g, h, i, *share]),

@@ -6,7 +6,7 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
-use super::answer::{Answer, AtOnce, Layout};
+use super::answer::{Answer, Layout, SingleStepAttempt};
 use super::operators::{ImageDamping, StripOperators};
 use super::step::{Interval, Workspace};
 
@@ -136,7 +136,7 @@ impl InterpolationNodes {
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,
-        immediate: AtOnce<'_>,
+        immediate: SingleStepAttempt<'_>,
         workspace: &mut Workspace,
         answer: &mut Answer,
     ) {

@@ -146,7 +146,7 @@ impl RobinCorrection {
     }
 
     /// Adds to `influence` (N x N) of temperature or distortion the response by way of the fluxes given back.
-    pub fn add_gains(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
+    pub fn add_influence(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
         let count = self.widths.len();
         for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK))
         {

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, sections 6.1, 6.7.
 
 use super::rate::{CellRate, LocalState};
-use super::status::Status;
+use super::warm_start::WarmStart;
 use crate::{ContactError, ContactProblem, ContactSolver, ContactState, LowRankUpdate, Normal, Tilt, WorkCounter};
 use elasticity::Cells;
 use nalgebra::DMatrix;
@@ -77,7 +77,7 @@ impl std::error::Error for StageError {}
 
 /// Contact line with wearing cells.
 ///
-/// A solution is a function of the matrices, of the stage problem and of the [`Status`], to the last bit: cached factors
+/// A solution is a function of the matrices, of the stage problem and of the [`WarmStart`], to the last bit: cached factors
 /// only save time. No allocation after construction, except in [`Self::stage`], [`Self::pressure`] and the first
 /// [`Self::set_operator`].
 #[derive(Clone, Debug)]
@@ -90,7 +90,7 @@ pub struct WearingContact {
     pub(super) alpha: f64,
     /// Elastic scale of the local displacement of every cell, m/Pa.
     pub(super) own_compliance: Vec<f64>,
-    pub(super) status: Status,
+    pub(super) status: WarmStart,
     pub(super) newton_iterations: u64,
     pub(super) local: Vec<LocalState>,
     pub(super) slope: Vec<f64>,
@@ -122,7 +122,7 @@ impl WearingContact {
             solver: ContactSolver::with_operators(cells, weights, normal, shear)?,
             alpha: own_compliance.iter().copied().fold(0.0, f64::max),
             own_compliance,
-            status: Status::new(count),
+            status: WarmStart::new(count),
             newton_iterations: 0,
             local: vec![LocalState::default(); count],
             slope: vec![0.0; count],
@@ -200,12 +200,12 @@ impl WearingContact {
     }
 
     /// Warm start of the next solution.
-    pub fn status(&self) -> &Status {
+    pub fn status(&self) -> &WarmStart {
         &self.status
     }
 
     /// Restores the warm start of the next solution, without allocating.
-    pub fn set_status(&mut self, status: &Status) {
+    pub fn set_status(&mut self, status: &WarmStart) {
         self.status.copy_from(status);
     }
 

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! with the frozen diagonal D. It converges at a rate of about `|D - tau f'|/(A + D)`, and its error is bounded by the last
-//! change and that rate. D is part of the [`Status`](super::Status), so that the result never depends on which factors
+//! change and that rate. D is part of the [`WarmStart`](super::WarmStart), so that the result never depends on which factors
 //! happen to be cached.
 //!
 //! Theory: docs/theory.md, section 6.7.
@@ -84,7 +84,7 @@ impl WearingContact {
         let (count, side) = (gap.len(), stroke(conditions));
         let concave = conditions.rate.terms.iter().any(|term| term.exponent < 1.0);
         self.kept.copy_from_slice(&self.status.strokes[side].pressure);
-        let deviation = self.slopes_at_kept(tau, conditions, side);
+        let deviation = self.slopes_at_iterate(tau, conditions, side);
         let mut refactored = deviation > CHORD_DEVIATION;
         if refactored {
             self.refactor(side);
@@ -118,7 +118,7 @@ impl WearingContact {
             let ratio = change / last;
             last = change;
             self.kept.copy_from_slice(&state.pressure);
-            let deviation = self.slopes_at_kept(tau, conditions, side);
+            let deviation = self.slopes_at_iterate(tau, conditions, side);
             let settles = iteration > 1 && ratio < 0.5;
             let error = if settles { change * ratio / (1.0 - ratio) } else { change };
             let close = deviation <= CHORD_DEVIATION;
@@ -145,7 +145,7 @@ impl WearingContact {
 
     /// Evaluates `tau f` and `tau f'` at the current iterate `kept`, into wear and slope; returns the deviation of the
     /// slopes from the frozen diagonal.
-    fn slopes_at_kept(&mut self, tau: f64, conditions: &Conditions, side: usize) -> f64 {
+    fn slopes_at_iterate(&mut self, tau: f64, conditions: &Conditions, side: usize) -> f64 {
         let diagonal = &self.status.strokes[side].diagonal;
         let mut deviation: f64 = 0.0;
         for i in 0..self.kept.len() {

@@ -85,7 +85,7 @@ pub struct LineTrack {
     first: i64,
     count: usize,
     /// Bounds of the discarded worn cells: those below the first, or from the second on, were dropped from the window.
-    forgotten: Option<(i64, i64)>,
+    discarded: Option<(i64, i64)>,
     revisited: bool,
     /// Present where strokes are short enough to be averaged.
     averaged: Option<Averaged>,
@@ -122,7 +122,7 @@ impl LineTrack {
             depth: vec![0.0; room],
             first: 0,
             count: 0,
-            forgotten: None,
+            discarded: None,
             revisited: false,
             averaged: None,
             averaging: false,
@@ -340,12 +340,12 @@ impl LineTrack {
             } else {
                 from = to - room;
             }
-            let (below, above) = self.forgotten.unwrap_or((i64::MIN, i64::MAX));
+            let (below, above) = self.discarded.unwrap_or((i64::MIN, i64::MAX));
             let below = if from > self.first { below.max(from) } else { below };
             let above = if to < end { above.min(to) } else { above };
-            self.forgotten = Some((below, above));
+            self.discarded = Some((below, above));
         }
-        if self.forgotten.is_some_and(|(below, above)| low < below || high >= above) {
+        if self.discarded.is_some_and(|(below, above)| low < below || high >= above) {
             self.revisited = true;
         }
         for index in self.first..from.min(end) {
@@ -364,7 +364,7 @@ impl LineTrack {
     pub fn copy_from(&mut self, other: &Self) {
         self.depth.copy_from_slice(&other.depth);
         (self.first, self.count) = (other.first, other.count);
-        (self.forgotten, self.revisited) = (other.forgotten, other.revisited);
+        (self.discarded, self.revisited) = (other.discarded, other.revisited);
         self.averaging = other.averaging;
         if let (Some(own), Some(averaged)) = (&mut self.averaged, &other.averaged) {
             own.copy_from(averaged);
@@ -373,10 +373,10 @@ impl LineTrack {
 
     /// Appends the numbers of a saved state; see [`LineTrack::load`].
     pub fn save(&self, out: &mut Vec<f64>) {
-        let (below, above) = self.forgotten.unwrap_or((0, 0));
+        let (below, above) = self.discarded.unwrap_or((0, 0));
         let flag = |value: bool| f64::from(u8::from(value));
         out.extend([self.first as f64, self.count as f64, flag(self.revisited)]);
-        out.extend([flag(self.forgotten.is_some()), below as f64, above as f64]);
+        out.extend([flag(self.discarded.is_some()), below as f64, above as f64]);
         out.extend((0..self.count as i64).map(|k| self.depth[self.slot(self.first + k)]));
         out.push(flag(self.is_averaged()));
         if let Some(averaged) = self.active() {
@@ -389,7 +389,7 @@ impl LineTrack {
     pub fn load(&mut self, numbers: &mut std::slice::Iter<'_, f64>) -> Option<()> {
         let mut next = || numbers.next().copied();
         let (first, count, revisited) = (next()?, next()?, next()?);
-        let (forgotten, below, above) = (next()?, next()?, next()?);
+        let (discarded, below, above) = (next()?, next()?, next()?);
         let whole = |value: f64| value.is_finite() && value.abs() < 9e18 && value.fract() == 0.0;
         if ![first, count].into_iter().all(whole) || !(0.0..=self.depth.len() as f64).contains(&count) {
             return None;
@@ -408,7 +408,7 @@ impl LineTrack {
         (self.first, self.count) = (first as i64, count);
         self.revisited = revisited != 0.0;
         // The bounds i64::MIN and MAX survive: the conversion to f64 and back saturates.
-        self.forgotten = (forgotten != 0.0).then_some((below as i64, above as i64));
+        self.discarded = (discarded != 0.0).then_some((below as i64, above as i64));
         self.depth.fill(0.0);
         for (k, value) in depth.iter().enumerate() {
             let slot = self.slot(self.first + k as i64);

@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 9.5.
 
 use super::exchange::Exchange;
-use super::tangent::Tangent;
+use super::tangent::WearJacobian;
 use crate::line::Line;
 #[cfg(doc)]
 use crate::line::hottest::Hottest;
@@ -181,7 +181,7 @@ pub struct Passage {
     /// Totals of the cycle.
     pub totals: Totals,
     /// Derivative of the wear of the cycle with respect to the gap.
-    pub(super) tangent: Tangent,
+    pub(super) tangent: WearJacobian,
 }
 
 /// Cycle map. The state ("memory") is one vector: heat in the punch, heat in the strip, worn depth of the punch and of the strip
@@ -337,7 +337,7 @@ impl CycleMap {
         state.strip.copy_from_slice(&memory[worn[1].clone()]);
         state.current = false;
         state.refinement = 0;
-        self.line.forget_shown();
+        self.line.invalidate_equilibrium();
     }
 
     /// Displacement of both surfaces (m into the bodies, N values) by the heat in a state, or in a change of one.
@@ -397,7 +397,7 @@ impl CycleMap {
         let before = self.totals();
         let count = self.operators().count();
         let mut watch = Watch::new(count);
-        let mut tangent = Tangent::new(count);
+        let mut tangent = WearJacobian::new(count);
         let strokes = self.strokes.clone();
         let mut passed = Vec::with_capacity(2);
         for (velocity, steps) in &strokes {

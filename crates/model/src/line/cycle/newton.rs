@@ -54,7 +54,7 @@ impl CycleMap {
         let mut residual = [f64::INFINITY; 2];
         let mut best: Option<Solution> = None;
         let mut beside = 0;
-        let (mut here, mut cycles) = self.warmed(start)?;
+        let (mut here, mut cycles) = self.first_iterate(start)?;
         while cycles < options.most_cycles {
             let passage = self.pass_from(&here.before, &here.memory)?;
             cycles += 1;
@@ -90,7 +90,7 @@ impl CycleMap {
 
     /// Iterate after one step of the incomplete derivative, which sets the heat, or `start` where no cycle can be computed from
     /// there; and the number of cycles used.
-    fn warmed(&mut self, start: &[f64]) -> Result<(Iterate, usize), CycleError> {
+    fn first_iterate(&mut self, start: &[f64]) -> Result<(Iterate, usize), CycleError> {
         let passage = self.pass(start)?;
         let before = self.line.state.clone();
         let newton = self.newton(&passage, Equation::Steady)?;

@@ -15,7 +15,7 @@
 
 use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};
-use super::tangent::Tangent;
+use super::tangent::WearJacobian;
 use nalgebra::{DVector, Dyn, LU};
 use numerics::acceleration::Acceleration;
 use numerics::maximum::maximum;
@@ -71,7 +71,7 @@ pub(super) enum Equation<'a> {
 
 /// Factors of the incomplete derivative.
 pub(super) struct Newton {
-    pub(super) tangent: Tangent,
+    pub(super) tangent: WearJacobian,
     factors: LU<f64, Dyn, Dyn>,
     pub(super) touching: Vec<bool>,
     /// Number of force and moment equations, which follow those of the cells.

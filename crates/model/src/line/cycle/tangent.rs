@@ -17,7 +17,7 @@ use numerics::factorization;
 
 /// Wear Jacobian J of both bodies, and the cells in contact in either half-stroke.
 #[derive(Clone, Debug)]
-pub struct Tangent {
+pub struct WearJacobian {
     /// Punch and strip; dimensionless.
     bodies: [DMatrix<f64>; 2],
     pub(super) touching: Vec<bool>,
@@ -26,10 +26,10 @@ pub struct Tangent {
     rotates: bool,
 }
 
-impl Tangent {
-    pub fn new(count: usize) -> Tangent {
+impl WearJacobian {
+    pub fn new(count: usize) -> WearJacobian {
         let zeros = || DMatrix::zeros(count, count);
-        Tangent { bodies: [zeros(), zeros()], touching: Vec::new(), least: 0.0, rotates: false }
+        WearJacobian { bodies: [zeros(), zeros()], touching: Vec::new(), least: 0.0, rotates: false }
     }
 
     /// Adds a half-stroke of `duration` (s), at whose end the line is.

@@ -66,7 +66,7 @@ impl Acceleration {
 
     /// Replaces G(x) by the accelerated next x. Returns the largest change of the pressure by this, in Pa; `None` where no
     /// difference is available yet.
-    pub fn improve(&mut self, pressure: &mut [f64], flux: &mut [f64]) -> Option<f64> {
+    pub fn accelerate(&mut self, pressure: &mut [f64], flux: &mut [f64]) -> Option<f64> {
         let count = self.count;
         if self.units[0] == 0.0 {
             let unit = |values: &[f64]| {
@@ -174,7 +174,7 @@ mod tests {
             if accelerated {
                 acceleration.begin(&x[..count], &x[count..]);
                 let (pressure, flux) = next.split_at_mut(count);
-                acceleration.improve(pressure, flux);
+                acceleration.accelerate(pressure, flux);
             }
             x = next;
         }

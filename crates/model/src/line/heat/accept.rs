@@ -12,7 +12,7 @@ use scene::ThermalBoundary;
 
 /// Relative change of the temperature-dependent factor of the friction coefficient beyond which its linearization point is
 /// updated.
-const ZONE: f64 = 0.1;
+const FADE_VALIDITY: f64 = 0.1;
 
 /// Error, in units of the tolerance, below which a bound suffices.
 const SMALL: f64 = 0.15;
@@ -25,7 +25,7 @@ impl Line {
     fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
         let Some(heat) = &mut self.heat else { return 0.0 };
         let cells = &self.operators.cells;
-        let (mut moved, mut warmed, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
+        let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
         for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(cells.widths());
             let room = heat.difference.iter_mut().zip(&mut heat.sums[0]);
@@ -36,12 +36,12 @@ impl Line {
             let square = dense::dot(&heat.difference, &heat.sums[0]);
             let change = (square / (2.0 * cells.half_width())).sqrt();
             moved += of_distortion * change;
-            warmed = maximum(warmed, of_temperature * change);
+            temperature_error = maximum(temperature_error, of_temperature * change);
             rise = rise.max(largest(&heat.temperature[1][side]));
         }
         let known = heat.reference.exact || heat.refactored[1];
         let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
-        maximum(share * moved / bound, share * warmed / (self.operators.scene.tolerance * rise))
+        maximum(share * moved / bound, share * temperature_error / (self.operators.scene.tolerance * rise))
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
@@ -56,7 +56,7 @@ impl Line {
         let widths = operators.cells.widths();
         let width = 2.0 * operators.cells.half_width();
         let mut moved_square = 0.0;
-        let mut warmed: f64 = 0.0;
+        let mut temperature_error: f64 = 0.0;
         let mut rise: f64 = 1.0;
         heat.sums[1].fill(0.0);
         for side in 0..2 {
@@ -71,7 +71,7 @@ impl Line {
                 dense::multiply_add(influence.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
             }
             let square: f64 = heat.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
-            warmed = maximum(warmed, (square / width).sqrt());
+            temperature_error = maximum(temperature_error, (square / width).sqrt());
             rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
         }
         // Under a given load a uniform displacement does not change the pressure.
@@ -81,7 +81,7 @@ impl Line {
         }
         let share = 0.5 - GAMMA;
         let moved = share * (moved_square / width).sqrt();
-        (moved / bound).max(share * warmed / (operators.scene.tolerance * rise))
+        (moved / bound).max(share * temperature_error / (operators.scene.tolerance * rise))
     }
 
     /// Updates the thermal state by the accepted part of `step` s; `velocity` is the sliding velocity at its end, m/s.
@@ -124,7 +124,7 @@ impl Line {
             let held = [&operators.mean.punch, &operators.mean.strip][side].far != ThermalBoundary::Convecting;
             state.cooling[side] = heat.surroundings[side].by_air(held);
         }
-        (state.lagging, state.last_step) = (heat.lagging, step);
+        (state.unpredicted_rise, state.last_step) = (heat.unpredicted_rise, step);
         let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);
         for (slope, ((first, end), before)) in state.pressure_slope.iter_mut().zip(pressures) {
             let lasting = (*before > 0.0) & (*first > 0.0) & (*end > 0.0);
@@ -138,7 +138,7 @@ impl Line {
         state.reference.follow(heat.reference.velocity, velocity, heat.iterations);
         let fade =
             if self.friction.coefficient > 0.0 { state.kinetic_coefficient / self.friction.coefficient } else { 1.0 };
-        if (fade / state.reference.fade - 1.0).abs() > ZONE {
+        if (fade / state.reference.fade - 1.0).abs() > FADE_VALIDITY {
             state.reference.fade = fade;
         }
     }

@@ -13,7 +13,7 @@ use conduction::slab::Base;
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
-use scene::{self, Body, Fidelity, Geometry, HeatAlongContact, Scene, Scheme, ThermalBoundary};
+use scene::{self, Body, Fidelity, Geometry, HeatResolution, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 
 /// Largest number of states of a strip: with everything else a saved state stays below 256 KB.
@@ -40,22 +40,22 @@ const EXPECTED: f64 = 1.5;
 ///
 /// The explicit scheme steps the shape alone, with lumped heat.
 ///
-/// [`HeatAlongContact`] overrides the first of these criteria: lumped also where heat feeds back, or resolved also where only the
+/// [`HeatResolution`] overrides the first of these criteria: lumped also where heat feeds back, or resolved also where only the
 /// contact temperature is affected.
-pub fn on_the_cells(scene: &Scene) -> bool {
+pub fn is_resolved(scene: &Scene) -> bool {
     let expands = [&scene.punch, &scene.strip].iter().any(|body| body.thermal_expansion > 0.0);
     let wears = |body: &Body| body.wear_coefficient > 0.0 && !body.wear_fade.flat;
     let follows = !scene.friction_fade.flat || wears(&scene.punch) || wears(&scene.strip);
-    let wanted = match scene.heat_along_contact {
-        HeatAlongContact::WhereItFeedsBack => expands || follows || scene.fidelity == Fidelity::Field,
-        HeatAlongContact::ByItsMean => false,
-        HeatAlongContact::OnTheCells => true,
+    let wanted = match scene.heat_resolution {
+        HeatResolution::ResolvedWhereCoupled => expands || follows || scene.fidelity == Fidelity::Field,
+        HeatResolution::Lumped => false,
+        HeatResolution::Resolved => true,
     };
-    wanted && possible_on_the_cells(scene)
+    wanted && can_be_resolved(scene)
 }
 
 /// Whether this scene permits resolved heat.
-pub fn possible_on_the_cells(scene: &Scene) -> bool {
+pub fn can_be_resolved(scene: &Scene) -> bool {
     let conducts = scene.punch.conductivity > 0.0 || scene.strip.conductivity > 0.0;
     conducts && scene.scheme != Scheme::Explicit
 }

@@ -42,9 +42,9 @@ impl ThermalCoupling {
 
     /// Adds the thermal compliance at the linearization point to the compliance of the contact, and determines whether it is
     /// exact.
-    pub(super) fn operator(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
+    pub(super) fn install_thermal_compliance(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
         let s = stage as usize;
-        self.partitions[s].close(&self.closed);
+        self.partitions[s].set_active_set(&self.closed);
         let known = !self.refactored[s] && self.is_solved_directly(self.partitions[s].open().len());
         self.exact[s] = known
             && self
@@ -70,7 +70,7 @@ impl ThermalCoupling {
     pub(super) fn refactor(&mut self, stage: Stage, slip: f64) {
         let s = stage as usize;
         let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
-        self.partitions.take_passing(s).build((f64::NAN, f64::NAN), influence);
+        self.partitions.select_uncached(s).build((f64::NAN, f64::NAN), influence);
         if let Some(friction_jacobian) = &mut self.friction_jacobian {
             friction_jacobian.build(&self.partitions[s], influence, self.half_resistance);
         }
@@ -201,7 +201,7 @@ impl ThermalCoupling {
 
     /// Gap before the deformation by the pressure: with wear and distortion, less the displacement of the current pressure
     /// through the thermal compliance. The part that is thermal distortion is left in `distortion`.
-    pub(super) fn undeformed(&mut self, stage: Stage, gap: &[f64]) {
+    pub(super) fn assemble_gap(&mut self, stage: Stage, gap: &[f64]) {
         let s = stage as usize;
         let moved = &mut self.distortion;
         let [punch, strip] = &self.free_distortion;
@@ -258,7 +258,7 @@ impl ThermalCoupling {
         let [punch, strip] = &mut self.flux[s];
         match conducts {
             [true, true] if change <= enough => {}
-            [true, true] => self.partitions[s].share(&self.difference, punch),
+            [true, true] => self.partitions[s].add_punch_flux(&self.difference, punch),
             [true, false] => punch.copy_from_slice(&self.friction[s]),
             [false, _] => {}
         }
@@ -276,7 +276,7 @@ impl ThermalCoupling {
         let conducts = self.conducts();
         let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
         match conducts {
-            [true, true] => self.partitions[s].share_all(friction, punch),
+            [true, true] => self.partitions[s].add_punch_flux_exactly(friction, punch),
             [true, false] => punch.copy_from_slice(friction),
             [false, _] => {}
         }
@@ -304,7 +304,9 @@ impl ThermalCoupling {
             if open.len() == strip.len() {
                 strip.copy_from_slice(&self.free_response[1]);
             } else {
-                open.iter().zip(self.partitions[s].apart()).for_each(|(&i, apart)| strip[i] = punch[i] - apart);
+                open.iter()
+                    .zip(self.partitions[s].open_temperature_jump())
+                    .for_each(|(&i, open_temperature_jump)| strip[i] = punch[i] - open_temperature_jump);
             }
             return;
         }
@@ -321,8 +323,9 @@ impl ThermalCoupling {
         if let [true, false] | [false, true] = conducts {
             let own = usize::from(!conducts[1]);
             for i in 0..self.closed.len() {
-                let apart = if self.closed[i] { self.friction[s][i] * self.half_resistance } else { 0.0 };
-                self.temperature[s][own][i] = self.temperature[s][1 - own][i] + apart;
+                let open_temperature_jump =
+                    if self.closed[i] { self.friction[s][i] * self.half_resistance } else { 0.0 };
+                self.temperature[s][own][i] = self.temperature[s][1 - own][i] + open_temperature_jump;
             }
         }
     }
@@ -364,15 +367,15 @@ impl ThermalCoupling {
 }
 
 /// Number of lanes of [`largest`].
-const ABREAST: usize = 8;
+const LANES: usize = 8;
 
 /// Largest absolute value; NaN is ignored.
 pub(super) fn largest(values: &[f64]) -> f64 {
     let more = |most: f64, value: f64| if value.abs() > most { value.abs() } else { most };
-    let (groups, rest) = values.as_chunks::<ABREAST>();
-    let mut most = [0.0; ABREAST];
+    let (groups, rest) = values.as_chunks::<LANES>();
+    let mut most = [0.0; LANES];
     for group in groups {
-        for k in 0..ABREAST {
+        for k in 0..LANES {
             most[k] = more(most[k], group[k]);
         }
     }

@@ -130,14 +130,14 @@ mod tests {
         for pair in [[Some(&punch), Some(&strip)], [Some(&punch), None], [None, Some(&strip)]] {
             let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], 4.0);
             partition.build((1.0, 0.0), pair);
-            partition.close(&[true; 6]);
+            partition.set_active_set(&[true; 6]);
             let mut friction_jacobian = FrictionJacobian::new(count);
             friction_jacobian.build(&partition, pair, 0.125);
             // Temperatures of both surfaces by the laws of the heat partition alone.
             let contact_temperature = |heat: &[f64]| -> Vec<f64> {
                 let mut own = vec![0.0; count];
                 match pair {
-                    [Some(_), Some(_)] => partition.clone().share(heat, &mut own),
+                    [Some(_), Some(_)] => partition.clone().add_punch_flux(heat, &mut own),
                     [Some(_), None] => own.copy_from_slice(heat),
                     _ => {}
                 }

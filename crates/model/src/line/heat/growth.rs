@@ -148,11 +148,11 @@ impl Line {
     }
 
     /// Growth guard of the part just tried, of `step` s at the speed `speed` (m/s): whether its length resolves the growth.
-    pub(in crate::line) fn follows_growth(&mut self, speed: f64, friction: f64, step: f64) -> bool {
+    pub(in crate::line) fn passes_growth_guard(&mut self, speed: f64, friction: f64, step: f64) -> bool {
         let Some(heat) = &mut self.heat else { return true };
         let critical = &self.operators.mean.critical_speed;
         if speed * friction <= 0.0
-            || speed <= critical.harmless(friction).max(SURELY_STABLE * critical.modelled(friction))
+            || speed <= critical.stable_speed(friction).max(SURELY_STABLE * critical.modelled(friction))
         {
             return true;
         }
@@ -176,7 +176,7 @@ impl Line {
 #[derive(Clone, Debug)]
 pub(super) struct GrowthGuard {
     /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s).
-    asked: [f64; 4],
+    arguments: [f64; 4],
     closed: Vec<bool>,
     /// Slope of wear depth with pressure, m/Pa, rounded down: wear only reduces growth, so this is conservative.
     slopes: Vec<f64>,
@@ -188,13 +188,13 @@ const DROPPED: u64 = (1 << 48) - 1;
 
 impl GrowthGuard {
     pub fn new(count: usize) -> GrowthGuard {
-        GrowthGuard { asked: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
+        GrowthGuard { arguments: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
     }
 
     /// Stores the arguments of a test; returns whether they equal those of the stored result.
-    fn ask(&mut self, asked: [f64; 4], closed: &[bool], slope: impl Fn(usize) -> f64) -> bool {
-        let mut same = self.asked == asked && self.closed == closed;
-        self.asked = asked;
+    fn store_arguments(&mut self, arguments: [f64; 4], closed: &[bool], slope: impl Fn(usize) -> f64) -> bool {
+        let mut same = self.arguments == arguments && self.closed == closed;
+        self.arguments = arguments;
         self.closed.copy_from_slice(closed);
         for (i, own) in self.slopes.iter_mut().enumerate() {
             let rounded = f64::from_bits(slope(i).to_bits() & !DROPPED);
@@ -210,8 +210,8 @@ impl ThermalCoupling {
     /// per pressure, m/Pa.
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let key = (step, self.reference.velocity);
-        let asked = [step, self.reference.velocity, friction, self.reference.per_pressure];
-        if !self.growth_guard.ask(asked, &self.closed, slope) {
+        let arguments = [step, self.reference.velocity, friction, self.reference.per_pressure];
+        if !self.growth_guard.store_arguments(arguments, &self.closed, slope) {
             self.growth_guard.answer = self.is_definite(key, friction, weights);
         }
         self.growth_guard.answer
@@ -219,7 +219,7 @@ impl ThermalCoupling {
 
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
-        if !self.watched.is_for(key) {
+        if !self.guard_partition.is_for(key) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
@@ -230,19 +230,19 @@ impl ThermalCoupling {
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
-            self.watched.build(key, influence);
+            self.guard_partition.build(key, influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);
             }
         }
         // Friction that decreases with temperature only reduces growth.
-        self.watched.thermal_compliance(self.reference.per_pressure);
+        self.guard_partition.thermal_compliance(self.reference.per_pressure);
         self.contacts[1].set_low_rank_update(None);
         let compliance = self.contacts[1].compliance_values(friction);
         let own = self.partitions[1].thermal_compliance_values();
         let entry = |i: usize, j: usize| {
             let at = j * count + i;
-            compliance[at] - own[at] + self.watched.thermal_compliance_values()[at]
+            compliance[at] - own[at] + self.guard_partition.thermal_compliance_values()[at]
         };
         self.matrix.fill(0.0);
         let mut largest: f64 = 0.0;

@@ -28,7 +28,7 @@
 mod tests;
 
 use conduction::line::SurfaceInfluence;
-use contact::{LowRankUpdate, largest_reduction};
+use contact::{LowRankUpdate, largest_update_rank};
 use nalgebra::DMatrix;
 use numerics::dense::{self, SingleMatrix};
 
@@ -52,7 +52,7 @@ pub struct HeatPartition {
     /// Partition matrix Y on all cells, by columns.
     shares: Vec<f64>,
     /// Relative distortion D_1 - D_2 on all cells, by columns, m per W/m2.
-    across: Vec<f64>,
+    relative_distortion: Vec<f64>,
     /// E_0 of all cells, m per W/m2.
     distortion: DMatrix<f64>,
     /// Thermal compliance E_0 dQ/dp, m/Pa, added to the compliance of the contact, and dQ/dp = mu s v at the mean radius where mu
@@ -70,9 +70,9 @@ pub struct HeatPartition {
     right: Vec<f64>,
     reduced_by: f64,
     column: Vec<f64>,
-    needed: Vec<f64>,
-    /// See [`HeatPartition::apart`].
-    apart: Vec<f64>,
+    multipliers: Vec<f64>,
+    /// See [`HeatPartition::open_temperature_jump`].
+    open_temperature_jump: Vec<f64>,
     /// See [`HeatPartition::in_single_precision`].
     single: Option<Box<Single>>,
 }
@@ -82,7 +82,7 @@ pub struct HeatPartition {
 struct Single {
     inverse: SingleMatrix,
     shares: SingleMatrix,
-    across: SingleMatrix,
+    relative_distortion: SingleMatrix,
     /// Influence matrix of the punch's temperature.
     punch: SingleMatrix,
     /// Thermal compliance for the heat per pressure `of`.
@@ -104,22 +104,22 @@ impl HeatPartition {
             open: Vec::with_capacity(count),
             known: false,
             factors: square(),
-            held: vec![0.0; count * largest_reduction(count)],
+            held: vec![0.0; count * largest_update_rank(count)],
             exchanged: vec![0; count],
             shares: square(),
-            across: square(),
+            relative_distortion: square(),
             distortion: dense::untouched(count),
             thermal_compliance: dense::untouched(count),
             per_pressure: f64::NAN,
             ratio: ratio.to_vec(),
             widths: widths.to_vec(),
             norms: [[0.0; 2]; 2],
-            left: vec![0.0; count * largest_reduction(count)],
-            right: vec![0.0; count * largest_reduction(count)],
+            left: vec![0.0; count * largest_update_rank(count)],
+            right: vec![0.0; count * largest_update_rank(count)],
             reduced_by: f64::NAN,
             column: vec![0.0; count],
-            needed: vec![0.0; count],
-            apart: vec![0.0; count],
+            multipliers: vec![0.0; count],
+            open_temperature_jump: vec![0.0; count],
             single: None,
         }
     }
@@ -138,8 +138,9 @@ impl HeatPartition {
     pub fn in_single_precision(mut self) -> HeatPartition {
         let count = self.closed.len();
         let zeros = || SingleMatrix::zeros(count, count);
-        let [inverse, shares, across, punch, thermal_compliance] = [(); 5].map(|()| zeros());
-        self.single = Some(Box::new(Single { inverse, shares, across, punch, thermal_compliance, of: f64::NAN }));
+        let [inverse, shares, relative_distortion, punch, thermal_compliance] = [(); 5].map(|()| zeros());
+        self.single =
+            Some(Box::new(Single { inverse, shares, relative_distortion, punch, thermal_compliance, of: f64::NAN }));
         self
     }
 
@@ -190,19 +191,19 @@ impl HeatPartition {
                     (0..count).for_each(|i| self.shares[i * count + i] = 0.5);
                 }
                 let (own, other) = (strip.distortion.as_slice(), punch.distortion.as_slice());
-                for (entry, (own, other)) in self.across.iter_mut().zip(own.iter().zip(other)) {
+                for (entry, (own, other)) in self.relative_distortion.iter_mut().zip(own.iter().zip(other)) {
                     *entry = other - own;
                 }
                 self.distortion.copy_from(&strip.distortion);
                 for (target, share) in
                     self.distortion.as_mut_slice().chunks_exact_mut(count).zip(self.shares.chunks_exact(count))
                 {
-                    dense::multiply_add(&self.across, share, target);
+                    dense::multiply_add(&self.relative_distortion, share, target);
                 }
                 if let Some(single) = &mut self.single {
                     single.inverse.copy_from(&self.inverse);
                     single.shares.copy_from(&self.shares);
-                    single.across.copy_from(&self.across);
+                    single.relative_distortion.copy_from(&self.relative_distortion);
                     single.punch.copy_from(punch.temperature.as_slice());
                 }
             }
@@ -212,7 +213,7 @@ impl HeatPartition {
     }
 
     /// Sets the active set of cells that exchange heat, and factors the block of the others.
-    pub fn close(&mut self, closed: &[bool]) {
+    pub fn set_active_set(&mut self, closed: &[bool]) {
         if self.known && self.closed == closed {
             return;
         }
@@ -230,11 +231,11 @@ impl HeatPartition {
             target.iter_mut().zip(&self.open).for_each(|(entry, &i)| *entry = column[i]);
         }
         dense::factorise(&mut self.factors[..m * m], m, &mut self.exchanged[..m]);
-        if m > largest_reduction(count) {
+        if m > largest_update_rank(count) {
             return;
         }
         for k in 0..m {
-            let solution = &mut self.needed[..m];
+            let solution = &mut self.multipliers[..m];
             solution.fill(0.0);
             solution[k] = 1.0;
             dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], solution);
@@ -256,34 +257,36 @@ impl HeatPartition {
         if m == count {
             return;
         }
-        self.apart[..m].fill(0.0);
+        self.open_temperature_jump[..m].fill(0.0);
         self.column.fill(0.0);
         match &self.single {
             Some(single) => single.inverse.multiply_add(residual, &mut self.column),
             None => dense::multiply_add(&self.inverse, residual, &mut self.column),
         }
-        self.keep_from_open();
+        self.constrain_open_cells();
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
     /// Constrains the fluxes in `column` to zero on open cells, by jumps of temperature there.
-    fn keep_from_open(&mut self) {
+    fn constrain_open_cells(&mut self) {
         let (count, m) = (self.closed.len(), self.open.len());
         if m == 0 {
             return;
         }
-        let needed = &mut self.needed[..m];
-        needed.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
-        let few = m <= largest_reduction(count);
+        let multipliers = &mut self.multipliers[..m];
+        multipliers.iter_mut().zip(&self.open).for_each(|(value, &i)| *value = -self.column[i]);
+        let few = m <= largest_update_rank(count);
         if few {
-            dense::multiply_add(&self.held[..count * m], needed, &mut self.column);
+            dense::multiply_add(&self.held[..count * m], multipliers, &mut self.column);
         }
-        dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], needed);
-        for ((value, &j), apart) in needed.iter().zip(&self.open).zip(&mut self.apart) {
+        dense::substitute(&self.factors[..m * m], m, &self.exchanged[..m], multipliers);
+        for ((value, &j), open_temperature_jump) in
+            multipliers.iter().zip(&self.open).zip(&mut self.open_temperature_jump)
+        {
             if !few {
                 dense::multiply_add(&self.inverse[j * count..(j + 1) * count], &[*value], &mut self.column);
             }
-            *apart += value;
+            *open_temperature_jump += value;
         }
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
     }
@@ -291,13 +294,13 @@ impl HeatPartition {
     /// Whether the thermal compliance of two conducting bodies is exact at `open` open cells: with its low-rank update, whose
     /// rank is limited.
     pub fn is_exact_with(&self, open: usize) -> bool {
-        open <= largest_reduction(self.closed.len()) || open == self.closed.len() || self.resistance.is_none()
+        open <= largest_update_rank(self.closed.len()) || open == self.closed.len() || self.resistance.is_none()
     }
 
     /// Low-rank update by open cells of the current thermal compliance, for two conducting bodies.
     pub fn low_rank_update(&mut self) -> Option<LowRankUpdate<'_>> {
         let (count, m) = (self.closed.len(), self.open.len());
-        if m == 0 || m > largest_reduction(count) || m == count || self.resistance.is_none() {
+        if m == 0 || m > largest_update_rank(count) || m == count || self.resistance.is_none() {
             return None;
         }
         let (left, right) = (&mut self.left[..count * m], &mut self.right[..m * count]);
@@ -305,7 +308,7 @@ impl HeatPartition {
             self.reduced_by = self.per_pressure;
             left.fill(0.0);
             for (target, &j) in left.chunks_exact_mut(count).zip(&self.open) {
-                dense::multiply_add(&self.across, &self.inverse[j * count..(j + 1) * count], target);
+                dense::multiply_add(&self.relative_distortion, &self.inverse[j * count..(j + 1) * count], target);
             }
             let columns = right.chunks_exact_mut(m).zip(self.shares.chunks_exact(count)).zip(&self.ratio);
             for ((target, share), ratio) in columns {
@@ -333,7 +336,7 @@ impl HeatPartition {
         if !reduced {
             return;
         }
-        let mut room = std::mem::take(&mut self.needed);
+        let mut room = std::mem::take(&mut self.multipliers);
         if let Some(LowRankUpdate { left, right, .. }) = self.low_rank_update() {
             let weights = &mut room[..left.len() / moved.len()];
             weights.fill(0.0);
@@ -341,14 +344,14 @@ impl HeatPartition {
             weights.iter_mut().for_each(|weight| *weight = -*weight);
             dense::multiply_add(left, weights, moved);
         }
-        self.needed = room;
+        self.multipliers = room;
     }
 
     /// Temperature of the punch above the strip (K) on the cells that do not exchange heat, in their order, by the fluxes of the
-    /// last [`HeatPartition::exchange`] and later additions of [`HeatPartition::share_all`]; valid while other cells exchange
+    /// last [`HeatPartition::exchange`] and later additions of [`HeatPartition::add_punch_flux_exactly`]; valid while other cells exchange
     /// heat.
-    pub fn apart(&self) -> &[f64] {
-        &self.apart[..self.open.len()]
+    pub fn open_temperature_jump(&self) -> &[f64] {
+        &self.open_temperature_jump[..self.open.len()]
     }
 
     /// Cells that do not exchange heat.
@@ -366,7 +369,7 @@ impl HeatPartition {
     }
 
     /// Adds to the punch's flux its part of additional friction heat (W/m2), which is 0 on open cells.
-    pub fn share(&mut self, heat: &[f64], flux: &mut [f64]) {
+    pub fn add_punch_flux(&mut self, heat: &[f64], flux: &mut [f64]) {
         self.share_on_all(heat);
         self.open.iter().for_each(|&i| self.column[i] = 0.0);
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
@@ -374,12 +377,12 @@ impl HeatPartition {
 
     /// Adds to the punch's flux its part of all friction heat (W/m2), which is 0 on open cells, with the multipliers that keep
     /// the flux at 0 there.
-    pub fn share_all(&mut self, heat: &[f64], flux: &mut [f64]) {
+    pub fn add_punch_flux_exactly(&mut self, heat: &[f64], flux: &mut [f64]) {
         if self.resistance.is_none() || self.open.len() == self.closed.len() {
-            return self.share(heat, flux);
+            return self.add_punch_flux(heat, flux);
         }
         self.share_on_all(heat);
-        self.keep_from_open();
+        self.constrain_open_cells();
         flux.iter_mut().zip(&self.column).for_each(|(flux, more)| *flux += more);
     }
 
@@ -395,8 +398,8 @@ impl HeatPartition {
     /// Adds the distortion of two conducting bodies, m, by a flux (W/m2) from the strip into the punch.
     pub fn distort_relatively(&self, flux: &[f64], moved: &mut [f64]) {
         match &self.single {
-            Some(single) => single.across.multiply_add(flux, moved),
-            None => dense::multiply_add(&self.across, flux, moved),
+            Some(single) => single.relative_distortion.multiply_add(flux, moved),
+            None => dense::multiply_add(&self.relative_distortion, flux, moved),
         }
     }
 

@@ -11,7 +11,7 @@ use numerics::cache::KeyedCache;
 use std::ops::{Index, IndexMut};
 
 /// Slot of uncached heat partitions, built for one step only.
-const PASSING: usize = 0;
+const UNCACHED: usize = 0;
 
 /// LRU cache of the heat partitions of both stages; indexed by stage. Nothing is allocated after construction.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ impl PartitionCache {
     pub fn new(partition: &HeatPartition, count: usize) -> PartitionCache {
         let memory = || [partition.like(), partition.like()];
         let cache = KeyedCache::new((0..cache_capacity(count)).map(|_| memory()));
-        PartitionCache { cache, passing: memory(), current: [PASSING; 2] }
+        PartitionCache { cache, passing: memory(), current: [UNCACHED; 2] }
     }
 
     /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.
@@ -40,8 +40,8 @@ impl PartitionCache {
     }
 
     /// Makes the uncached slot current for a stage.
-    pub fn take_passing(&mut self, stage: usize) -> &mut HeatPartition {
-        self.current[stage] = PASSING;
+    pub fn select_uncached(&mut self, stage: usize) -> &mut HeatPartition {
+        self.current[stage] = UNCACHED;
         &mut self.passing[stage]
     }
 
@@ -56,7 +56,7 @@ impl Index<usize> for PartitionCache {
 
     fn index(&self, stage: usize) -> &HeatPartition {
         match self.current[stage] {
-            PASSING => &self.passing[stage],
+            UNCACHED => &self.passing[stage],
             place => &self.cache[place - 1][stage],
         }
     }
@@ -65,7 +65,7 @@ impl Index<usize> for PartitionCache {
 impl IndexMut<usize> for PartitionCache {
     fn index_mut(&mut self, stage: usize) -> &mut HeatPartition {
         match self.current[stage] {
-            PASSING => &mut self.passing[stage],
+            UNCACHED => &mut self.passing[stage],
             place => &mut self.cache[place - 1][stage],
         }
     }
@@ -118,8 +118,8 @@ mod tests {
         };
         for turn in 0..5 * most {
             take(&mut partitions, 1 + turn % most);
-            build(partitions.take_passing(turn % 2), 0.5);
-            assert_eq!(partitions.place(turn % 2), PASSING);
+            build(partitions.select_uncached(turn % 2), 0.5);
+            assert_eq!(partitions.place(turn % 2), UNCACHED);
         }
         // One more evicts the least recently used one.
         take(&mut partitions, 1 + most);

@@ -4,7 +4,7 @@
 
 use super::air::{balance, cooling};
 use super::bodies::cooled_part;
-use super::{FrozenJacobian, ThermalCoupling};
+use super::{FrozenCoefficients, ThermalCoupling};
 use crate::Inputs;
 use crate::line::Line;
 use crate::line::trajectory::InputTrajectory;
@@ -15,7 +15,7 @@ use scene::{Body, Scheme, ThermalBoundary};
 
 /// Longest extrapolation, in lengths of the last step: step control doubles a step at most. Where the importer increases the step
 /// by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of the next.
-const FORESEEN: f64 = 2.0;
+const MOST_EXTRAPOLATED: f64 = 2.0;
 
 /// Travel within which the frozen operators remain valid, in diffusion lengths over the step.
 const REACH: f64 = 0.25;
@@ -44,7 +44,7 @@ impl Line {
             self.friction.coefficient * state.reference.fade
         };
         let (stribeck, sign) = (self.friction.stribeck(reference_velocity), self.friction.sign(reference_velocity));
-        heat.reference = FrozenJacobian {
+        heat.reference = FrozenCoefficients {
             velocity: reference_velocity,
             exact: flat && velocity == [reference_velocity; 2],
             per_pressure: kinetic_coefficient * (stribeck * (sign * reference_velocity)),
@@ -88,14 +88,14 @@ impl Line {
                     let last = state.cooling[side];
                     let now = with(last);
                     // Part of the surface temperature is direct feedthrough of the cooling, which jumps with the inputs.
-                    let mut velocity_radius = [[0.0; FACES]; FACES];
+                    let mut rise = [[0.0; FACES]; FACES];
                     for face in (0..FACES).filter(|&face| mean.air[face].acts()) {
                         let mut more = last;
                         more[face] += 1.0;
                         let then = with(more);
-                        (0..FACES).for_each(|other| velocity_radius[other][face] = then[other] - now[other]);
+                        (0..FACES).for_each(|other| rise[other][face] = then[other] - now[other]);
                     }
-                    let begin = balance(last, now, velocity_radius, |face, t| law(face, t, &from));
+                    let begin = balance(last, now, rise, |face, t| law(face, t, &from));
                     // The contact's fluxes, extrapolated at their last rates.
                     let [first, end] = &mut heat.flux;
                     let slopes = state.flux[side].iter().zip(&state.slope[side]);
@@ -106,10 +106,13 @@ impl Line {
                     around = around.with_air(begin, held);
                     let mut ahead = own.cooled_ahead(&state.bodies[side], &around, &first[side], &end[side]);
                     let drift = match state.last_step > 0.0 {
-                        true => (step / state.last_step).min(FORESEEN) * (ahead.lagging - state.lagging[side]),
+                        true => {
+                            (step / state.last_step).min(MOST_EXTRAPOLATED)
+                                * (ahead.not_extrapolated - state.unpredicted_rise[side])
+                        }
                         false => 0.0,
                     };
-                    heat.lagging[side] = ahead.lagging;
+                    heat.unpredicted_rise[side] = ahead.not_extrapolated;
                     ahead.temperature[BESIDE] += drift;
                     let end = balance(begin, ahead.temperature, ahead.rise, |face, t| law(face, t, &to));
                     around = around.with_air(end, held);

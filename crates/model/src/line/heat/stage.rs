@@ -34,7 +34,7 @@ const SLOW: f64 = 0.4;
 const SLOW_FROM: usize = 3;
 
 /// Iteration from which on Anderson acceleration is used.
-const COMPARED_FROM: usize = 1;
+const ACCELERATED_FROM: usize = 1;
 
 /// Convergence history of a stage iteration.
 #[derive(Clone, Copy, Debug, Default)]
@@ -160,19 +160,19 @@ impl Line {
                 heat.acceleration.forget();
                 residual_norm = None;
             }
-            heat.operator(stage, slip)?;
+            heat.install_thermal_compliance(stage, slip)?;
             if heat.refactored[s] && fades {
                 heat.linearize(stage, slip, &self.friction)?;
             }
             self.work.budget.solutions += 1;
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
-            let compared = !follows && !heat.exact[s] && iteration >= COMPARED_FROM;
+            let compared = !follows && !heat.exact[s] && iteration >= ACCELERATED_FROM;
             if compared {
                 heat.acceleration.begin(&heat.pressure, &heat.flux[s][0]);
             }
             let residual = heat.assemble_fluxes(stage, slip);
-            heat.undeformed(stage, &self.work.gap);
+            heat.assemble_gap(stage, &self.work.gap);
             let uniform = |term: &WearTerm| matches!(term.coefficient, Coefficient::Uniform(_));
             if !heat.exact[s] && self.work.track.is_none() && self.conditions.rate.terms.iter().all(uniform) {
                 self.wear_at_reference(heat, moment, tau);
@@ -196,14 +196,14 @@ impl Line {
             };
             heat.contacts[s].stage_into(&heat.gap, tau, &self.conditions, found)?;
             let change = heat.update_pressure(stage, &found.pressure, enough);
-            let mut unlike: f64 = 0.0;
+            let mut temperature_change: f64 = 0.0;
             if follows {
                 heat.update_temperatures(stage);
                 for i in 0..count {
                     let [punch, strip] = &heat.temperature[s];
                     let contact_temperature = 0.5 * (punch[i] + strip[i]) + reference;
-                    unlike = maximum(
-                        unlike,
+                    temperature_change = maximum(
+                        temperature_change,
                         (contact_temperature - heat.contact_temperature[i]).abs() / contact_temperature.abs().max(1.0),
                     );
                     heat.contact_temperature[i] = contact_temperature;
@@ -216,7 +216,7 @@ impl Line {
             let [remaining_error, unlike_surfaces] =
                 residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
             let remaining_error = maximum(remaining_error, unlike_surfaces / TEMPERATURE);
-            if active_set_settled && unlike <= AGREEMENT && (heat.exact[s] || remaining_error <= enough) {
+            if active_set_settled && temperature_change <= AGREEMENT && (heat.exact[s] || remaining_error <= enough) {
                 heat.iterations = heat.iterations.max(iteration);
                 self.finish_stage(heat, stage);
                 return Ok(());
@@ -226,7 +226,7 @@ impl Line {
                 residual_norm = None;
             } else if compared {
                 let most = largest(&heat.pressure);
-                let moved = heat.acceleration.improve(&mut heat.pressure, &mut heat.flux[s][0]);
+                let moved = heat.acceleration.accelerate(&mut heat.pressure, &mut heat.flux[s][0]);
                 residual_norm = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
             }
         }
@@ -245,7 +245,7 @@ impl Line {
         );
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
-            let residual = tau * (heat.laws[body][0] - reference[body]);
+            let residual = tau * (heat.reference_wear_rates[body][0] - reference[body]);
             heat.difference.fill(residual);
             operators.scale_by_relative_rates(body, &heat.pressure, &mut heat.difference);
             heat.gap.iter_mut().zip(&heat.difference).for_each(|(gap, worn)| *gap += worn);
@@ -264,7 +264,10 @@ impl Line {
                 heat.contact_temperature[0],
                 acceleration,
             );
-            heat.laws.iter_mut().zip(uniform).for_each(|(laws, own)| laws.fill(own));
+            heat.reference_wear_rates
+                .iter_mut()
+                .zip(uniform)
+                .for_each(|(reference_wear_rates, own)| reference_wear_rates.fill(own));
             return;
         }
         for i in 0..heat.contact_temperature.len() {
@@ -274,12 +277,12 @@ impl Line {
                 heat.contact_temperature[i],
                 acceleration,
             );
-            (heat.laws[0][i], heat.laws[1][i]) = (own[0], own[1]);
+            (heat.reference_wear_rates[0][i], heat.reference_wear_rates[1][i]) = (own[0], own[1]);
         }
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
             if let Coefficient::PerCell(values) = &mut term.coefficient {
-                let rates = heat.laws[body].iter().zip(&operators.radial[body]);
+                let rates = heat.reference_wear_rates[body].iter().zip(&operators.radial[body]);
                 values.iter_mut().zip(rates).for_each(|(value, (law, radial))| *value = law * radial);
             }
         }
@@ -294,7 +297,7 @@ impl Line {
         };
         for body in 0..2 {
             let rates = &mut self.work.rates[s][body];
-            rates.copy_from_slice(&heat.laws[body]);
+            rates.copy_from_slice(&heat.reference_wear_rates[body]);
             if largest(rates) > 0.0 {
                 self.operators.scale_by_relative_rates(body, pressure, rates);
             }

@@ -74,7 +74,9 @@ impl Line {
     /// requires.
     pub(in crate::line) fn staggered(&mut self, path: &InputTrajectory, length: f64) -> Result<(), StepFailure> {
         let mut parts: u32 = 1;
-        let far = |line: &Line, step: f64| line.too_far(path, 0.0, step) || line.too_far(path, length - step, step);
+        let far = |line: &Line, step: f64| {
+            line.exceeds_travel_limit(path, 0.0, step) || line.exceeds_travel_limit(path, length - step, step)
+        };
         // The step budget ends the loop below for more parts.
         while parts < MOST_STEPS && far(self, length / f64::from(parts)) {
             parts *= 2;
@@ -133,7 +135,7 @@ impl Line {
         let pressure = &self.work.end.pressure;
         for body in 0..2 {
             for (i, p) in pressure.iter().enumerate() {
-                let law = heat.laws[body][i];
+                let law = heat.reference_wear_rates[body][i];
                 let rate = if law == 0.0 { 0.0 } else { law * operators.relative_rate(body, i, *p) };
                 self.work.rates[0][body][i] = rate;
                 self.work.rates[1][body][i] = rate;
@@ -147,9 +149,9 @@ impl Line {
         }
         heat.take_pressure(self.state.heat.as_ref(), &self.work.end.pressure, slip);
         // A factor below 1 in one step excludes growth; the exact criterion is only evaluated otherwise.
-        if self.delay_grows(heat, step, slip) {
+        if self.splitting_unstable(heat, step, slip) {
             heat.change_step(0.5 * step);
-            if self.delay_grows(heat, 0.5 * step, slip) {
+            if self.splitting_unstable(heat, 0.5 * step, slip) {
                 return Err(Refusal::Diverges(self.longest_stable(heat, step, slip)));
             }
             heat.change_step(step);
@@ -158,7 +160,7 @@ impl Line {
     }
 
     /// Whether the map of a step of `step` s has a dominant eigenvalue of modulus 1 or more off the positive axis.
-    fn delay_grows(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> bool {
+    fn splitting_unstable(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> bool {
         let (growth, along) = self.lag(heat, step, slip);
         growth >= 1.0 && along < SAME_DIRECTION
     }
@@ -233,7 +235,7 @@ impl Line {
             let middle = 0.5 * (stable + unstable);
             let half = 0.5 * middle.exp();
             heat.change_step(half);
-            *(if self.delay_grows(heat, half, slip) { &mut unstable } else { &mut stable }) = middle;
+            *(if self.splitting_unstable(heat, half, slip) { &mut unstable } else { &mut stable }) = middle;
         }
         stable.exp()
     }
@@ -245,11 +247,11 @@ impl ThermalCoupling {
         let velocity = self.velocity;
         self.bodies.iter_mut().flatten().for_each(|body| body.prepare_euler(step, velocity));
         self.step = step;
-        self.split_end();
+        self.build_end_partition();
     }
 
     /// Builds the heat partition at the end of the step for the cells in contact.
-    fn split_end(&mut self) {
+    fn build_end_partition(&mut self) {
         let key = (self.step, self.velocity[1]);
         let steady = self.velocity[0] == self.velocity[1];
         let known = if steady { self.partitions.take(key) } else { false };
@@ -257,10 +259,10 @@ impl ThermalCoupling {
             let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
             match steady {
                 true => self.partitions[1].build(key, influence),
-                false => self.partitions.take_passing(1).build((f64::NAN, f64::NAN), influence),
+                false => self.partitions.select_uncached(1).build((f64::NAN, f64::NAN), influence),
             }
         }
-        self.partitions[1].close(&self.closed);
+        self.partitions[1].set_active_set(&self.closed);
     }
 
     /// Heats both bodies over the step by the friction heat of `pressure`.
@@ -273,7 +275,7 @@ impl ThermalCoupling {
         // Warm start from the saved state, so that a replay is identical to the bit.
         self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
-        self.split_end();
+        self.build_end_partition();
         self.temperatures_current = false;
         self.assemble_fluxes(Stage::End, slip);
         self.update_temperatures(Stage::End);

@@ -11,13 +11,13 @@ use super::state::HeatState;
 use conduction::line::GAMMA;
 
 /// Linear extrapolation to gamma h from value and slope at 0.
-fn on_the_line(start: f64, slope: f64, step: f64) -> f64 {
+fn extrapolate_linearly(start: f64, slope: f64, step: f64) -> f64 {
     start + GAMMA * step * slope
 }
 
 /// Quadratic extrapolation to h from the values at 0 and gamma h, and the slope of the secant to the value at 0 from (1 - gamma)
 /// `last` before.
-fn on_the_parabola(start: f64, first: f64, slope: f64, step: f64, last: f64) -> f64 {
+fn extrapolate_quadratically(start: f64, first: f64, slope: f64, step: f64, last: f64) -> f64 {
     if slope == 0.0 {
         return first;
     }
@@ -33,7 +33,7 @@ impl ThermalCoupling {
     }
 
     /// Zero initial iterate, independent of history, in case an iteration turns out to be needed after all.
-    fn begin_at_nothing(&mut self, s: usize) {
+    fn start_from_zero(&mut self, s: usize) {
         self.flux[s][0].fill(0.0);
         self.pressure.fill(0.0);
     }
@@ -41,24 +41,25 @@ impl ThermalCoupling {
     /// Predicts the punch's flux and the pressure at the first stage.
     pub(super) fn predict_first(&mut self, state: &HeatState, pressure: &[f64]) {
         if self.needs_no_start() {
-            return self.begin_at_nothing(0);
+            return self.start_from_zero(0);
         }
         for i in 0..pressure.len() {
-            self.flux[0][0][i] = on_the_line(state.flux[0][i], state.slope[0][i], self.step);
-            self.pressure[i] = on_the_line(pressure[i], state.pressure_slope[i], self.step).max(0.0);
+            self.flux[0][0][i] = extrapolate_linearly(state.flux[0][i], state.slope[0][i], self.step);
+            self.pressure[i] = extrapolate_linearly(pressure[i], state.pressure_slope[i], self.step).max(0.0);
         }
     }
 
     /// Predicts the punch's flux and the pressure at the end; `pressure` is that of the start and of the first stage.
     pub(super) fn predict_end(&mut self, state: &HeatState, pressure: [&[f64]; 2]) {
         if self.needs_no_start() {
-            return self.begin_at_nothing(1);
+            return self.start_from_zero(1);
         }
         let (step, last) = (self.step, state.last_step);
         let [first, end] = &mut self.flux;
         for i in 0..pressure[0].len() {
-            end[0][i] = on_the_parabola(state.flux[0][i], first[0][i], state.slope[0][i], step, last);
-            let expected = on_the_parabola(pressure[0][i], pressure[1][i], state.pressure_slope[i], step, last);
+            end[0][i] = extrapolate_quadratically(state.flux[0][i], first[0][i], state.slope[0][i], step, last);
+            let expected =
+                extrapolate_quadratically(pressure[0][i], pressure[1][i], state.pressure_slope[i], step, last);
             self.pressure[i] = expected.max(0.0);
         }
     }
@@ -74,10 +75,10 @@ mod tests {
         let value = |t: f64| 3.0 - 2.0 * t + 5.0 * t * t;
         let before = -(1.0 - GAMMA) * last;
         let slope = (value(0.0) - value(before)) / -before;
-        let end = on_the_parabola(value(0.0), value(GAMMA * step), slope, step, last);
+        let end = extrapolate_quadratically(value(0.0), value(GAMMA * step), slope, step, last);
         assert!((end - value(step)).abs() < 1e-13, "{end} {}", value(step));
         let line = |t: f64| 3.0 - 2.0 * t;
-        assert!((on_the_line(line(0.0), -2.0, step) - line(GAMMA * step)).abs() < 1e-14);
-        assert_eq!(on_the_parabola(1.0, 2.0, 0.0, step, last), 2.0);
+        assert!((extrapolate_linearly(line(0.0), -2.0, step) - line(GAMMA * step)).abs() < 1e-14);
+        assert_eq!(extrapolate_quadratically(1.0, 2.0, 0.0, step, last), 2.0);
     }
 }

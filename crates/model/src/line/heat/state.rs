@@ -31,7 +31,7 @@ pub struct HeatState {
     pub cooling: [[f64; FACES]; 2],
     /// Part of the temperature of the cooled surfaces that bodies do not predict to the end of the step, at the start of the last
     /// step, K.
-    pub lagging: [f64; 2],
+    pub unpredicted_rise: [f64; 2],
     /// Length of the last step, s (0: none yet).
     pub last_step: f64,
     /// Length of the last step rejected by the growth guard, s, and the number of steps before one as long is tried again.
@@ -41,7 +41,7 @@ pub struct HeatState {
 }
 
 /// Number of lanes of [`HeatState::lowest`].
-const ABREAST: usize = 8;
+const LANES: usize = 8;
 
 /// Relative difference below which step lengths are equal.
 const ROUNDING: f64 = 1e-9;
@@ -126,7 +126,7 @@ impl HeatState {
             kinetic_coefficient,
             dissipated: 0.0,
             cooling: [[0.0; FACES]; 2],
-            lagging: [0.0; 2],
+            unpredicted_rise: [0.0; 2],
             last_step: 0.0,
             rejected_by_growth: [0.0; 2],
             start: [[0.0; 4]; 2],
@@ -178,11 +178,11 @@ impl HeatState {
     /// Lowest temperature of either surface; NaN where one is NaN.
     pub fn lowest(&self) -> f64 {
         let lower = |least: f64, t: f64| if t < least || t.is_nan() { t } else { least };
-        let mut found = [f64::INFINITY; ABREAST];
+        let mut found = [f64::INFINITY; LANES];
         for side in &self.temperature {
-            let (groups, rest) = side.as_chunks::<ABREAST>();
+            let (groups, rest) = side.as_chunks::<LANES>();
             for group in groups {
-                for k in 0..ABREAST {
+                for k in 0..LANES {
                     found[k] = lower(found[k], group[k]);
                 }
             }
@@ -220,7 +220,7 @@ impl HeatState {
             kinetic_coefficient,
             dissipated,
             cooling,
-            lagging,
+            unpredicted_rise,
             last_step,
             rejected_by_growth,
             start,
@@ -231,7 +231,7 @@ impl HeatState {
             .chain(distortion)
             .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
             .chain(cooling.iter_mut().flatten())
-            .chain(lagging)
+            .chain(unpredicted_rise)
             .chain(rejected_by_growth)
             .chain(start.iter_mut().flatten())
     }
@@ -266,8 +266,8 @@ impl HeatState {
         (self.kinetic_coefficient, self.dissipated, self.cooling) =
             (other.kinetic_coefficient, other.dissipated, other.cooling);
         (self.start, self.reference) = (other.start, other.reference);
-        (self.lagging, self.last_step, self.rejected_by_growth) =
-            (other.lagging, other.last_step, other.rejected_by_growth);
+        (self.unpredicted_rise, self.last_step, self.rejected_by_growth) =
+            (other.unpredicted_rise, other.last_step, other.rejected_by_growth);
     }
 
     /// Appends all numbers.

@@ -107,9 +107,9 @@ impl Interval<'_> {
             let parts = answer.parts();
             robin_correction.close(slow, parts);
             let (influence, parts) = answer.gains_and_parts();
-            robin_correction.add_gains(&parts, 0, &mut influence.temperature);
+            robin_correction.add_influence(&parts, 0, &mut influence.temperature);
             if operators.expands {
-                robin_correction.add_gains(&parts, 1, &mut influence.distortion);
+                robin_correction.add_influence(&parts, 1, &mut influence.distortion);
             }
         }
     }

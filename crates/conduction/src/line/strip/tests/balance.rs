@@ -114,13 +114,13 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
             (base[0] - base[1]).abs() < 1e-9 && (base[0] - ahead.temperature[1]).abs() < 1e-6,
             "{path:?}: {base:?} {ahead:?}"
         );
-        let followed = ahead.temperature[0] - ahead.lagging;
+        let followed = ahead.temperature[0] - ahead.not_extrapolated;
         let lagged = cooled[0] - followed;
         assert!((cooled[0] - cooled[1]).abs() < 1e-3 * fall * rise, "{path:?}: {cooled:?}");
         // What lags behind is what the contact lacks of the cooling.
         assert!(lagged.abs() < 0.3 * (20.0 - cooled[0]), "{path:?}: {ahead:?} {cooled:?}");
         if path == SlidingPath::Unidirectional {
-            assert!(lagged.abs() < 1e-9 && ahead.lagging == 0.0, "{ahead:?} {cooled:?}");
+            assert!(lagged.abs() < 1e-9 && ahead.not_extrapolated == 0.0, "{ahead:?} {cooled:?}");
         }
     }
 }

@@ -292,7 +292,7 @@ fn a_track_goes_on_from_its_numbers() {
     assert_eq!(track, other);
     let mut copy = LineTrack::new(&cells, 10.0);
     copy.copy_from(&track);
-    assert_eq!((&copy.depth, copy.forgotten), (&track.depth, track.forgotten));
+    assert_eq!((&copy.depth, copy.discarded), (&track.depth, track.discarded));
     for length in [0, 3, 40, numbers.len() - 2] {
         assert!(other.load(&mut numbers[..length].iter()).is_none());
         assert_eq!(track, other);

@@ -24,7 +24,7 @@ fn both_laws_hold_on_the_cells_in_contact() {
         for conductance in [0.3, 1e9] {
             let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
             partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-            partition.close(&closed);
+            partition.set_active_set(&closed);
             // From any initial flux one correction by the residual gives the solution.
             let mut q1: Vec<f64> = (0..7).map(|i| if closed[i] { 1.0 - i as f64 } else { 0.0 }).collect();
             let residual = |q1: &[f64]| -> Vec<f64> {
@@ -59,17 +59,17 @@ fn the_reduction_makes_the_extra_compliance_that_of_cells_which_exchange_no_heat
         for conductance in [0.3, 1e9] {
             let mut partition = HeatPartition::new(&vec![1.0; count], &ratio, conductance);
             partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-            partition.close(&closed);
+            partition.set_active_set(&closed);
             assert!(partition.is_exact_with(open.len()));
             assert!(partition.thermal_compliance(per_pressure));
             let mut q1 = vec![0.0; count];
-            partition.share_all(&heat, &mut q1);
+            partition.add_punch_flux_exactly(&heat, &mut q1);
             // Both interface laws, and zero flux on open cells.
             let sum = |influence: &DMatrix<f64>, q: &[f64], i: usize| {
                 (0..count).map(|j| influence[(i, j)] * q[j]).sum::<f64>()
             };
             let q2: Vec<f64> = heat.iter().zip(&q1).map(|(heat, q)| heat - q).collect();
-            let mut apart = partition.apart().iter();
+            let mut apart = partition.open_temperature_jump().iter();
             for i in 0..count {
                 let jump = sum(&punch.temperature, &q1, i) - sum(&strip.temperature, &q2, i);
                 if !closed[i] {
@@ -98,11 +98,11 @@ fn single_precision_loses_its_rounding_and_keeps_open_cells_at_nothing() {
     let heat: Vec<f64> = values(5.0).iter().zip(&closed).map(|(q, closed)| if *closed { *q } else { 0.0 }).collect();
     let answers = |mut partition: HeatPartition| {
         partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-        partition.close(&closed);
+        partition.set_active_set(&closed);
         assert!(partition.thermal_compliance(0.7));
         let (mut flux, mut moved, mut update_temperatures) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         partition.exchange(&values(2.0), &mut flux);
-        partition.share_all(&heat, &mut flux);
+        partition.add_punch_flux_exactly(&heat, &mut flux);
         partition.distort_relatively(&flux, &mut moved);
         partition.add_displacement(true, &heat, &mut moved);
         partition.update_punch_temperature(&punch, &flux, &mut update_temperatures);
@@ -159,10 +159,10 @@ fn distortion_is_that_of_the_shared_heat() {
     for conductance in [0.0, 0.3, 1e9] {
         let mut partition = HeatPartition::new(&vec![1.0; count], &vec![1.0; count], conductance);
         partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
-        partition.close(&[true; 5]);
+        partition.set_active_set(&[true; 5]);
         let heat = [4.0, 5.0, 0.0, 6.0, 1.0];
         let mut q1 = vec![0.0; count];
-        partition.share(&heat, &mut q1);
+        partition.add_punch_flux(&heat, &mut q1);
         for i in 0..count {
             let direct: f64 = (0..count)
                 .map(|j| punch.distortion[(i, j)] * q1[j] + strip.distortion[(i, j)] * (heat[j] - q1[j]))

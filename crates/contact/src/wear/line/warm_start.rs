@@ -7,14 +7,14 @@
 /// Friction shifts the pressure to one side or the other, so there is one status for each sign of `s mu`: `strokes[0]` for
 /// `s mu >= 0`, `strokes[1]` for `s mu < 0`. Restoring it and solving again reproduces the result to the last bit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Status {
+pub struct WarmStart {
     /// By the sign of the signed friction coefficient.
-    pub strokes: [StrokeStatus; 2],
+    pub strokes: [StrokeWarmStart; 2],
 }
 
-/// Status for one sign of the friction.
+/// Warm start for one sign of the friction.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StrokeStatus {
+pub struct StrokeWarmStart {
     /// Cells initially assumed in contact.
     pub active: Vec<bool>,
     /// Starting pressure of Newton's method, N values, in Pa; all 0: none yet.
@@ -25,16 +25,17 @@ pub struct StrokeStatus {
     pub started: bool,
 }
 
-impl Status {
+impl WarmStart {
     /// All of `count` cells in contact, no pressure yet.
     pub fn new(count: usize) -> Self {
         let zeros = || vec![0.0; count];
-        let stroke = StrokeStatus { active: vec![true; count], pressure: zeros(), diagonal: zeros(), started: false };
+        let stroke =
+            StrokeWarmStart { active: vec![true; count], pressure: zeros(), diagonal: zeros(), started: false };
         Self { strokes: [stroke.clone(), stroke] }
     }
 
     /// Copies another status of as many cells, without allocating.
-    pub fn copy_from(&mut self, other: &Status) {
+    pub fn copy_from(&mut self, other: &WarmStart) {
         for (own, other) in self.strokes.iter_mut().zip(&other.strokes) {
             own.active.copy_from_slice(&other.active);
             if own.started || other.started {
