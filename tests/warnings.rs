@@ -200,11 +200,11 @@ fn limits_are_told_where_they_are_reached() {
         let radius = Packaged::stock().starts[reference("contact.mean_radius") as usize];
         for (name, factor) in [("sliding_velocity", 1.0), ("angular_velocity", 1.0 / radius)] {
             let speed = |speed: f64| at("nominal.velocity", 1.0, &[(name, speed * factor), ("normal_load", 100.0)]);
-            assert_one(&speed(10.1), &["left the model's validity", "bit 4"]);
+            assert_one(&speed(10.1), &["outside the model's validity", "bit 4"]);
             assert_eq!(speed(9.9), SILENT, "{name}");
         }
         let load = |load: f64| at("nominal.load", 100.0, &[("sliding_velocity", 1.0), ("normal_load", load)]);
-        assert_one(&load(1001.0), &["left the model's validity"]);
+        assert_one(&load(1001.0), &["outside the model's validity"]);
         assert_eq!(load(999.0), SILENT);
     }
 }
@@ -218,7 +218,7 @@ fn a_bristle_leaves_regularisation_without_effect() {
 }
 
 #[test]
-fn a_punch_that_rocks_itself_round_is_told_where_it_slides_reciprocating() {
+fn a_tilt_that_grows_without_bound_warns_in_reciprocating_sliding() {
     let starts = |stroke: f64, height: f64| {
         let friction = Packaged::stock().starts[reference("contact.friction_coefficient") as usize];
         let half_width = 0.5 * Packaged::stock().starts[reference("punch.width") as usize];

@@ -116,7 +116,10 @@ fn a_run_beyond_the_plan_keeps_its_level_says_so_once_and_no_longer_knows_its_er
     }
     component.step(1.0).unwrap();
     let said = warnings(&mut component);
-    assert!(said.len() == 1 && said[0].contains("the run leaves what") && said[0].contains("11000 N"), "{said:?}");
+    assert!(
+        said.len() == 1 && said[0].contains("the run exceeds the conditions planned") && said[0].contains("11000 N"),
+        "{said:?}"
+    );
     component.step(1.0).unwrap();
     assert_eq!((warnings(&mut component).len(), component.get(reference("estimated_error"))), (0, 1.0));
     for name in ["wear_depth", "contact_temperature", "friction_force", "stored_heat", "pressure_max"] {

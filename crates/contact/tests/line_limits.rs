@@ -163,7 +163,7 @@ fn one_cell_and_one_cell_in_contact() {
 }
 
 #[test]
-fn a_punch_that_rocks_itself_round() {
+fn a_tilt_that_grows_without_bound() {
     // mu H between a/2 and a: no steady state, but every half-stroke has an equilibrium. The edges wear more than the
     // middle for ever, so the worn shape grows rounder with every cycle.
     let cells = Cells::graded(1.0, 33).unwrap();

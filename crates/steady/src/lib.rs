@@ -41,7 +41,7 @@ pub enum SteadyError {
         /// Largest lever at which the contact can be in equilibrium, in m.
         limit: f64,
     },
-    /// Reciprocating sliding with a punch free to rotate: wear increases the tilt without bound.
+    /// Reciprocating sliding with a punch free to rotate: wear rounds the contact and increases the tilt without bound.
     RocksItselfRound {
         /// Lever mu H of the resultant, in m.
         lever: f64,
@@ -114,8 +114,8 @@ impl fmt::Display for SteadyError {
             }
             Self::RocksItselfRound { lever, limit, exponent } => write!(
                 f,
-                "no steady cycle in reciprocating sliding: wear increases the tilt without bound, mu H = {lever} m is not below \
-                 {limit} m, the limit for wear with the pressure exponent {exponent}"
+                "no steady cycle in reciprocating sliding: wear rounds the contact and increases the tilt without bound, \
+                 mu H = {lever} m is not below {limit} m, the limit for wear with the pressure exponent {exponent}"
             ),
             Self::NoCycle { lever, half_width, iterations } => write!(
                 f,
@@ -151,7 +151,7 @@ impl std::error::Error for SteadyError {}
 
 /// Whether reciprocating sliding can run in at all, by which bodies wear.
 ///
-/// A strip that wears on a straight track never runs in: the ends of the track are hardly visited. On a closed path its wear is
+/// A strip that wears on a straight track never runs in: the ends of the track are rarely in contact. On a closed path its wear is
 /// uniform along the path and does not reshape the contact, so the punch has to wear.
 pub fn can_run_in_reciprocating(punch_wears: bool, strip_wears: bool, closed_path: bool) -> Result<(), SteadyError> {
     if strip_wears && !closed_path {

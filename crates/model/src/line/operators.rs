@@ -389,8 +389,8 @@ impl LineOperators {
             && scene.friction_coefficient * height >= limit
         {
             warnings.push(format!(
-                "reciprocating sliding has no steady cycle: wear increases the tilt without bound, since \
-                 contact.friction_coefficient x holder.pivot_height = {} m is not below {limit} m",
+                "reciprocating sliding has no steady cycle: wear rounds the contact and increases the tilt without \
+                 bound, since contact.friction_coefficient x holder.pivot_height = {} m is not below {limit} m",
                 scene.friction_coefficient * height
             ));
         }
