@@ -36,7 +36,7 @@ pub fn for_this_machine() -> Result<Vec<u8>> {
         return build(Platform::Linux64);
     }
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command.arg("build");
+    command.arg("rustc");
     let version = Command::new("rustc").arg("-vV").output().context("starting rustc")?;
     let version = String::from_utf8(version.stdout)?;
     let target = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names no host")?;
@@ -61,7 +61,7 @@ fn linux64() -> Result<PathBuf> {
             eprintln!("warning: {reason:#}");
             eprintln!("warning: linking with this system's linker; the FMU will not run on older distributions");
             let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-            command.arg("build");
+            command.arg("rustc");
             // Apart from the other one: cargo does not notice that the linker has changed.
             (command, target.to_owned(), project::target().join("system-linker"))
         }
@@ -85,7 +85,7 @@ fn zigbuild() -> Result<Command> {
         .context("cargo-zigbuild, which links for old Linux distributions, cannot be installed")?;
     let scripts = python.parent().unwrap_or(Path::new("")).to_owned();
     let mut command = Command::new(scripts.join("cargo-zigbuild"));
-    command.arg("zigbuild");
+    command.arg("rustc");
     // It finds zig as a module of the Python that comes first on the path.
     let mut path = OsString::from(&scripts);
     if let Some(rest) = std::env::var_os("PATH") {
@@ -96,10 +96,12 @@ fn zigbuild() -> Result<Command> {
     Ok(command)
 }
 
-/// Runs the build; cargo itself shows the progress.
+/// Runs the build; cargo itself shows the progress. Only the C library is built: beside a Rust library of the same name cargo does not
+/// optimise at link time, and nothing small would be inlined from the layers below.
 fn cargo(mut command: Command, target: &str, folder: &Path, sysroot: &Path) -> Result<()> {
     command
-        .args(["--package", "sliding-contact", "--lib", "--profile", "fmu", "--locked", "--target", target])
+        .args(["--package", "sliding-contact", "--lib", "--crate-type", "cdylib", "--profile", "fmu"])
+        .args(["--locked", "--target", target])
         .arg("--target-dir")
         .arg(folder)
         .current_dir(project::root())

@@ -103,7 +103,7 @@ impl Toolchain {
     /// `cargo build` for the target, without the arguments that say what.
     pub fn command(&self) -> Command {
         let mut command = Command::new(&self.compiler.cargo);
-        command.arg("build").env("RUSTC", &self.compiler.rustc);
+        command.arg("rustc").env("RUSTC", &self.compiler.rustc);
         if self.with_sources {
             command.arg("-Zbuild-std=std,panic_unwind").env("RUSTC_BOOTSTRAP", "1");
         }
