@@ -183,7 +183,7 @@ mod tests {
         (0..400_u32).map(|i| if i % 17 == 0 { 1.0 / f64::from(i + 3) } else { 0.5_f64.powi((i * i % 5) as i32) })
     }
 
-    fn compute(step: f64, weights: &mut Vec<f64>) {
+    fn compute(step: f64, weights: &mut [f64]) {
         weights.iter_mut().enumerate().for_each(|(k, weight)| *weight = (-step * k as f64).exp());
     }
 
