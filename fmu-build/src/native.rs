@@ -20,12 +20,12 @@ macro_rules! commands {
 
 commands! {
     STEADY = "steady", "Compute a scene's steady state under nominal load and sliding, without time integration, print and draw it";
-    CYCLES = "cycles", "Carry a scene that slides to and fro over many cycles at nominal load and speed";
-    TABLES = "tables", "Print the tables of a scene's lumped level as JSON: decay rates, residues and remainders of both bodies and of the moving source, and the rate that sliding adds to its decays";
-    VERIFY = "verify", "Solve problems with a known answer and compare: exact and computed value, error, bound and cost";
-    STABILITY = "stability", "Compute stability maps: where each method is right, rings, grows or refuses, with the bound of the theory";
+    CYCLES = "cycles", "Advance a reciprocating scene over many cycles at nominal load and speed";
+    TABLES = "tables", "Print the tables of a scene's lumped level as JSON: decay rates, residues and static corrections of both bodies and of the moving source, and the rate that sliding adds to its decay rates";
+    VERIFY = "verify", "Solve problems with a known solution and compare: exact and computed value, error, bound and cost";
+    STABILITY = "stability", "Compute stability maps: where each method is accurate, oscillates, grows or is refused, with the theoretical bound";
     CHART = "chart", "Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes";
-    PLAN = "plan", "Print what `solver.fidelity = auto` takes for a scene: effects with the number that decided, kept or dropped, and what that costs";
+    PLAN = "plan", "Print the level that `solver.fidelity = auto` takes for a scene: effects with their governing numbers, kept or dropped, and the error of each";
     GOLDEN = "golden", "Record what the golden scenes compute, or compare it with the records to the bit";
 }
 

@@ -185,7 +185,7 @@ mod tests {
         let now = rates(|t| (-6.0 * t).exp());
         assert!(slope_limited(0.0, now).abs() < 0.01 * now[1].abs());
         assert!(slope_limited(now[1], now).abs() < 0.01 * now[1].abs());
-        // Remainder of a wrong start: the flux hardly changes in the first stage, whatever was predicted.
+        // Rest of a wrong start: the flux hardly changes in the first stage, whatever was predicted.
         let left = slope_limited(-1.0, [-0.02, -0.06]);
         assert!(left != 0.0 && left.abs() < 1e-5, "{left}");
         // Steady to rounding, and steady to the last bit.
