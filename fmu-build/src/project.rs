@@ -39,6 +39,18 @@ pub fn replaceable(path: &Path) -> Result<PathBuf> {
     fs::canonicalize(path).with_context(|| format!("following {}", path.display()))
 }
 
+/// Path of this program. Where a build has replaced the file while it runs, Linux calls the old one deleted; the new one is meant.
+///
+/// # Errors
+/// Where the system does not tell.
+pub fn program() -> std::io::Result<PathBuf> {
+    let path = std::env::current_exe()?;
+    Ok(match path.to_str().and_then(|text| text.strip_suffix(" (deleted)")) {
+        Some(replaced) => PathBuf::from(replaced),
+        None => path,
+    })
+}
+
 #[cfg(test)]
 mod replaceable_tests {
     use super::replaceable;

@@ -83,7 +83,7 @@ fn fast(tally: &mut Tally) {
     lints(tally);
     tally.step("unit tests", |step| step.run(rust_tests(&["--lib", "--bins"]), Counter::CargoTest));
     tally.step("golden scenes", |step| {
-        let mut command = Command::new(std::env::current_exe()?);
+        let mut command = Command::new(project::program()?);
         command.current_dir(project::root()).args(["golden", "compare"]);
         step.check(command)?;
         step.pass();
@@ -94,7 +94,7 @@ fn fast(tally: &mut Tally) {
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
     for name in ["integration tests", "packaging", "fmpy tests", "cost of a step", "real time"] {
-        tally.skip(name, "not asked for: --fast");
+        tally.skip(name, "not requested: --fast");
     }
 }
 
@@ -128,7 +128,7 @@ fn usual(tally: &mut Tally) {
         command
             .env("SLIDING_CONTACT_HOST", batch::host_library()?)
             .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)
-            .env("SLIDING_CONTACT_COMMAND", std::env::current_exe()?);
+            .env("SLIDING_CONTACT_COMMAND", project::program()?);
         command
             .current_dir(project::root())
             .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/fmpy"])

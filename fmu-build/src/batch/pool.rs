@@ -5,6 +5,7 @@
 use super::Job;
 use super::tables::Table;
 use super::worker::{Answer, LOST, OK};
+use crate::project;
 use anyhow::{Context, Result, anyhow, bail};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -89,7 +90,7 @@ struct Process {
 
 impl Process {
     fn start(job: &Job) -> Result<Self> {
-        let program = std::env::current_exe().context("finding this program")?;
+        let program = project::program().context("finding this program")?;
         let mut child = Command::new(&program)
             .arg("batch-worker")
             .stdin(Stdio::piped())

@@ -2,7 +2,7 @@
 
 use super::record::{Hash, Record, Series};
 use super::scenes::{GoldenScene, Replay, Segment};
-use crate::scenes;
+use crate::{project, scenes};
 use anyhow::{Context, Result, bail};
 use scene::variables::{COUNT, Causality, ValueReference, Variability, find, lookup};
 use sliding_contact::component::{Component, Snapshot};
@@ -266,7 +266,7 @@ fn derivatives(layout: &Layout, component: &mut Component, record: &mut Record) 
 
 /// The numbers that a command of this program prints as JSON.
 fn run_command(arguments: &[String]) -> Result<Record> {
-    let program = std::env::current_exe()?;
+    let program = project::program()?;
     let output = Command::new(program).args(arguments).stdin(Stdio::null()).output()?;
     let error = (!output.status.success()).then(|| {
         String::from_utf8_lossy(&output.stderr).lines().filter(|line| line.starts_with("error")).collect::<String>()
