@@ -1,6 +1,7 @@
-//! Where the heat of a step goes.
+//! Heat balance of the strip over a step.
 //!
-//! Only the mean wave holds heat. What enters over the step is known from the fluxes, what is stored from its states, what
+//! Only the mean mode stores heat. Heat entering over the step follows from the fluxes, stored heat from the states,
+//! heat lost to the air from the integrals of the states; the loss through the base closes the balance.
 //! leaves to the air from their integrals; the base takes what the balance leaves.
 //!
 //! Theory: docs/theory.md, section 2.7.
@@ -11,7 +12,8 @@ use crate::line::{GAMMA, Surroundings, ThermalBody};
 use numerics::dense;
 
 impl StripHeat {
-    /// Carries the mean wave and the account over the step; `effective` are its mean fluxes, contact and returned.
+    /// Advances the mean mode and the heat balance over the step; `effective` are the mean fluxes of both stages, Robin
+    /// correction included.
     pub(super) fn keep_account(
         &self,
         scratch: &Scratch,
@@ -28,7 +30,8 @@ impl StripHeat {
         let heat = |flux: &[f64]| dense::dot(flux, &operators.widths);
         let received = over_step([heat(contact[0]), heat(contact[1])]);
         let total = over_step([heat(&scratch.first), heat(&scratch.end)]);
-        // What the cells got besides the contact: the heat transfer given back, and the cooling that is not there.
+        // Heat into the cells besides that of the contact: the Robin correction, and minus the cooling that does not
+        // act under the contact.
         let returned = total - received;
         let (cooling, far) = (surroundings.mean_cooling(), surroundings.mean_far());
         let before = self.account(state).stored;

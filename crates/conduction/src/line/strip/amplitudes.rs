@@ -1,4 +1,5 @@
-//! From states and fluxes to the amplitudes of the waves, to the cells, and over the step.
+//! Amplitudes of the Fourier modes from states and fluxes, their values on the cells, and the propagation of the states
+//! over a step.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -11,7 +12,8 @@ use crate::line::{GAMMA, Stage, Surroundings};
 use numerics::dense;
 
 impl StripHeat {
-    /// Notes what the heat transfer given back in the first stage follows: the temperature that the state leaves, and what is known
+    /// Stores the projected temperature that drives the Robin correction of the first stage: that of the free response
+    /// of the states and of the known part of the Robin correction, without the fluxes of the contact.
     /// of the heat transfer given back; not of the contact's fluxes.
     pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
         if self.operators.robin_correction.is_none() {
@@ -22,7 +24,8 @@ impl StripHeat {
         self.known_levels(scratch, state, surroundings, Stage::First);
     }
 
-    /// Adds to the fluxes in `scratch.first` by how much the heat transfer given back deviates at the start of the step from that of
+    /// Adds to the fluxes in `scratch.first` the deviation of the Robin correction at the start of the step from that
+    /// of the first stage: it is linear in time like the fluxes of the contact, with the slope of the step before.
     /// the first stage: it is linear like the fluxes of the contact, with its slope over the step before.
     pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
         if let Some(robin_correction) = &self.operators.robin_correction {
@@ -32,7 +35,9 @@ impl StripHeat {
         }
     }
 
-    /// Amplitudes of the waves at a stage without its own flux, by the state and the known flux in `scratch.first`; levels of
+    /// Amplitudes of the modes at a stage without its own flux, from the state and the known flux in `scratch.first`.
+    /// Returns surface temperature and mean temperature of the mean mode, and stores the projected temperature that
+    /// drives the Robin correction.
     /// temperature and mean temperature of the mean wave. Notes what the heat transfer given back follows.
     fn known_levels(
         &self,
@@ -51,7 +56,8 @@ impl StripHeat {
         state_layout
     }
 
-    /// Notes what the heat transfer given back at a stage follows: the amplitudes in the scratch and the mean wave's level.
+    /// Stores the projected temperature that drives the Robin correction of a stage, from the amplitudes in the
+    /// workspace and the temperature of the mean mode.
     pub(super) fn project(&self, scratch: &mut Scratch, stage: Stage, level: f64) {
         if let Some(robin_correction) = &self.operators.robin_correction {
             let mut projected = robin_correction.project(&scratch.amplitude);
@@ -60,7 +66,8 @@ impl StripHeat {
         }
     }
 
-    /// Fills the scratch with the total fluxes into the cells in the first stage: of the contact, less the cooling that does
+    /// Fills the workspace with the total fluxes into the cells in the first stage: those of the contact, less the
+    /// cooling that does not act there, plus the Robin correction from its stored projected temperature.
     /// not act there, and the heat transfer given back as it has been noted.
     pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
         let cooling = surroundings.until(Stage::First).cooling;
@@ -72,7 +79,7 @@ impl StripHeat {
         }
     }
 
-    /// The same at the end.
+    /// The same at the end of the step.
     fn effective_end(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
         scratch.end.iter_mut().zip(flux).for_each(|(value, q)| *value = q - surroundings.cooling);
         if let Some(robin_correction) = &self.operators.robin_correction {
@@ -82,7 +89,7 @@ impl StripHeat {
         }
     }
 
-    /// Temperature and distortion at a stage without its own flux; the flux known before it is in `scratch.first`.
+    /// Free response (temperature and distortion) of a stage; the flux known before it is in `scratch.first`.
     pub(super) fn base_from(
         &self,
         scratch: &mut Scratch,
@@ -102,7 +109,8 @@ impl StripHeat {
             operators.observe_one(amplitude, &mut answer[0], level, temperature);
             distortion.fill(0.0);
         }
-        // Fluxes of this stage that do not come from the contact: no cooling there, and the heat transfer given back.
+        // Fluxes of this stage other than those of the contact: the cooling that does not act there, and the Robin
+        // correction.
         let cooling = surroundings.until(stage).cooling;
         if cooling == 0.0 && operators.robin_correction.is_none() {
             return;
@@ -125,7 +133,7 @@ impl StripHeat {
         }
     }
 
-    /// [`StripHeat::advance_by`] on a state that holds its own start.
+    /// [`StripHeat::advance_by`] in place.
     pub(super) fn advance_in_place(
         &self,
         scratch: &mut Scratch,
@@ -141,7 +149,9 @@ impl StripHeat {
         scratch.before = before;
     }
 
-    /// Carries the state over the step with the contact's fluxes of both stages. The total fluxes of the first, their
+    /// Advances the state over the step with the contact's fluxes of both stages. The total fluxes of the first stage,
+    /// their amplitudes and the projected temperature of the Robin correction at the end are in the workspace; `before`
+    /// holds the states of the modes at the start of the step, all other states are in `state`.
     /// amplitudes, and what the heat transfer given back at the end follows are in the scratch; `before` are the states of the
     /// waves at the start of the step, everything else stands in `state`.
     pub(super) fn advance_by(
@@ -171,7 +181,7 @@ impl StripHeat {
         carry(&operators.state_layout, before, [re, im], carrier, heat);
     }
 
-    /// Surface amplitude of every wave at a stage, from the state alone.
+    /// Surface amplitude of every mode at a stage, from the state alone.
     pub(super) fn wave_amplitudes(&self, scratch: &mut Scratch, state: &[f64], weights: &StageWeights) {
         let operators = &*self.operators;
         let (re, im) = operators.wave_states(state);
@@ -181,7 +191,7 @@ impl StripHeat {
         observe(&operators.state_layout, [re, im], [factor_re, factor_im], seen, sums);
     }
 
-    /// Adds what the flux known before the stage leaves in the waves, its amplitudes in `scratch.heat`.
+    /// Adds the response of the modes to the flux known before the stage, its amplitudes in `scratch.heat`.
     pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
         let [re, im, moved_re, moved_im] = weights.answer().carried();
@@ -192,7 +202,7 @@ impl StripHeat {
         }
     }
 
-    /// Amplitudes of the waves with the state held; of temperature, and of distortion where that is asked for.
+    /// Amplitudes of the modes at frozen state; of temperature, and of distortion where requested.
     pub(super) fn held_amplitudes(&self, scratch: &mut Scratch, state: &[f64], distortion: bool) {
         let operators = &*self.operators;
         let (re, im) = operators.wave_states(state);

@@ -1,4 +1,5 @@
-//! What a stage's answer to fluxes is made of, as far as it depends on the velocity: linear in everything, so that answers
+//! Velocity-dependent part of a stage's response to fluxes. All of it enters linearly, so that responses at
+//! neighbouring velocities can be interpolated.
 //! at neighbouring velocities can be interpolated.
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.1.
@@ -9,7 +10,7 @@ use crate::line::SurfaceInfluence;
 use nalgebra::DMatrix;
 use numerics::dense;
 
-/// Lengths of the parts.
+/// Dimensions of the parts.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Layout {
     count: usize,
@@ -19,7 +20,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// For a strip; states are carried to the end of a step only.
+    /// Dimensions for a strip; weights in the states exist for the end of a step only.
     pub fn new(operators: &StripOperators, at_end: bool) -> Layout {
         Layout {
             count: operators.widths.len(),
@@ -35,28 +36,30 @@ impl Layout {
     }
 }
 
-/// See the module.
+/// Response of one stage.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The whole response to the contact's flux.
+    /// Surface influence matrices of the contact's flux, direct feedthrough included.
     pub influence: SurfaceInfluence,
     layout: Layout,
     rest: Vec<f64>,
 }
 
-/// The parts of an answer beside the gains. Pairs: temperature, distortion.
+/// Parts of a stage response besides the influence matrices. Pairs: temperature, distortion.
 pub struct Parts<'a> {
-    /// Weights of the fluxes in each state, input included: of those known before the stage (in the first stage the deviation
+    /// Weights of the fluxes in each state, input included: of the flux known before the stage (in the first stage its
+    /// deviation at the start, at the end the fluxes of the first stage) and of the stage's own; real and imaginary
+    /// parts alternate. Empty in the first stage.
     /// at its start, at the end the fluxes of the first) and of its own, real and imaginary parts by turns. Empty in the first
     /// stage.
     pub weights: [&'a mut [f64]; 4],
-    /// Surface amplitude and distortion that the known flux leaves in a wave, real and imaginary parts by turns.
+    /// Surface amplitude and distortion of each mode due to the known flux, real and imaginary parts alternate.
     pub carried: [&'a mut [f64]; 4],
-    /// Response of the waves to a uniform flux, without what answers at once.
+    /// Response of the modes to a uniform flux, without direct feedthrough.
     pub uniform: [&'a mut [f64]; 2],
-    /// V'W G of the heat given back: a row per polynomial, by columns.
+    /// V'W G of the Robin correction: one row per polynomial, by columns.
     pub response: &'a mut [f64],
-    /// Response of the waves to the polynomials V, N values each.
+    /// Response of the modes to the polynomials V, N values each.
     pub lifted: [&'a mut [f64]; 2],
     /// `(1 - H0 V'W G V)^-1 H0`, by columns.
     pub solution: &'a mut [f64],
@@ -74,7 +77,7 @@ fn quarters<T>(slice: &mut [T]) -> [&mut [T]; 4] {
 }
 
 impl Answer {
-    /// No answer yet.
+    /// A response of these dimensions, not yet computed.
     pub fn new(layout: Layout) -> Answer {
         let matrix = || dense::untouched(layout.count);
         Answer {
@@ -84,12 +87,12 @@ impl Answer {
         }
     }
 
-    /// The parts.
+    /// Parts besides the influence matrices.
     pub fn parts(&mut self) -> Parts<'_> {
         self.gains_and_parts().1
     }
 
-    /// Gains and parts.
+    /// Influence matrices and parts.
     pub fn gains_and_parts(&mut self) -> (&mut SurfaceInfluence, Parts<'_>) {
         let [states, waves, cells, lifted, _] = self.layout.lengths();
         let (weights, rest) = self.rest.split_at_mut(states);
@@ -108,7 +111,7 @@ impl Answer {
         (&mut self.influence, parts)
     }
 
-    /// Weights of the states; see [`Parts::weights`].
+    /// See [`Parts::weights`].
     pub fn weights(&self) -> [&[f64]; 4] {
         let n = self.layout.states;
         std::array::from_fn(|part| &self.rest[part * n..(part + 1) * n])
@@ -149,19 +152,19 @@ impl Answer {
         &self.rest[first + 3 * n..]
     }
 
-    /// Numbers in it.
+    /// Number of floating-point values.
     pub fn length(&self) -> usize {
         self.rest.len() + self.influence.temperature.len() + self.influence.distortion.len()
     }
 
-    /// Becomes another answer of the same strip and stage.
+    /// Copies another response of the same strip and stage.
     pub fn copy_from(&mut self, other: &Answer) {
         self.rest.copy_from_slice(&other.rest);
         self.influence.temperature.copy_from(&other.influence.temperature);
         self.influence.distortion.copy_from(&other.influence.distortion);
     }
 
-    /// Becomes the answer for opposite velocities: cells and waves are symmetric about the middle of the contact.
+    /// Reverses the velocity: cells and modes are symmetric about the middle of the contact.
     pub fn mirror(&mut self) {
         let count = self.layout.count;
         let (influence, parts) = self.gains_and_parts();
@@ -172,7 +175,7 @@ impl Answer {
             imaginary.iter_mut().for_each(|value| *value = -*value);
         }
         parts.uniform.into_iter().for_each(<[f64]>::reverse);
-        // Polynomials are even and odd by turns.
+        // Even and odd polynomials alternate.
         let sign = |degree: usize| if degree.is_multiple_of(2) { 1.0 } else { -1.0 };
         let columns = parts.response.len() / RANK;
         for column in 0..columns.div_ceil(2) {
@@ -193,7 +196,8 @@ impl Answer {
         }
     }
 
-    /// Becomes the sum of four answers, with what answers at once added to the gains.
+    /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
+    /// matrices.
     pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: SingleStepAttempt<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
@@ -206,11 +210,12 @@ impl Answer {
     }
 }
 
-/// One or two responses at once (temperature and distortion, N x N; the second empty where nothing expands), each with its
+/// Direct feedthrough at one or two velocities (temperature and distortion, N x N; the second empty without thermal
+/// expansion), each with its weight.
 /// share.
 pub type SingleStepAttempt<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
 
-/// Sum of four matrices and one or two more.
+/// Linear combination of four matrices and the one or two of the direct feedthrough.
 fn sum(
     target: &mut [f64],
     [a, b, c, d]: [&[f64]; 4],
@@ -230,7 +235,7 @@ fn sum(
 }
 
 impl Parts<'_> {
-    /// Takes the response of the waves to fluxes (N x N) for that to a uniform one.
+    /// Sets the response to a uniform flux from the influence matrix of the modes (N x N): its row sums.
     pub fn set_uniform(&mut self, moving: usize, slow: &DMatrix<f64>) {
         let uniform = &mut self.uniform[moving];
         uniform.fill(0.0);

@@ -1,4 +1,4 @@
-//! Responses that depend on the distance of two cells alone, split by parity.
+//! Influence matrices that depend on the distance of two cells alone, split by parity.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -8,15 +8,17 @@ use nalgebra::{Complex, DMatrix};
 use numerics::dense;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Half of the cells from which on a row of them fills the vector unit.
+/// Half number of cells from which on a row of them fills the vector unit.
 const FEW_CELLS: usize = 8;
 
-/// Columns turned at once.
+/// Columns transposed together.
 const TILE: usize = 8;
 
-/// A translation-invariant response on symmetric cells, per heat (W/m) into a cell, split by parity.
+/// A translation-invariant influence on symmetric cells, per heat (W/m) into a cell, split by parity.
 ///
-/// Three blocks of ((N + 1)/2)^2 rows by rows: even answers to even heat, even to odd, odd to odd. Odd to even is minus the
+/// Three blocks of ((N + 1)/2)^2 values, by rows: even response to even heat, even to odd, odd to odd. Odd to even is
+/// minus the transpose of even to odd. Reversing the velocity transposes the influence, which changes the sign of the
+/// middle block: the outer ones are symmetric.
 /// transpose of even to odd. Reversing the velocity changes the sign of the middle block, and transposes: the outer ones are
 /// symmetric.
 #[derive(Clone, PartialEq, Debug)]
@@ -27,7 +29,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// No response.
+    /// Zero influence.
     pub fn zeros(half: usize) -> Blocks {
         Blocks { half, values: vec![0.0; 3 * half * half] }
     }
@@ -52,13 +54,14 @@ impl Blocks {
         }
     }
 
-    /// Adds Re of `gain exp(iq(x - s))` for every wave; `terms` is room for a number each.
+    /// Adds Re of `gain exp(iq(x - s))` for every mode; `terms` is workspace for one number per mode.
     pub fn add_waves(&mut self, influence: &[Complex<f64>], shapes: &Shapes, terms: &mut [f64]) {
         let (half, size, count) = (self.half, self.half * self.half, influence.len());
         let ([even, odd], [even_by_cell, odd_by_cell]) = (shapes.matrices(), shapes.transposed());
         let (even_even, rest) = self.values.split_at_mut(size);
         let (even_odd, odd_odd) = rest.split_at_mut(size);
-        // Few cells leave lanes of the vector unit empty, many waves do not; and what is symmetric is found once, from `first` on.
+        // With few cells the sums run over the modes, to fill the lanes of the vector unit; symmetric blocks are then
+        // computed once, from `first` on.
         let few = half < FEW_CELLS;
         let multiply = |by_wave: &[f64], by_cell: &[f64], terms: &[f64], row: &mut [f64], first: usize| match few {
             true => dense::multiply_transposed_add(&by_cell[first * count..], terms, &mut row[first..]),
@@ -88,7 +91,7 @@ impl Blocks {
         }
     }
 
-    /// Adds a kernel given by its mean over pairs of cells (answering, heated).
+    /// Adds a kernel given by its mean over pairs of cells (observed, heated).
     pub fn add_kernel(&mut self, count: usize, kernel: impl Fn(usize, usize) -> f64) {
         let size = self.half * self.half;
         for a in 0..self.half {
@@ -104,7 +107,8 @@ impl Blocks {
         }
     }
 
-    /// Sets an N x N matrix to the response per flux (W/m2), with `level` more of it everywhere; `turned` is room for a block
+    /// Sets an N x N matrix to the influence per flux (W/m2) plus the uniform influence `level`; `turned` is workspace
+    /// for a block and one of its rows.
     /// and a row of it.
     pub fn unfold(&self, widths: &[f64], level: f64, turned: &mut [f64], matrix: &mut DMatrix<f64>) {
         struct Unfold<'a>(&'a Blocks, &'a [f64], f64, &'a mut [f64], &'a mut [f64]);
@@ -118,7 +122,7 @@ impl Blocks {
                 let (turned, mirrored) = turned.split_at_mut(half * half);
                 let (even, rest) = blocks.values.split_at(half * half);
                 let (mixed, odd) = rest.split_at(half * half);
-                // The middle block by columns, a few of them at a time.
+                // Transposes the middle block, a few columns at a time.
                 for first in (0..half).step_by(TILE) {
                     let tile = TILE.min(half - first);
                     for a in 0..half {
@@ -142,26 +146,30 @@ impl Blocks {
         Arch::new().dispatch(Unfold(self, widths, level, &mut turned[..size], matrix.as_mut_slice()));
     }
 
-    /// Leaves out what depends on the direction of sliding.
+    /// Removes the part that is odd in the sliding velocity.
     pub fn make_symmetric(&mut self) {
         let size = self.half * self.half;
         self.values[size..2 * size].fill(0.0);
     }
 
-    /// Takes away what would give more heat back than it is given: negative eigenvalues of the symmetric part, which is that of the
+    /// Makes the influence passive: removes the negative eigenvalues of the symmetric part, which is that of the even
+    /// and of the odd block.
     /// even and of the odd half.
     ///
-    /// What a reduction leaves out at a frequency just beyond its range has a real part of either sign. As an answer at
+    /// The truncated part of a reduction at a frequency just beyond its range has a real part of either sign. A
+    /// negative one in the direct feedthrough lets two bodies in thermal contact raise each other's flux without bound
+    /// in steps short against the range; the part removed is below the reduction's own error.
     /// once, a negative one lets two bodies that exchange heat raise each other's flux without end in steps short
     /// against the range; what is taken away is below the reduction's own error.
     ///
-    /// The answer M c to a uniform flux, which has the even heat c = `uniform`, stays as it is where c'M c > 0: of
+    /// The response M c to a uniform flux, of even heat c = `uniform`, is preserved where c'M c > 0: of
     ///
     /// ```text
     /// M = u u'/(c'u) + S,    u = M c,    S c = 0
     /// ```
     ///
-    /// only S loses eigenvalues. So the steady mean temperature stays exact, and smooth in the velocity. Where u has turned away
+    /// only S loses eigenvalues. The steady mean temperature stays exact, and smooth in the velocity. The weight of u
+    /// u' decreases to 0 as u turns away from c, where that term would be a large response to all other fluxes.
     /// from c, the share of u u' fades out: it would stand for a large answer to everything else.
     pub fn make_passive(&mut self, uniform: &[f64], workspace: &mut Passive) {
         let (half, size) = (self.half, self.half * self.half);
@@ -179,7 +187,8 @@ impl Blocks {
     }
 }
 
-/// Column of the response to a cell (`sign` 1) or its mirror image (-1): even answers to even and to odd heat, minus odd to
+/// Column of the influence of a cell (`sign` 1) or its mirror image (-1): even response to even and to odd heat, minus
+/// odd to even, odd to odd. `mirrored` is workspace for the lower half, from the edge inwards.
 /// even, odd to odd. `mirrored` is room for the lower half, from the edge inwards.
 #[inline(always)]
 fn column<S: Simd>(

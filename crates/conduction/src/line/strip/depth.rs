@@ -1,6 +1,8 @@
 //! Conduction through the depth at one wave number: exact impedance and distortion, and their reduction to states.
 //!
-//! With `kappa^2 = q^2 + s/kd` a flux `exp(iqx)` of amplitude 1 and frequency s heats the layer by
+//! With `kappa^2 = q^2 + s/kd` a flux `exp(iqx)` of amplitude 1 and frequency s heats the layer to `Z(q, s) [exp(-kappa
+//! z) + rho exp(-kappa (2h - z))]/[1 + rho exp(-2 kappa h)]`, rho the reflection coefficient of the base, and by
+//! reciprocity displaces its surface by
 //! `Z(q, s) [exp(-kappa z) + rho exp(-kappa (2h - z))]/[1 + rho exp(-2 kappa h)]`, rho the reflection at the base, and by
 //! reciprocity displaces its surface by
 //!
@@ -8,10 +10,13 @@
 //! D(q, s) = -2 (1+nu) alpha integral_0^h T(z) [A exp(-qz) + B exp(-q(h-z))] dz
 //! ```
 //!
-//! where the bracket times -(1-2nu)/G is the (harmonic) dilatation under a unit pressure `exp(iqx)`; a half-plane has
+//! where the bracket times -(1-2nu)/G is the (harmonic) dilatation under a unit pressure `exp(iqx)`; a half-plane has A
+//! = 1, B = 0. Heating lifts the surface: D < 0.
 //! A = 1, B = 0. Heating lifts the surface: D < 0.
 //!
-//! The exact fields at a few real frequencies span the reduced space. Mass, load and observations follow from values
+//! The exact fields at a few real frequencies span the reduced space. Mass, load and observations follow from values of
+//! Z and D alone (symmetric Loewner pencil): the reduced rates are real, positive and bounded below by the smallest of
+//! the layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
 //! of Z and D alone (symmetric Loewner pencil), so the reduced rates are real, positive and bounded below by those of the
 //! layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
 //!
@@ -23,14 +28,14 @@ use elasticity::{self, Material};
 use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 use numerics::factorization::{self, Unfactorable};
 
-/// What makes the surface move under heat.
+/// Thermal expansion of the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Expansion {
     /// Elastic constants.
     pub material: Material,
     /// Linear coefficient alpha, 1/K.
     pub coefficient: f64,
-    /// What holds the strip at its base.
+    /// Mechanical support of the base.
     pub base: elasticity::Base,
 }
 
@@ -39,7 +44,7 @@ pub struct Expansion {
 pub struct Depth {
     slab: Slab,
     number: f64,
-    /// `2 (1+nu) alpha` times A and B; `None`: nothing expands.
+    /// `2 (1+nu) alpha` times A and B; `None`: no thermal expansion.
     dilatation: Option<(f64, f64)>,
     /// exp(-q h).
     fall: f64,
@@ -59,13 +64,14 @@ impl Depth {
         Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
     }
 
-    /// The layer at the wave number `number` whose dilatation under a unit pressure is given by A and B, multiplied by
+    /// The layer at the wave number `number` with given coefficients A and B of the dilatation under a unit pressure,
+    /// multiplied by `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
     /// `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
     pub fn with_dilatation(slab: &Slab, dilatation: Option<(f64, f64)>, number: f64) -> Depth {
         Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
     }
 
-    /// The layer that goes on beside the contact.
+    /// The layer with conduction out of the plane, beside the contact.
     pub fn spreading(self, lateral: Option<Lateral>) -> Depth {
         Depth { lateral, ..self }
     }
@@ -75,12 +81,12 @@ impl Depth {
         spread(self.lateral.as_ref(), s, |s| self.slab.impedance(s, self.number))
     }
 
-    /// D(q, s), m3/W; 0 where nothing expands.
+    /// D(q, s), m3/W; 0 without thermal expansion.
     pub fn distortion(&self, s: Complex<f64>) -> Complex<f64> {
         self.respond(s)[1]
     }
 
-    /// Z and D at once.
+    /// Z and D together.
     pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let Some(lateral) = &self.lateral else { return self.respond_in_plane(s) };
         let mut sum = [Complex::from(0.0); 2];
@@ -99,10 +105,10 @@ impl Depth {
         // Integrals over the depth of the four products of exponentials.
         let slow = self.fall;
         if kappa.re * h > UNFELT {
-            // What is heated ends above the base.
+            // The temperature at the base is zero to rounding.
             let mut integral = direct / (kappa + q);
             if reflected != 0.0 {
-                // Only waves of q h up to 20 reflect, so the two decays differ.
+                // B is nonzero only for q h up to 20, so the two decays differ.
                 integral += slow * reflected / (kappa - q);
             }
             return [impedance, -impedance * integral];
@@ -129,7 +135,8 @@ impl Depth {
         [impedance, -impedance * integral / (1.0 + reflection * fast * fast)]
     }
 
-    /// Reduces the layer to states that answer frequencies from `slowest` to `fastest` (1/s, of what drives it as of its own
+    /// Reduces the layer to states, accurate at frequencies from `slowest` to `fastest` (1/s, of the excitation as of
+    /// the layer's own decay); `ratio`: ratio of neighbouring shifts.
     /// decay), on shifts `ratio` apart.
     pub fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
         let own = self.slowest_decay();
@@ -137,7 +144,8 @@ impl Depth {
         let steps = (fastest / first).ln() / ratio.ln();
         let intervals = steps.ceil().max(1.0);
         let factor = (steps / intervals * ratio.ln()).exp().max(1.5);
-        // At rest for ever exact; then as the decays that the layer adds to the wave's own.
+        // The stationary response is exact (shift 0); the other shifts are decay rates through the depth, beyond that
+        // along the layer.
         let mut shifts = vec![0.0];
         let mut decay = first;
         for _ in 0..intervals as usize {
@@ -146,16 +154,20 @@ impl Depth {
                 shifts.push(decay - own);
             }
         }
-        // From the fastest down, so that of fields that are alike the slow ones are left out.
+        // In decreasing order, so that of nearly dependent fields the slow ones are dropped.
         shifts[1..].reverse();
         let mut modes = self.pencil(&shifts);
         self.leave_what_is_passive(&mut modes);
         modes
     }
 
-    /// Weakens the fastest state until the rest, `Z - Z_reduced` at the frequency of turning, has a real part >= 0 about its decay.
+    /// Weakens the fastest state until the truncated part `Z - Z_reduced` at imaginary frequencies about its decay rate
+    /// has a real part >= 0.
     ///
-    /// The rest answers at once. One that gives back more than it is given lets two bodies that exchange heat raise each
+    /// The truncated part acts as direct feedthrough. If it is not passive, two bodies in thermal contact raise each
+    /// other's flux without bound in short steps; near the fastest decay rate its real part is a tenth below 0, because
+    /// the last state represents all faster decays. The steady response stays exact, since the static correction
+    /// compensates.
     /// other's flux without end in short steps; and about the fastest decay its real part is a tenth below 0, because the
     /// last state stands for all that decay faster. What is steady stays exact, since the rest makes up for it.
     fn leave_what_is_passive(&self, modes: &mut DepthModes) {
@@ -174,7 +186,8 @@ impl Depth {
         modes.distortion[fastest] *= factor;
     }
 
-    /// Galerkin on the exact fields at the shifts, from values of Z and D alone. A field that the others span to rounding
+    /// Galerkin on the exact fields at the shifts, from values of Z and D alone. A field that is linearly dependent on
+    /// the others to rounding is left out.
     /// is left out.
     fn pencil(&self, shifts: &[f64]) -> DepthModes {
         let values: Vec<(f64, f64, f64)> = shifts
@@ -191,7 +204,7 @@ impl Depth {
             let (si, sj) = (shifts[i], shifts[j]);
             if i == j { (-di, zi + si * di) } else { ((zi - zj) / (sj - si), (si * zi - sj * zj) / (si - sj)) }
         };
-        // Scaled to a unit diagonal of the mass.
+        // Scaled to a mass matrix of unit diagonal.
         let scale: Vec<f64> = (0..shifts.len()).map(|i| entry(i, i).0.sqrt().recip()).collect();
         let mut kept: Vec<usize> = Vec::new();
         let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -222,26 +235,26 @@ impl Depth {
         });
         let observed = eigen.eigenvectors.transpose() * solve(&loads);
         DepthModes {
-            // No field decays more slowly than the wave does along the layer.
+            // The decay rate of the mode along the layer is a lower bound.
             rate: eigen.eigenvalues.iter().map(|&rate| rate.max(self.slowest_decay())).collect(),
             temperature: observed.column(0).iter().copied().collect(),
             distortion: observed.column(1).iter().copied().collect(),
         }
     }
 
-    /// Decay kd q^2 of the wave along the layer, which bounds every rate from below.
+    /// Decay rate kd q^2 of the mode along the layer, a lower bound of every rate.
     fn slowest_decay(&self) -> f64 {
         self.slab.diffusivity() * self.number * self.number
     }
 }
 
-/// Decay through the depth, in units of 1/h, from which on the base is not felt to rounding.
+/// Decay through the depth, in units of 1/h, from which on the influence of the base is below rounding.
 const UNFELT: f64 = 40.0;
-/// Difference of two decays, in units of 1/h, below which their integral is that of a series.
+/// Difference of two decays, in units of 1/h, below which their integral is evaluated by its series.
 const CONFLUENT: f64 = 1e-3;
-/// Frequencies at which the rest is looked at.
+/// Number of frequencies at which the truncated part is tested.
 const FREQUENCIES: usize = 16;
-/// Part of a trial field, squared, that the others must leave.
+/// Smallest squared norm of the part of a normalised trial field independent of the others.
 const SMALLEST_PIVOT: f64 = 1e-12;
 
 /// Reduced layer at one wave number: `dx_k/dt = -rate_k x_k + temperature_k f`, T = sum temperature_k x_k,
@@ -262,7 +275,7 @@ impl DepthModes {
         self.rate.iter().zip(&self.temperature).map(|(rate, b)| b * b / (s + rate)).sum()
     }
 
-    /// Reduced Z and D at once.
+    /// Reduced Z and D together.
     pub fn respond(&self, s: Complex<f64>) -> [Complex<f64>; 2] {
         let mut sums = [Complex::from(0.0); 2];
         for (rate, (b, d)) in self.rate.iter().zip(self.temperature.iter().zip(&self.distortion)) {
@@ -274,9 +287,10 @@ impl DepthModes {
     }
 }
 
-/// A and B of the module at u = q h.
+/// Coefficients A and B of the dilatation at u = q h.
 ///
 /// Smooth base, by symmetry about it: `2 sinh u cosh(q(h-z))/(sinh 2u + 2u)`. Bonded: the coefficients of the two
+/// solutions with a dilatation, from the boundary conditions.
 /// solutions that have a dilatation, from the boundary conditions.
 pub fn dilatation(base: elasticity::Base, nu: f64, u: f64) -> (f64, f64) {
     if u > 20.0 {
@@ -356,7 +370,7 @@ mod tests {
                 let depth = Depth::new(&slab, Some(&expansion), number);
                 let modes = depth.reduce(1e-3, 4e3, 2.5);
                 assert!(modes.rate.iter().all(|rate| *rate > 0.0));
-                // What answers at once at rest makes up for the weakened state.
+                // The static correction at rest compensates the weakened state.
                 let rest = depth.impedance(Complex::from(0.0)) - modes.impedance(Complex::from(0.0));
                 let still = depth.distortion(Complex::from(0.0)) - modes.respond(Complex::from(0.0))[1];
                 for frequency in [0.0, 0.01, 1.0, 30.0, 1e3] {
@@ -375,7 +389,7 @@ mod tests {
                     );
                     assert!(d.re < 0.0 || frequency > 0.0);
                 }
-                // The rest never gives back more than it is given, but for the error of the reduction.
+                // The truncated part is passive, up to the error of the reduction.
                 for k in 0..60 {
                     let s = Complex::new(0.0, 1e-2 * 10f64.powf(0.15 * f64::from(k)));
                     let rest = (depth.impedance(s) - modes.impedance(s)).re / depth.impedance(s).re;

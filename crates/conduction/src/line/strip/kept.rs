@@ -1,6 +1,7 @@
-//! Answers of steps that were prepared before: probes of two levels that take the same steps with the same strip.
+//! Cache of stage responses by step: for probes of two model levels that take the same steps with the same strip.
 //!
-//! An answer is a function of the step and of the velocities alone, so a kept one is that which would be found, to the bit. Kept
+//! A response is a function of step length and velocities alone, so a cached one equals a computed one to the bit.
+//! Responses of forward sliding are cached; those of backward sliding are their mirror images.
 //! are those of sliding forwards; the way back has them mirrored.
 //!
 //! Theory: docs/theory.md, section 6.4.
@@ -9,13 +10,13 @@ use super::answer::Answer;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Most numbers that are kept: 16 MB.
+/// Cache capacity in numbers: 16 MB.
 const MOST: usize = 2_000_000;
 
-/// Answers of both stages of a step.
+/// Responses of both stages of a step.
 pub type Both = Arc<[Answer; 2]>;
 
-/// See the module.
+/// Cache of stage responses, shared by the copies of a strip.
 #[derive(Debug, Default)]
 pub struct Kept(Mutex<Known>);
 
@@ -26,20 +27,20 @@ struct Known {
 }
 
 impl Kept {
-    /// What was found for a step of this length between these velocities.
+    /// Cached responses of a step of this length between these velocities.
     pub fn get(&self, length: f64, velocity: [f64; 2]) -> Option<Both> {
-        // Every entry is complete, whatever a panic has interrupted.
+        // Every entry is complete, even after a panic.
         let known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         known.answers.get(&key(length, velocity)).cloned()
     }
 
-    /// Number of steps whose answers are kept.
+    /// Number of cached steps.
     #[cfg(test)]
     pub fn count(&self) -> usize {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).answers.len()
     }
 
-    /// Keeps what was found, while there is room.
+    /// Stores responses while the capacity suffices.
     pub fn keep(&self, length: f64, velocity: [f64; 2], answers: [&Answer; 2]) {
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let numbers = known.numbers + answers.iter().map(|answer| answer.length()).sum::<usize>();

@@ -1,6 +1,9 @@
-//! Answers at velocities on a grid, from which those between are interpolated.
+//! Stage responses at the nodes of a velocity grid, and interpolation between them.
 //!
-//! From one knot to the next the shortest wave turns by a quarter of a radian in the interval. On fresh material the rate of
+//! From node to node the phase of the shortest mode changes by a quarter of a radian over the interval. On fresh
+//! material the damping rate of periodic images has its largest curvature near rest however short the interval, and the
+//! nodes are denser there. The interpolant is the cubic through four nodes, a function of its arguments alone, whatever
+//! nodes are in the cache.
 //! forgetting bends near rest however short the interval, and there the knots lie closer. The answer is the cubic through four
 //! knots: a function of the arguments alone, whatever knots are kept.
 //!
@@ -10,22 +13,24 @@ use super::answer::{Answer, Layout, SingleStepAttempt};
 use super::operators::{ImageDamping, StripOperators};
 use super::step::{Interval, Workspace};
 
-/// Turn of the shortest wave from knot to knot, rad: the cubic is off by .023 of its fourth power for that wave, and by less
+/// Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for
+/// that mode, and decreases with the fourth power of the wave number for longer ones.
 /// with the fourth power of the wave number for longer ones.
 const KNOT_TURN: f64 = 0.25;
-/// Distance of the knots in asinh(v/slow) where forgetting bends: the cubic through four is off by 3e-4 of its rate at `slow`.
+/// Spacing of the nodes in asinh(v/slow) where the damping rate of periodic images curves: the error of the cubic is
+/// 3e-4 of the rate at `slow`. This error accumulates over the steps, so it must not depend on their length.
 /// What it is off by adds up over the steps, so it must not depend on their length.
 const KNOT_BEND: f64 = 0.25;
-/// Knots kept for the usual length of the interval, and for any other.
+/// Cached nodes for the usual length of the interval, and for any other.
 const SLOTS: [usize; 2] = [8, 4];
 /// Requests after which another length becomes the usual one.
 const REQUESTS: u32 = 3;
 
-/// Velocities of the knots: `v/phase + asinh(v/bend)/KNOT_BEND` is the number of a knot.
+/// Velocities of the nodes: the number of a node is `v/phase + asinh(v/bend)/KNOT_BEND`.
 #[derive(Clone, Copy, Debug)]
 struct Grid {
     phase: f64,
-    /// Nothing bends: infinite.
+    /// Velocity scale of the damping of periodic images, m/s; infinite without damping.
     bend: f64,
 }
 
@@ -34,18 +39,19 @@ impl Grid {
         Grid { phase, bend: if image_damping.per_length > 0.0 { image_damping.slow } else { f64::INFINITY } }
     }
 
-    /// Place of a velocity among the numbers of the knots.
+    /// Node number of a velocity, as a real number.
     fn position(&self, velocity: f64) -> f64 {
         velocity / self.phase + (velocity / self.bend).asinh() / KNOT_BEND
     }
 
-    /// Velocity of a knot.
+    /// Velocity of a node.
     fn node(&self, number: i64) -> f64 {
         let target = number as f64;
         if self.bend.is_infinite() {
             return target * self.phase;
         }
-        // Newton's method in u = asinh(v/bend), where the place is convex: down from what either part alone would give.
+        // Newton's method in u = asinh(v/bend). The function is convex, and the start, the smaller of the solutions
+        // with either term alone, is an upper bound, so the iterates decrease.
         let distance = target.abs();
         let mut u = (distance * KNOT_BEND).min((distance * self.phase / self.bend).asinh());
         for _ in 0..MOST_ITERATIONS {
@@ -60,21 +66,22 @@ impl Grid {
     }
 }
 
-/// Iterations after which a knot is where it is: the method doubles its digits from a start that is at most twice too far.
+/// Iterations for convergence to rounding: Newton's method converges quadratically from a start at most twice too
+/// large.
 const MOST_ITERATIONS: usize = 20;
 
-/// See the module.
+/// Cached interpolation nodes for two lengths of the interval.
 #[derive(Clone, Debug)]
 pub struct InterpolationNodes {
     sets: [Set; 2],
 }
 
-/// Knots of one length of the interval.
+/// Nodes of one length of the interval.
 #[derive(Clone, Debug)]
 struct Set {
     length: f64,
     requests: u32,
-    /// Number, velocity and answer, in the slot `number mod number of slots`.
+    /// Number, velocity and stage response, in the slot `number mod number of slots`.
     slots: Vec<Slot>,
 }
 
@@ -94,7 +101,7 @@ impl Set {
 }
 
 impl InterpolationNodes {
-    /// No knots yet; and no memory for them where nothing is interpolated.
+    /// An empty cache; no memory is allocated unless `used`.
     pub fn new(layout: Layout, used: bool) -> InterpolationNodes {
         let set = |slots: usize| Set {
             length: f64::NAN,
@@ -104,7 +111,7 @@ impl InterpolationNodes {
         InterpolationNodes { sets: SLOTS.map(|slots| set(if used { slots } else { 0 })) }
     }
 
-    /// The set for a length.
+    /// Nodes of an interval of this length, emptied where they were those of another length.
     fn set(&mut self, length: f64) -> &mut Set {
         let [usual, other] = &mut self.sets;
         if usual.length.is_nan() {
@@ -125,7 +132,7 @@ impl InterpolationNodes {
         usual
     }
 
-    /// The answer of `interval`, `length` s long, at a constant velocity, with what answers at once.
+    /// Response of `interval`, `length` s long, at a constant velocity, direct feedthrough included.
     #[expect(
         clippy::too_many_arguments,
         reason = "an interval, its velocity, and where to build what is not there yet"

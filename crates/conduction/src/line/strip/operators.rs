@@ -1,4 +1,4 @@
-//! What a strip's conduction is made of, built once and shared by every copy.
+//! Operators of the strip's conduction, built once and shared by every copy.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -24,14 +24,14 @@ use std::sync::Arc;
 pub enum SlidingPath {
     /// Closed after this length, m (circumference over the number of equal punches); at least the contact's width.
     Closed(f64),
-    /// To and fro: the length of one stroke, m, on a strip of this length, m (0: as long as is felt).
+    /// Reciprocating sliding along a stroke, m, on a strip of this length, m (0: the length that heat reaches).
     Stroke {
         /// Length of one stroke.
         stroke: f64,
         /// Length of the strip.
         length: f64,
     },
-    /// One way, over material that has never been under the contact before.
+    /// Unidirectional sliding on a straight path over fresh material.
     Unidirectional,
 }
 
@@ -48,41 +48,44 @@ pub struct StripProperties {
     pub convection: f64,
     /// Condition at the base.
     pub base: Base,
-    /// Where the contact goes.
+    /// Path of the contact.
     pub path: SlidingPath,
-    /// Thermal expansion; `None`: the surface does not move under heat.
+    /// Thermal expansion; `None`: no thermal distortion.
     pub expansion: Option<Expansion>,
     /// Conduction out of the plane; `None`: the strip is as deep as the contact.
     pub lateral: Option<Lateral>,
 }
 
-/// What has to be resolved.
+/// Resolution in time of the reduction.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Resolution {
-    /// Longest time over which heat is followed, s.
+    /// Longest time over which heat is resolved, s.
     pub duration: f64,
-    /// Shortest step, s: what decays faster answers at once.
+    /// Shortest step, s: faster decays act as direct feedthrough.
     pub shortest: f64,
-    /// Relative error of the contact temperature that the reduction may cost.
+    /// Permitted relative error of the contact temperature by the reduction.
     pub tolerance: f64,
-    /// Length of the way on fresh material, m; infinite where it is not known.
+    /// Sliding distance on fresh material, m; infinite if unknown.
     pub way: f64,
 }
 
-/// Rate by which sliding on fresh material adds to every decay: heat left behind must not come back with the next copy of
+/// Damping of periodic images: the rate that sliding on fresh material adds to every decay, so that heat left behind
+/// does not return with the next periodic image of the contact. It is not used where the contact does not pass a period
+/// within the whole time.
 /// the contact. Contacts too slow to pass a period within the whole time have nothing to forget.
 ///
-/// `rate = per_length (sqrt(v^2 + slow^2) - slow)`: like `v^2` at rest, like `|v|` beyond, and smooth in between, so that what
+/// `rate = per_length (sqrt(v^2 + slow^2) - slow)`: proportional to `v^2` near rest and to `|v|` beyond, smooth in
+/// between, so that quantities depending on it can be interpolated through rest.
 /// depends on it can be interpolated through rest.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ImageDamping {
-    /// Decays per length, 1/m; 0: a path that remembers.
+    /// Decay rate per sliding velocity, 1/m; 0: no damping.
     pub per_length: f64,
-    /// Velocity at which one period takes the whole time, m/s.
+    /// Velocity at which one period is passed in the whole duration, m/s.
     pub slow: f64,
 }
 
-/// Change of the velocity, relative to where the rate bends, up to which Simpson's rule finds its mean to 1e-6.
+/// Change of the velocity, relative to `hypot(v, slow)`, up to which Simpson's rule gives the mean rate to 1e-6.
 const STRAIGHT: f64 = 0.25;
 
 impl ImageDamping {
@@ -105,7 +108,7 @@ impl ImageDamping {
     }
 }
 
-/// See the module.
+/// Operators of the strip: constant after construction, except for the tables and caches.
 #[derive(Debug)]
 pub struct StripOperators {
     pub widths: Vec<f64>,
@@ -117,56 +120,59 @@ pub struct StripOperators {
     pub free_length: f64,
     pub convection: f64,
     pub waves: Vec<Wave>,
-    /// Their wave numbers, 1/m.
+    /// Wave numbers of the modes, 1/m.
     pub numbers: Vec<f64>,
     pub shapes: Arc<Shapes>,
-    /// Sum over the modes on all pairs of cells.
+    /// Influence of the modes on all pairs of cells.
     pub distance_sum: DistanceSum,
-    /// `2 count/L`: what a wave's amplitude counts in the temperature.
+    /// `2 count/L`: weight of a mode's amplitude in the temperature.
     pub weight: Vec<f64>,
-    /// Places of the states of all waves.
+    /// State layout of all modes.
     pub state_layout: Vec<Level>,
     pub rate: Vec<f64>,
     pub temperature: Vec<f64>,
     pub distortion: Vec<f64>,
-    /// The mean wave, per area of strip.
+    /// Reduced mean mode (q = 0), per area of strip.
     pub mean: ReducedBody,
-    /// Displacement into the body per mean temperature of the mean wave, m/K.
+    /// Displacement into the body per mean temperature of the mean mode, m/K.
     pub mean_distortion: f64,
     pub expands: bool,
     /// The temperature of the base is prescribed.
     pub held: bool,
-    /// The material under the contact has never been there before: heat received does not come back.
+    /// Fresh material under the contact: heat received does not return to it.
     pub fresh: bool,
     pub image_damping: ImageDamping,
-    /// Largest `q dv h/8` of the shortest wave at which the gains are those of the mean velocity. Such waves are less than one
+    /// Largest `q dv h/8` of the shortest mode at which the influence matrices are those of the mean velocity. The
+    /// contribution of such modes to the temperature is below one in a hundred. 0: no interpolation between velocities.
     /// in a hundred of the temperature. 0: every step finds its own.
     pub steady: f64,
     pub table: VelocityTable,
-    /// Answers of the steps that were prepared, where several probes take them; `None`: every step finds its own.
+    /// Cache of stage responses shared by several probes; `None`: not used.
     pub kept: Option<Kept>,
     pub robin_correction: Option<RobinCorrection>,
-    /// Even and odd parts on the cells that a wave's real and imaginary amplitude show: (N + 1)/2 rows, one column per wave.
+    /// Observation matrices of the real and imaginary amplitudes, the even and odd parts on the cells: (N + 1)/2 rows,
+    /// one column per mode.
     pub seen: [Vec<f64>; 2],
-    /// Mean over the contact of what a state's real part shows.
+    /// Mean temperature over the contact per real part of each state.
     pub contact_mean: Vec<f64>,
     pub error: f64,
 }
 
-/// Ratios of the frequencies at which the layer is reduced, tried in this order until the error is small.
+/// Ratios of the shifts of the reduction, tried in this order until the error is small.
 const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
-/// Part of the tolerance that the reduction of the waves may take.
+/// Fraction of the tolerance available to the reduction of the modes.
 const REDUCTION_PART: f64 = 0.2;
-/// Shortest period of a one-way path, in widths of the contact.
+/// Lower bound of the period of a unidirectional path that is not short, in widths of the contact.
 const SHORTEST_WAY: f64 = 12.0;
-/// Period of a one-way path that is known and short, over what its contact heats.
+/// Period of a known, short unidirectional path, relative to the length heated by the contact.
 const FREE_OF_COPIES: f64 = 1.5;
-/// Waves from which on a few are asked first whether a ratio of frequencies will do, and how many of them there are to one of those.
+/// Number of modes from which on the reduction error is first tested on a sample, and the ratio of all modes to the
+/// sample.
 const MANY_WAVES: usize = 200;
 const SAMPLED: usize = 8;
 /// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
 const FASTEST: f64 = 1e7;
-/// Decays over which a one-way path forgets while the contact passes one period.
+/// Decay exponent of the damping of periodic images while the contact passes one period.
 const FORGOTTEN: f64 = 4.0;
 /// Harmonics that always have states.
 const FEWEST_HARMONICS: usize = 16;
@@ -185,7 +191,7 @@ impl StripProperties {
         let convection = self.convection;
         OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
         match self.path {
-            // Rounding of the width must not refuse full periodic contact.
+            // Full periodic contact must be accepted despite rounding of the width.
             SlidingPath::Closed(length) => OutOfRange::unless(
                 length.is_finite() && length >= width * (1.0 - 1e-12),
                 "strip length",
@@ -199,7 +205,7 @@ impl StripProperties {
         }
     }
 
-    /// Length of the period, and largest distance between source and observer counted along the material.
+    /// Length of the period, and largest distance between heated and observed point along the material.
     fn period(&self, width: f64, Resolution { duration, way, .. }: &Resolution) -> (f64, f64) {
         let mut reach = (self.conductivity / self.capacity * *duration).sqrt();
         if self.convection > 0.0 {
@@ -210,12 +216,12 @@ impl StripProperties {
         }
         match self.path {
             SlidingPath::Closed(length) => (length.max(width), f64::INFINITY),
-            // A stroke longer than planned still finds its own track.
+            // The allowance covers a stroke longer than planned.
             SlidingPath::Stroke { stroke, length } => {
                 ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
             }
             SlidingPath::Unidirectional => {
-                // On a short way no copy of the contact comes near heat that is not its own.
+                // On a short path no periodic image of the contact reaches heat that is not its own.
                 let apart = FREE_OF_COPIES * (width + way + 8.0 * reach);
                 ((width + 8.0 * reach).max(apart.min(SHORTEST_WAY * width)), f64::INFINITY)
             }
@@ -262,7 +268,7 @@ impl StripOperators {
         };
         let mut waves = harmonics(period, last, reach);
         if fresh {
-            // Neighbouring copies of the contact with opposite signs: no mean, and the midpoint rule of the endless path.
+            // Neighbouring periodic images have opposite signs: no mean, and the midpoint rule of the endless path.
             waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
         }
         let shapes = Arc::new(Shapes::new(cells, &waves));
@@ -281,7 +287,7 @@ impl StripOperators {
                 layers.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
             };
             let good = |error: f64| error <= REDUCTION_PART * tolerance;
-            // Neighbouring waves have neighbouring errors; the last ratio is taken as it is.
+            // Errors of neighbouring modes are similar; the last ratio is accepted without the test.
             let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
             if few && !good(error_sweep.largest_error(&reduce(SAMPLED), SAMPLED)) {
                 continue;
@@ -293,10 +299,10 @@ impl StripOperators {
             }
         }
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
-        // The slowest motion that the waves as long as the contact can tell from rest.
+        // Lowest velocity at which modes as long as the contact differ from those at rest.
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
-        // As many states as any shorter wave has: those it does not need stay 0.
+        // At least as many states as any shorter mode; unused ones stay 0.
         let mut counts: Vec<usize> = modes.iter().map(|mode| mode.rate.len()).collect();
         for wave in (1..counts.len()).rev() {
             counts[wave - 1] = counts[wave - 1].max(counts[wave]);
@@ -376,7 +382,7 @@ impl StripOperators {
         Ok(operators)
     }
 
-    /// Sums over all cells of width times a function times a wave's even and odd shape.
+    /// Sums over all cells of width times a function times the even and the odd shape of a mode.
     pub fn over_cells(&self, wave: usize, function: impl Fn(usize) -> f64) -> (f64, f64) {
         let (even, odd) = self.shapes.rows(wave);
         let count = self.widths.len();
@@ -390,22 +396,23 @@ impl StripOperators {
         (sum, tilt)
     }
 
-    /// Number of states before those of the waves: of the mean wave, and on fresh material once more without the contact.
+    /// Number of states before those of the Fourier modes: of the mean mode, and on fresh material of a second one
+    /// without the heat of the contact.
     pub fn mean_states(&self) -> usize {
         if self.fresh { 2 * self.mean.count } else { self.mean.count }
     }
 
-    /// States of the mean wave that the contact zone sees.
+    /// States of the mean mode that determine the temperature under the contact.
     pub fn background<'a>(&self, state: &'a [f64]) -> &'a [f64] {
         &state[self.mean_states() - self.mean.count..self.mean_states()]
     }
 
-    /// Part of the mean flux that the contact zone sees again.
+    /// Fraction of the mean flux whose heat returns to the contact.
     pub fn remembered(&self) -> f64 {
         if self.fresh { 0.0 } else { 1.0 }
     }
 
-    /// Real and imaginary parts of the waves' states.
+    /// Real and imaginary parts of the states of the modes.
     pub fn wave_states<'a>(&self, state: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         let (first, count) = (self.mean_states(), self.rate.len());
         (&state[first..first + count], &state[first + count..first + 2 * count])
@@ -441,7 +448,7 @@ impl StripOperators {
         right.iter_mut().rev().zip(even.iter().zip(odd)).for_each(|(value, (even, odd))| *value += even - odd);
     }
 
-    /// Amplitude of every wave in the fluxes: `sum c_j q_j exp(-iq x_j)`.
+    /// Amplitude of every mode in the fluxes: `sum c_j q_j exp(-iq x_j)`.
     pub fn transform(&self, flux: &[f64], parts: &mut [Vec<f64>; 2], heat: &mut [Vec<f64>; 2]) {
         self.fold(flux, parts);
         parts[1].iter_mut().for_each(|value| *value = -*value);
@@ -451,7 +458,7 @@ impl StripOperators {
         dense::multiply_add_each([(even, even_part, re), (odd, odd_part, im)]);
     }
 
-    /// Values on the cells, of temperature and distortion: a level each plus what the waves of these amplitudes give.
+    /// Temperature and distortion on the cells: a uniform value each plus the sum of the modes with these amplitudes.
     pub fn observe(
         &self,
         amplitudes: [&[Vec<f64>; 2]; 2],
@@ -471,7 +478,7 @@ impl StripOperators {
         }
     }
 
-    /// One of them.
+    /// Temperature or distortion alone; see [`StripOperators::observe`].
     pub fn observe_one(&self, amplitude: &[Vec<f64>; 2], parts: &mut [Vec<f64>; 2], level: f64, values: &mut [f64]) {
         parts.iter_mut().for_each(|part| part.fill(0.0));
         let ([even, odd], [re, im], [even_part, odd_part]) = (&self.seen, amplitude, &mut *parts);
@@ -481,7 +488,8 @@ impl StripOperators {
     }
 }
 
-/// Displacement per mean temperature of a uniformly heated strip: `-alpha (1+nu)/(1-nu) h` where it cannot get longer (bonded,
+/// Displacement per mean temperature of a uniformly heated strip: `-alpha (1+nu)/(1-nu) h` with restrained elongation
+/// (bonded, or closed), `-alpha (1+nu) h` with free elongation.
 /// or closed), `-alpha (1+nu) h` where it can.
 fn mean_distortion(properties: &StripProperties, expansion: &Expansion) -> f64 {
     let nu = expansion.material.poissons_ratio();

@@ -1,6 +1,9 @@
-//! Heat transfer of the top given back to the contact zone.
+//! Robin correction of the strip under the contact.
 //!
-//! The waves are cooled on the whole surface. Under the contact there is no air: fluxes `H0 (T - T_ambient)` into the
+//! The modes have the convection of the free surface on the whole top. Under the contact there is none: fluxes `H0 (T -
+//! T_ambient)` into the cells cancel it, T being the temperature of the modes. They are taken in a space of polynomials
+//! over the contact, which resolves both the smooth temperatures of a wide zone and the heat itself; the linear system
+//! per stage has the dimension of that space:
 //! cells undo it there, with T the temperature of the waves that are cooled. They are taken in the space of polynomials
 //! over the contact, which holds the smooth temperatures of a wide zone as well as the heat itself, so that a stage's
 //! equation for them is as small as that space:
@@ -17,20 +20,20 @@ use elasticity::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 use numerics::dense;
 
-/// Largest dimension of the space.
+/// Largest dimension of the polynomial space.
 pub const RANK: usize = 8;
 
-/// Polynomials orthonormal on the cells, and what the waves give for them.
+/// Polynomials orthonormal on the cells, and the projections of the modes on them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RobinCorrection {
     transfer: f64,
     rank: usize,
-    /// V: N x rank, by columns; even and odd by turns.
+    /// V: N x rank, by columns; even and odd degrees alternate.
     polynomials: Vec<f64>,
     /// V'W of a uniform temperature.
     pub unit: [f64; RANK],
     widths: Vec<f64>,
-    /// V'W of every wave's shape.
+    /// V'W of the shape of every mode.
     waves: Vec<[f64; RANK]>,
 }
 
@@ -41,7 +44,7 @@ impl RobinCorrection {
         let rank = RANK.min(count);
         let mut polynomials: Vec<Vec<f64>> = Vec::new();
         for degree in 0..rank {
-            // x times the last one, orthogonalised twice.
+            // x times the polynomial before, orthogonalised twice.
             let mut next: Vec<f64> = match polynomials.last() {
                 None => vec![1.0; count],
                 Some(last) => cells.centres().iter().zip(last).map(|(x, p)| x / cells.half_width() * p).collect(),
@@ -71,9 +74,9 @@ impl RobinCorrection {
         RobinCorrection { transfer, rank, polynomials: polynomials.concat(), unit, widths, waves }
     }
 
-    /// V'W of the temperature that waves of these amplitudes (real and imaginary parts) give.
+    /// V'W of the temperature given by mode amplitudes (real and imaginary parts).
     pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
-        // Two sums: the additions of one would wait for each other.
+        // Two interleaved sums break the dependency chain of the additions.
         let mut state_layout = [[0.0; RANK]; 2];
         for (wave, (row, (re, im))) in self.waves.iter().zip(amplitude[0].iter().zip(&amplitude[1])).enumerate() {
             let level = &mut state_layout[wave % 2];
@@ -85,7 +88,8 @@ impl RobinCorrection {
         std::array::from_fn(|degree| state_layout[0][degree] + state_layout[1][degree])
     }
 
-    /// How much of every polynomial is given back besides `flux` (W/m2), where the waves have the projected temperature
+    /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the
+    /// projected temperature of the free response.
     /// `level` without.
     pub fn amounts(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
         let mut driving = *level;
@@ -96,19 +100,21 @@ impl RobinCorrection {
         amounts
     }
 
-    /// Adds the fluxes given back to `flux`; see [`RobinCorrection::amounts`], which are returned.
+    /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
+    /// [`RobinCorrection::amounts`].
     pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
         let amounts = self.amounts(answer, level, ambient, flux);
         self.lift(&amounts, flux);
         amounts
     }
 
-    /// Adds so much of every polynomial to `flux` (W/m2).
+    /// Adds the polynomials with the coefficients `amounts` to `flux` (W/m2).
     pub fn lift(&self, amounts: &[f64; RANK], flux: &mut [f64]) {
         dense::multiply_add(&self.polynomials, &amounts[..self.rank], flux);
     }
 
-    /// Solves a stage whose waves answer fluxes by `slow` (N x N: temperature, distortion).
+    /// Computes the operators of the Robin correction for a stage whose modes have the influence matrices `slow` (N x
+    /// N: temperature, distortion).
     pub fn close(&self, slow: &[DMatrix<f64>; 2], parts: Parts<'_>) {
         let count = self.widths.len();
         let Parts { response, lifted, solution, .. } = parts;
@@ -145,7 +151,7 @@ impl RobinCorrection {
         }
     }
 
-    /// Adds to `influence` (N x N) of temperature or distortion the response by way of the fluxes given back.
+    /// Adds to `influence` (N x N; temperature or distortion) the response by way of the Robin correction.
     pub fn add_influence(&self, parts: &Parts<'_>, moving: usize, influence: &mut DMatrix<f64>) {
         let count = self.widths.len();
         for (gain, response) in influence.as_mut_slice().chunks_exact_mut(count).zip(parts.response.chunks_exact(RANK))
@@ -157,7 +163,7 @@ impl RobinCorrection {
     }
 }
 
-/// Inverse of the leading block, by elimination with pivots.
+/// Inverse of the leading block by Gauss-Jordan elimination with partial pivoting.
 fn inverse(mut matrix: [[f64; RANK]; RANK], rank: usize) -> [[f64; RANK]; RANK] {
     let mut result = [[0.0; RANK]; RANK];
     for (i, row) in result.iter_mut().enumerate().take(rank) {

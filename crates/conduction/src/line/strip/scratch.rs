@@ -1,29 +1,29 @@
-//! Memory that the evaluations work in.
+//! Workspace of the strip's evaluations.
 
 use super::operators::StripOperators;
 use super::robin_correction::RANK;
 
-/// Work space of the evaluations.
+/// Preallocated vectors of the evaluations.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     /// Total fluxes into the cells.
     pub first: Vec<f64>,
     pub end: Vec<f64>,
-    /// Even and odd halves of fluxes and of answers, of temperature and distortion.
+    /// Even and odd parts of fluxes, and of temperature and distortion.
     pub fold: [Vec<f64>; 2],
     pub answer: [[Vec<f64>; 2]; 2],
-    /// States of the waves that are carried in place, real and imaginary parts.
+    /// States of the modes before a step in place, real and imaginary parts.
     pub before: [Vec<f64>; 2],
-    /// For what answers at once with the state held.
+    /// Workspace of the direct feedthrough at frozen state.
     pub held: [Vec<f64>; 2],
-    /// Amplitudes of the waves, real and imaginary parts: heat in both stages, temperature, distortion.
+    /// Amplitudes of the modes, real and imaginary parts: fluxes of both stages, temperature, distortion.
     pub heat: [Vec<f64>; 2],
     pub heat_end: [Vec<f64>; 2],
     pub amplitude: [Vec<f64>; 2],
     pub moved: [Vec<f64>; 2],
-    /// What the heat transfer given back at either stage follows.
+    /// Projected temperature that drives the Robin correction, by stage.
     pub projected: [[f64; RANK]; 2],
-    /// How much of it there is, by polynomial.
+    /// Polynomial coefficients of the Robin correction by stage, W/m2.
     pub returned: [[f64; RANK]; 2],
 }
 

@@ -1,6 +1,8 @@
-//! The remainder as a table over the velocity.
+//! Direct feedthrough of the strip, tabulated over the sliding velocity.
 //!
-//! A knot costs as much as many steps, a scene needs few of them, and nothing is known of the velocities to come but the
+//! One interpolation node costs as much as many time steps, a simulation needs only a few nodes, and of the velocities
+//! to come only the nominal one is known. Nodes are therefore computed on first use, in memory allocated at
+//! construction. The values at a node depend on its number alone, not on the order of the requests.
 //! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
 //! of its number alone, whoever asks first.
 //!
@@ -12,24 +14,28 @@ use nalgebra::DMatrix;
 use numerics::dense;
 use std::sync::{Mutex, OnceLock};
 
-/// Distance of the knots in asinh(v/v0) at the tolerance 0.01. The error between them goes with its sixth power, so its own is
+/// Spacing of the interpolation nodes in asinh(v/v0) at the tolerance 0.01. The interpolation error is of sixth order
+/// in the spacing, so the spacing goes with the sixth root of the tolerance.
 /// the sixth root of the tolerance's.
 const SPACING: f64 = 0.35;
-/// Largest distance.
+/// Largest spacing.
 const WIDEST: f64 = 0.45;
-/// Smallest distance.
+/// Smallest spacing.
 const CLOSEST: f64 = 0.15;
-/// Knots of one interpolation.
+/// Number of nodes of the interpolation stencil.
 const STENCIL: usize = 6;
-/// Distance from a knot, relative to that of the knots, that is rounding.
+/// Distance from a node, relative to the spacing, that is attributed to rounding.
 const ON_A_KNOT: f64 = 1e-9;
-/// Knots behind that of rest.
+/// Nodes at negative velocity.
 const BEHIND: usize = STENCIL / 2 - 1;
 
-/// Responses on the cells (temperature, distortion) at the knots `v = v0 sinh(spacing k)`, k = -2, -1, 0, ...; the opposite
+/// Surface influence matrices of the direct feedthrough (temperature, distortion) at the nodes `v = v0 sinh(spacing
+/// k)`, k = -2, -1, 0, ... Negative velocities follow by symmetry; beyond the last node the feedthrough is extrapolated
+/// as v^(-1/2), the limit of fast sliding (one-dimensional conduction into the depth).
 /// velocity by symmetry, beyond the last knot the limit of fast sliding, v^(-1/2) (conduction straight down).
 ///
-/// Between the knots the temperature under a uniform flux is off by less than a tenth of the tolerance, relative to the whole
+/// Between nodes the interpolation error of the temperature under a uniform flux is below a tenth of the tolerance,
+/// relative to the whole steady temperature.
 /// steady temperature.
 #[derive(Debug)]
 pub struct VelocityTable {
@@ -42,24 +48,25 @@ pub struct VelocityTable {
     workshop: Mutex<Workshop>,
 }
 
-/// What knots are made in, and of.
+/// Workspace for computing nodes, and the preallocated nodes.
 #[derive(Debug)]
 struct Workshop {
     workspace: Workspace,
-    /// One for every knot that is still to be found.
+    /// One for every node not yet computed.
     spare: Vec<Knot>,
-    /// Both responses split by parity, and room for a block and a row of it.
+    /// Temperature and distortion split by parity, and workspace for one block and one of its rows.
     blocks: [Blocks; 2],
     turned: Vec<f64>,
-    /// Even heat of a uniform flux, W/m.
+    /// Even part of the heat of a uniform flux, W/m.
     uniform: Vec<f64>,
 }
 
-/// Temperature and distortion by fluxes, N x N each, the second without values where nothing expands.
+/// Surface influence matrices of temperature and distortion, N x N each; the second is empty without thermal expansion.
 type Knot = [DMatrix<f64>; 2];
 
 impl VelocityTable {
-    /// `scale` is the velocity v0 below which nothing depends on the velocity, `fastest` where the limit is reached, `tolerance`
+    /// `scale`: velocity v0 (m/s) below which the feedthrough is independent of the velocity; `fastest`: velocity (m/s)
+    /// from which the limit of fast sliding holds; `tolerance`: requested relative error of the contact temperature.
     /// the relative error of the contact temperature that is asked for.
     pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
         let (half, widths) = (static_correction.shapes.half(), static_correction.cells.widths().to_vec());
@@ -70,7 +77,7 @@ impl VelocityTable {
         let moving = if static_correction.expansion.is_some() { cells } else { 0 };
         let workshop = Workshop {
             workspace: Workspace::new(&static_correction, &integrals),
-            // Zeros that the system hands out: most knots are never found, and touch no memory.
+            // Zero pages of the operating system: most nodes are never computed and touch no memory.
             spare: (0..count)
                 .map(|_| [cells, moving].map(|size| DMatrix::from_vec(size, size, vec![0.0; size * size])))
                 .collect(),
@@ -91,7 +98,8 @@ impl VelocityTable {
         }
     }
 
-    /// Shifts the knots, before the first is found, so that one lies at `velocity`: a single one is asked for there.
+    /// Adapts the spacing, before any node is computed, so that one node lies at `velocity` (m/s): interpolation there
+    /// needs this node only.
     pub fn align(&mut self, velocity: f64) {
         let reach = (velocity.abs() / self.scale).asinh();
         let number = (reach / self.spacing).round();
@@ -101,7 +109,7 @@ impl VelocityTable {
         }
     }
 
-    /// Finds the knots that velocities up to `velocity` ask for.
+    /// Computes the nodes for all velocities up to `velocity` (m/s).
     pub fn expect(&self, velocity: f64) {
         let (base, _) = self.stencil(velocity);
         (0..base + STENCIL).for_each(|node| {
@@ -109,15 +117,15 @@ impl VelocityTable {
         });
     }
 
-    /// Both responses at a knot, counted from the first behind that of rest; takes no memory.
+    /// Both influence matrices at a node, counted from the first one at negative velocity; allocates nothing.
     fn node(&self, node: usize) -> &Knot {
         if let Some(known) = self.nodes[node].get() {
             return known;
         }
         let opposite = (node < BEHIND).then(|| self.node(2 * BEHIND - node));
-        // What a panic may have left behind is overwritten.
+        // The workspace is overwritten, so the state left by a panic is harmless.
         let mut workshop = self.workshop.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-        // Somebody else may just have found it.
+        // Another thread may have computed it in the meantime.
         if self.nodes[node].get().is_none()
             && let Some(mut found) = workshop.spare.pop()
         {
@@ -136,14 +144,14 @@ impl VelocityTable {
         self.nodes[node].get().expect("there is a spare one for every knot")
     }
 
-    /// Finds the responses at knot `number`, 0 at rest.
+    /// Computes the influence matrices at node `number`, 0 at rest.
     fn find(&self, number: usize, workshop: &mut Workshop, found: &mut Knot) {
         let Workshop { workspace, blocks, turned, uniform, .. } = workshop;
         let velocity = self.scale * (number as f64 * self.spacing).sinh();
         let [warm, moved] = &mut *blocks;
         self.static_correction.at(velocity, &self.integrals, workspace, warm, moved);
         if number == 0 {
-            // At rest the response is symmetric; what stood in for rest moves a little.
+            // At rest the influence is symmetric, but rest is evaluated at a small positive velocity.
             blocks.iter_mut().for_each(Blocks::make_symmetric);
         }
         blocks[0].make_passive(uniform, &mut workspace.passive);
@@ -152,12 +160,12 @@ impl VelocityTable {
         }
     }
 
-    /// Velocity below which nothing depends on it, m/s.
+    /// Velocity v0 below which the feedthrough is independent of the velocity, m/s.
     pub fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// First knot and weights for a speed.
+    /// First node and interpolation weights for a speed.
     fn stencil(&self, velocity: f64) -> (usize, [f64; STENCIL]) {
         let last = self.nodes.len() - 1 - STENCIL / 2 - BEHIND;
         let mut position = (velocity.abs() / self.scale).asinh() / self.spacing;
@@ -166,7 +174,7 @@ impl VelocityTable {
             limit = (self.scale * (last as f64 * self.spacing).sinh() / velocity.abs()).sqrt();
             position = last as f64;
         }
-        // What rounding keeps from a knot is taken as the knot.
+        // Positions within rounding of a node are moved onto it.
         if (position - position.round()).abs() < ON_A_KNOT {
             position = position.round();
         }
@@ -183,10 +191,11 @@ impl VelocityTable {
         (base, weights)
     }
 
-    /// Response at a velocity, N x N: temperature (`moving` 0), or distortion (1) where the surface moves.
+    /// Influence matrix of the direct feedthrough at a velocity, N x N: temperature (`moving` 0), or distortion (1)
+    /// with thermal expansion.
     pub fn respond(&self, moving: usize, velocity: f64, response: &mut DMatrix<f64>) {
         let (base, weights) = self.stencil(velocity);
-        // On a knot nothing else is asked for.
+        // On a node the other weights are 0, and the other nodes are not computed.
         let of = |k: usize| if weights[k] == 0.0 { BEHIND } else { k };
         let nodes: [&[f64]; STENCIL] = std::array::from_fn(|k| self.node(base + of(k))[moving].as_slice());
         dense::combine(response.as_mut_slice(), nodes, weights);
@@ -196,7 +205,7 @@ impl VelocityTable {
         }
     }
 
-    /// Adds the response to `flux` at a velocity; `workspace` is for as many numbers twice.
+    /// Adds the direct feedthrough of `flux` at a velocity; `workspace` holds two vectors of N numbers.
     pub fn add_response(
         &self,
         moving: usize,
@@ -221,7 +230,7 @@ impl VelocityTable {
         answer.iter_mut().zip(&*sum).for_each(|(value, own)| *value += own);
     }
 
-    /// Number of knots.
+    /// Number of interpolation nodes.
     pub fn nodes(&self) -> usize {
         self.nodes.len()
     }
@@ -251,7 +260,9 @@ mod tests {
         values.into_iter().fold(0.0, |most: f64, value| most.max(value.abs()))
     }
 
-    /// Midway between two knots, under a uniform flux: how far the table is from the sum over the waves at that very velocity, and
+    /// Errors midway between two nodes under a uniform flux, relative to the whole steady temperature: of the table
+    /// against the sum over the modes at that velocity, and of the passive part against the sum before it is made
+    /// passive.
     /// how far what is passive is from that sum as it is; relative to the whole steady temperature.
     fn errors(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> [f64; 2] {
         let mut body = strip(cells, path, resolution);
@@ -289,7 +300,7 @@ mod tests {
         {
             for tolerance in [5e-2, 1e-2, 1e-3, 1e-4] {
                 for shortest in [1e-1, 1e-3] {
-                    // What slides one way passes from remembering to forgetting within the thousand steps.
+                    // In unidirectional sliding the damping of periodic images sets in within the thousand steps.
                     let duration = if path == SlidingPath::Unidirectional { 1e3 * shortest } else { 100.0 };
                     let resolution = Resolution { duration, shortest, tolerance, way: f64::INFINITY };
                     let [between, passive] = errors(&cells, path, &resolution);
@@ -315,7 +326,7 @@ mod tests {
         let (there, one) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution).for_few_steps(velocity));
         assert_eq!((several, one), (STENCIL, 1));
         assert!(largest((between - &there).iter().copied()) < 1e-3 * largest(there.iter().copied()));
-        // Once knots are known they stay where they are.
+        // Computed nodes are not moved.
         let mut body = strip(&cells, SlidingPath::Unidirectional, &resolution);
         body.expect(velocity);
         let spacing = body.operators.table.spacing;
