@@ -70,7 +70,6 @@ fn above_the_critical_speed_the_error_is_not_known() {
 
 /// Where the temperature rise by the whole friction heat would more than cancel the friction, the friction of the
 /// previous iteration alternates however short the step is, and stepping ended without a solution.
-/// alternates however short the step is, and stepping ended with no solution.
 #[test]
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);

@@ -8,16 +8,12 @@
 //!
 //! As k is band-limited to q_last and needed at |r| <= W only, about q_last W numbers determine it: its values at
 //! evenly spaced nodes. They follow from the mode responses by one Fourier transform, and the means over pairs of cells
-//! from the nodes by weights that depend on neither velocity nor step. Modes times cells squared operations become `M
-//! log M + N^2`.
-//! evenly spaced nodes. They follow from the gains by one Fourier transform, and the means over pairs of cells from the nodes by weights
-//! that do not depend on velocity or step. Modes times cells squared operations become `M log M + N^2`.
+//! from the nodes by weights that depend on neither velocity nor step. Modes times cells squared operations become
+//! `M log M + N^2`.
 //!
 //! Wave numbers need not be evenly spaced (strokes), nor are distances. Both are spread to their grids by the window
 //! `phi(t) = exp(beta [sqrt(1 - (2t/w)^2) - 1])`, |t| <= w/2, with the Fourier transform psi (A. H. Barnett, J.
 //! Magland, L. af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479-C504):
-//! `phi(t) = exp(beta [sqrt(1 - (2t/w)^2) - 1])`, |t| <= w/2, with the Fourier transform psi (A. H. Barnett, J. Magland, L. af Klinteberg,
-//! SIAM J. Sci. Comput. 41 (2019) C479-C504):
 //!
 //! ```text
 //! exp(i theta x) = sum_m phi(x - m) exp(i theta m)/psi(theta),    |theta| <= pi/sigma
@@ -26,7 +22,6 @@
 //! with an error of the order `exp(-pi w sqrt(1 - 1/sigma))`, 1.3e-8 for w = 10 at the smallest sigma, 1.5. Temperature
 //! and distortion are real, so one complex transform gives both, the distortion scaled to the magnitude of the
 //! temperature.
-//! distortion are real, so one complex transform finds both, the second in a unit in which it is as large as the first.
 
 use super::waves::{Wave, gauss_legendre};
 use elasticity::Cells;
@@ -266,7 +261,6 @@ impl WithSimd for Gather<'_> {
 /// Fourier transform of twice as many numbers as there are roots; returns the index of the part of the memory that
 /// holds the result. Self-sorting (T. G. Stockham; C. Van Loan, Computational Frameworks for the Fast Fourier
 /// Transform, 1992, 1.7).
-/// C. Van Loan, Computational Frameworks for the Fast Fourier Transform, 1992, 1.7).
 struct Transform<'a> {
     roots: &'a [Vec<f64>; 2],
     spectrum: &'a mut [Vec<f64>; 4],

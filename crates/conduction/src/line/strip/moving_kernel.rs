@@ -2,7 +2,6 @@
 //!
 //! A line source of 1 W/m moving at V > 0 in +x over a half-plane heats its surface, at the distance r ahead of it, to
 //! (Carslaw, Jaeger, "Conduction of Heat in Solids", 10.7; Jaeger 1942)
-//! by (Carslaw, Jaeger, "Conduction of Heat in Solids", 10.7; Jaeger 1942)
 //!
 //! ```text
 //! k(r) = 1/(pi K) exp(-c r) K0(c |r|),     c = V/(2 kd)
@@ -17,7 +16,6 @@
 //!
 //! so that means over cells are second differences of g. Where these cancel, for cells much shorter than 1/c, the
 //! logarithm is integrated in closed form and the remainder by quadrature.
-//! logarithm is integrated in closed form and the rest by quadrature.
 //!
 //! Theory: docs/theory.md, sections 4.3, 4.5.
 

@@ -22,8 +22,6 @@
 //! Miller; W. Gautschi, SIAM Review 9 (1967) 24-82), normalised by T_0 or T_1 in closed form, or upwards where |z| is
 //! large; either direction is stable. Where eta/4 = q dv h/8 is large the integrals are differences of complex error
 //! functions ([`chirp`]). The number of operations is bounded for every rate of phase rotation.
-//! W. Gautschi, SIAM Review 9 (1967) 24-82), which T_0 or T_1 gives in closed form, or upwards where |z| is large, as is stable.
-//! Where eta/4 = q dv h/8 is large they are differences of complex error functions ([`chirp`]). No loop depends on how fast the wave turns.
 //!
 //! Theory: docs/theory.md, section 5.3.
 
@@ -36,7 +34,6 @@ use nalgebra::Complex;
 pub const LARGEST_DRIFT: f64 = 1.5;
 /// `q dv h/8` below which the velocity counts as constant: the relative error of the mode's amplitude. Modes for which
 /// it is not much smaller are short, and contribute one in a hundred of the temperature.
-/// not much smaller are short, and one in a hundred of the temperature.
 const LEAST_DRIFT: f64 = 5e-4;
 /// Terms of the series at the largest drift: 1.5^13/13! = 3e-8.
 const MOST_TERMS: usize = 12;
@@ -259,7 +256,6 @@ mod tests {
 
     /// On both sides of every threshold the weights agree to the truncation error of the series: at the bounds of the
     /// drift, and at the |z| where the power series, the recurrences and their normalisations change.
-    /// |z| where the powers, the recurrences and their scales change.
     #[test]
     fn weights_are_continuous_over_every_threshold() {
         for (drift, moduli) in [

@@ -3,8 +3,6 @@
 //! A mode has as many states as its reduction needs, one on each of its levels; the states of one level are contiguous
 //! in the order of the modes. Every operation then runs over independent modes. No multiply-add is fused, so every
 //! machine gives the same bits.
-//! of the waves. Every operation then runs over waves that do not know of each other. Nothing is fused, so every machine gives
-//! the same bits.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -44,7 +42,6 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
 
 /// Amplitudes of the modes by two observations of the states, each state multiplied by its propagation factor first;
 /// real and imaginary parts.
-/// parts.
 pub fn observe(
     state_layout: &[Level],
     states: Parts<'_>,
@@ -191,8 +188,6 @@ pub fn carry(
 /// of the stage's own, input included, and adds the response of the modes to both: temperature and distortion, by the
 /// observations `seen`; real and imaginary parts alternate. At the end of a step the known flux has the fraction
 /// `share` of the falling one; `None`: all of it, the first stage.
-/// included, and adds what both leave in the modes: temperature and distortion, as `seen`; real and imaginary parts by turns. At the
-/// end of a step the known flux has this share of the falling one; `None`: all of it, the first stage.
 pub fn stage_weights(
     share: Option<f64>,
     seen: Parts<'_>,

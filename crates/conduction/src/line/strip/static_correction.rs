@@ -5,9 +5,6 @@
 //! in the punch's frame over the moving material. Shorter modes have no states: for them the layer is a half-plane,
 //! whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less the integral up to
 //! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction.
-//! frequency -i q v with which a wave at rest in the punch's frame turns over the material. Shorter waves have no states: on them
-//! the layer is a half-plane, whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less
-//! the integral up to the wave number (n + 1/2) 2 pi/L, with the first correction of Euler and Maclaurin.
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.10.
 
@@ -52,7 +49,6 @@ const HALF_PLANE: f64 = 18.0;
 const SLOWEST_WAVE: f64 = 1e-7;
 /// Wave number times contact width below which the removed integrand is smooth in the root of the wave number, for
 /// sliding by at least twice that in widths during the time of diffusion across the width.
-/// the contact slides by twice that in widths over the time of diffusion across the width, or faster.
 const LONGEST_SLIDING: f64 = 0.5;
 /// Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
 const DISTORTION_REACH: f64 = 4.0;
@@ -268,7 +264,6 @@ impl StaticCorrection {
 
     /// Response of the endless path, in real space for the half-plane and as an integral over the wave number for the
     /// difference of the layer, less the response of the states.
-    /// the layer differs from it, less what the states answer.
     fn add_fresh(
         &self,
         velocity: f64,

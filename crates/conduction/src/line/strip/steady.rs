@@ -1,6 +1,5 @@
 //! Cache index of steps at a constant velocity: step-size control alternates between a few lengths, while a varying
 //! velocity hardly recurs.
-//! that changes is hardly met again.
 //!
 //! Theory: docs/theory.md, section 6.4.
 

@@ -33,7 +33,8 @@ pub struct Step {
     immediate: DirectFeedthrough,
 }
 
-/// A velocity rounded in the last twelve bits of its significand: the end of one step and the start of the next differ by rounding.
+/// A velocity rounded in the last twelve bits of its significand: the end of one step and the start of the next differ
+/// by rounding.
 fn rounded(velocity: f64) -> f64 {
     f64::from_bits((velocity.to_bits() + 0x800) & !0xfff)
 }

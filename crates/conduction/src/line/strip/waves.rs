@@ -6,10 +6,6 @@
 //! Gauss rule of the counting measure (with the Gram polynomials as its orthogonal polynomials), which is exact for
 //! polynomials of degree below twice its order and equals the plain sum when it has as many nodes as there are
 //! harmonics.
-//! decaying harmonics remember everything and stand one by one. Fast ones on a path whose reach |x - s| <= r is much
-//! shorter than L enter only through `exp(i q r)`, a smooth function of n over many harmonics: such a range of the sum is
-//! taken by the Gauss rule of the counting measure (its orthogonal polynomials are those of Gram), which is exact
-//! for polynomials of twice its order and equals the plain sum when it has as many nodes as there are harmonics.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -34,7 +30,6 @@ const EXTRA: f64 = 10.0;
 
 /// The harmonics 1 to `last` of the period, summed accurately at distances up to `reach` between heated and observed
 /// point, counted along the material.
-/// counted along the material.
 pub fn harmonics(period: f64, last: usize, reach: f64) -> Vec<Wave> {
     let spacing = 2.0 * PI / period;
     let per_harmonic = 0.25 * spacing * reach;
@@ -115,7 +110,6 @@ pub fn continuous(least: f64, last: f64, reach: f64) -> Vec<Wave> {
 }
 
 /// Even and odd parts of the modes on cells that are symmetric about x = 0: one row of (N + 1)/2 entries per mode,
-/// `cos(q x_i) sinc(q c_i/2)` and `sin(q x_i) sinc(q c_i/2)`, from the -x edge to the centre.
 /// `cos(q x_i) sinc(q c_i/2)` and `sin(q x_i) sinc(q c_i/2)`, from the -x edge to the centre.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Shapes {

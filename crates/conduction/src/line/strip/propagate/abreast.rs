@@ -10,9 +10,6 @@
 //! and `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the rotation theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. All
 //! lanes therefore use the same formula. Modes with less rotation, or a large drift, are evaluated by the scalar form.
 //! No multiply-add is fused, so every machine gives the same bits.
-//! `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the turn theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. So no lane needs another
-//! formula than its neighbours. Modes that turn less, or whose drift is large, are left to the scalar form. Nothing is fused, so every
-//! machine gives the same bits.
 
 use super::{LARGEST_DRIFT, LEAST_DRIFT, Motion, terms};
 use nalgebra::Complex;
@@ -22,7 +19,6 @@ use pulp::{Arch, Simd, WithSimd};
 const LANES: usize = 8;
 /// Least phase rotation (rad) for the upward recurrence: this, and this times eps, so that each of up to twelve terms
 /// at most doubles the error of the one before.
-/// what the one before lacks.
 const LEAST_TURN: f64 = 1.0;
 const LEAST_TURN_BY_CHANGE: f64 = 25.0;
 
@@ -56,7 +52,6 @@ fn product([a, b]: [Lanes; 2], [c, d]: [Lanes; 2]) -> [Lanes; 2] {
 impl Turning<'_> {
     /// Weights (s) in the states of one level, for the first of the modes, of a flux falling from 1 to 0 and of one
     /// rising from 0 to 1: real and imaginary parts of both alternate. `rates` and `decays` belong to the states.
-    /// real and imaginary parts of both by turns. `rates` and `decays` are those of the states.
     pub fn weights(&self, rates: &[f64], decays: &[f64], weights: [&mut [f64]; 4]) {
         let count = rates.len();
         let [from, to] = self.velocity;

@@ -19,9 +19,6 @@
 //! relative error 3e-12); beyond |k|^2 = 1000 eta the asymptotic series of F and G are used, since 1 - k F cancels. For
 //! Re(k/s) < 0 the tail is taken in the opposite direction; the integral contains the whole Gaussian where the phase
 //! rate vanishes within the step. The number of operations does not depend on the arguments.
-//! 3e-12); beyond |k|^2 = 1000 eta the asymptotic series of F and G take over, since 1 - k F cancels. Where Re(k/s) < 0 the tail is
-//! taken towards the other side; the whole Gaussian is in the integral where the wave stands still within the step. No loop
-//! depends on the arguments.
 //!
 //! Theory: docs/theory.md, section 5.3.
 

@@ -32,7 +32,6 @@ pub struct Workspace {
     pub influence: [Vec<Complex<f64>>; 2],
     /// Phase factors of the modes; weights of fluxes in the states of one level, and the response of the modes to the
     /// stage's own flux: of temperature and distortion; real and imaginary parts alternate.
-    /// of temperature and distortion; real and imaginary parts by turns.
     phases: [Vec<f64>; 2],
     fluxes: [Vec<f64>; 4],
     own: [Vec<f64>; 4],
@@ -117,7 +116,6 @@ impl Interval<'_> {
 
     /// Computes the weights of the known fluxes and, at the end, those in the states, without the influence matrices.
     /// The response of the modes to the stage's own flux is left in the workspace.
-    /// the modes is in the workspace.
     pub fn weigh(
         &self,
         operators: &StripOperators,
