@@ -64,7 +64,7 @@ impl ErrorSweep {
     }
 
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// step's, relative to its value at the duration's, from the modes of every `step`th wave.
+    /// step's, relative to its value at the duration's, from the depth modes of every `step`th Fourier mode.
     pub fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
         let count = self.weights.len();
         let mut largest: f64 = 0.0;
