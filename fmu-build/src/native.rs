@@ -56,7 +56,7 @@ pub fn forward(arguments: &[OsString]) -> Result<()> {
     }
 }
 
-/// What a command prints.
+/// Standard output of a command.
 ///
 /// # Errors
 /// Where it fails, after it has told why on the error stream.

@@ -78,7 +78,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     tally.close()
 }
 
-/// What is run between edits.
+/// Fast checks, to run between edits.
 fn fast(tally: &mut Tally) {
     lints(tally);
     tally.step("unit tests", |step| step.run(rust_tests(&["--lib", "--bins"]), Counter::CargoTest));
@@ -105,7 +105,7 @@ fn rust_tests(targets: &[&str]) -> Command {
     command
 }
 
-/// What every change must pass.
+/// Checks that every change must pass.
 fn usual(tally: &mut Tally) {
     lints(tally);
     tally.step("Rust tests", |step| step.run(rust_tests(&[]), Counter::CargoTest));

@@ -60,7 +60,7 @@ pub(super) struct Factors {
     /// Extra matrices by names that tell each from all that came before; 0 is none.
     added_compliances: KeyedCache<u64, Vec<f64>>,
     names: u64,
-    /// Place of the extra matrix at hand among them.
+    /// Cache slot of the current added compliance.
     added_compliance: Option<usize>,
     low_rank_update: CachedUpdate,
     operator: Option<Vec<f64>>,

@@ -1,4 +1,4 @@
-//! What auto chooses, and what the levels that it compares cost.
+//! Choice of the automatic model level, and cost of the levels compared.
 
 use model::INPUTS;
 use model::levels::{Model, ModelOperators};
@@ -18,7 +18,8 @@ fn the_same_scene_has_the_same_plan() {
     assert!(one.plan.candidates.len() > 5 && one.plan.effects.len() == 8, "{:#?}", one.plan);
 }
 
-/// What the choice rests on: refining pays, and costs; and no cheaper candidate than the chosen one is good enough.
+/// Premises of the choice: refinement reduces the error and raises the cost, and no candidate cheaper than the chosen
+/// one is accurate enough.
 #[test]
 fn finer_cells_have_smaller_errors_at_a_higher_cost_and_the_cheapest_that_suffices_is_chosen() {
     let plan = plan::make(&generate(5).scene(1e-2).unwrap(), steady::run_in).unwrap().plan;
@@ -67,8 +68,8 @@ fn above_the_critical_speed_the_error_is_not_known() {
     assert!(matches!(plan.model_level, ModelLevel::Line { heat: HeatResolution::Resolved, .. }), "{plan:#?}");
 }
 
-/// Where a rise by all of the friction heat would take more than all of the friction away, a friction of the repetition before
-/// alternates however short the step is, and stepping ended with no solution.
+/// Where the temperature rise by the whole friction heat would more than cancel the friction, the friction of the
+/// previous iteration alternates however short the step is, and stepping ended without a solution.
 #[test]
 fn friction_that_fades_within_the_rise_of_the_first_moment_is_solved() {
     let generated = generate(113);

@@ -1,4 +1,4 @@
-//! What tests of several crates share; never linked into the FMU.
+//! Utilities shared by the tests of several crates; never linked into the FMU.
 //!
 //! Only integration tests may use it: it links the released form of every layer, whose types are others than those of a layer
 //! that is compiled for its own unit tests.

@@ -132,7 +132,7 @@ fn fill(stages: &mut [DiscStage; 2], source: &Source, ring: &ReducedHeat, step: 
     }
 }
 
-/// What sliding adds to every decay over a stage, 1/s.
+/// Rate that sliding adds to every decay over a stage, 1/s.
 struct Sliding {
     start: f64,
     mean: f64,

@@ -1,10 +1,8 @@
 //! Conduction in a strip under a sliding contact: Fourier modes along the path, each reduced through the depth.
 //!
-//! On a closed path, or in a cell around the stroke of a straight one, the temperature is a sum over wave numbers `q =
-//! 2 pi n/L` in the punch's frame. Each Fourier mode is a one-dimensional conduction problem ([`depth`]) whose states
-//! decay and rotate in phase,
-//! `q = 2 pi n/L` in the punch's frame. Each wave is a one-dimensional conduction problem ([`depth`]) whose states decay
-//! and turn,
+//! On a closed path, or in a cell around the stroke of a straight one, the temperature is a sum over wave numbers
+//! `q = 2 pi n/L` in the punch's frame. Each Fourier mode is a one-dimensional conduction problem ([`depth`]) whose
+//! states decay and rotate in phase,
 //!
 //! ```text
 //! dx_k/dt = (-rate_k + i q v) x_k + b_k f_q(t),     T_i = sum over q of weight_q Re [exp(iq x_i) sum b_k x_k]
@@ -14,22 +12,15 @@
 //! propagated exactly ([`propagate`]). Only modes whose decay is slow against the shortest resolved step have states;
 //! fast phase rotation is not decay. The rest is direct feedthrough, a matrix that depends on the velocity
 //! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
-//! velocities linear in time ([`propagate`]). Only what decays slowly against the shortest step that is to be resolved
-//! has states; fast turning is not decay. The rest answers at once, as a matrix that depends on the velocity
-//! ([`static_correction`]), so that steady sliding is exact for every velocity and every cell, however small.
 //!
 //! In unidirectional sliding on a straight path the contact meets fresh material: the wave numbers are the odd
 //! multiples of pi/L, the states have an additional decay rate that damps the periodic images, and the direct
 //! feedthrough makes the steady response that of the endless path, from the moving source in real space. Between start
 //! and steady state the error of this damping is 1 to 2 per cent of the steady temperature at a Peclet number of 1,
 //! less on both sides.
-//! states forget what lies a period behind, and the remainder makes the steady response that of the endless path, from the
-//! moving source in real space. Between start and steady state the error of forgetting is 1 to 2 per cent of the steady
-//! temperature at a Peclet number of 1, less on both sides.
 //!
 //! Heat transfer on the top acts on the whole surface in the modes; the Robin correction under the contact cancels it
 //! there by fluxes ([`robin_correction`]).
-//! ([`robin_correction`]).
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -83,7 +74,6 @@ const INDIFFERENT: f64 = 10.0;
 
 /// State entries after those of the modes: heat received, lost to the air, lost through the base (J/m), temperature of
 /// the base.
-/// the base.
 const TAIL: usize = 4;
 
 /// Thermal body of a strip, on the cells of the contact.
@@ -119,14 +109,12 @@ impl StripHeat {
 
     /// Computes the table of the direct feedthrough for velocities up to `velocity` (m/s). Nodes for faster sliding are
     /// computed by the first step that uses them; results are the same either way.
-    /// does; results are the same either way.
     pub fn expect(&self, velocity: f64) {
         self.operators.table.expect(velocity);
     }
 
     /// Setting for few steps of seldom repeated length and velocity, most of them at `velocity` (m/s): each stage
     /// response is computed at its own velocity, not interpolated between velocities.
-    /// would ask for as well; most of them at `velocity` (m/s).
     pub fn for_few_steps(mut self, velocity: f64) -> Self {
         if let Some(operators) = Arc::get_mut(&mut self.operators) {
             operators.steady = 0.0;
@@ -161,7 +149,6 @@ impl StripHeat {
 
     /// Surface temperature of the mean mode, and its mean temperature through the depth, at a stage with the means of
     /// the known flux and of the stage's own.
-    /// fluxes and of the stage's own.
     fn mean_levels(
         &self,
         state: &[f64],
@@ -210,7 +197,6 @@ impl StripHeat {
 
     /// Mean flux into the surface of the period at frozen state (contact, cooling beside it, Robin correction), and the
     /// Robin correction alone, W/m2 of contact.
-    /// that given back alone, W/m2 of contact.
     fn held_fluxes(&self, state: &[f64], surroundings: &Surroundings, flux: &[f64]) -> [f64; 2] {
         let operators = &*self.operators;
         let given = self.mean_flux(flux, self.free_cooling(surroundings));

@@ -2,7 +2,6 @@
 //!
 //! Only the mean mode stores heat. Heat entering over the step follows from the fluxes, stored heat from the states,
 //! heat lost to the air from the integrals of the states; the loss through the base closes the balance.
-//! leaves to the air from their integrals; the base takes what the balance leaves.
 //!
 //! Theory: docs/theory.md, section 2.7.
 

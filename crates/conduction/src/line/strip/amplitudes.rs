@@ -14,7 +14,6 @@ use numerics::dense;
 impl StripHeat {
     /// Stores the projected temperature that drives the Robin correction of the first stage: that of the free response
     /// of the states and of the known part of the Robin correction, without the fluxes of the contact.
-    /// of the heat transfer given back; not of the contact's fluxes.
     pub(super) fn project_first(&self, scratch: &mut Scratch, state: &[f64], surroundings: &Surroundings) {
         if self.operators.robin_correction.is_none() {
             return;
@@ -26,7 +25,6 @@ impl StripHeat {
 
     /// Adds to the fluxes in `scratch.first` the deviation of the Robin correction at the start of the step from that
     /// of the first stage: it is linear in time like the fluxes of the contact, with the slope of the step before.
-    /// the first stage: it is linear like the fluxes of the contact, with its slope over the step before.
     pub(super) fn deviate_given_back(&self, scratch: &mut Scratch, state: &[f64]) {
         if let Some(robin_correction) = &self.operators.robin_correction {
             let rates = &state[state.len() - TAIL - RANK..state.len() - TAIL];
@@ -38,7 +36,6 @@ impl StripHeat {
     /// Amplitudes of the modes at a stage without its own flux, from the state and the known flux in `scratch.first`.
     /// Returns surface temperature and mean temperature of the mean mode, and stores the projected temperature that
     /// drives the Robin correction.
-    /// temperature and mean temperature of the mean wave. Notes what the heat transfer given back follows.
     fn known_levels(
         &self,
         scratch: &mut Scratch,
@@ -68,7 +65,6 @@ impl StripHeat {
 
     /// Fills the workspace with the total fluxes into the cells in the first stage: those of the contact, less the
     /// cooling that does not act there, plus the Robin correction from its stored projected temperature.
-    /// not act there, and the heat transfer given back as it has been noted.
     pub(super) fn effective_first(&self, scratch: &mut Scratch, surroundings: &Surroundings, flux: &[f64]) {
         let cooling = surroundings.until(Stage::First).cooling;
         scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
@@ -152,8 +148,6 @@ impl StripHeat {
     /// Advances the state over the step with the contact's fluxes of both stages. The total fluxes of the first stage,
     /// their amplitudes and the projected temperature of the Robin correction at the end are in the workspace; `before`
     /// holds the states of the modes at the start of the step, all other states are in `state`.
-    /// amplitudes, and what the heat transfer given back at the end follows are in the scratch; `before` are the states of the
-    /// waves at the start of the step, everything else stands in `state`.
     pub(super) fn advance_by(
         &self,
         scratch: &mut Scratch,

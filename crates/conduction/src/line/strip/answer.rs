@@ -1,6 +1,5 @@
 //! Velocity-dependent part of a stage's response to fluxes. All of it enters linearly, so that responses at
 //! neighbouring velocities can be interpolated.
-//! at neighbouring velocities can be interpolated.
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.1.
 
@@ -50,8 +49,6 @@ pub struct Parts<'a> {
     /// Weights of the fluxes in each state, input included: of the flux known before the stage (in the first stage its
     /// deviation at the start, at the end the fluxes of the first stage) and of the stage's own; real and imaginary
     /// parts alternate. Empty in the first stage.
-    /// at its start, at the end the fluxes of the first) and of its own, real and imaginary parts by turns. Empty in the first
-    /// stage.
     pub weights: [&'a mut [f64]; 4],
     /// Surface amplitude and distortion of each mode due to the known flux, real and imaginary parts alternate.
     pub carried: [&'a mut [f64]; 4],
@@ -212,7 +209,6 @@ impl Answer {
 
 /// Direct feedthrough at one or two velocities (temperature and distortion, N x N; the second empty without thermal
 /// expansion), each with its weight.
-/// share.
 pub type SingleStepAttempt<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
 
 /// Linear combination of four matrices and the one or two of the direct feedthrough.

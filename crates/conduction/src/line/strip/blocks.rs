@@ -19,8 +19,6 @@ const TILE: usize = 8;
 /// Three blocks of ((N + 1)/2)^2 values, by rows: even response to even heat, even to odd, odd to odd. Odd to even is
 /// minus the transpose of even to odd. Reversing the velocity transposes the influence, which changes the sign of the
 /// middle block: the outer ones are symmetric.
-/// transpose of even to odd. Reversing the velocity changes the sign of the middle block, and transposes: the outer ones are
-/// symmetric.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Blocks {
     half: usize,
@@ -109,7 +107,6 @@ impl Blocks {
 
     /// Sets an N x N matrix to the influence per flux (W/m2) plus the uniform influence `level`; `turned` is workspace
     /// for a block and one of its rows.
-    /// and a row of it.
     pub fn unfold(&self, widths: &[f64], level: f64, turned: &mut [f64], matrix: &mut DMatrix<f64>) {
         struct Unfold<'a>(&'a Blocks, &'a [f64], f64, &'a mut [f64], &'a mut [f64]);
         impl WithSimd for Unfold<'_> {
@@ -154,13 +151,10 @@ impl Blocks {
 
     /// Makes the influence passive: removes the negative eigenvalues of the symmetric part, which is that of the even
     /// and of the odd block.
-    /// even and of the odd half.
     ///
     /// The truncated part of a reduction at a frequency just beyond its range has a real part of either sign. A
     /// negative one in the direct feedthrough lets two bodies in thermal contact raise each other's flux without bound
     /// in steps short against the range; the part removed is below the reduction's own error.
-    /// once, a negative one lets two bodies that exchange heat raise each other's flux without end in steps short
-    /// against the range; what is taken away is below the reduction's own error.
     ///
     /// The response M c to a uniform flux, of even heat c = `uniform`, is preserved where c'M c > 0: of
     ///
@@ -170,7 +164,6 @@ impl Blocks {
     ///
     /// only S loses eigenvalues. The steady mean temperature stays exact, and smooth in the velocity. The weight of u
     /// u' decreases to 0 as u turns away from c, where that term would be a large response to all other fluxes.
-    /// from c, the share of u u' fades out: it would stand for a large answer to everything else.
     pub fn make_passive(&mut self, uniform: &[f64], workspace: &mut Passive) {
         let (half, size) = (self.half, self.half * self.half);
         for block in [0, 2] {
@@ -189,7 +182,6 @@ impl Blocks {
 
 /// Column of the influence of a cell (`sign` 1) or its mirror image (-1): even response to even and to odd heat, minus
 /// odd to even, odd to odd. `mirrored` is workspace for the lower half, from the edge inwards.
-/// even, odd to odd. `mirrored` is room for the lower half, from the edge inwards.
 #[inline(always)]
 fn column<S: Simd>(
     simd: S,

@@ -1,24 +1,19 @@
 //! Conduction through the depth at one wave number: exact impedance and distortion, and their reduction to states.
 //!
-//! With `kappa^2 = q^2 + s/kd` a flux `exp(iqx)` of amplitude 1 and frequency s heats the layer to `Z(q, s) [exp(-kappa
-//! z) + rho exp(-kappa (2h - z))]/[1 + rho exp(-2 kappa h)]`, rho the reflection coefficient of the base, and by
-//! reciprocity displaces its surface by
-//! `Z(q, s) [exp(-kappa z) + rho exp(-kappa (2h - z))]/[1 + rho exp(-2 kappa h)]`, rho the reflection at the base, and by
-//! reciprocity displaces its surface by
+//! With `kappa^2 = q^2 + s/kd` a flux `exp(iqx)` of amplitude 1 and frequency s heats the layer to
+//! `Z(q, s) [exp(-kappa z) + rho exp(-kappa (2h - z))]/[1 + rho exp(-2 kappa h)]`, rho the reflection coefficient of
+//! the base, and by reciprocity displaces its surface by
 //!
 //! ```text
 //! D(q, s) = -2 (1+nu) alpha integral_0^h T(z) [A exp(-qz) + B exp(-q(h-z))] dz
 //! ```
 //!
-//! where the bracket times -(1-2nu)/G is the (harmonic) dilatation under a unit pressure `exp(iqx)`; a half-plane has A
-//! = 1, B = 0. Heating lifts the surface: D < 0.
-//! A = 1, B = 0. Heating lifts the surface: D < 0.
+//! where the bracket times -(1-2nu)/G is the (harmonic) dilatation under a unit pressure `exp(iqx)`; a half-plane has
+//! `A = 1`, `B = 0`. Heating lifts the surface: D < 0.
 //!
 //! The exact fields at a few real frequencies span the reduced space. Mass, load and observations follow from values of
 //! Z and D alone (symmetric Loewner pencil): the reduced rates are real, positive and bounded below by the smallest of
 //! the layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
-//! of Z and D alone (symmetric Loewner pencil), so the reduced rates are real, positive and bounded below by those of the
-//! layer, the impedance is interpolated with its derivative, and the stationary response (s = 0) is exact.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -66,7 +61,6 @@ impl Depth {
 
     /// The layer at the wave number `number` with given coefficients A and B of the dilatation under a unit pressure,
     /// multiplied by `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
-    /// `2 (1+nu) alpha`; B must be 0 from q h = 20 on.
     pub fn with_dilatation(slab: &Slab, dilatation: Option<(f64, f64)>, number: f64) -> Depth {
         Depth { slab: *slab, number, dilatation, fall: (-number * slab.height).exp(), lateral: None }
     }
@@ -137,7 +131,6 @@ impl Depth {
 
     /// Reduces the layer to states, accurate at frequencies from `slowest` to `fastest` (1/s, of the excitation as of
     /// the layer's own decay); `ratio`: ratio of neighbouring shifts.
-    /// decay), on shifts `ratio` apart.
     pub fn reduce(&self, slowest: f64, fastest: f64, ratio: f64) -> DepthModes {
         let own = self.slowest_decay();
         let first = own.max(self.slab.diffusivity() / self.slab.height.powi(2)).min(fastest);
@@ -168,8 +161,6 @@ impl Depth {
     /// other's flux without bound in short steps; near the fastest decay rate its real part is a tenth below 0, because
     /// the last state represents all faster decays. The steady response stays exact, since the static correction
     /// compensates.
-    /// other's flux without end in short steps; and about the fastest decay its real part is a tenth below 0, because the
-    /// last state stands for all that decay faster. What is steady stays exact, since the rest makes up for it.
     fn leave_what_is_passive(&self, modes: &mut DepthModes) {
         let fastest = modes.rate.iter().enumerate().max_by(|left, right| left.1.total_cmp(right.1));
         let Some((fastest, &decay)) = fastest else { return };
@@ -188,7 +179,6 @@ impl Depth {
 
     /// Galerkin on the exact fields at the shifts, from values of Z and D alone. A field that is linearly dependent on
     /// the others to rounding is left out.
-    /// is left out.
     fn pencil(&self, shifts: &[f64]) -> DepthModes {
         let values: Vec<(f64, f64, f64)> = shifts
             .iter()
@@ -291,7 +281,6 @@ impl DepthModes {
 ///
 /// Smooth base, by symmetry about it: `2 sinh u cosh(q(h-z))/(sinh 2u + 2u)`. Bonded: the coefficients of the two
 /// solutions with a dilatation, from the boundary conditions.
-/// solutions that have a dilatation, from the boundary conditions.
 pub fn dilatation(base: elasticity::Base, nu: f64, u: f64) -> (f64, f64) {
     if u > 20.0 {
         return (1.0, 0.0);

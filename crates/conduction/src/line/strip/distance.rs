@@ -1,25 +1,27 @@
-//! Influence of the modes on all pairs of cells, by way of the distance.
+//! Influence of the modes on all pairs of cells, by interpolation in the distance.
 //!
-//! The strip is the same at every place, so what a sum of modes does depends on the distance r of two points alone:
+//! The strip is homogeneous along the path, so the sum of the modes depends on the distance r of two points alone:
 //!
 //! ```text
 //! k(r) = sum over q of Re [g_q exp(iqr)],    influence of cell l on cell j = width_l (mean of k over x in j, s in l, r = x - s)
 //! ```
 //!
-//! As k has no waves shorter than 2 pi/q_last and is asked for at |r| <= W only, some q_last W numbers say all of it: its values at
-//! evenly spaced nodes. They follow from the gains by one Fourier transform, and the means over pairs of cells from the nodes by weights
-//! that do not depend on velocity or step. Modes times cells squared operations become `M log M + N^2`.
+//! As k is band-limited to q_last and needed at |r| <= W only, about q_last W numbers determine it: its values at
+//! evenly spaced nodes. They follow from the mode responses by one Fourier transform, and the means over pairs of cells
+//! from the nodes by weights that depend on neither velocity nor step. Modes times cells squared operations become
+//! `M log M + N^2`.
 //!
-//! Wave numbers need not be evenly spaced (strokes), nor are distances. Both are brought to their grids by the window
-//! `phi(t) = exp(beta [sqrt(1 - (2t/w)^2) - 1])`, |t| <= w/2, with the Fourier transform psi (A. H. Barnett, J. Magland, L. af Klinteberg,
-//! SIAM J. Sci. Comput. 41 (2019) C479-C504):
+//! Wave numbers need not be evenly spaced (strokes), nor are distances. Both are spread to their grids by the window
+//! `phi(t) = exp(beta [sqrt(1 - (2t/w)^2) - 1])`, |t| <= w/2, with the Fourier transform psi (A. H. Barnett, J.
+//! Magland, L. af Klinteberg, SIAM J. Sci. Comput. 41 (2019) C479-C504):
 //!
 //! ```text
 //! exp(i theta x) = sum_m phi(x - m) exp(i theta m)/psi(theta),    |theta| <= pi/sigma
 //! ```
 //!
-//! with an error of the order `exp(-pi w sqrt(1 - 1/sigma))`, 1.3e-8 for w = 10 at the smallest sigma, 1.5. Temperature and
-//! distortion are real, so one complex transform finds both, the second in a unit in which it is as large as the first.
+//! with an error of the order `exp(-pi w sqrt(1 - 1/sigma))`, 1.3e-8 for w = 10 at the smallest sigma, 1.5. Temperature
+//! and distortion are real, so one complex transform gives both, the distortion scaled to the magnitude of the
+//! temperature.
 
 use super::waves::{Wave, gauss_legendre};
 use elasticity::Cells;
@@ -27,21 +29,21 @@ use nalgebra::{Complex, DMatrix};
 use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
-/// w: nodes under the window.
+/// w: width of the window in nodes.
 const WINDOW: usize = 10;
-/// Least sigma: over how many times the band, and the distances, the grids reach.
+/// Least oversampling sigma: extent of the grids over band and distances.
 const LEAST_OVERSAMPLING: f64 = 1.5;
-/// Places below wave number 0 that a window reaches.
+/// Grid places below wave number 0 within the window.
 const BELOW: usize = WINDOW / 2;
 /// Least number of nodes of the transform.
 const FEWEST_NODES: usize = 64;
 /// Points of the quadrature of the window's transform.
 const TRANSFORM_POINTS: usize = 48;
-/// Longest part of an average over distances that a rule of eight points takes, in nodes, and of one of four.
+/// Longest part, in nodes, of an average over distances for the rule of eight points, and for that of four.
 const LONG_PART: f64 = 2.0;
 const SHORT_PART: f64 = 0.5;
 
-/// The window.
+/// Window of the spreading.
 #[derive(Clone, Copy, Debug)]
 struct Window {
     shape: f64,
@@ -61,16 +63,16 @@ impl Window {
     }
 }
 
-/// Two cells, j not behind l, and where their weights stand.
+/// Two cells, j not behind l, and the range of their weights.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     cells: [usize; 2],
-    /// First node, counted from the first that is kept.
+    /// First node, counted from the first stored one.
     node: usize,
     weights: [usize; 2],
 }
 
-/// See the module.
+/// Plan of the sum over the modes for given cells and wave numbers.
 #[derive(Debug)]
 pub struct DistanceSum {
     count: usize,
@@ -78,35 +80,36 @@ pub struct DistanceSum {
     unit: f64,
     /// M, a power of 2.
     size: usize,
-    /// By mode: first place among those of the wave numbers from -w/2 on, and the weights there.
+    /// By mode: first grid place, counted from -w/2, and the weights from there on.
     spread: Vec<(usize, [f64; WINDOW])>,
     /// exp(2 pi i k/M), k < M/2, real and imaginary parts.
     roots: [Vec<f64>; 2],
-    /// Nodes behind 0 that are kept, and what the transform is divided by at distance 0, 1, ... nodes.
+    /// Number of stored nodes at negative distance, and the window's transform correction at distance 0, 1, ... nodes.
     behind: usize,
     scale: Vec<f64>,
     pairs: Vec<Pair>,
     weights: Vec<f64>,
 }
 
-/// Memory for one sum.
+/// Workspace of one sum.
 #[derive(Clone, Debug)]
 pub struct Nodes {
-    /// Of the wave numbers from -w/2 on: real and imaginary part of temperature, then of distortion.
+    /// Spread to the grid of wave numbers from -w/2 on: real and imaginary part of temperature, then of distortion.
     gathered: Vec<[f64; 4]>,
-    /// Spectrum and its transform, real and imaginary parts by turns.
+    /// Spectrum and its transform, real and imaginary parts alternate.
     spectrum: [Vec<f64>; 4],
-    /// k of temperature and of distortion at a node and at the one opposite.
+    /// k of temperature and of distortion at a node and at the opposite one.
     values: Vec<[f64; 4]>,
 }
 
 impl DistanceSum {
-    /// For these cells and modes, whose wave numbers rise; `unit`: about the distortion (m) per temperature (K) of a mode.
+    /// Plan for these cells and modes, of ascending wave number; `unit`: magnitude of the distortion (m) per
+    /// temperature (K) of a mode.
     pub fn new(cells: &Cells, waves: &[Wave], unit: f64) -> DistanceSum {
         let width = 2.0 * cells.half_width();
         let last = waves.last().map_or(0.0, |wave| wave.number).max(1.0 / width);
         let window = WINDOW as f64;
-        // Both grids reach over sigma times what they are asked for: M = sigma^2 (2 W + w delta) q_last/pi, delta = pi/(sigma q_last).
+        // Both grids are oversampled by sigma: M = sigma^2 (2 W + w delta) q_last/pi, delta = pi/(sigma q_last).
         let needed = |sigma: f64| sigma * (sigma * 2.0 * width * last / PI + window);
         let size = (needed(LEAST_OVERSAMPLING).ceil() as usize).next_power_of_two().max(FEWEST_NODES);
         let half = 0.5 * window / (2.0 * width * last / PI);
@@ -142,7 +145,7 @@ impl DistanceSum {
         sum
     }
 
-    /// Weights of the nodes in the mean over each pair of cells. A pair has the distance of its mirror image.
+    /// Weights of the nodes in the mean over each pair of cells. A pair and its mirror image have the same distance.
     fn average(&mut self, cells: &Cells, delta: f64, window: &Window) {
         let (x, widths, count) = (cells.centres(), cells.widths(), cells.count());
         let rules = [gauss_legendre(4), gauss_legendre(8)];
@@ -156,7 +159,8 @@ impl DistanceSum {
                 let begin = self.weights.len();
                 self.weights.resize(begin + (last - first) as usize + 1, 0.0);
                 let weights = &mut self.weights[begin..];
-                // Distances about that of the centres have a density that rises, stays and falls.
+                // The density of the distance about that of the centres is a trapezium: it rises, is constant and
+                // falls.
                 for (from, to) in [(-reach, -flat), (-flat, flat), (flat, reach)] {
                     let parts = ((to - from) / LONG_PART).ceil().max(1.0);
                     let length = (to - from) / parts;
@@ -180,7 +184,7 @@ impl DistanceSum {
         }
     }
 
-    /// Memory for a sum.
+    /// Allocates the workspace of a sum.
     pub fn nodes(&self) -> Nodes {
         let places = self.spread.iter().map(|(first, _)| first + WINDOW).max().unwrap_or(WINDOW);
         Nodes {
@@ -190,7 +194,7 @@ impl DistanceSum {
         }
     }
 
-    /// Finds k at the nodes from the gains of temperature and of distortion.
+    /// Computes k at the nodes from the mode responses of temperature and of distortion.
     pub fn find(&self, gains: [&[Complex<f64>]; 2], nodes: &mut Nodes) {
         let Nodes { gathered, spectrum, values } = nodes;
         Arch::new().dispatch(Gather { sum: self, gains, gathered });
@@ -220,14 +224,15 @@ impl DistanceSum {
         }
     }
 
-    /// Sets the influence (N x N; the second may be empty) per flux into cells of these widths, with `level` more per heat everywhere.
+    /// Sets the influence matrices (N x N; the second may be empty) per flux into cells of these widths, plus the
+    /// uniform influence `level` per heat.
     pub fn set(&self, nodes: &Nodes, widths: &[f64], level: [f64; 2], influence: &mut [DMatrix<f64>; 2]) {
         let [warm, moved] = influence.each_mut().map(|matrix| matrix.as_mut_slice());
         Arch::new().dispatch(Means { sum: self, nodes, widths, level, warm, moved });
     }
 }
 
-/// The gains brought to the grid of wave numbers.
+/// Spreading of the mode responses to the grid of wave numbers.
 struct Gather<'a> {
     sum: &'a DistanceSum,
     gains: [&'a [Complex<f64>]; 2],
@@ -253,8 +258,9 @@ impl WithSimd for Gather<'_> {
     }
 }
 
-/// Fourier transform of as many numbers as there are roots, twice; says which part of the memory it is in. Sorts itself (T. G. Stockham;
-/// C. Van Loan, Computational Frameworks for the Fast Fourier Transform, 1992, 1.7).
+/// Fourier transform of twice as many numbers as there are roots; returns the index of the part of the memory that
+/// holds the result. Self-sorting (T. G. Stockham; C. Van Loan, Computational Frameworks for the Fast Fourier
+/// Transform, 1992, 1.7).
 struct Transform<'a> {
     roots: &'a [Vec<f64>; 2],
     spectrum: &'a mut [Vec<f64>; 4],
@@ -343,7 +349,7 @@ mod tests {
     use super::super::waves::{Shapes, harmonics};
     use super::*;
 
-    /// The sum over the modes for each pair of cells.
+    /// Against the sum over the modes for each pair of cells.
     #[test]
     fn means_over_pairs_of_cells_are_those_of_the_sum_over_the_modes() {
         for (cells, period, last, reach) in [
@@ -354,7 +360,7 @@ mod tests {
         ] {
             let waves = harmonics(period, last, reach);
             let count = cells.count();
-            // A source that moves: the gains fall like the root of the wave number, and turn.
+            // A moving source: the mode responses decrease with the root of the wave number and rotate in phase.
             let gain = |turn: f64| -> Vec<Complex<f64>> {
                 waves
                     .iter()

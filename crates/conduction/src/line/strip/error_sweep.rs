@@ -1,4 +1,4 @@
-//! Exact answers of every wave at some frequencies, against which reductions are judged.
+//! Reduction error sweep: exact impedance of every mode at a set of frequencies, to which reductions are compared.
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.12.
 
@@ -11,21 +11,21 @@ use elasticity::Cells;
 use nalgebra::Complex;
 use numerics::maximum::maximum;
 
-/// See the module.
+/// Exact impedances and weights of the sweep.
 #[derive(Debug)]
 pub struct ErrorSweep {
     frequencies: Vec<f64>,
-    /// What a wave counts in the mean contact temperature per flux.
+    /// Weight of each mode in the mean contact temperature per flux.
     weights: Vec<f64>,
-    /// Row by row for each frequency.
+    /// Exact impedances, one row per frequency.
     exact: Vec<Complex<f64>>,
-    /// Error of the mean wave's reduction at each frequency.
+    /// Reduction error of the mean mode at each frequency.
     mean: Vec<Complex<f64>>,
     scale: f64,
 }
 
 impl ErrorSweep {
-    /// Of these waves, and the layers at each of them, as the cells see them.
+    /// Sweep for these modes and their layers, with the modes' shapes on the cells.
     pub fn new(
         cells: &Cells,
         slab: &Slab,
@@ -64,7 +64,7 @@ impl ErrorSweep {
     }
 
     /// Largest error of the mean contact temperature per flux over the frequencies from the duration's to the shortest
-    /// step's, relative to its value at the duration's, from the modes of every `step`th wave.
+    /// step's, relative to its value at the duration's, from the depth modes of every `step`th Fourier mode.
     pub fn largest_error(&self, modes: &[DepthModes], step: usize) -> f64 {
         let count = self.weights.len();
         let mut largest: f64 = 0.0;

@@ -2,7 +2,6 @@
 //!
 //! A response is a function of step length and velocities alone, so a cached one equals a computed one to the bit.
 //! Responses of forward sliding are cached; those of backward sliding are their mirror images.
-//! are those of sliding forwards; the way back has them mirrored.
 //!
 //! Theory: docs/theory.md, section 6.4.
 

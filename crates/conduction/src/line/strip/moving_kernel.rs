@@ -1,7 +1,7 @@
 //! Quasi-steady heating of a half-plane by moving sources, as means over pairs of cells.
 //!
-//! A line source of 1 W/m that moves at V > 0 in +x over a half-plane heats its surface, at the distance r ahead of it,
-//! by (Carslaw, Jaeger, "Conduction of Heat in Solids", 10.7; Jaeger 1942)
+//! A line source of 1 W/m moving at V > 0 in +x over a half-plane heats its surface, at the distance r ahead of it, to
+//! (Carslaw, Jaeger, "Conduction of Heat in Solids", 10.7; Jaeger 1942)
 //!
 //! ```text
 //! k(r) = 1/(pi K) exp(-c r) K0(c |r|),     c = V/(2 kd)
@@ -15,7 +15,7 @@
 //! ```
 //!
 //! so that means over cells are second differences of g. Where these cancel, for cells much shorter than 1/c, the
-//! logarithm is integrated in closed form and the rest by quadrature.
+//! logarithm is integrated in closed form and the remainder by quadrature.
 //!
 //! Theory: docs/theory.md, sections 4.3, 4.5.
 
@@ -54,7 +54,7 @@ pub fn scaled_bessel_k(x: f64) -> (f64, f64) {
     (value(0), value(1))
 }
 
-/// Terms of the power series: at 2 what follows is below rounding.
+/// Terms of the power series: at 2 the truncation error is below rounding.
 const TERMS: usize = 13;
 
 /// `1/n!^2, 1/(n! (n+1)!), H_n/n!^2` for n = 0, 1, ...
@@ -100,7 +100,7 @@ const CHEBYSHEV: [[f64; 2]; 23] = [
     [5.210_391_777_643_554_3e-17, -5.689_462_849_193_648_4e-17],
 ];
 
-/// g(u) and g(-u) of the module, u >= 0.
+/// Second antiderivatives g(u) and g(-u), u >= 0.
 fn second_antiderivatives(u: f64) -> [f64; 2] {
     if u == 0.0 {
         return [1.0 / 3.0; 2];
@@ -110,7 +110,7 @@ fn second_antiderivatives(u: f64) -> [f64; 2] {
     [(-2.0 * u).exp() * (square * (k0 - k1) + rest), square * (k0 + k1) + rest]
 }
 
-/// g(u) of the module.
+/// Second antiderivative g(u) of exp(-u) K0(|u|).
 fn second_antiderivative(u: f64) -> f64 {
     second_antiderivatives(u.abs())[usize::from(u < 0.0)]
 }
@@ -136,7 +136,7 @@ const GAUSS: [(f64, f64); 4] = [
 /// Mean of `exp(-c r) K0(c |r|)` over x in a cell of half-width `alpha` and s in a cell of half-width `beta`, r = x - s
 /// with the mean `distance`; c > 0.
 ///
-/// Relative error below 1e-7, of neighbouring values rather than of a value that vanishes ahead of a fast source.
+/// Error below 1e-7, relative to neighbouring values where the value itself vanishes ahead of a fast source.
 pub fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
     let (d, a, b) = (c * distance, c * alpha, c * beta);
     if a * b > CLOSED_FORM {
@@ -152,7 +152,7 @@ pub fn mean_moving_source(distance: f64, alpha: f64, beta: f64, c: f64) -> f64 {
     mean_logarithm(d, a, b) + smooth
 }
 
-/// Means of `exp(-c r) K0(c |r|)` over all pairs of cells that are symmetric about x = 0, with the memory to find them in.
+/// Means of `exp(-c r) K0(c |r|)` over all pairs of cells that are symmetric about x = 0, with their workspace.
 ///
 /// A pair and its mirror image have the same distance, so every mean belongs to two pairs; the second antiderivative is
 /// evaluated once for all pairs of edges of the same distance, and without a shift for the opposite distance as well.
@@ -161,17 +161,17 @@ pub struct MovingSource {
     count: usize,
     /// g at the difference of edges i - j, row by row.
     corners: Vec<f64>,
-    /// By answering and heated cell, row by row.
+    /// By observed and heated cell, row by row.
     means: Vec<f64>,
 }
 
 impl MovingSource {
-    /// Memory for that many cells.
+    /// Workspace for this number of cells.
     pub fn new(count: usize) -> MovingSource {
         MovingSource { count, corners: vec![0.0; (count + 1) * (count + 1)], means: vec![0.0; count * count] }
     }
 
-    /// Finds the means; heated cells stand `shift` behind their place.
+    /// Computes the means; heated cells are shifted backwards by `shift` (m).
     pub fn find(&mut self, cells: &Cells, shift: f64, c: f64) {
         let count = self.count;
         let (edges, rows) = (cells.edges(), count + 1);
@@ -210,13 +210,13 @@ impl MovingSource {
         (corner(i + 1, j) - corner(i + 1, j + 1) - corner(i, j) + corner(i, j + 1)) / product
     }
 
-    /// Mean over cell i (answering) and cell j (heated), as last found.
+    /// Mean over cell i (observed) and cell j (heated), as last computed.
     pub fn mean(&self, i: usize, j: usize) -> f64 {
         self.means[i * self.count + j]
     }
 }
 
-/// Product of the half-widths in units of 1/c above which second differences have digits left.
+/// Product of the half-widths in units of 1/c above which second differences retain sufficient digits.
 const CLOSED_FORM: f64 = 1e-8;
 
 #[cfg(test)]

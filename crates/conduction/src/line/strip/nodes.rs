@@ -4,8 +4,6 @@
 //! material the damping rate of periodic images has its largest curvature near rest however short the interval, and the
 //! nodes are denser there. The interpolant is the cubic through four nodes, a function of its arguments alone, whatever
 //! nodes are in the cache.
-//! forgetting bends near rest however short the interval, and there the knots lie closer. The answer is the cubic through four
-//! knots: a function of the arguments alone, whatever knots are kept.
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
@@ -15,11 +13,9 @@ use super::step::{Interval, Workspace};
 
 /// Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for
 /// that mode, and decreases with the fourth power of the wave number for longer ones.
-/// with the fourth power of the wave number for longer ones.
 const KNOT_TURN: f64 = 0.25;
 /// Spacing of the nodes in asinh(v/slow) where the damping rate of periodic images curves: the error of the cubic is
 /// 3e-4 of the rate at `slow`. This error accumulates over the steps, so it must not depend on their length.
-/// What it is off by adds up over the steps, so it must not depend on their length.
 const KNOT_BEND: f64 = 0.25;
 /// Cached nodes for the usual length of the interval, and for any other.
 const SLOTS: [usize; 2] = [8, 4];

@@ -72,11 +72,9 @@ pub struct Resolution {
 /// Damping of periodic images: the rate that sliding on fresh material adds to every decay, so that heat left behind
 /// does not return with the next periodic image of the contact. It is not used where the contact does not pass a period
 /// within the whole time.
-/// the contact. Contacts too slow to pass a period within the whole time have nothing to forget.
 ///
 /// `rate = per_length (sqrt(v^2 + slow^2) - slow)`: proportional to `v^2` near rest and to `|v|` beyond, smooth in
 /// between, so that quantities depending on it can be interpolated through rest.
-/// depends on it can be interpolated through rest.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct ImageDamping {
     /// Decay rate per sliding velocity, 1/m; 0: no damping.
@@ -144,7 +142,6 @@ pub struct StripOperators {
     pub image_damping: ImageDamping,
     /// Largest `q dv h/8` of the shortest mode at which the influence matrices are those of the mean velocity. The
     /// contribution of such modes to the temperature is below one in a hundred. 0: no interpolation between velocities.
-    /// in a hundred of the temperature. 0: every step finds its own.
     pub steady: f64,
     pub table: VelocityTable,
     /// Cache of stage responses shared by several probes; `None`: not used.
@@ -490,7 +487,6 @@ impl StripOperators {
 
 /// Displacement per mean temperature of a uniformly heated strip: `-alpha (1+nu)/(1-nu) h` with restrained elongation
 /// (bonded, or closed), `-alpha (1+nu) h` with free elongation.
-/// or closed), `-alpha (1+nu) h` where it can.
 fn mean_distortion(properties: &StripProperties, expansion: &Expansion) -> f64 {
     let nu = expansion.material.poissons_ratio();
     let free = expansion.base == elasticity::Base::Smooth && !matches!(properties.path, SlidingPath::Closed(_));

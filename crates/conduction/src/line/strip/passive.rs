@@ -1,4 +1,4 @@
-//! Symmetric matrices without their negative eigenvalues.
+//! Projection of symmetric matrices on positive semidefinite ones, by removal of the negative eigenvalues.
 //!
 //! Theory: docs/theory.md, section 4.10.
 
@@ -10,15 +10,15 @@ use numerics::factorization;
 use numerics::maximum::maximum;
 use std::fmt;
 
-/// Square of the cosine between a uniform flux and the answer to it, from which on the answer stays as it is.
+/// Square of the cosine between a uniform flux and its response above which the response is preserved.
 const TURNED: f64 = 0.25;
 
-/// Memory in which a symmetric matrix loses its negative eigenvalues.
+/// Workspace of the projection.
 pub struct Passive {
     matrix: Mat<f64>,
     vectors: Mat<f64>,
     values: Col<f64>,
-    /// Answer to a uniform flux.
+    /// Response to a uniform flux.
     answer: Vec<f64>,
     stack: MemBuffer,
 }
@@ -30,7 +30,7 @@ impl fmt::Debug for Passive {
 }
 
 impl Passive {
-    /// For matrices of this size.
+    /// Workspace for matrices of this size.
     pub fn new(size: usize) -> Passive {
         let eigenvectors = ComputeEigenvectors::Yes;
         let stack = self_adjoint_evd_scratch::<f64>(size, eigenvectors, Par::Seq, Default::default());
@@ -65,7 +65,7 @@ impl Passive {
                 return false;
             }
             let root = pivot.sqrt();
-            // The upper factor by columns: both sums run down a column.
+            // Upper factor by columns: both inner products run down a column.
             for j in k + 1..size {
                 let mut entry = matrix[(k, j)];
                 for i in 0..k {
@@ -77,7 +77,8 @@ impl Passive {
         true
     }
 
-    /// Takes the part u u'/(c'u) from the matrix, where c = `uniform`; returns 1/(c'u), or what is left of it.
+    /// Subtracts u u'/(c'u) from the matrix, where c = `uniform` and u is its response; returns the factor 1/(c'u),
+    /// reduced where u is far from c.
     fn split_uniform(&mut self, uniform: &[f64]) -> f64 {
         self.answer.fill(0.0);
         for (j, heat) in uniform.iter().enumerate() {
@@ -99,7 +100,8 @@ impl Passive {
         share
     }
 
-    /// Sets the matrix to its symmetric part without the negative eigenvalues; the answer to `uniform` stays, if there is one.
+    /// Sets the matrix to its symmetric part without the negative eigenvalues; the response to `uniform` is preserved
+    /// unless that is empty.
     pub fn project(&mut self, values: &mut [f64], size: usize, uniform: &[f64]) {
         self.set(values, size);
         let share = if uniform.is_empty() { 0.0 } else { self.split_uniform(uniform) };
@@ -111,7 +113,7 @@ impl Passive {
         let found =
             self_adjoint_evd(self.matrix.as_ref(), diagonal, Some(vectors), Par::Seq, stack, Default::default());
         if found.is_err() {
-            // The iteration did not end: the matrix stays.
+            // The eigenvalue iteration did not converge: the matrix is left unchanged.
             return;
         }
         values.fill(0.0);

@@ -1,4 +1,4 @@
-//! Exact propagation of a decaying, turning state over a step.
+//! Exact propagation of a decaying and phase-rotating state over a step.
 //!
 //! ```text
 //! dx/dt = (-lambda + i q v(t)) x + b f(t),    v and f linear over the step
@@ -18,9 +18,10 @@
 //! T_(m-1) = z^2 T_(m+1) + 2 (2m+1) T_m
 //! ```
 //!
-//! (modified spherical Bessel functions of z/2). The recurrence runs downwards from values that are to a factor (J. C. P. Miller;
-//! W. Gautschi, SIAM Review 9 (1967) 24-82), which T_0 or T_1 gives in closed form, or upwards where |z| is large, as is stable.
-//! Where eta/4 = q dv h/8 is large they are differences of complex error functions ([`chirp`]). No loop depends on how fast the wave turns.
+//! (modified spherical Bessel functions of z/2). The recurrence runs downwards from unnormalised values (J. C. P.
+//! Miller; W. Gautschi, SIAM Review 9 (1967) 24-82), normalised by T_0 or T_1 in closed form, or upwards where |z| is
+//! large; either direction is stable. Where eta/4 = q dv h/8 is large the integrals are differences of complex error
+//! functions ([`chirp`]). The number of operations is bounded for every rate of phase rotation.
 //!
 //! Theory: docs/theory.md, section 5.3.
 
@@ -29,18 +30,18 @@ mod chirp;
 
 use nalgebra::Complex;
 
-/// Largest `q dv h/8` that the series takes.
+/// Largest `q dv h/8` for which the series is used.
 pub const LARGEST_DRIFT: f64 = 1.5;
-/// Below this `q dv h/8` the velocity counts as constant: its part of the wave's own amplitude. The waves for which it is
-/// not much smaller are short, and one in a hundred of the temperature.
+/// `q dv h/8` below which the velocity counts as constant: the relative error of the mode's amplitude. Modes for which
+/// it is not much smaller are short, and contribute one in a hundred of the temperature.
 const LEAST_DRIFT: f64 = 5e-4;
 /// Terms of the series at the largest drift: 1.5^13/13! = 3e-8.
 const MOST_TERMS: usize = 12;
-/// Order at which the recurrence starts downwards: this and a part of |z|.
+/// Order at which the downward recurrence starts: this plus a multiple of |z|.
 const FIRST_ORDER: usize = 7;
 const ORDERS_PER_MODULUS: f64 = 0.75;
 
-/// What acts on a wave over a step.
+/// Phase rates of a mode over an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
     /// q v at the start and at the end of the interval, 1/s.
@@ -50,13 +51,13 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Factor by which the wave turns over the interval, without decay.
+    /// Phase factor of the mode over the interval, without decay.
     #[cfg(test)]
     pub fn phase(&self) -> Complex<f64> {
         Complex::from_polar(1.0, 0.5 * self.step * (self.turning[0] + self.turning[1]))
     }
 
-    /// `q dv h/8`: how far the wave is from turning evenly.
+    /// `q dv h/8`: deviation from a uniform phase rate.
     pub fn drift(&self) -> f64 {
         0.125 * self.step * (self.turning[1] - self.turning[0]).abs()
     }
@@ -68,7 +69,8 @@ impl Motion {
         (factor, factor * self.step)
     }
 
-    /// Factor of the state, and the weights (s) of a flux of 1 at the start falling to 0 at the end, and of the reverse.
+    /// Propagation factor of the state, and the weights (s) of a flux falling from 1 at the start to 0 at the end, and
+    /// of the reverse.
     pub fn weights(&self, rate: f64, turn: Complex<f64>) -> (Complex<f64>, Complex<f64>, Complex<f64>) {
         self.weights_of_decay(rate, (-rate * self.step).exp(), turn)
     }
@@ -134,7 +136,7 @@ fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, 
             tilt += weight * upper;
         }
     } else {
-        // From an order at which what the start lacks has faded to 1e-10 at m = 0.
+        // From an order at which the error of the starting values has decayed to 1e-10 at m = 0.
         let highest = terms.max(FIRST_ORDER + (ORDERS_PER_MODULUS * modulus) as usize);
         let (mut above, mut value) = (Complex::from(0.0), Complex::from(1.0));
         (all, tilt) = (value, above);
@@ -143,7 +145,7 @@ fn integrals(z: Complex<f64>, factor: Complex<f64>, eta: f64) -> (Complex<f64>, 
             all = value + turned(all);
             tilt = above + turned(tilt);
         }
-        // After whole turns without decay T_0 is next to nothing; T_1 is not, but loses digits for small z.
+        // After whole turns without decay T_0 nearly vanishes; T_1 does not, but cancels for small z.
         let scale = if modulus > 3.0 && (factor - 1.0).norm_sqr() < 0.01 {
             (factor * (z - 2.0) + z + 2.0) / (square * z * above)
         } else {
@@ -193,7 +195,7 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// Composite Simpson rule with the variable velocity, from the definition.
+    /// Composite Simpson rule on the definition, with the variable velocity.
     fn by_quadrature(rate: f64, motion: &Motion) -> (Complex<f64>, Complex<f64>) {
         let parts = 100_000;
         let (mut all, mut falling) = (Complex::from(0.0), Complex::from(0.0));
@@ -252,8 +254,8 @@ mod tests {
         [value.next_down(), value, value.next_up()]
     }
 
-    /// On both sides of every threshold the weights are the same to what the series leave out: with the drift at its bounds, and
-    /// |z| where the powers, the recurrences and their scales change.
+    /// On both sides of every threshold the weights agree to the truncation error of the series: at the bounds of the
+    /// drift, and at the |z| where the power series, the recurrences and their normalisations change.
     #[test]
     fn weights_are_continuous_over_every_threshold() {
         for (drift, moduli) in [
@@ -262,7 +264,7 @@ mod tests {
             (1e-6, &[0.5, 1.0][..]),
             (1e-2, &[0.5, 3.0, 9.0, 12.0, 15.0, 18.0][..]),
             (1.0, &[0.5, 3.0, 30.0, 39.0, 42.0][..]),
-            // |a| or |a1| at the root of 1000 eta, and turning that stands still at an end.
+            // |a| or |a1| at the root of 1000 eta, and a phase rate that vanishes at an end.
             (20.0, &[1e3_f64.sqrt() * 80_f64.sqrt() - 80.0, 1e3_f64.sqrt() * 80_f64.sqrt() + 80.0, 80.0][..]),
         ] {
             for &modulus in moduli {
@@ -282,7 +284,7 @@ mod tests {
                     let scale = found[0][0].norm() + found[0][1].norm();
                     for weights in &found {
                         let apart = (weights[0] - found[0][0]).norm() + (weights[1] - found[0][1]).norm();
-                        // What the constant velocity of small drifts leaves out is of the order of the drift itself.
+                        // The error of a constant velocity at small drifts is of the order of the drift itself.
                         let allowed = if drift == LEAST_DRIFT { LEAST_DRIFT } else { 2e-7 };
                         assert!(
                             apart <= allowed * scale,
@@ -294,7 +296,8 @@ mod tests {
         }
     }
 
-    /// However fast the velocity changes, one evaluation is all there is, and its weights are bounded by the length of the step.
+    /// However fast the velocity changes, a single evaluation suffices, and the weights are bounded by the length of
+    /// the step.
     #[test]
     fn weights_are_finite_however_fast_the_turning_changes() {
         for exponent in 0..60 {

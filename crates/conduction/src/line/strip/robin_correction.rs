@@ -1,12 +1,9 @@
 //! Robin correction of the strip under the contact.
 //!
-//! The modes have the convection of the free surface on the whole top. Under the contact there is none: fluxes `H0 (T -
-//! T_ambient)` into the cells cancel it, T being the temperature of the modes. They are taken in a space of polynomials
-//! over the contact, which resolves both the smooth temperatures of a wide zone and the heat itself; the linear system
-//! per stage has the dimension of that space:
-//! cells undo it there, with T the temperature of the waves that are cooled. They are taken in the space of polynomials
-//! over the contact, which holds the smooth temperatures of a wide zone as well as the heat itself, so that a stage's
-//! equation for them is as small as that space:
+//! The modes have the convection of the free surface on the whole top. Under the contact there is none: fluxes
+//! `H0 (T - T_ambient)` into the cells cancel it, T being the temperature of the modes. They are taken in a space of
+//! polynomials over the contact, which resolves both the smooth temperatures of a wide zone and the heat itself; the
+//! linear system per stage has the dimension of that space:
 //!
 //! ```text
 //! y = H0 V'W (T - T_ambient),   T = B + G (q + V y)   =>   (1 - H0 V'W G V) y = H0 V'W (B + G q - T_ambient)
@@ -90,7 +87,6 @@ impl RobinCorrection {
 
     /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the
     /// projected temperature of the free response.
-    /// `level` without.
     pub fn amounts(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
         let mut driving = *level;
         driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);

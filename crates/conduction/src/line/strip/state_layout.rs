@@ -1,8 +1,8 @@
-//! The states of all waves, level by level: what is done to every state at every step, compiled for the vector unit.
+//! State layout of the Fourier modes, level by level, and the vectorised operations on all states at every step.
 //!
-//! A wave has as many states as it needs, one on each of its levels, and states of one level stand side by side in the order
-//! of the waves. Every operation then runs over waves that do not know of each other. Nothing is fused, so every machine gives
-//! the same bits.
+//! A mode has as many states as its reduction needs, one on each of its levels; the states of one level are contiguous
+//! in the order of the modes. Every operation then runs over independent modes. No multiply-add is fused, so every
+//! machine gives the same bits.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -10,13 +10,14 @@ use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::FRAC_2_PI;
 use std::ops::Range;
 
-/// Where the states of one level stand; its length is the number of waves that have one, the longest.
+/// Index range of the states of one level; its length is the number of modes with a state on it, those of the longest
+/// waves.
 pub type Level = Range<usize>;
 
 /// Real and imaginary parts.
 pub type Parts<'a> = [&'a [f64]; 2];
 
-/// Places for waves with these numbers of states, each at least that of the next.
+/// State layout for modes with these numbers of states, in non-increasing order.
 pub fn state_layout(counts: &[usize]) -> Vec<Level> {
     let mut state_layout = Vec::new();
     let mut first = 0;
@@ -28,7 +29,7 @@ pub fn state_layout(counts: &[usize]) -> Vec<Level> {
     state_layout
 }
 
-/// States of a wave, level by level.
+/// State indices of a mode, level by level.
 pub fn of_mode(state_layout: &[Level], wave: usize) -> impl Iterator<Item = usize> + '_ {
     state_layout.iter().take_while(move |level| wave < level.len()).map(move |level| level.start + wave)
 }
@@ -39,8 +40,8 @@ fn on<'a>(level: &Level, [re, im]: Parts<'a>) -> Parts<'a> {
     [&re[level.clone()], &im[level.clone()]]
 }
 
-/// Amplitudes of the waves in states that are turned by their factors first, seen by two observations; by real and imaginary
-/// parts.
+/// Amplitudes of the modes by two observations of the states, each state multiplied by its propagation factor first;
+/// real and imaginary parts.
 pub fn observe(
     state_layout: &[Level],
     states: Parts<'_>,
@@ -79,7 +80,7 @@ pub fn observe(
     Arch::new().dispatch(Observe(state_layout, states, factors, seen, [first, second]));
 }
 
-/// Adds to amplitudes those of other waves, each turned and weighted by a factor.
+/// Adds amplitudes, each multiplied by a complex factor.
 pub fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitudes: Parts<'_>) {
     struct Add<'a>(&'a mut [f64], &'a mut [f64], Parts<'a>, Parts<'a>);
     impl WithSimd for Add<'_> {
@@ -101,7 +102,7 @@ pub fn add_products(sums: &mut [Vec<f64>; 2], factors: Parts<'_>, amplitudes: Pa
     Arch::new().dispatch(Add(re, im, factors, amplitudes));
 }
 
-/// Numbers that [`dot`] takes at once.
+/// Numbers that [`dot`] sums in parallel.
 const ABREAST: usize = 16;
 
 /// `sum_k a_k b_k`.
@@ -133,7 +134,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     Arch::new().dispatch(Dot(a, b))
 }
 
-/// What carries the states over a step: their own factors and the weights of the fluxes' amplitudes at both stages.
+/// Propagation of the states over a step: propagation factors, and the weights of the flux amplitudes of both stages.
 #[derive(Clone, Copy)]
 pub struct Carrier<'a> {
     pub factors: Parts<'a>,
@@ -141,7 +142,7 @@ pub struct Carrier<'a> {
     pub own: Parts<'a>,
 }
 
-/// Carries the states over a step, from `before` to `after`; `heat` are the amplitudes of the fluxes of both stages.
+/// Propagates the states over a step, from `before` to `after`; `heat`: amplitudes of the fluxes of both stages.
 pub fn carry(
     state_layout: &[Level],
     before: Parts<'_>,
@@ -183,9 +184,10 @@ pub fn carry(
     Arch::new().dispatch(Carry(state_layout, before, after, carrier, heat));
 }
 
-/// Turns weights of a falling and of a rising flux in the states of one level into those of the known flux and of the stage's own, input
-/// included, and adds what both leave in the modes: temperature and distortion, as `seen`; real and imaginary parts by turns. At the
-/// end of a step the known flux has this share of the falling one; `None`: all of it, the first stage.
+/// Converts the weights of a falling and of a rising flux in the states of one level into those of the known flux and
+/// of the stage's own, input included, and adds the response of the modes to both: temperature and distortion, by the
+/// observations `seen`; real and imaginary parts alternate. At the end of a step the known flux has the fraction
+/// `share` of the falling one; `None`: all of it, the first stage.
 pub fn stage_weights(
     share: Option<f64>,
     seen: Parts<'_>,
@@ -224,7 +226,8 @@ pub fn stage_weights(
     Arch::new().dispatch(StageWeights(share, seen, weights, known, own));
 }
 
-/// Factors of the states: the decay of each, times the turn and the common decay `damping` of its wave.
+/// Propagation factors of the states: the decay of each, times the phase factor of its mode and the common damping
+/// factor `damping`.
 pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<'_>, factors: [&mut [f64]; 2]) {
     struct Turn<'a>(&'a [Level], &'a [f64], f64, Parts<'a>, [&'a mut [f64]; 2]);
     impl WithSimd for Turn<'_> {
@@ -249,7 +252,7 @@ pub fn phase(state_layout: &[Level], decay: &[f64], damping: f64, phases: Parts<
     Arch::new().dispatch(Turn(state_layout, decay, damping, phases, factors));
 }
 
-/// Largest angle, rad, whose quarter turns are counted exactly.
+/// Largest angle, rad, for which the number of quarter turns is exact.
 const LARGEST_ANGLE: f64 = 5e5;
 
 /// pi/2 in three parts, the first two of 33 bits: their products with the number of quarter turns are exact (Cody and Waite).
@@ -257,7 +260,7 @@ const LARGEST_ANGLE: f64 = 5e5;
 const QUARTER: [f64; 3] =
     [1.570_796_326_734_125_614_17, 6.077_100_506_303_965_976_60e-11, 2.022_266_248_795_950_631_54e-21];
 
-/// `cos` and `sin` of `angle` times each of the numbers, which rise.
+/// `cos` and `sin` of `angle` times each of the numbers, which are in ascending order.
 pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64]) {
     struct Phases<'a>(f64, &'a [f64], &'a mut [f64], &'a mut [f64]);
     impl WithSimd for Phases<'_> {
@@ -273,7 +276,7 @@ pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64])
                 let turns = (whole * FRAC_2_PI).round_ties_even();
                 let x = ((whole - turns * QUARTER[0]) - turns * QUARTER[1]) - turns * QUARTER[2];
                 let square = x * x;
-                // Taylor's series: at pi/4 what follows is below rounding.
+                // Taylor series: at pi/4 the truncation error is below rounding.
                 let mut even = 0.0;
                 for factor in EVEN {
                     even = even * square + factor;
@@ -283,7 +286,7 @@ pub fn phases(angle: f64, numbers: &[f64], cosine: &mut [f64], sine: &mut [f64])
                     odd = odd * square + factor;
                 }
                 let (c, s) = (1.0 + square * even, x + x * square * odd);
-                // Quarter turns beyond whole ones, 0 to 3.
+                // Quarter turns modulo 4.
                 let quarter = turns - 4.0 * (0.25 * turns).floor();
                 let across = quarter == 1.0 || quarter == 3.0;
                 let (c, s) = if across { (s, c) } else { (c, s) };

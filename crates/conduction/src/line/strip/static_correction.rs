@@ -1,9 +1,10 @@
-//! What answers at once: everything that decays fast against the shortest step, as a function of the velocity.
+//! Direct feedthrough of the strip as a function of the velocity: the static correction of all that decays fast against
+//! the shortest step.
 //!
-//! Two parts. Waves that have states lack the depth modes that were left out, which answer `Z - Z_reduced` at the
-//! frequency -i q v with which a wave at rest in the punch's frame turns over the material. Shorter waves have no states: on them
-//! the layer is a half-plane, whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less
-//! the integral up to the wave number (n + 1/2) 2 pi/L, with the first correction of Euler and Maclaurin.
+//! Two parts. For modes with states it is the truncated part `Z - Z_reduced` at the frequency -i q v of a mode at rest
+//! in the punch's frame over the moving material. Shorter modes have no states: for them the layer is a half-plane,
+//! whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less the integral up to
+//! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction.
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.10.
 
@@ -20,7 +21,7 @@ use nalgebra::Complex;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// What the sums of the remainder are made of.
+/// Data of the sums of the static correction.
 #[derive(Debug)]
 pub struct StaticCorrection {
     pub cells: Cells,
@@ -36,28 +37,28 @@ pub struct StaticCorrection {
     pub waves: Vec<Wave>,
     pub shapes: Arc<Shapes>,
     pub modes: Vec<DepthModes>,
-    /// On fresh material: frequency below which nothing counts as steady, 1/s, and how the states forget.
+    /// On fresh material: frequency below which nothing is treated as steady, 1/s, and the damping of periodic images.
     pub fresh: Option<(f64, ImageDamping)>,
 }
 
-/// Beyond this part of the period the nearest images of the contact are taken one by one.
+/// Contact width over period beyond which the nearest periodic images of the contact are summed in real space.
 const NEAR_IMAGES: f64 = 0.3;
-/// Beyond this q h a layer is a half-plane: 2 exp(-2 q h) = 5e-16.
+/// q h beyond which the layer equals a half-plane: 2 exp(-2 q h) = 5e-16.
 const HALF_PLANE: f64 = 18.0;
-/// Wave number, in units of the contact's width, below which the endless path's integral has no structure left.
+/// Wave number times contact width below which the integrand of the endless path has no further structure.
 const SLOWEST_WAVE: f64 = 1e-7;
-/// Wave number, in units of the contact's width, below which what is removed is smooth in the root of the wave number, where
-/// the contact slides by twice that in widths over the time of diffusion across the width, or faster.
+/// Wave number times contact width below which the removed integrand is smooth in the root of the wave number, for
+/// sliding by at least twice that in widths during the time of diffusion across the width.
 const LONGEST_SLIDING: f64 = 0.5;
-/// The distortion's sum, which falls like 1/q^2, goes on to this multiple of the last wave number with states.
+/// Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
 const DISTORTION_REACH: f64 = 4.0;
 
-/// Waves of an integral over the wave number.
+/// Quadrature nodes of an integral over the wave number.
 #[derive(Debug)]
 struct Integral {
     waves: Vec<Wave>,
     shapes: Shapes,
-    /// The layer at each of them.
+    /// The layer at each node.
     depths: Vec<Depth>,
 }
 
@@ -81,22 +82,22 @@ impl Integral {
     }
 }
 
-/// Waves of the integrals: prepared once for all velocities.
+/// Quadrature nodes of the integrals, prepared once for all velocities.
 #[derive(Debug)]
 pub struct Integrals {
-    /// The layer at the waves with states.
+    /// The layer at the wave numbers of the modes with states.
     depths: Vec<Depth>,
-    /// What is removed while sliding, or at any velocity on fresh material.
+    /// Integral that is subtracted while sliding, or at any velocity on fresh material.
     removed: Integral,
-    /// What is removed at rest of waves that are long against the contact, instead of the first of those.
+    /// Integral that is subtracted at rest over waves long against the contact, in place of the first panel.
     removed_at_rest: Option<Integral>,
     beyond: Integral,
-    /// The two harmonics about the end of those with states.
+    /// The last harmonic with states and the next.
     ends: Shapes,
     images: bool,
 }
 
-/// Gains of waves that are summed together: of temperature, and of distortion where there is one.
+/// Amplification of the waves of one sum: of temperature, and of distortion with thermal expansion.
 #[derive(Debug, Default)]
 struct Sums {
     warm: Vec<Complex<f64>>,
@@ -110,7 +111,7 @@ impl Sums {
         self.moved.extend(moved.map(|gain| gain * weight));
     }
 
-    /// Adds the sums over these waves, and begins anew.
+    /// Adds the sums over these waves to the influence, and clears them.
     fn add_to(&mut self, shapes: &Shapes, temperature: &mut Blocks, distortion: &mut Blocks) {
         self.terms.resize(self.warm.len(), 0.0);
         if self.warm.iter().any(|gain| *gain != Complex::from(0.0)) {
@@ -124,7 +125,7 @@ impl Sums {
     }
 }
 
-/// Memory that the sums are taken in.
+/// Workspace of the sums.
 #[derive(Debug)]
 pub struct Workspace {
     sums: Sums,
@@ -133,7 +134,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// For these integrals: nothing in it grows later.
+    /// Workspace for these integrals: nothing is reallocated later.
     pub fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> Workspace {
         let at_rest = integrals.removed_at_rest.as_ref().map_or(0, |integral| integral.waves.len());
         let counts =
@@ -156,7 +157,7 @@ impl StaticCorrection {
         2.0 * PI / self.period
     }
 
-    /// See [`Integrals`].
+    /// Prepares the quadrature; see [`Integrals`].
     pub fn integrals(&self) -> Integrals {
         let width = 2.0 * self.cells.half_width();
         let fresh = self.fresh.is_some();
@@ -197,7 +198,7 @@ impl StaticCorrection {
         Wave { number: self.spacing() * number as f64, count: 1.0 }
     }
 
-    /// Temperature and distortion per heat at the velocity `velocity` >= 0.
+    /// Influence on temperature and distortion per heat at the velocity `velocity` >= 0.
     pub fn at(
         &self,
         velocity: f64,
@@ -209,7 +210,8 @@ impl StaticCorrection {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         temperature.clear();
         distortion.clear();
-        // At rest the half-plane's own sum has no end at q = 0; so slow a motion is rest for every wave that is left.
+        // At rest the sum of the half-plane diverges at q = 0; at so low a velocity all wave numbers in the sums
+        // respond as at rest.
         let slow = 1e-4 * diffusivity / self.cells.half_width();
         let moving = velocity.max(slow);
         let turning = |q: f64| Complex::new(0.0, -q * moving);
@@ -260,8 +262,8 @@ impl StaticCorrection {
         self.correct_ends(integrals, &half_plane, temperature);
     }
 
-    /// The endless path's whole response, in real space for the half-plane and as an integral over the wave number for what
-    /// the layer differs from it, less what the states answer.
+    /// Response of the endless path, in real space for the half-plane and as an integral over the wave number for the
+    /// difference of the layer, less the response of the states.
     fn add_fresh(
         &self,
         velocity: f64,
@@ -274,10 +276,12 @@ impl StaticCorrection {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         let Workspace { sums, source, .. } = workspace;
         let expands = self.expansion.is_some();
-        // Contacts that forget are steady by themselves; slow ones within the duration are not, and their states are exact.
+        // With damping of periodic images the states are steady by themselves; contacts too slow for it within the
+        // duration are not, and their states are exact.
         let forgotten = image_damping.rate(velocity);
         let lasting = slowest * slowest / (slowest + forgotten);
-        // What the states lose for that: never less, or what is left for the answer at once would be negative.
+        // Decay rate with which the response of the states is subtracted: a smaller one would make the direct
+        // feedthrough negative.
         let lost = forgotten.hypot(lasting);
         let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
         let lasting = lasting.max(resolved);
@@ -300,7 +304,8 @@ impl StaticCorrection {
         sums.add_to(&self.shapes, temperature, distortion);
     }
 
-    /// f'/24 at the first harmonic left to the integral; the nearest images have their part of it already.
+    /// Euler-Maclaurin term f'/24 at the first harmonic of the integral; that of the nearest periodic images is
+    /// included in their sum.
     fn correct_ends(&self, integrals: &Integrals, response: &dyn Fn(f64) -> Complex<f64>, blocks: &mut Blocks) {
         let part = if integrals.images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
         for (end, (harmonic, sign)) in [(self.last, -1.0), (self.last + 1, 1.0)].into_iter().enumerate() {

@@ -1,9 +1,9 @@
-//! Which steps at a constant velocity have their answers kept: a step control goes back and forth between lengths, while a velocity
-//! that changes is hardly met again.
+//! Cache index of steps at a constant velocity: step-size control alternates between a few lengths, while a varying
+//! velocity hardly recurs.
 //!
 //! Theory: docs/theory.md, section 6.4.
 
-/// Length (s) and velocity (m/s) of a step, and when it was asked for.
+/// Length (s) and velocity (m/s) of a cached step, and the time of its last use.
 #[derive(Clone, Copy, Debug)]
 struct CachedStep {
     length: f64,
@@ -11,7 +11,7 @@ struct CachedStep {
     used: u64,
 }
 
-/// The steps of the places from 1 on; place 0 is that of all others.
+/// Steps in the cache slots from 1 on; slot 0 serves all others.
 #[derive(Clone, Debug)]
 pub struct SteadySteps {
     steps: Vec<CachedStep>,
@@ -19,13 +19,13 @@ pub struct SteadySteps {
 }
 
 impl SteadySteps {
-    /// Memory for this many.
+    /// An empty index of this capacity.
     pub fn new(most: usize) -> SteadySteps {
         let none = CachedStep { length: f64::NAN, velocity: f64::NAN, used: 0 };
         SteadySteps { steps: vec![none; most], clock: 0 }
     }
 
-    /// Place of a step, and whether what belongs to it is there; else it is to be put there.
+    /// Cache slot of a step, and whether its response is stored there; if not, the caller stores it there.
     pub fn take(&mut self, length: f64, velocity: [f64; 2]) -> (usize, bool) {
         if velocity[0] != velocity[1] || self.steps.is_empty() {
             return (0, false);
@@ -47,7 +47,7 @@ mod tests {
     use crate::line::{cache_capacity, strip};
     use elasticity::Material;
 
-    /// Up to six lengths by turns, with steps of a changing velocity and of the other scheme between them.
+    /// Up to six alternating lengths, interspersed with steps of varying velocity and implicit Euler steps.
     #[test]
     fn steps_by_turns_keep_their_answers_to_the_bit() {
         let cells = Cells::graded(0.02, 9).unwrap();
@@ -86,7 +86,7 @@ mod tests {
             }
             places.insert((std::ptr::from_ref(kept.influence(Stage::End)) as usize, velocity == [0.1; 2]));
         }
-        // A place for each length, and one for a velocity that changes.
+        // One slot per length, and one for a varying velocity.
         assert!(cache_capacity(9) >= 6);
         assert_eq!(places.len(), 7);
     }

@@ -1,4 +1,4 @@
-//! Weights and gains of one step.
+//! Propagation weights and influence matrices of one step.
 //!
 //! Theory: docs/theory.md, sections 5.3, 4.1.
 
@@ -14,31 +14,32 @@ use crate::line::{GAMMA, Stage, SurfaceInfluence, cache_capacity};
 use nalgebra::DMatrix;
 use numerics::dense;
 
-/// Relative change of the velocity over a step up to which what answers at once changes linearly.
+/// Relative change of the velocity over a step up to which the direct feedthrough is linear in time.
 const LINEAR: f64 = 0.1;
 
 /// The prepared step.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Length, s, and velocities; not a number before the first one.
+    /// Length, s, and velocities, m/s; not a number before the first step.
     pub length: f64,
     pub velocity: [f64; 2],
     /// One implicit Euler step.
     euler: bool,
     pub first: StageWeights,
     pub end: StageWeights,
-    /// What the answers behind the first are those of.
+    /// Index of the cached responses after the first.
     steady: SteadySteps,
     workspace: Workspace,
     immediate: DirectFeedthrough,
 }
 
-/// A velocity without its last twelve bits: what the next step starts with differs from the end of this one by rounding.
+/// A velocity rounded in the last twelve bits of its significand: the end of one step and the start of the next differ
+/// by rounding.
 fn rounded(velocity: f64) -> f64 {
     f64::from_bits((velocity.to_bits() + 0x800) & !0xfff)
 }
 
-/// What answers at once, on the cells, at the velocities last asked for: the end of a step is the start of the next.
+/// Direct feedthrough on the cells at the velocities last used: the end of a step is the start of the next.
 #[derive(Clone, Debug)]
 struct DirectFeedthrough {
     known: [(f64, u64, [DMatrix<f64>; 2]); 3],
@@ -53,7 +54,7 @@ impl DirectFeedthrough {
         DirectFeedthrough { known: [matrices(), matrices(), matrices()], clock: 0 }
     }
 
-    /// Place of the responses at a velocity.
+    /// Cache slot of the influence matrices at a velocity.
     fn find(&mut self, operators: &StripOperators, velocity: f64) -> usize {
         let velocity = rounded(velocity);
         self.clock += 1;
@@ -73,13 +74,13 @@ impl DirectFeedthrough {
         place
     }
 
-    /// Responses at a place.
+    /// Influence matrices in a cache slot.
     fn at(&self, place: usize) -> &[DMatrix<f64>; 2] {
         &self.known[place].2
     }
 }
 
-/// Adds part of responses to the gains.
+/// Adds a multiple of the direct feedthrough to the influence matrices.
 fn add([warm, moved]: &[DMatrix<f64>; 2], part: f64, influence: &mut SurfaceInfluence) {
     for (matrix, gain) in [(warm, &mut influence.temperature), (moved, &mut influence.distortion)] {
         if !matrix.is_empty() {
@@ -95,7 +96,7 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 
 impl Step {
     pub fn new(operators: &StripOperators) -> Step {
-        // Where steps are few their answers are kept elsewhere.
+        // Settings for few steps use the cache in the operators instead.
         let kept = if operators.kept.is_none() { cache_capacity(operators.widths.len()) } else { 0 };
         Step {
             length: f64::NAN,
@@ -131,7 +132,7 @@ impl Step {
             }
             return self.find(operators, length, velocity);
         };
-        // The way back is that there mirrored: one answer serves both.
+        // Backward sliding is the mirror image of forward sliding: one response serves both.
         let back = velocity[0] + velocity[1] < 0.0;
         let forwards = if back { velocity.map(|v| 0.0 - v) } else { velocity };
         match kept.get(length, forwards) {
@@ -156,7 +157,7 @@ impl Step {
         }
     }
 
-    /// Finds the answers of both stages.
+    /// Computes the responses of both stages.
     fn find(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         let [_, middle] = to_first_stage(velocity);
         let Step { first, end, workspace, immediate, .. } = self;
@@ -174,7 +175,7 @@ impl Step {
         end.prepare(operators, length, velocity, &[(immediate.at(last), 1.0)], workspace);
     }
 
-    /// One implicit Euler step: both stages are its end.
+    /// Prepares one implicit Euler step: both stages are its end.
     pub fn prepare_euler(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         if self.length == length && self.velocity == velocity && self.euler {
             return;

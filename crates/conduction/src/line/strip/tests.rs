@@ -45,7 +45,7 @@ fn mean(cells: &Cells, temperature: &[f64]) -> f64 {
     cells.integral(temperature) / (2.0 * cells.half_width())
 }
 
-/// Steps of equal length under a constant uniform flux 1 at a velocity; the temperatures at the end.
+/// Temperatures at the end of steps of equal length under a constant uniform flux 1 with the given velocity.
 fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, velocity: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = body.cells();
     let flux = vec![1.0; count];
@@ -65,7 +65,7 @@ fn march(body: &mut StripHeat, state: &mut [f64], step: f64, steps: usize, veloc
     temperature
 }
 
-/// Fluxes that differ from cell to cell and step to step.
+/// Fluxes that vary from cell to cell and step to step.
 fn uneven(cells: &Cells, index: usize) -> Vec<f64> {
     let a = cells.half_width();
     cells.centres().iter().map(|x| 1e4 * (1.0 + 0.5 * (3.0 * x / a + index as f64).sin())).collect()

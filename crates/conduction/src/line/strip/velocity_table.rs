@@ -3,8 +3,6 @@
 //! One interpolation node costs as much as many time steps, a simulation needs only a few nodes, and of the velocities
 //! to come only the nominal one is known. Nodes are therefore computed on first use, in memory allocated at
 //! construction. The values at a node depend on its number alone, not on the order of the requests.
-//! nominal one. So knots are found when they are first asked for, in memory that is there from the start: a knot is a function
-//! of its number alone, whoever asks first.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -16,7 +14,6 @@ use std::sync::{Mutex, OnceLock};
 
 /// Spacing of the interpolation nodes in asinh(v/v0) at the tolerance 0.01. The interpolation error is of sixth order
 /// in the spacing, so the spacing goes with the sixth root of the tolerance.
-/// the sixth root of the tolerance's.
 const SPACING: f64 = 0.35;
 /// Largest spacing.
 const WIDEST: f64 = 0.45;
@@ -29,14 +26,12 @@ const ON_A_KNOT: f64 = 1e-9;
 /// Nodes at negative velocity.
 const BEHIND: usize = STENCIL / 2 - 1;
 
-/// Surface influence matrices of the direct feedthrough (temperature, distortion) at the nodes `v = v0 sinh(spacing
-/// k)`, k = -2, -1, 0, ... Negative velocities follow by symmetry; beyond the last node the feedthrough is extrapolated
-/// as v^(-1/2), the limit of fast sliding (one-dimensional conduction into the depth).
-/// velocity by symmetry, beyond the last knot the limit of fast sliding, v^(-1/2) (conduction straight down).
+/// Surface influence matrices of the direct feedthrough (temperature, distortion) at the nodes
+/// `v = v0 sinh(spacing k)`, k = -2, -1, 0, ... Negative velocities follow by symmetry; beyond the last node the
+/// feedthrough is extrapolated as v^(-1/2), the limit of fast sliding (one-dimensional conduction into the depth).
 ///
 /// Between nodes the interpolation error of the temperature under a uniform flux is below a tenth of the tolerance,
 /// relative to the whole steady temperature.
-/// steady temperature.
 #[derive(Debug)]
 pub struct VelocityTable {
     scale: f64,
@@ -67,7 +62,6 @@ type Knot = [DMatrix<f64>; 2];
 impl VelocityTable {
     /// `scale`: velocity v0 (m/s) below which the feedthrough is independent of the velocity; `fastest`: velocity (m/s)
     /// from which the limit of fast sliding holds; `tolerance`: requested relative error of the contact temperature.
-    /// the relative error of the contact temperature that is asked for.
     pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
         let (half, widths) = (static_correction.shapes.half(), static_correction.cells.widths().to_vec());
         let spacing = (SPACING * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(CLOSEST, WIDEST);
@@ -263,7 +257,6 @@ mod tests {
     /// Errors midway between two nodes under a uniform flux, relative to the whole steady temperature: of the table
     /// against the sum over the modes at that velocity, and of the passive part against the sum before it is made
     /// passive.
-    /// how far what is passive is from that sum as it is; relative to the whole steady temperature.
     fn errors(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> [f64; 2] {
         let mut body = strip(cells, path, resolution);
         let operators = body.operators.clone();

@@ -1,10 +1,11 @@
-//! Wave numbers along the path, and the shapes of their waves on the cells.
+//! Wave numbers along the path, and the shapes of the Fourier modes on the cells.
 //!
-//! On a period L the surface temperature is a sum over the harmonics `q = 2 pi n/L`, n >= 1, beside the mean. Slowly
-//! decaying harmonics remember everything and stand one by one. Fast ones on a path whose reach |x - s| <= r is much
-//! shorter than L enter only through `exp(i q r)`, a smooth function of n over many harmonics: such a range of the sum is
-//! taken by the Gauss rule of the counting measure (its orthogonal polynomials are those of Gram), which is exact
-//! for polynomials of twice its order and equals the plain sum when it has as many nodes as there are harmonics.
+//! On a period L the surface temperature is a sum over the harmonics `q = 2 pi n/L`, n >= 1, besides the mean. Slowly
+//! decaying harmonics are taken one by one. Fast ones on a path whose reach |x - s| <= r is much shorter than L enter
+//! only through `exp(i q r)`, a smooth function of n over many harmonics: such a range of the sum is evaluated by the
+//! Gauss rule of the counting measure (with the Gram polynomials as its orthogonal polynomials), which is exact for
+//! polynomials of degree below twice its order and equals the plain sum when it has as many nodes as there are
+//! harmonics.
 //!
 //! Theory: docs/theory.md, section 4.5.
 
@@ -13,12 +14,12 @@ use nalgebra::DMatrix;
 use numerics::factorization;
 use std::f64::consts::PI;
 
-/// A wave number, or the representative of several.
+/// A wave number, or a quadrature node that represents several.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Wave {
     /// q, 1/m.
     pub number: f64,
-    /// Number of harmonics that it stands for.
+    /// Number of harmonics represented: the quadrature weight.
     pub count: f64,
 }
 
@@ -27,8 +28,8 @@ const PANEL: f64 = 48.0;
 /// Nodes a panel needs beyond those that resolve its reach.
 const EXTRA: f64 = 10.0;
 
-/// The harmonics 1 to `last` of the period, as they are felt at distances up to `reach` between source and observer,
-/// counted along the material.
+/// The harmonics 1 to `last` of the period, summed accurately at distances up to `reach` between heated and observed
+/// point, counted along the material.
 pub fn harmonics(period: f64, last: usize, reach: f64) -> Vec<Wave> {
     let spacing = 2.0 * PI / period;
     let per_harmonic = 0.25 * spacing * reach;
@@ -93,7 +94,7 @@ pub const CONTINUOUS: usize = 12;
 pub fn continuous(least: f64, last: f64, reach: f64) -> Vec<Wave> {
     let rule = gauss_legendre(CONTINUOUS);
     let mut waves = Vec::new();
-    // Below `least`: singular at most like q^(-1/2), smooth in y with q = least y^2.
+    // Below `least` the integrand is singular at most like q^(-1/2): smooth in y with q = least y^2.
     for &(node, weight) in &rule {
         let y = 0.5 * (1.0 + node);
         waves.push(Wave { number: least * y * y, count: least * y * weight });
@@ -108,19 +109,19 @@ pub fn continuous(least: f64, last: f64, reach: f64) -> Vec<Wave> {
     waves
 }
 
-/// Even and odd parts of waves on cells that are symmetric about x = 0: one row of (N + 1)/2 entries per wave,
+/// Even and odd parts of the modes on cells that are symmetric about x = 0: one row of (N + 1)/2 entries per mode,
 /// `cos(q x_i) sinc(q c_i/2)` and `sin(q x_i) sinc(q c_i/2)`, from the -x edge to the centre.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Shapes {
     half: usize,
     even: Vec<f64>,
     odd: Vec<f64>,
-    /// The same by cells: one row of as many entries as there are waves per cell.
+    /// The same by cells: one row per cell with one entry per mode.
     transposed: [Vec<f64>; 2],
 }
 
 impl Shapes {
-    /// Shapes of all waves.
+    /// Shapes of all modes.
     pub fn new(cells: &Cells, waves: &[Wave]) -> Shapes {
         let half = cells.count().div_ceil(2);
         let mut shapes = Shapes { half, even: Vec::new(), odd: Vec::new(), transposed: Default::default() };
@@ -141,7 +142,7 @@ impl Shapes {
         shapes
     }
 
-    /// Even and odd parts as matrices by columns: (N + 1)/2 rows, one column per wave.
+    /// Even and odd parts as matrices by columns: (N + 1)/2 rows, one column per mode.
     pub fn matrices(&self) -> [&[f64]; 2] {
         [&self.even, &self.odd]
     }
@@ -151,7 +152,7 @@ impl Shapes {
         self.transposed.each_ref().map(|matrix| &matrix[..])
     }
 
-    /// Even and odd row of a wave.
+    /// Even and odd row of a mode.
     #[inline]
     pub fn rows(&self, wave: usize) -> (&[f64], &[f64]) {
         let range = wave * self.half..(wave + 1) * self.half;

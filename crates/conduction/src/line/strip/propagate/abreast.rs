@@ -1,41 +1,41 @@
-//! The weights of [`Motion::weights`](super::Motion::weights) for the states of many modes at once, compiled for the vector unit.
+//! The weights of [`Motion::weights`](super::Motion::weights) for the states of many modes, vectorised over the modes.
 //!
-//! Where a mode turns by a radian or more, the recurrence of the module above may run upwards from its closed forms
+//! For a phase rotation of a radian or more the recurrence of the parent module may run upwards from its closed forms
 //!
 //! ```text
 //! T_0 = (e^z - 1)/z,    T_1 = [e^z (z - 2) + z + 2]/z^3,    T_(m+1) = [T_(m-1) - 2 (2m+1) T_m]/z^2
 //! ```
 //!
-//! whatever |z|: what T_(m+1) lacks by cancellation, `2 (2m+1)/|z|^2` times what T_m lacks, counts by another factor eta, and
-//! `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the turn theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. So no lane needs another
-//! formula than its neighbours. Modes that turn less, or whose drift is large, are left to the scalar form. Nothing is fused, so every
-//! machine gives the same bits.
+//! whatever |z|: the cancellation error of T_(m+1), `2 (2m+1)/|z|^2` times that of T_m, enters with another factor eta,
+//! and `2 (2m+1) eta/|z|^2 <= 2 (2m+1) eps/theta` with the rotation theta = |Im z| and `eps = |v1 - v0|/|v0 + v1|`. All
+//! lanes therefore use the same formula. Modes with less rotation, or a large drift, are evaluated by the scalar form.
+//! No multiply-add is fused, so every machine gives the same bits.
 
 use super::{LARGEST_DRIFT, LEAST_DRIFT, Motion, terms};
 use nalgebra::Complex;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Modes abreast.
+/// Modes per vector.
 const LANES: usize = 8;
-/// Least turn (rad) at which the recurrence runs upwards: by this, and by this times eps, so that each of up to twelve terms at most doubles
-/// what the one before lacks.
+/// Least phase rotation (rad) for the upward recurrence: this, and this times eps, so that each of up to twelve terms
+/// at most doubles the error of the one before.
 const LEAST_TURN: f64 = 1.0;
 const LEAST_TURN_BY_CHANGE: f64 = 25.0;
 
-/// How all modes turn over an interval.
+/// Phase rotation of all modes over an interval.
 #[derive(Clone, Copy)]
 pub struct Turning<'a> {
     /// Velocities at its ends, m/s, and its length, s.
     pub velocity: [f64; 2],
     pub step: f64,
-    /// Wave numbers q, 1/m, which rise, and the factor by which each mode turns, real and imaginary parts.
+    /// Wave numbers q, 1/m, in ascending order, and the phase factor of each mode, real and imaginary parts.
     pub numbers: &'a [f64],
     pub phases: [&'a [f64]; 2],
     /// Rate (1/s) that is added to every decay, and its factor over the interval.
     pub damping: [f64; 2],
 }
 
-/// Values of as many modes.
+/// One value per lane.
 type Lanes = [f64; LANES];
 
 #[inline(always)]
@@ -50,8 +50,8 @@ fn product([a, b]: [Lanes; 2], [c, d]: [Lanes; 2]) -> [Lanes; 2] {
 }
 
 impl Turning<'_> {
-    /// Weights (s) in the states of one level, of the first of the modes, of a flux falling from 1 to 0 and of one rising from 0 to 1:
-    /// real and imaginary parts of both by turns. `rates` and `decays` are those of the states.
+    /// Weights (s) in the states of one level, for the first of the modes, of a flux falling from 1 to 0 and of one
+    /// rising from 0 to 1: real and imaginary parts of both alternate. `rates` and `decays` belong to the states.
     pub fn weights(&self, rates: &[f64], decays: &[f64], weights: [&mut [f64]; 4]) {
         let count = rates.len();
         let [from, to] = self.velocity;
@@ -60,7 +60,7 @@ impl Turning<'_> {
         let numbers = &self.numbers[..count];
         let begin = numbers.partition_point(|number| number * turn < least);
         let end = begin.max(numbers.partition_point(|number| number * drift <= LARGEST_DRIFT));
-        // Fewer modes than lanes are left to the scalar form as well.
+        // The scalar form also serves fewer modes than lanes.
         let end = if end - begin < LANES { begin } else { end };
         let [a, b, c, d] = weights;
         Arch::new().dispatch(Abreast {
@@ -99,7 +99,7 @@ impl WithSimd for Abreast<'_> {
             (0.5 * step * (from + to), 0.5 * step * (to - from), 0.125 * step * (to - from).abs());
         let [rate, damping] = turning.damping;
         for first in (begin..end).step_by(LANES) {
-            // The last ones overlap those before.
+            // The last vector overlaps the one before.
             let first = first.min(end - LANES);
             let at = first..first + LANES;
             let read = |values: &[f64]| -> Lanes { std::array::from_fn(|l| values[at.clone()][l]) };
@@ -150,7 +150,7 @@ impl WithSimd for Abreast<'_> {
 mod tests {
     use super::*;
 
-    /// The scalar form, at rates and velocities on both sides of what is done abreast.
+    /// Against the scalar form, at rates and velocities on both sides of the vectorised range.
     #[test]
     fn weights_are_those_of_single_states() {
         let numbers: Vec<f64> = (1..=61).map(|n| 9.0 * f64::from(n)).collect();
@@ -175,7 +175,7 @@ mod tests {
                     let scale = falling.norm() + rising.norm();
                     let apart = (falling - Complex::new(found[0][w], found[1][w])).norm()
                         + (rising - Complex::new(found[2][w], found[3][w])).norm();
-                    // Of small drifts the single states leave out what they keep beside modes of larger ones.
+                    // At small drifts the scalar form omits terms that are kept beside modes of larger drifts.
                     let allowed = if motion(numbers[w]).drift() < LEAST_DRIFT { LEAST_DRIFT } else { 1e-7 };
                     assert!(apart < allowed * scale.max(1e-3 * step), "{velocity:?} {w}: {apart:e} of {scale:e}");
                 }

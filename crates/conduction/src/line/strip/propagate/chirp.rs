@@ -1,4 +1,4 @@
-//! The integrals of a state whose turning changes much over a step, in closed form.
+//! Integrals of a state whose phase rate changes much over a step, in closed form.
 //!
 //! With `a = z + i eta`, `a u - i eta u^2` is the exponent of
 //!
@@ -6,7 +6,8 @@
 //! integral_0^1 exp(z u + i eta u (1-u)) {1, u} du,    eta > 0, Re z <= 0
 //! ```
 //!
-//! and both integrals are differences of those from 0 and from 1 to infinity, whose values at their ends are 1 and e^z:
+//! and both integrals are differences of those from 0 and from 1 to infinity, whose exponentials at their ends are 1
+//! and e^z:
 //!
 //! ```text
 //! F(k) = integral_0^inf exp(-k t - i eta t^2) dt = sqrt(pi)/(2s) erfcx(k/(2s)),    s = sqrt(i eta)
@@ -14,10 +15,10 @@
 //! integrals of 1 and u:   F(-a) - e^z F(i eta - z),   G(-a) - e^z [F + G](i eta - z)
 //! ```
 //!
-//! erfcx(x) = exp(x^2) erfc(x), where Re x >= 0 by J. A. C. Weideman, SIAM J. Numer. Anal. 31 (1994) 1497-1518 (32 terms: relative error
-//! 3e-12); beyond |k|^2 = 1000 eta the asymptotic series of F and G take over, since 1 - k F cancels. Where Re(k/s) < 0 the tail is
-//! taken towards the other side; the whole Gaussian is in the integral where the wave stands still within the step. No loop
-//! depends on the arguments.
+//! erfcx(x) = exp(x^2) erfc(x), for Re x >= 0 by J. A. C. Weideman, SIAM J. Numer. Anal. 31 (1994) 1497-1518 (32 terms:
+//! relative error 3e-12); beyond |k|^2 = 1000 eta the asymptotic series of F and G are used, since 1 - k F cancels. For
+//! Re(k/s) < 0 the tail is taken in the opposite direction; the integral contains the whole Gaussian where the phase
+//! rate vanishes within the step. The number of operations does not depend on the arguments.
 //!
 //! Theory: docs/theory.md, section 5.3.
 
@@ -53,7 +54,7 @@ fn root(eta: f64) -> Complex<f64> {
     Complex::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2) * eta.sqrt()
 }
 
-/// F and G, or what they are without the whole Gaussian, on the side where it decays.
+/// F and G, or their values less the whole Gaussian, in the direction of decay.
 struct Tail {
     all: Complex<f64>,
     weighted: Complex<f64>,
@@ -80,7 +81,7 @@ impl Tail {
     }
 }
 
-/// |k|^2/eta from which the series serves: its first omitted term is 7e-13.
+/// |k|^2/eta from which on the asymptotic series is used: its first omitted term is 7e-13.
 const ASYMPTOTIC: f64 = 1000.0;
 const TERMS: usize = 6;
 /// (2n)!/n! and (2n+1)!/n!.

@@ -1,4 +1,4 @@
-//! The answer of one stage: gains, and weights of what is known before it.
+//! Response of one stage: influence matrices, and weights of the known fluxes.
 //!
 //! Theory: docs/theory.md, section 5.3.
 
@@ -14,7 +14,7 @@ use nalgebra::{Complex, DMatrix};
 /// Index of the stage's own flux among its weights.
 pub const OWN: usize = 1;
 
-/// A stage without its velocity.
+/// Velocity-independent data of a stage.
 #[derive(Clone, Copy)]
 pub struct Interval<'a> {
     pub at_end: bool,
@@ -23,15 +23,15 @@ pub struct Interval<'a> {
     pub mean_weight: &'a [[f64; 2]],
 }
 
-/// Where answers are built: responses of the waves, split by parity and on the cells; of temperature and distortion.
+/// Workspace of stage responses: responses of the modes by distance and on the cells; of temperature and distortion.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     nodes: Nodes,
     slow: [DMatrix<f64>; 2],
-    /// Gains of the waves, and a number for each.
+    /// Response of each mode: of temperature and distortion.
     pub influence: [Vec<Complex<f64>>; 2],
-    /// Factors by which the modes turn; weights of fluxes in the states of one level, and what a stage's own flux leaves in the modes:
-    /// of temperature and distortion; real and imaginary parts by turns.
+    /// Phase factors of the modes; weights of fluxes in the states of one level, and the response of the modes to the
+    /// stage's own flux: of temperature and distortion; real and imaginary parts alternate.
     phases: [Vec<f64>; 2],
     fluxes: [Vec<f64>; 4],
     own: [Vec<f64>; 4],
@@ -51,7 +51,7 @@ impl Workspace {
         }
     }
 
-    /// Sums the waves by their gains.
+    /// Sums the mode responses at the nodes of the distance.
     pub fn sum_waves(&mut self, operators: &StripOperators) {
         let [warm, moved] = &self.influence;
         operators.distance_sum.find([warm, moved], &mut self.nodes);
@@ -59,7 +59,7 @@ impl Workspace {
 }
 
 impl Interval<'_> {
-    /// The answer for a velocity that is linear over the interval.
+    /// Stage response for a velocity that is linear over the interval.
     pub fn respond(
         &self,
         operators: &StripOperators,
@@ -78,13 +78,13 @@ impl Interval<'_> {
         self.assemble(operators, workspace, answer);
     }
 
-    /// Rate at which fresh material makes forget, and its factor over the interval.
+    /// Mean damping rate of periodic images (1/s), and its factor over the interval.
     fn damping_of_images(&self, operators: &StripOperators, velocity: [f64; 2]) -> (f64, f64) {
         let fade = operators.image_damping.mean(velocity);
         (fade, (-fade * self.length).exp())
     }
 
-    /// Gains from the waves' response in the blocks and the mean wave's, with the heat given back.
+    /// Influence matrices from the mode responses and the mean mode, with the Robin correction.
     pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, answer: &mut Answer) {
         let mean = &operators.mean;
         let Workspace { nodes, slow, .. } = workspace;
@@ -114,8 +114,8 @@ impl Interval<'_> {
         }
     }
 
-    /// The weights of the known fluxes and, at the end, those in the states, without the gains. What the stage's own flux leaves in
-    /// the modes is in the workspace.
+    /// Computes the weights of the known fluxes and, at the end, those in the states, without the influence matrices.
+    /// The response of the modes to the stage's own flux is left in the workspace.
     pub fn weigh(
         &self,
         operators: &StripOperators,

@@ -1,4 +1,4 @@
-//! What carries the state to one stage.
+//! Propagation of the state to one stage.
 //!
 //! Theory: docs/theory.md, section 5.3.
 
@@ -12,30 +12,31 @@ use crate::line::strip::state_layout::{self, of_mode, phases};
 use crate::line::{GAMMA, Stage};
 use nalgebra::Complex;
 
-/// Turn of the shortest wave in a step up to which the answer is interpolated between velocities, rad.
+/// Phase rotation of the shortest mode in a step up to which the response is interpolated between velocities, rad.
 pub const SHORT_TURN: f64 = 20.0;
 
-/// Largest `q dv h/8` of the shortest wave at which its weights are those of the mean velocity.
+/// Largest `q dv h/8` of the shortest mode for which its weights are those of the mean velocity.
 pub const LEAST_DRIFT: f64 = 5e-4;
 
-/// What carries the state to one stage.
+/// Propagation factors and weights of one stage, and its responses.
 #[derive(Clone, Debug)]
 pub struct StageWeights {
     /// This is the end of the step.
     pub at_end: bool,
-    /// Factor of each state of the waves: real parts, imaginary parts.
+    /// Propagation factor of each state of the modes: real parts, imaginary parts.
     pub factor: [Vec<f64>; 2],
-    /// Factor and weights of the mean wave's states, without input.
+    /// Propagation factors and flux weights of the mean mode's states, input excluded.
     pub mean_factor: Vec<f64>,
     pub mean_weight: Vec<[f64; 2]>,
-    /// What depends on the velocity: that of a step of its own, and those of the last steps at a constant velocity.
+    /// Velocity-dependent responses: that of the current step if not cached, and the cached ones of steps at constant
+    /// velocity.
     pub answers: Vec<Answer>,
     pub current: usize,
-    /// Decay of each state over the interval, of this length.
+    /// Decay factor of each state over the interval, and its length, s.
     decay: Vec<f64>,
     length: f64,
     nodes: InterpolationNodes,
-    /// Turn of each wave, real and imaginary part.
+    /// Phase factor of each mode, real and imaginary part.
     phases: [Vec<f64>; 2],
 }
 
@@ -45,17 +46,17 @@ impl StageWeights {
         if self.at_end { Stage::End } else { Stage::First }
     }
 
-    /// Weight in a state of the mean wave of a flux falling to 0 at the stage, from that of the known flux.
+    /// Weight, in a state of the mean mode, of a flux falling to 0 at the stage, from that of the known flux.
     pub fn falling(&self, known: f64) -> f64 {
         if self.at_end { (1.0 - GAMMA) * known } else { known }
     }
 
-    /// What depends on the velocity.
+    /// The response of the current step.
     pub fn answer(&self) -> &Answer {
         &self.answers[self.current]
     }
 
-    /// With memory for the answers of `kept` steps.
+    /// Weights with a cache of `kept` responses.
     pub fn new(operators: &StripOperators, at_end: bool, kept: usize) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
         let layout = Layout::new(operators, at_end);
@@ -102,13 +103,13 @@ impl StageWeights {
         self.carry(operators, velocity);
     }
 
-    /// The same where the answer is there.
+    /// Prepares the stage with its response in the cache.
     pub fn resume(&mut self, operators: &StripOperators, length: f64, velocity: [f64; 2]) {
         self.take_length(operators, length);
         self.carry(operators, velocity);
     }
 
-    /// What depends on the length of the interval alone.
+    /// Computes the factors that depend on the length of the interval alone.
     pub fn take_length(&mut self, operators: &StripOperators, length: f64) {
         let mean = &operators.mean;
         if self.length != length {
@@ -125,7 +126,7 @@ impl StageWeights {
         }
     }
 
-    /// Factors of the waves' states over the interval.
+    /// Computes the propagation factors of the modes' states over the interval.
     pub fn carry(&mut self, operators: &StripOperators, velocity: [f64; 2]) {
         let fade = operators.image_damping.mean(velocity);
         let damping = (-fade * self.length).exp();
@@ -148,7 +149,7 @@ impl StageWeights {
         velocity: [f64; 2],
         workspace: &mut Workspace,
     ) {
-        // The next step of two stages makes its own decays.
+        // The next SDIRK step recomputes the decays.
         self.length = f64::NAN;
         let mean = &operators.mean;
         for k in 0..mean.count {

@@ -1,4 +1,4 @@
-//! Stages, states and account agree, and heat goes where it can.
+//! Consistency of stages, states and heat balance, and the paths of heat loss.
 
 use super::{expanding, march, mean, steel, uneven};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
@@ -20,7 +20,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
-        // A temperature, or the flux by moving air.
+        // A prescribed temperature, or the flux of forced convection.
         let (far, far_fall) = if base == Base::Held { (2.0, 0.0) } else { (0.4 * cooling, 0.1 * cooling) };
         let air = Surroundings { cooling, cooling_fall: -0.3 * cooling, ambient: 5.0, far, far_fall };
         let (mut temperature, mut distortion) = (vec![0.0; 12], vec![0.0; 12]);
@@ -45,7 +45,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
                 largest = largest.max((distortion[i] + lifted[i] - moved[i]).abs() / moved[i].abs());
             }
         }
-        // The gains at a velocity that changes are interpolated between velocities.
+        // The influence matrices of a varying velocity are interpolated between velocities.
         assert!(largest < 1e-4, "{base:?}: {largest:e}");
         let account = body.account(&state);
         let balance = account.received - account.stored - account.ambient - account.far;
@@ -105,7 +105,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
                 assert!(apart < 1e-3 * fall * rise, "{path:?}: {shown:?} {early:?}");
             }
         }
-        // Up to answers that are interpolated between velocities.
+        // Up to the interpolation of responses between velocities.
         let lost = body.account(&state).ambient;
         assert!((body.account(&parts).ambient / lost - 1.0).abs() < 1e-9, "{path:?}");
         let both = [&state, &parts].map(|state| body.cooled_temperature(state, &air, &zero));
@@ -117,7 +117,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
         let followed = ahead.temperature[0] - ahead.not_extrapolated;
         let lagged = cooled[0] - followed;
         assert!((cooled[0] - cooled[1]).abs() < 1e-3 * fall * rise, "{path:?}: {cooled:?}");
-        // What lags behind is what the contact lacks of the cooling.
+        // The deviation is the cooling that does not act under the contact.
         assert!(lagged.abs() < 0.3 * (20.0 - cooled[0]), "{path:?}: {ahead:?} {cooled:?}");
         if path == SlidingPath::Unidirectional {
             assert!(lagged.abs() < 1e-9 && ahead.not_extrapolated == 0.0, "{ahead:?} {cooled:?}");
@@ -127,7 +127,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
 
 #[test]
 fn convection_acts_beside_the_contact_only() {
-    // So good a conductor that it is of one temperature: all heat leaves through the free surface.
+    // A strip of so high a conductivity that its temperature is uniform: all heat leaves through the free surface.
     let mut properties = steel(0.02, Base::Insulated, SlidingPath::Closed(0.3), 400.0);
     properties.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
@@ -171,7 +171,7 @@ fn everything_at_one_temperature_stays_there() {
 
 #[test]
 fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
-    // Steel at rest on a glass ceramic that turns: whatever the start, the flux between them dies away.
+    // Steel at rest on a rotating glass ceramic: for any initial jump the flux between them decays.
     let count = 8;
     let length = 0.0754;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
@@ -196,7 +196,7 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
                         let back: Vec<f64> = fluxes[0].iter().map(|q| -q).collect();
                         still.free_response(&own, &air, stage, &fluxes[0], &mut here, &mut moved);
                         moving.free_response(&other, &air, stage, &back, &mut there, &mut moved);
-                        // A jump between the surfaces in the first step only.
+                        // A temperature jump between the surfaces in the first step only.
                         let jump = |i: usize| if number == 0 { [1.0, -0.3, 0.7][i % 3] } else { 0.0 };
                         let difference = nalgebra::DVector::from_fn(count, |i, _| there[i] - here[i] + jump(i));
                         let both = &still.influence(stage).temperature + &moving.influence(stage).temperature;

@@ -1,4 +1,4 @@
-//! Against solutions that are known.
+//! Comparison with exact solutions.
 
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
@@ -24,7 +24,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         println!("{:?} {} states, error {:.1e}", body.size(), body.states(), body.error());
         for velocity in [0.0, 1e-4, 0.01, 1.0, -1.0, 30.0] {
-            // In a step much longer than every decay but the mean's, the response is the steady one.
+            // In a step much longer than every decay time but the mean's, the response is the steady one.
             let step = 1e9;
             body.prepare(step, [velocity, velocity]);
             let influence = body.influence(Stage::End).temperature.clone();
@@ -81,7 +81,7 @@ fn oscillating_band_on_a_half_plane() {
 #[test]
 fn jaeger_on_a_long_closed_path() {
     let cells = Cells::graded(1.0, 65).unwrap();
-    // The printed maximum of the half-plane and where it lies; layers so high that it is reached to `layer`.
+    // Published maximum of the half-plane and its position; layers high enough to reach it to `layer`.
     for (peclet, height, max, at, layer) in
         [(0.1, 38.0, 2.20033, -0.2435, 1e-3), (1.0, 12.0, 0.99185, -0.6664, 2e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
     {
@@ -107,7 +107,7 @@ fn jaeger_on_a_long_closed_path() {
 
 #[test]
 fn heated_half_plane_curves_by_its_flux() {
-    // u'' = alpha (1+nu) q/K where the flux q enters, steady, at rest.
+    // u'' = alpha (1+nu) q/K under the flux q, steady, at rest.
     let mut properties = steel(100.0, Base::Held, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
     properties.expansion = expanding(0.3, elasticity::Base::Smooth);
     let cells = Cells::graded(0.1, 33).unwrap();
@@ -126,7 +126,7 @@ fn heated_half_plane_curves_by_its_flux() {
 
 #[test]
 fn full_periodic_contact_is_the_layer_wave_by_wave() {
-    // A flux that varies once round the ring: its cells' values hold only the aliases n, N - n, N + n, ... of one wave.
+    // A harmonic flux on the ring: its cell values contain only the aliases n, N - n, N + n, ... of one wave.
     let length = 0.2;
     let mut properties = steel(0.02, Base::Held, SlidingPath::Closed(length), 0.0);
     properties.expansion = expanding(0.3, elasticity::Base::Bonded);
@@ -183,7 +183,7 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
             let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let exact = band_mean(peclet, Some((height, layer)));
             println!("{height} {base:?} {peclet} {:.1e}", mean(&cells, &answer) / exact - 1.0);
-            // Slower than this a band is not steady within the duration.
+            // At lower speeds a band is not steady within the duration.
             if peclet > 0.1 {
                 let bound = if peclet < 1.0 { 2e-3 } else { 3e-4 };
                 assert!((mean(&cells, &answer) / exact - 1.0).abs() < bound, "{height} {peclet}");
@@ -199,7 +199,7 @@ fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
     for peclet in [0.1, 1.0, 10.0] {
         let mut unidirectional =
             StripHeat::new(&unit(40.0, Base::Held, SlidingPath::Unidirectional), &cells, &resolution).unwrap();
-        // The exact transient: a closed path that the contact does not go round within the time.
+        // Exact transient: a closed path that the contact does not complete within the time.
         let round = SlidingPath::Closed(600.0);
         let mut exact = StripHeat::new(&unit(40.0, Base::Held, round), &cells, &resolution).unwrap();
         let (mut state, mut reference) = (vec![0.0; unidirectional.states()], vec![0.0; exact.states()]);
@@ -217,7 +217,7 @@ fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
 fn a_short_way_on_fresh_material_needs_no_long_period() {
     let (width, velocity, duration) = (0.04, 0.4, 0.2);
     let cells = Cells::graded(0.5 * width, 9).unwrap();
-    // The exact transient: a closed path that the contact does not go round within the time.
+    // Exact transient: a closed path that the contact does not complete within the time.
     let paths = [
         (SlidingPath::Closed(1.0), f64::INFINITY),
         (SlidingPath::Unidirectional, f64::INFINITY),

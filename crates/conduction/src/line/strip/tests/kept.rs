@@ -1,4 +1,4 @@
-//! Answers are functions of step and velocity alone, whatever was found before.
+//! Responses are functions of step length and velocity alone, whatever is in the caches.
 
 use super::{cooled_steel, expanding, steel, uneven, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
@@ -22,7 +22,7 @@ fn answers_do_not_depend_on_when_they_were_found() {
         planned.expect(900.0);
         let velocities = [0.0, 3.0, -40.0, 800.0];
         let expected = velocities.map(|velocity| influence(&mut planned, velocity));
-        // The fastest first, and from a copy that shares what is found.
+        // The fastest first, and computed by a copy that shares the table.
         let mut copy = fast.clone();
         influence(&mut copy, 800.0);
         for (velocity, expected) in velocities.into_iter().zip(&expected) {
@@ -54,7 +54,7 @@ fn a_step_that_was_prepared_before_has_the_same_answer_to_the_bit() {
         }
         (state, influence)
     };
-    // A copy finds all of its steps prepared; the other body none, because it keeps none.
+    // A copy has all of its steps in the cache; the other body has no cache.
     let mut first = body();
     let mut copy = first.clone();
     let mut other = body();
@@ -99,7 +99,7 @@ fn the_way_back_has_the_answers_of_the_way_there_mirrored() {
         for (place, (one, other)) in there.1.iter().zip(&other.1).enumerate() {
             assert!((one - other).abs() < 1e-9, "{path:?} {place}: {one} {other}");
         }
-        // Two of the six steps are mirrored ones of others.
+        // Two of the six steps are mirror images of others.
         assert_eq!(mirrored.operators.kept.as_ref().unwrap().count(), 4, "{path:?}");
     }
 }

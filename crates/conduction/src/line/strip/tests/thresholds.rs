@@ -1,4 +1,4 @@
-//! Steps at the thresholds of their weights, and one unit in the last place beside them.
+//! Steps at the thresholds between formulas of the weights, and one unit in the last place beside them.
 
 use super::{cooled_steel, uneven};
 use crate::line::strip::propagate::LARGEST_DRIFT;
@@ -34,7 +34,7 @@ fn temperatures_are_finite_and_continuous_over_every_threshold() {
         let steady = body.operators.steady;
         for number in [numbers[0], numbers[numbers.len() / 2], numbers[numbers.len() - 1]] {
             for step in [0.1, 0.05, 2.0] {
-                // q dv h/8, from rest, through zero and about a velocity that turns little; and q v h.
+                // q dv h/8, from rest, through zero and about a velocity of little phase rotation; and q v h.
                 let change = |drift: f64| 8.0 * drift / (number * step);
                 let mut edges: Vec<[f64; 2]> = Vec::new();
                 for drift in [LEAST_DRIFT, steady, LARGEST_DRIFT] {
