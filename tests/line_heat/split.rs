@@ -40,7 +40,7 @@ fn the_split_converges_to_the_monolithic_step_at_first_order() {
 }
 
 /// A scene whose friction falls to a tenth over 120 K, at a speed that heats the surfaces by more than that in a step of 200 s.
-fn decay_rates(changes: &[(&str, f64)]) -> Drive {
+fn fading_friction(changes: &[(&str, f64)]) -> Drive {
     let fade = [
         ("contact.friction_fade.temperature[1]", 300.0),
         ("contact.friction_fade.temperature[2]", 420.0),
@@ -74,11 +74,11 @@ fn decay_rates(changes: &[(&str, f64)]) -> Drive {
 fn steps_that_the_delay_makes_grow_are_refused_with_their_bound() {
     let (step, name) = (200.0, reference("contact_temperature"));
     // The scene itself is stable: the monolithic step takes it.
-    let mut whole = decay_rates(&[]);
+    let mut whole = fading_friction(&[]);
     for _ in 0..5 {
         whole.step(step);
     }
-    let mut split = decay_rates(&[SPLIT]);
+    let mut split = fading_friction(&[SPLIT]);
     let message = (0..5).find_map(|_| split.0.step(step).err()).unwrap();
     println!("{message}");
     assert!(message.starts_with("solver.scheme = staggered is stable only for steps below "), "{message}");
@@ -88,7 +88,7 @@ fn steps_that_the_delay_makes_grow_are_refused_with_their_bound() {
     // Shorter steps go on to the same temperature.
     let bound: f64 = message.split("below ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!(bound > 1e-3 * step && bound < step, "{bound}");
-    let mut split = decay_rates(&[SPLIT]);
+    let mut split = fading_friction(&[SPLIT]);
     let count = (5.0 * step / (0.25 * bound)).ceil();
     for _ in 0..count as u32 {
         split.step(5.0 * step / count);

@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Leave the peers out: no Python environment is made.
     #[arg(long)]
     no_peers: bool,
-    /// Recompute the reference solutions of the scenes, without a limit of time, and keep them in documentation/accuracy/truth: for
+    /// Recompute the reference solutions of the scenes, without a limit of time, and keep them in docs/accuracy/truth: for
     /// scenes whose finest run takes longer than a chart should.
     #[arg(long, conflicts_with_all = ["quick", "json", "output", "no_peers"])]
     write_truth: bool,

@@ -48,9 +48,9 @@ impl StripHeat {
         self.operators.transform(&scratch.first, &mut scratch.fold, &mut scratch.heat);
         self.add_known_flux(scratch, weights);
         let fluxes = [self.mean_flux(&scratch.first, 0.0), 0.0];
-        let state_layout = self.mean_levels(state, surroundings, weights, fluxes);
-        self.project(scratch, stage, state_layout[0]);
-        state_layout
+        let levels = self.mean_levels(state, surroundings, weights, fluxes);
+        self.project(scratch, stage, levels[0]);
+        levels
     }
 
     /// Stores the projected temperature that drives the Robin correction of a stage, from the amplitudes in the
@@ -99,8 +99,8 @@ impl StripHeat {
         let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
         let Scratch { amplitude, moved, answer, .. } = &mut *scratch;
         if operators.expands {
-            let state_layout = [level, operators.mean_distortion * through_depth];
-            operators.observe([amplitude, moved], answer, state_layout, [temperature, distortion]);
+            let levels = [level, operators.mean_distortion * through_depth];
+            operators.observe([amplitude, moved], answer, levels, [temperature, distortion]);
         } else {
             operators.observe_one(amplitude, &mut answer[0], level, temperature);
             distortion.fill(0.0);

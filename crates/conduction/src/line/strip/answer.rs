@@ -195,7 +195,7 @@ impl Answer {
 
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
     /// matrices.
-    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: SingleStepAttempt<'_>) {
+    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: FeedthroughTerms<'_>) {
         let parts = answers.map(|answer| &answer.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
         let parts = answers.map(|answer| answer.influence.temperature.as_slice());
@@ -209,14 +209,14 @@ impl Answer {
 
 /// Direct feedthrough at one or two velocities (temperature and distortion, N x N; the second empty without thermal
 /// expansion), each with its weight.
-pub type SingleStepAttempt<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
+pub type FeedthroughTerms<'a> = &'a [(&'a [DMatrix<f64>; 2], f64)];
 
 /// Linear combination of four matrices and the one or two of the direct feedthrough.
 fn sum(
     target: &mut [f64],
     [a, b, c, d]: [&[f64]; 4],
     factors: [f64; 4],
-    immediate: SingleStepAttempt<'_>,
+    immediate: FeedthroughTerms<'_>,
     moving: usize,
 ) {
     let [f, g, h, i] = factors;

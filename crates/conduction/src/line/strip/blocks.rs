@@ -198,10 +198,10 @@ fn column<S: Simd>(
     }
     let ((top_head, top_tail), (low_head, low_tail)) =
         (S::as_mut_simd_f64s(top), S::as_mut_simd_f64s(&mut mirrored[..half]));
-    let [signs, widths, state_layout] = [sign, width, level].map(|value| simd.splat_f64s(value));
+    let [signs, widths, levels] = [sign, width, level].map(|value| simd.splat_f64s(value));
     for i in 0..low_head.len() {
         let [even, even_to_odd, odd_to_even, odd] = [0, 1, 2, 3].map(|k| vectors[k].0[i]);
-        let same = simd.add_f64s(simd.add_f64s(state_layout, even), simd.mul_f64s(signs, even_to_odd));
+        let same = simd.add_f64s(simd.add_f64s(levels, even), simd.mul_f64s(signs, even_to_odd));
         let other = simd.sub_f64s(simd.mul_f64s(signs, odd), odd_to_even);
         top_head[i] = simd.mul_f64s(widths, simd.add_f64s(same, other));
         low_head[i] = simd.mul_f64s(widths, simd.sub_f64s(same, other));

@@ -7,7 +7,7 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
-use super::answer::{Answer, Layout, SingleStepAttempt};
+use super::answer::{Answer, FeedthroughTerms, Layout};
 use super::operators::{ImageDamping, StripOperators};
 use super::step::{Interval, Workspace};
 
@@ -139,7 +139,7 @@ impl InterpolationNodes {
         interval: &Interval<'_>,
         length: f64,
         velocity: f64,
-        immediate: SingleStepAttempt<'_>,
+        immediate: FeedthroughTerms<'_>,
         workspace: &mut Workspace,
         answer: &mut Answer,
     ) {

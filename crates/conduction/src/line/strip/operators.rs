@@ -460,7 +460,7 @@ impl StripOperators {
         &self,
         amplitudes: [&[Vec<f64>; 2]; 2],
         parts: &mut [[Vec<f64>; 2]; 2],
-        state_layout: [f64; 2],
+        levels: [f64; 2],
         values: [&mut [f64]; 2],
     ) {
         let [[warm_re, warm_im], [moved_re, moved_im]] = amplitudes;
@@ -469,7 +469,7 @@ impl StripOperators {
         let [even, odd] = &self.seen;
         dense::multiply_add_pair(even, [warm_re, moved_re], [warm_even, moved_even]);
         dense::multiply_add_pair(odd, [warm_im, moved_im], [warm_odd, moved_odd]);
-        for ((values, level), [even, odd]) in values.into_iter().zip(state_layout).zip(parts) {
+        for ((values, level), [even, odd]) in values.into_iter().zip(levels).zip(parts) {
             values.fill(level);
             self.unfold_onto([even, odd], values);
         }

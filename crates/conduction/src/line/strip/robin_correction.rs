@@ -74,15 +74,15 @@ impl RobinCorrection {
     /// V'W of the temperature given by mode amplitudes (real and imaginary parts).
     pub fn project(&self, amplitude: &[Vec<f64>; 2]) -> [f64; RANK] {
         // Two interleaved sums break the dependency chain of the additions.
-        let mut state_layout = [[0.0; RANK]; 2];
+        let mut partial_sums = [[0.0; RANK]; 2];
         for (wave, (row, (re, im))) in self.waves.iter().zip(amplitude[0].iter().zip(&amplitude[1])).enumerate() {
-            let level = &mut state_layout[wave % 2];
+            let level = &mut partial_sums[wave % 2];
             for degree in 0..RANK / 2 {
                 level[2 * degree] += row[2 * degree] * re;
                 level[2 * degree + 1] += row[2 * degree + 1] * im;
             }
         }
-        std::array::from_fn(|degree| state_layout[0][degree] + state_layout[1][degree])
+        std::array::from_fn(|degree| partial_sums[0][degree] + partial_sums[1][degree])
     }
 
     /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the

@@ -19,14 +19,14 @@ pub type Parts<'a> = [&'a [f64]; 2];
 
 /// State layout for modes with these numbers of states, in non-increasing order.
 pub fn state_layout(counts: &[usize]) -> Vec<Level> {
-    let mut state_layout = Vec::new();
+    let mut levels = Vec::new();
     let mut first = 0;
     for level in 0..counts.first().copied().unwrap_or(0) {
         let end = first + counts.iter().take_while(|count| **count > level).count();
-        state_layout.push(first..end);
+        levels.push(first..end);
         first = end;
     }
-    state_layout
+    levels
 }
 
 /// State indices of a mode, level by level.

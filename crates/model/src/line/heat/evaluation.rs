@@ -126,11 +126,11 @@ impl ThermalCoupling {
             punch.fill(0.0);
             strip.fill(0.0);
             if exchanges {
-                let [cold, update_temperatures] = &self.free_response;
+                let [of_punch, of_strip] = &self.free_response;
                 self.difference
                     .iter_mut()
-                    .zip(update_temperatures.iter().zip(cold))
-                    .for_each(|(residual, (update_temperatures, cold))| *residual = update_temperatures - cold);
+                    .zip(of_strip.iter().zip(of_punch))
+                    .for_each(|(residual, (strip, punch))| *residual = strip - punch);
                 self.partitions[s].exchange(&self.difference, punch);
                 strip.iter_mut().zip(&*punch).for_each(|(strip, punch)| *strip = -punch);
             }

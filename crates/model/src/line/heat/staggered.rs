@@ -310,19 +310,19 @@ impl ThermalCoupling {
         for i in 0..count {
             strip[i] = if conducts[1] { self.gap[i] - punch[i] } else { 0.0 };
         }
-        let [temperatures_current, moved] = &mut self.free_response;
-        temperatures_current.fill(0.0);
+        let [temperature, moved] = &mut self.free_response;
+        temperature.fill(0.0);
         moved.fill(0.0);
         for (influence, flux) in influence.into_iter().zip([&*punch, &*strip]) {
             if let Some(influence) = influence {
-                dense::multiply_add(influence.temperature.as_slice(), flux, temperatures_current);
+                dense::multiply_add(influence.temperature.as_slice(), flux, temperature);
                 dense::multiply_add(influence.distortion.as_slice(), flux, moved);
             }
         }
         if conducts == [true, true] {
-            temperatures_current.iter_mut().for_each(|t| *t *= 0.5);
+            temperature.iter_mut().for_each(|t| *t *= 0.5);
         } else {
-            temperatures_current.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
+            temperature.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
         }
     }
 }

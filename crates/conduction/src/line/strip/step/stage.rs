@@ -4,7 +4,7 @@
 
 use super::add;
 use super::interval::{Interval, Workspace, stage_fluxes};
-use crate::line::strip::answer::{Answer, Layout, SingleStepAttempt};
+use crate::line::strip::answer::{Answer, FeedthroughTerms, Layout};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::Motion;
@@ -79,7 +79,7 @@ impl StageWeights {
         operators: &StripOperators,
         length: f64,
         velocity: [f64; 2],
-        immediate: SingleStepAttempt<'_>,
+        immediate: FeedthroughTerms<'_>,
         workspace: &mut Workspace,
     ) {
         self.take_length(operators, length);

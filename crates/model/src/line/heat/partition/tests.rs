@@ -100,13 +100,13 @@ fn single_precision_loses_its_rounding_and_keeps_open_cells_at_nothing() {
         partition.build((1.0, 0.0), [Some(&punch), Some(&strip)]);
         partition.set_active_set(&closed);
         assert!(partition.thermal_compliance(0.7));
-        let (mut flux, mut moved, mut update_temperatures) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+        let (mut flux, mut moved, mut temperature) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         partition.exchange(&values(2.0), &mut flux);
         partition.add_punch_flux_exactly(&heat, &mut flux);
         partition.distort_relatively(&flux, &mut moved);
         partition.add_displacement(true, &heat, &mut moved);
-        partition.update_punch_temperature(&punch, &flux, &mut update_temperatures);
-        [flux, moved, update_temperatures]
+        partition.update_punch_temperature(&punch, &flux, &mut temperature);
+        [flux, moved, temperature]
     };
     let partition = || HeatPartition::new(&vec![1.0; count], &vec![1.0; count], 0.3);
     let (double, single) = (answers(partition()), answers(partition().in_single_precision()));
