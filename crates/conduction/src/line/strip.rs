@@ -27,16 +27,15 @@
 mod account;
 mod amplitudes;
 mod answer;
-mod blocks;
 mod depth;
 mod distance;
 mod error_sweep;
-mod kept;
 mod moving_kernel;
 mod nodes;
 mod operators;
 mod passive;
 mod propagate;
+mod reduction;
 mod robin_correction;
 mod scratch;
 mod state_layout;
@@ -55,7 +54,6 @@ pub use operators::{Resolution, SlidingPath, StripProperties};
 use super::{Account, BESIDE, CooledAhead, FACES, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use crate::reduced::{MAX_STATES, Observation, Port};
 use elasticity::{Cells, OutOfRange};
-use kept::Kept;
 use numerics::dense;
 use operators::StripOperators;
 use robin_correction::RANK;
@@ -111,18 +109,6 @@ impl StripHeat {
     /// computed by the first step that uses them; results are the same either way.
     pub fn expect(&self, velocity: f64) {
         self.operators.table.expect(velocity);
-    }
-
-    /// Setting for few steps of seldom repeated length and velocity, most of them at `velocity` (m/s): each stage
-    /// response is computed at its own velocity, not interpolated between velocities.
-    pub fn for_few_steps(mut self, velocity: f64) -> Self {
-        if let Some(operators) = Arc::get_mut(&mut self.operators) {
-            operators.steady = 0.0;
-            operators.kept = Some(Kept::default());
-            operators.table.align(velocity);
-            self.step = Step::new(operators);
-        }
-        self
     }
 
     /// Number of states of the Robin correction: its rates of change over the last step, W/(m2 s) by polynomial, before

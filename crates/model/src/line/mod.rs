@@ -444,14 +444,16 @@ impl Line {
         self.state.limits |= lumped::limits_of_wear(scene, [deepest(&self.state.punch), deepest(&self.state.strip)])?;
         if let Some(heat) = &self.state.heat {
             let lowest = heat.lowest() + self.mean.state().reference;
+            let highest = self.operators.hottest.of(&heat.temperature) + self.mean.state().reference;
             if lowest.is_nan() || lowest < 0.0 {
+                let count = self.state.pressure.len();
+                let carrying = self.state.pressure.iter().filter(|&&p| p > 0.0).count();
                 return Err(StepFailure(format!(
-                    "the heat balance of the contact line failed: a surface temperature of {lowest} K, below 0 K, at \
-                     punch.conductivity = {} and strip.conductivity = {} W/(m.K)",
-                    scene.punch.conductivity, scene.strip.conductivity
+                    "the surface temperatures are not resolved: {lowest} to {highest} K, with {carrying} of {count} cells in \
+                     contact, at punch.conductivity = {}, strip.conductivity = {} W/(m.K) and solver.tolerance = {}",
+                    scene.punch.conductivity, scene.strip.conductivity, scene.tolerance
                 )));
             }
-            let highest = self.operators.hottest.of(&heat.temperature) + self.mean.state().reference;
             self.state.limits |= lumped::limits_of_temperature(scene, highest);
         }
         if self.state.track.as_ref().is_some_and(|track| track.revisited()) {

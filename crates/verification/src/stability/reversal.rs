@@ -56,7 +56,7 @@ pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, Stri
         expansion: None,
         lateral: None,
     };
-    let resolution = Resolution { duration, shortest: step, tolerance: 0.2 * AGREEMENT, way: f64::INFINITY };
+    let resolution = Resolution { duration, shortest: step, tolerance: 0.2 * AGREEMENT };
     let strip = StripHeat::new(&properties, &cells, &resolution).map_err(|error| error.to_string())?;
     Ok((cells, strip))
 }

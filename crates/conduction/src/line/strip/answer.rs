@@ -149,50 +149,6 @@ impl Answer {
         &self.rest[first + 3 * n..]
     }
 
-    /// Number of floating-point values.
-    pub fn length(&self) -> usize {
-        self.rest.len() + self.influence.temperature.len() + self.influence.distortion.len()
-    }
-
-    /// Copies another response of the same strip and stage.
-    pub fn copy_from(&mut self, other: &Answer) {
-        self.rest.copy_from_slice(&other.rest);
-        self.influence.temperature.copy_from(&other.influence.temperature);
-        self.influence.distortion.copy_from(&other.influence.distortion);
-    }
-
-    /// Reverses the velocity: cells and modes are symmetric about the middle of the contact.
-    pub fn mirror(&mut self) {
-        let count = self.layout.count;
-        let (influence, parts) = self.gains_and_parts();
-        for matrix in [&mut influence.temperature, &mut influence.distortion] {
-            matrix.as_mut_slice().reverse();
-        }
-        for [_, imaginary] in [parts.weights, parts.carried].iter_mut().flat_map(|parts| parts.as_chunks_mut::<2>().0) {
-            imaginary.iter_mut().for_each(|value| *value = -*value);
-        }
-        parts.uniform.into_iter().for_each(<[f64]>::reverse);
-        // Even and odd polynomials alternate.
-        let sign = |degree: usize| if degree.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let columns = parts.response.len() / RANK;
-        for column in 0..columns.div_ceil(2) {
-            for degree in 0..RANK {
-                let [one, other] = [column, columns - 1 - column].map(|column| column * RANK + degree);
-                let pair = [parts.response[one], parts.response[other]].map(|value| sign(degree) * value);
-                [parts.response[other], parts.response[one]] = pair;
-            }
-        }
-        for lifted in parts.lifted {
-            for (degree, values) in lifted.chunks_exact_mut(count).enumerate() {
-                values.reverse();
-                values.iter_mut().for_each(|value| *value *= sign(degree));
-            }
-        }
-        for (degree, column) in parts.solution.chunks_exact_mut(RANK).enumerate() {
-            column.iter_mut().enumerate().for_each(|(row, value)| *value *= sign(degree) * sign(row));
-        }
-    }
-
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
     /// matrices.
     pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: FeedthroughTerms<'_>) {

@@ -97,14 +97,14 @@ impl Set {
 }
 
 impl InterpolationNodes {
-    /// An empty cache; no memory is allocated unless `used`.
-    pub fn new(layout: Layout, used: bool) -> InterpolationNodes {
+    /// An empty cache.
+    pub fn new(layout: Layout) -> InterpolationNodes {
         let set = |slots: usize| Set {
             length: f64::NAN,
             requests: 0,
             slots: (0..slots).map(|_| Slot { number: i64::MIN, velocity: 0.0, answer: Answer::new(layout) }).collect(),
         };
-        InterpolationNodes { sets: SLOTS.map(|slots| set(if used { slots } else { 0 })) }
+        InterpolationNodes { sets: SLOTS.map(set) }
     }
 
     /// Nodes of an interval of this length, emptied where they were those of another length.

@@ -2,22 +2,20 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
-use super::depth::{Depth, DepthModes, Expansion};
+use super::depth::Expansion;
 use super::distance::DistanceSum;
-use super::error_sweep::ErrorSweep;
-use super::kept::Kept;
+use super::reduction::{Layer, Reduction};
 use super::robin_correction::RobinCorrection;
 use super::state_layout::{Level, of_mode, state_layout};
 use super::static_correction::StaticCorrection;
 use super::velocity_table::VelocityTable;
-use super::waves::{Shapes, Wave, harmonics};
+use super::waves::{Shapes, Wave};
 use crate::lateral::Lateral;
 use crate::reduced::ReducedBody;
 use crate::slab::{Base, CoolingPort, Slab};
 use elasticity::{self, Cells, OutOfRange};
 use numerics::dense;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Path of the contact on the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -65,8 +63,6 @@ pub struct Resolution {
     pub shortest: f64,
     /// Permitted relative error of the contact temperature by the reduction.
     pub tolerance: f64,
-    /// Sliding distance on fresh material, m; infinite if unknown.
-    pub way: f64,
 }
 
 /// Damping of periodic images: the rate that sliding on fresh material adds to every decay, so that heat left behind
@@ -120,7 +116,7 @@ pub struct StripOperators {
     pub waves: Vec<Wave>,
     /// Wave numbers of the modes, 1/m.
     pub numbers: Vec<f64>,
-    pub shapes: Arc<Shapes>,
+    pub shapes: Shapes,
     /// Influence of the modes on all pairs of cells.
     pub distance_sum: DistanceSum,
     /// `2 count/L`: weight of a mode's amplitude in the temperature.
@@ -144,8 +140,6 @@ pub struct StripOperators {
     /// contribution of such modes to the temperature is below one in a hundred. 0: no interpolation between velocities.
     pub steady: f64,
     pub table: VelocityTable,
-    /// Cache of stage responses shared by several probes; `None`: not used.
-    pub kept: Option<Kept>,
     pub robin_correction: Option<RobinCorrection>,
     /// Observation matrices of the real and imaginary amplitudes, the even and odd parts on the cells: (N + 1)/2 rows,
     /// one column per mode.
@@ -155,26 +149,14 @@ pub struct StripOperators {
     pub error: f64,
 }
 
-/// Ratios of the shifts of the reduction, tried in this order until the error is small.
-const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
-/// Fraction of the tolerance available to the reduction of the modes.
-const REDUCTION_PART: f64 = 0.2;
-/// Lower bound of the period of a unidirectional path that is not short, in widths of the contact.
-const SHORTEST_WAY: f64 = 12.0;
-/// Period of a known, short unidirectional path, relative to the length heated by the contact.
-const FREE_OF_COPIES: f64 = 1.5;
-/// Number of modes from which on the reduction error is first tested on a sample, and the ratio of all modes to the
-/// sample.
-const MANY_WAVES: usize = 200;
-const SAMPLED: usize = 8;
+/// Lower bound of the period of a unidirectional path, in widths of the contact.
+const SHORTEST_PERIOD: f64 = 12.0;
 /// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
 const FASTEST: f64 = 1e7;
 /// Decay exponent of the damping of periodic images while the contact passes one period.
 const FORGOTTEN: f64 = 4.0;
-/// Harmonics that always have states.
-const FEWEST_HARMONICS: usize = 16;
-/// Most harmonics with states.
-const MOST_HARMONICS: usize = 8192;
+/// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
+const FLATTEST: f64 = 2000.0;
 
 impl StripProperties {
     fn check(&self, width: f64) -> Result<(), OutOfRange> {
@@ -186,6 +168,8 @@ impl StripProperties {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, requirement)?;
         }
         let convection = self.convection;
+        let requirement = "at least a two thousandth of the contact's width";
+        OutOfRange::unless(self.height * FLATTEST >= width, "strip height", self.height, requirement)?;
         OutOfRange::unless(convection >= 0.0 && convection.is_finite(), "strip convection", convection, "at least 0")?;
         match self.path {
             // Full periodic contact must be accepted despite rounding of the width.
@@ -203,8 +187,8 @@ impl StripProperties {
     }
 
     /// Length of the period, and largest distance between heated and observed point along the material.
-    fn period(&self, width: f64, Resolution { duration, way, .. }: &Resolution) -> (f64, f64) {
-        let mut reach = (self.conductivity / self.capacity * *duration).sqrt();
+    fn period(&self, width: f64, duration: f64) -> (f64, f64) {
+        let mut reach = (self.conductivity / self.capacity * duration).sqrt();
         if self.convection > 0.0 {
             reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
         }
@@ -217,11 +201,7 @@ impl StripProperties {
             SlidingPath::Stroke { stroke, length } => {
                 ((stroke + width + 8.0 * reach).max(length), width + 1.5 * stroke)
             }
-            SlidingPath::Unidirectional => {
-                // On a short path no periodic image of the contact reaches heat that is not its own.
-                let apart = FREE_OF_COPIES * (width + way + 8.0 * reach);
-                ((width + 8.0 * reach).max(apart.min(SHORTEST_WAY * width)), f64::INFINITY)
-            }
+            SlidingPath::Unidirectional => ((width + 8.0 * reach).max(SHORTEST_PERIOD * width), f64::INFINITY),
         }
     }
 }
@@ -239,7 +219,7 @@ impl StripOperators {
             OutOfRange::unless(value > 0.0 && value.is_finite(), quantity, value, "positive, in s")?;
         }
         let tolerance = resolution.tolerance.clamp(1e-6, 0.1);
-        let (period, reach) = properties.period(width, resolution);
+        let (period, reach) = properties.period(width, resolution.duration);
         let full = width >= period * (1.0 - 1e-9);
         let bare = Slab {
             height: properties.height,
@@ -254,59 +234,24 @@ impl StripOperators {
         let slab = Slab { surface_transfer: convection, ..bare };
         let diffusivity = bare.diffusivity();
         let spacing = 2.0 * PI / period;
-        let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
-        let shortest_wave = (fastest / diffusivity).sqrt();
-        let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
         let fresh = properties.path == SlidingPath::Unidirectional;
-        let forgets = fresh && width + resolution.way > period;
         let image_damping = ImageDamping {
-            per_length: if forgets { FORGOTTEN / period } else { 0.0 },
+            per_length: if fresh { FORGOTTEN / period } else { 0.0 },
             slow: period / resolution.duration,
         };
-        let mut waves = harmonics(period, last, reach);
-        if fresh {
-            // Neighbouring periodic images have opposite signs: no mean, and the midpoint rule of the endless path.
-            waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
-        }
-        let shapes = Arc::new(Shapes::new(cells, &waves));
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);
         let widths = cells.widths().to_vec();
         let mean = slab.reduce(resolution.duration, tolerance);
-        let layers: Vec<Depth> =
-            waves.iter().map(|wave| Depth::new(&slab, expansion, wave.number).spreading(properties.lateral)).collect();
-        let error_sweep =
-            ErrorSweep::new(cells, &slab, (!fresh).then_some(&mean), period, (&waves, &layers), &shapes, resolution);
-        let mut modes: Vec<DepthModes> = Vec::new();
-        let mut error = f64::INFINITY;
-        for ratio in SHIFT_RATIOS {
-            let reduce = |step: usize| -> Vec<DepthModes> {
-                let layers = layers.iter().step_by(step);
-                layers.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
-            };
-            let good = |error: f64| error <= REDUCTION_PART * tolerance;
-            // Errors of neighbouring modes are similar; the last ratio is accepted without the test.
-            let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
-            if few && !good(error_sweep.largest_error(&reduce(SAMPLED), SAMPLED)) {
-                continue;
-            }
-            modes = reduce(1);
-            error = error_sweep.largest_error(&modes, 1);
-            if good(error) {
-                break;
-            }
-        }
+        let layer = Layer { properties, cells, slab: &slab, mean: &mean, period, reach, fresh, tolerance };
+        let Reduction { last, fastest, waves, shapes, modes, counts, error } = layer.reduce(resolution);
         let narrowest = widths.iter().copied().fold(f64::INFINITY, f64::min);
         // Lowest velocity at which modes as long as the contact differ from those at rest.
         let slow = if fresh { diffusivity / period } else { diffusivity * (3.0 / width).min(spacing * last as f64) };
         let limit = (60.0 * diffusivity / narrowest).max(100.0 * fastest / spacing).max(FASTEST * diffusivity / width);
-        // At least as many states as any shorter mode; unused ones stay 0.
-        let mut counts: Vec<usize> = modes.iter().map(|mode| mode.rate.len()).collect();
-        for wave in (1..counts.len()).rev() {
-            counts[wave - 1] = counts[wave - 1].max(counts[wave]);
-        }
         let state_layout = state_layout(&counts);
         let states = counts.iter().sum();
         let (mut rate, mut temperature, mut distortion) = (vec![0.0; states], vec![0.0; states], vec![0.0; states]);
+        // States that a mode does not use stay 0.
         for (wave, mode) in modes.iter().enumerate() {
             let fastest = mode.rate.iter().copied().fold(0.0, f64::max);
             for (k, place) in of_mode(&state_layout, wave).enumerate() {
@@ -315,6 +260,8 @@ impl StripOperators {
                 distortion[place] = mode.distortion.get(k).copied().unwrap_or(0.0);
             }
         }
+        let products = |other: &[f64]| temperature.iter().zip(other).map(|(b, d)| (b * d).abs()).sum::<f64>();
+        let unit = products(&distortion) / products(&temperature);
         let static_correction = StaticCorrection {
             cells: cells.clone(),
             slab,
@@ -324,13 +271,11 @@ impl StripOperators {
             period,
             last,
             waves: waves.clone(),
-            shapes: shapes.clone(),
             modes,
+            unit,
             fresh: fresh.then_some((2.0 / resolution.duration, image_damping)),
         };
         let table = VelocityTable::new(static_correction, slow, limit, tolerance);
-        let products = |other: &[f64]| temperature.iter().zip(other).map(|(b, d)| (b * d).abs()).sum::<f64>();
-        let unit = products(&distortion) / products(&temperature);
         let mut operators = StripOperators {
             half: shapes.half(),
             distance_sum: DistanceSum::new(cells, &waves, unit),
@@ -351,7 +296,6 @@ impl StripOperators {
             image_damping,
             steady: 10.0 * tolerance.min(1e-3),
             table,
-            kept: None,
             robin_correction: None,
             seen: Default::default(),
             contact_mean: Vec::new(),

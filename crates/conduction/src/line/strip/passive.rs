@@ -1,10 +1,27 @@
-//! Projection of symmetric matrices on positive semidefinite ones, by removal of the negative eigenvalues.
+//! Passive influence: the symmetric part of an influence per heat has no negative eigenvalue.
+//!
+//! The truncated part of a reduction at a frequency just beyond its range has a real part of either sign. A negative one
+//! in the direct feedthrough lets two bodies in thermal contact raise each other's flux without bound in steps short
+//! against the range; the part removed is below the reduction's own error.
+//!
+//! The response M c to a uniform flux, of heat c, is preserved where c'M c > 0: of
+//!
+//! ```text
+//! M = u u'/(c'u) + S,    u = M c,    S c = 0
+//! ```
+//!
+//! only S loses eigenvalues. The steady mean temperature stays exact, and smooth in the velocity. The weight of u u'
+//! decreases to 0 as u turns away from c, where that term would be a large response to all other fluxes.
+//!
+//! The influence depends on the distance alone and the cells are symmetric about x = 0, so the symmetric part splits into
+//! even response to even heat and odd to odd, of (N + 1)/2 rows each.
 //!
 //! Theory: docs/theory.md, section 4.10.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Col, Mat, Par};
+use nalgebra::DMatrix;
 use numerics::dense;
 use numerics::factorization;
 use numerics::maximum::maximum;
@@ -15,6 +32,12 @@ const TURNED: f64 = 0.25;
 
 /// Workspace of the projection.
 pub struct Passive {
+    widths: Vec<f64>,
+    /// Even part of the heat of a uniform flux, W/m.
+    uniform: Vec<f64>,
+    /// Symmetric part of one parity, by columns, and its change.
+    part: Vec<f64>,
+    before: Vec<f64>,
     matrix: Mat<f64>,
     vectors: Mat<f64>,
     values: Col<f64>,
@@ -30,16 +53,60 @@ impl fmt::Debug for Passive {
 }
 
 impl Passive {
-    /// Workspace for matrices of this size.
-    pub fn new(size: usize) -> Passive {
+    /// Workspace for cells of these widths (m), symmetric about x = 0.
+    pub fn new(widths: &[f64]) -> Passive {
+        let (count, size) = (widths.len(), widths.len().div_ceil(2));
         let eigenvectors = ComputeEigenvectors::Yes;
         let stack = self_adjoint_evd_scratch::<f64>(size, eigenvectors, Par::Seq, Default::default());
+        let uniform = (0..size).map(|a| if count - 1 - a == a { widths[a] } else { 2.0 * widths[a] });
         Passive {
+            widths: widths.to_vec(),
+            uniform: uniform.collect(),
+            part: vec![0.0; size * size],
+            before: vec![0.0; size * size],
             matrix: Mat::zeros(size, size),
             vectors: Mat::zeros(size, size),
             values: Col::zeros(size),
             answer: vec![0.0; size],
             stack: MemBuffer::new(stack),
+        }
+    }
+
+    /// Removes the negative eigenvalues of the symmetric part of an influence per flux, N x N.
+    pub fn make_passive(&mut self, influence: &mut DMatrix<f64>) {
+        let (count, size) = (self.widths.len(), self.uniform.len());
+        for parity in [1.0, -1.0] {
+            for b in 0..size {
+                for a in 0..size {
+                    let per_heat = |i: usize, j: usize| influence[(i, j)] / self.widths[j];
+                    let direct = per_heat(a, b) + per_heat(b, a);
+                    let mirrored = per_heat(a, count - 1 - b) + per_heat(count - 1 - b, a);
+                    self.part[b * size + a] = 0.25 * (direct + parity * mirrored);
+                }
+            }
+            let mut part = std::mem::take(&mut self.part);
+            if !self.is_passive(&part, size) {
+                self.before.copy_from_slice(&part);
+                self.project(&mut part, size, parity > 0.0);
+                for b in 0..size {
+                    for a in 0..size {
+                        let change = part[b * size + a] - self.before[b * size + a];
+                        let (far_a, far_b) = (count - 1 - a, count - 1 - b);
+                        // The cell in the middle is its own mirror image.
+                        influence[(a, b)] += change * self.widths[b];
+                        if far_b != b {
+                            influence[(a, far_b)] += parity * change * self.widths[far_b];
+                        }
+                        if far_a != a {
+                            influence[(far_a, b)] += parity * change * self.widths[b];
+                        }
+                        if far_a != a && far_b != b {
+                            influence[(far_a, far_b)] += change * self.widths[far_b];
+                        }
+                    }
+                }
+            }
+            self.part = part;
         }
     }
 
@@ -52,7 +119,7 @@ impl Passive {
     }
 
     /// Whether the symmetric part has no eigenvalue below 0, but for rounding: its Cholesky factor exists.
-    pub fn is_passive(&mut self, values: &[f64], size: usize) -> bool {
+    fn is_passive(&mut self, values: &[f64], size: usize) -> bool {
         self.set(values, size);
         let matrix = &mut self.matrix;
         let shift = 1e-12 * (0..size).map(|i| matrix[(i, i)].abs()).fold(0.0, maximum);
@@ -77,9 +144,10 @@ impl Passive {
         true
     }
 
-    /// Subtracts u u'/(c'u) from the matrix, where c = `uniform` and u is its response; returns the factor 1/(c'u),
-    /// reduced where u is far from c.
-    fn split_uniform(&mut self, uniform: &[f64]) -> f64 {
+    /// Subtracts u u'/(c'u) from the matrix, where c is the heat of a uniform flux and u its response; returns the factor
+    /// 1/(c'u), reduced where u is far from c.
+    fn split_uniform(&mut self) -> f64 {
+        let uniform = &self.uniform[..];
         self.answer.fill(0.0);
         for (j, heat) in uniform.iter().enumerate() {
             for (answer, entry) in self.answer.iter_mut().zip(self.matrix.col_as_slice(j)) {
@@ -100,11 +168,10 @@ impl Passive {
         share
     }
 
-    /// Sets the matrix to its symmetric part without the negative eigenvalues; the response to `uniform` is preserved
-    /// unless that is empty.
-    pub fn project(&mut self, values: &mut [f64], size: usize, uniform: &[f64]) {
+    /// Removes the negative eigenvalues of a symmetric matrix; `even`: the response to a uniform flux is preserved.
+    fn project(&mut self, values: &mut [f64], size: usize, even: bool) {
         self.set(values, size);
-        let share = if uniform.is_empty() { 0.0 } else { self.split_uniform(uniform) };
+        let share = if even { self.split_uniform() } else { 0.0 };
         if factorization::check(values, size).is_err() {
             return;
         }

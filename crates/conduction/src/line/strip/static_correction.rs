@@ -4,22 +4,21 @@
 //! Two parts. For modes with states it is the truncated part `Z - Z_reduced` at the frequency -i q v of a mode at rest
 //! in the punch's frame over the moving material. Shorter modes have no states: for them the layer is a half-plane,
 //! whose sum from harmonic n + 1 on is the closed form in real space ([`super::moving_kernel`]) less the integral up to
-//! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction.
+//! the wave number (n + 1/2) 2 pi/L, with the first Euler-Maclaurin correction. All sums over wave numbers are one sum by
+//! distance ([`super::distance`]).
 //!
 //! Theory: docs/theory.md, sections 4.5, 4.10.
 
-use super::blocks::Blocks;
 use super::depth::{Depth, DepthModes, Expansion};
+use super::distance::{DistanceSum, Nodes};
 use super::moving_kernel::MovingSource;
 use super::operators::ImageDamping;
-use super::passive::Passive;
-use super::waves::{CONTINUOUS, Shapes, Wave, continuous};
+use super::waves::{CONTINUOUS, Wave, continuous};
 use crate::lateral::Lateral;
 use crate::slab::{Slab, principal_root};
 use elasticity::Cells;
-use nalgebra::Complex;
+use nalgebra::{Complex, DMatrix};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Data of the sums of the static correction.
 #[derive(Debug)]
@@ -35,8 +34,9 @@ pub struct StaticCorrection {
     /// Number of the last harmonic that has states.
     pub last: usize,
     pub waves: Vec<Wave>,
-    pub shapes: Arc<Shapes>,
     pub modes: Vec<DepthModes>,
+    /// Magnitude of the distortion (m) per temperature (K) of a mode.
+    pub unit: f64,
     /// On fresh material: frequency below which nothing is treated as steady, 1/s, and the damping of periodic images.
     pub fresh: Option<(f64, ImageDamping)>,
 }
@@ -53,104 +53,73 @@ const LONGEST_SLIDING: f64 = 0.5;
 /// Upper limit of the sum of the distortion, which decreases like 1/q^2, relative to the last wave number with states.
 const DISTORTION_REACH: f64 = 4.0;
 
-/// Quadrature nodes of an integral over the wave number.
-#[derive(Debug)]
-struct Integral {
+/// A sum over wave numbers: the layer at each, and its place among the wave numbers of all sums.
+#[derive(Debug, Default)]
+struct WaveSum {
     waves: Vec<Wave>,
-    shapes: Shapes,
-    /// The layer at each node.
-    depths: Vec<Depth>,
+    layers: Vec<Depth>,
+    places: Vec<usize>,
 }
 
-impl Integral {
-    fn new(
-        cells: &Cells,
-        slab: &Slab,
-        expansion: Option<&Expansion>,
-        waves: Vec<Wave>,
-        lateral: Option<Lateral>,
-    ) -> Integral {
-        Integral {
-            shapes: Shapes::new(cells, &waves),
-            depths: waves.iter().map(|wave| Depth::new(slab, expansion, wave.number).spreading(lateral)).collect(),
-            waves,
-        }
-    }
-
-    fn iter(&self) -> impl Iterator<Item = (&Wave, &Depth)> {
-        self.waves.iter().zip(&self.depths)
+impl WaveSum {
+    fn iter(&self) -> impl Iterator<Item = (&Wave, &Depth, usize)> {
+        self.waves.iter().zip(&self.layers).zip(&self.places).map(|((wave, layer), &place)| (wave, layer, place))
     }
 }
 
-/// Quadrature nodes of the integrals, prepared once for all velocities.
+/// Wave numbers of all sums, prepared once for all velocities.
 #[derive(Debug)]
 pub struct Integrals {
-    /// The layer at the wave numbers of the modes with states.
-    depths: Vec<Depth>,
+    /// The modes with states.
+    modes: WaveSum,
     /// Integral that is subtracted while sliding, or at any velocity on fresh material.
-    removed: Integral,
+    removed: WaveSum,
     /// Integral that is subtracted at rest over waves long against the contact, in place of the first panel.
-    removed_at_rest: Option<Integral>,
-    beyond: Integral,
+    removed_at_rest: WaveSum,
+    /// Integral over the waves without states.
+    beyond: WaveSum,
     /// The last harmonic with states and the next.
-    ends: Shapes,
+    ends: WaveSum,
     images: bool,
+    sum: DistanceSum,
 }
 
-/// Amplification of the waves of one sum: of temperature, and of distortion with thermal expansion.
-#[derive(Debug, Default)]
-struct Sums {
-    warm: Vec<Complex<f64>>,
-    moved: Vec<Complex<f64>>,
-    terms: Vec<f64>,
+/// Responses at the wave numbers of all sums: of temperature, and of distortion with thermal expansion.
+#[derive(Debug)]
+struct Gains {
+    temperature: Vec<Complex<f64>>,
+    distortion: Vec<Complex<f64>>,
 }
 
-impl Sums {
-    fn push(&mut self, warm: Complex<f64>, moved: Option<Complex<f64>>, weight: f64) {
-        self.warm.push(warm * weight);
-        self.moved.extend(moved.map(|gain| gain * weight));
-    }
-
-    /// Adds the sums over these waves to the influence, and clears them.
-    fn add_to(&mut self, shapes: &Shapes, temperature: &mut Blocks, distortion: &mut Blocks) {
-        self.terms.resize(self.warm.len(), 0.0);
-        if self.warm.iter().any(|gain| *gain != Complex::from(0.0)) {
-            temperature.add_waves(&self.warm, shapes, &mut self.terms);
-        }
-        if !self.moved.is_empty() {
-            distortion.add_waves(&self.moved, shapes, &mut self.terms);
-        }
-        self.warm.clear();
-        self.moved.clear();
+impl Gains {
+    fn add(&mut self, place: usize, weight: f64, [temperature, distortion]: [Complex<f64>; 2]) {
+        self.temperature[place] += weight * temperature;
+        self.distortion[place] += weight * distortion;
     }
 }
 
 /// Workspace of the sums.
 #[derive(Debug)]
 pub struct Workspace {
-    sums: Sums,
+    gains: Gains,
+    nodes: Nodes,
     source: MovingSource,
-    pub passive: Passive,
 }
 
 impl Workspace {
     /// Workspace for these integrals: nothing is reallocated later.
     pub fn new(static_correction: &StaticCorrection, integrals: &Integrals) -> Workspace {
-        let at_rest = integrals.removed_at_rest.as_ref().map_or(0, |integral| integral.waves.len());
-        let counts =
-            [static_correction.waves.len(), integrals.removed.waves.len(), at_rest, integrals.beyond.waves.len()];
-        let most = counts.into_iter().max().unwrap_or(0);
+        let count = integrals.sum.waves();
+        let zeros = || vec![Complex::from(0.0); count];
         Workspace {
-            sums: Sums {
-                warm: Vec::with_capacity(most),
-                moved: Vec::with_capacity(most),
-                terms: Vec::with_capacity(most),
-            },
+            gains: Gains { temperature: zeros(), distortion: zeros() },
+            nodes: integrals.sum.nodes(),
             source: MovingSource::new(static_correction.cells.count()),
-            passive: Passive::new(static_correction.shapes.half()),
         }
     }
 }
+
+const NO_DISTORTION: Complex<f64> = Complex::new(0.0, 0.0);
 
 impl StaticCorrection {
     fn spacing(&self) -> f64 {
@@ -171,111 +140,122 @@ impl StaticCorrection {
         if let Some(lateral) = &self.lateral {
             end = end.max(lateral.shortest_wave());
         }
-        let expansion = self.expansion.as_ref();
-        let integral = |slab: &Slab, waves: Vec<Wave>| Integral::new(&self.cells, slab, expansion, waves, self.lateral);
-        let (removed, removed_at_rest, beyond) = if fresh {
-            (integral(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width)), None, Vec::new())
-        } else {
-            let beyond = if end > last { continuous(last, end, reach).split_off(CONTINUOUS) } else { Vec::new() };
-            let longest = (LONGEST_SLIDING / width).min(last);
-            let at_rest = integral(&self.bare, continuous(1e-6 / width, longest, reach));
-            (integral(&self.bare, continuous(longest, last, reach)), Some(at_rest), beyond)
+        let layer =
+            |slab: &Slab, wave: &Wave| Depth::new(slab, self.expansion.as_ref(), wave.number).spreading(self.lateral);
+        let sum = |slab: &Slab, waves: Vec<Wave>| WaveSum {
+            layers: waves.iter().map(|wave| layer(slab, wave)).collect(),
+            places: Vec::new(),
+            waves,
         };
-        let ends = [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic));
-        Integrals {
-            depths: (self.waves.iter())
-                .map(|wave| Depth::new(&self.slab, expansion, wave.number).spreading(self.lateral))
-                .collect(),
-            removed,
-            removed_at_rest,
-            beyond: integral(&self.bare, beyond),
-            ends: Shapes::new(&self.cells, &ends),
-            images,
+        let mut removed;
+        let [mut removed_at_rest, mut beyond, mut ends] = [(); 3].map(|()| WaveSum::default());
+        if fresh {
+            removed = sum(&self.slab, continuous(SLOWEST_WAVE / width, end.max(last), width));
+        } else {
+            let longest = (LONGEST_SLIDING / width).min(last);
+            removed = sum(&self.bare, continuous(longest, last, reach));
+            removed_at_rest = sum(&self.bare, continuous(1e-6 / width, longest, reach));
+            if end > last {
+                beyond = sum(&self.bare, continuous(last, end, reach).split_off(CONTINUOUS));
+            }
+            ends = sum(&self.bare, [self.last, self.last + 1].map(|harmonic| self.harmonic(harmonic)).to_vec());
         }
+        let mut modes = sum(&self.slab, self.waves.clone());
+        let waves = arrange([&mut modes, &mut removed, &mut removed_at_rest, &mut beyond, &mut ends]);
+        let sum = DistanceSum::new(&self.cells, &waves, self.unit);
+        Integrals { modes, removed, removed_at_rest, beyond, ends, images, sum }
     }
 
     fn harmonic(&self, number: usize) -> Wave {
         Wave { number: self.spacing() * number as f64, count: 1.0 }
     }
 
-    /// Influence on temperature and distortion per heat at the velocity `velocity` >= 0.
+    /// Sets the influence on temperature and distortion (N x N each, per flux into a cell; the second is empty without
+    /// thermal expansion) at the velocity `velocity` >= 0.
     pub fn at(
         &self,
         velocity: f64,
         integrals: &Integrals,
         workspace: &mut Workspace,
-        temperature: &mut Blocks,
-        distortion: &mut Blocks,
+        influence: &mut [DMatrix<f64>; 2],
     ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
-        temperature.clear();
-        distortion.clear();
         // At rest the sum of the half-plane diverges at q = 0; at so low a velocity all wave numbers in the sums
         // respond as at rest.
-        let slow = 1e-4 * diffusivity / self.cells.half_width();
-        let moving = velocity.max(slow);
-        let turning = |q: f64| Complex::new(0.0, -q * moving);
-        let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
-        if let Some(fresh) = self.fresh {
-            self.add_fresh(velocity, moving, fresh, integrals, workspace, [temperature, distortion]);
-            return;
+        let moving = velocity.max(1e-4 * diffusivity / self.cells.half_width());
+        let Workspace { gains, nodes, source } = workspace;
+        gains.temperature.fill(Complex::from(0.0));
+        gains.distortion.fill(Complex::from(0.0));
+        match self.fresh {
+            Some(fresh) => self.add_fresh([velocity, moving], fresh, integrals, gains),
+            None => self.add_periodic([velocity, moving], integrals, gains),
         }
-        let Workspace { sums, source, .. } = workspace;
-        let expands = self.expansion.is_some();
-        for ((wave, depth), modes) in self.waves.iter().zip(&integrals.depths).zip(&self.modes) {
-            let s = Complex::new(0.0, -wave.number * velocity);
-            let weight = 2.0 * wave.count / self.period;
-            let (exact, reduced) = (depth.respond(s), modes.respond(s));
-            sums.push(exact[0] - reduced[0], expands.then(|| exact[1] - reduced[1]), weight);
-        }
-        sums.add_to(&self.shapes, temperature, distortion);
+        integrals.sum.find([&gains.temperature, &gains.distortion], nodes);
+        integrals.sum.set(nodes, self.cells.widths(), [0.0; 2], influence);
         let shifts: &[f64] = if integrals.images { &[0.0, 1.0, -1.0] } else { &[0.0] };
         for shift in shifts {
             source.find(&self.cells, shift * self.period, 0.5 * moving / diffusivity);
-            temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
-        }
-        let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
-        let width = 2.0 * self.cells.half_width();
-        let resting = moving * width < 2.0 * LONGEST_SLIDING * diffusivity;
-        let mut remove = |integral: &Integral, first: usize, sums: &mut Sums| {
-            for (at, wave) in integral.waves.iter().enumerate() {
-                let gain = if at < first { Complex::from(0.0) } else { -half_plane(wave.number) };
-                sums.push(gain, None, wave.count * copies(wave.number) / PI);
+            for (j, &width) in self.cells.widths().iter().enumerate() {
+                for (i, entry) in influence[0].column_mut(j).iter_mut().enumerate() {
+                    *entry += width / (PI * conductivity) * source.mean(i, j);
+                }
             }
-            sums.add_to(&integral.shapes, temperature, distortion);
-        };
-        match &integrals.removed_at_rest {
-            Some(at_rest) if resting => {
-                remove(at_rest, 0, sums);
-                remove(&integrals.removed, CONTINUOUS, sums);
-            }
-            _ => remove(&integrals.removed, 0, sums),
         }
-        for (wave, depth) in integrals.beyond.iter() {
-            let s = turning(wave.number);
-            let felt = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
-            let [gain, moved] = if expands { depth.respond(s) } else { [depth.impedance(s), Complex::from(0.0)] };
-            let gain = if felt { gain - half_plane(wave.number) } else { Complex::from(0.0) };
-            sums.push(gain, expands.then_some(moved), wave.count * copies(wave.number) / PI);
-        }
-        sums.add_to(&integrals.beyond.shapes, temperature, distortion);
-        self.correct_ends(integrals, &half_plane, temperature);
     }
 
-    /// Response of the endless path, in real space for the half-plane and as an integral over the wave number for the
-    /// difference of the layer, less the response of the states.
+    /// Response to a heat flux of the frequency `s` (1/s), of temperature and of distortion.
+    fn respond(&self, layer: &Depth, s: Complex<f64>) -> [Complex<f64>; 2] {
+        if self.expansion.is_some() { layer.respond(s) } else { [layer.impedance(s), NO_DISTORTION] }
+    }
+
+    /// Adds what completes the states and the half-plane in real space on a closed path or a stroke.
+    fn add_periodic(&self, [velocity, moving]: [f64; 2], integrals: &Integrals, gains: &mut Gains) {
+        let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
+        let turning = |q: f64| Complex::new(0.0, -q * moving);
+        let half_plane = |q: f64| (principal_root(turning(q) / diffusivity + q * q) * conductivity).inv();
+        for ((wave, layer, place), modes) in integrals.modes.iter().zip(&self.modes) {
+            let s = Complex::new(0.0, -wave.number * velocity);
+            let (exact, reduced) = (self.respond(layer, s), modes.respond(s));
+            let distortion = if self.expansion.is_some() { exact[1] - reduced[1] } else { NO_DISTORTION };
+            gains.add(place, 2.0 * wave.count / self.period, [exact[0] - reduced[0], distortion]);
+        }
+        let copies = |q: f64| if integrals.images { 1.0 + 2.0 * (q * self.period).cos() } else { 1.0 };
+        let mut remove = |(wave, _, place): (&Wave, &Depth, usize)| {
+            let weight = wave.count * copies(wave.number) / PI;
+            gains.add(place, weight, [-half_plane(wave.number), NO_DISTORTION]);
+        };
+        let width = 2.0 * self.cells.half_width();
+        if moving * width < 2.0 * LONGEST_SLIDING * diffusivity {
+            integrals.removed_at_rest.iter().for_each(&mut remove);
+            integrals.removed.iter().skip(CONTINUOUS).for_each(&mut remove);
+        } else {
+            integrals.removed.iter().for_each(&mut remove);
+        }
+        for (wave, layer, place) in integrals.beyond.iter() {
+            let [temperature, distortion] = self.respond(layer, turning(wave.number));
+            let felt = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
+            let temperature = if felt { temperature - half_plane(wave.number) } else { Complex::from(0.0) };
+            gains.add(place, wave.count * copies(wave.number) / PI, [temperature, distortion]);
+        }
+        // Euler-Maclaurin term f'/24 at the first harmonic of the integral; that of the nearest periodic images is
+        // included in their sum.
+        let part = if integrals.images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
+        for ((wave, _, place), sign) in integrals.ends.iter().zip([-1.0, 1.0]) {
+            let weight = sign * part * 2.0 / (24.0 * self.period);
+            gains.add(place, weight, [half_plane(wave.number), NO_DISTORTION]);
+        }
+    }
+
+    /// Adds the response of the endless path, as an integral over the wave number of the difference of layer and
+    /// half-plane, less the response of the states.
     fn add_fresh(
         &self,
-        velocity: f64,
-        moving: f64,
+        [velocity, moving]: [f64; 2],
         (slowest, image_damping): (f64, ImageDamping),
         integrals: &Integrals,
-        workspace: &mut Workspace,
-        [temperature, distortion]: [&mut Blocks; 2],
+        gains: &mut Gains,
     ) {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
-        let Workspace { sums, source, .. } = workspace;
-        let expands = self.expansion.is_some();
         // With damping of periodic images the states are steady by themselves; contacts too slow for it within the
         // duration are not, and their states are exact.
         let forgotten = image_damping.rate(velocity);
@@ -285,33 +265,33 @@ impl StaticCorrection {
         let lost = forgotten.hypot(lasting);
         let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
         let lasting = lasting.max(resolved);
-        source.find(&self.cells, 0.0, 0.5 * moving / diffusivity);
-        temperature.add_kernel(self.cells.count(), |i, j| source.mean(i, j) / (PI * conductivity));
-        for (wave, depth) in integrals.removed.iter() {
+        for (wave, layer, place) in integrals.removed.iter() {
             let q = wave.number;
-            let s = Complex::new(lasting, -q * moving);
             let half_plane = (principal_root(Complex::new(q * q, -q * moving / diffusivity)) * conductivity).inv();
-            let [gain, moved] = depth.respond(s);
-            sums.push(gain - half_plane, expands.then_some(moved), wave.count / PI);
+            let [temperature, distortion] = self.respond(layer, Complex::new(lasting, -q * moving));
+            gains.add(place, wave.count / PI, [temperature - half_plane, distortion]);
         }
-        sums.add_to(&integrals.removed.shapes, temperature, distortion);
-        for (wave, modes) in self.waves.iter().zip(&self.modes) {
-            let s = Complex::new(lost, -wave.number * velocity);
-            let weight = 2.0 * wave.count / self.period;
-            let [warm, moved] = modes.respond(s);
-            sums.push(-warm, expands.then_some(-moved), weight);
+        for ((wave, _, place), modes) in integrals.modes.iter().zip(&self.modes) {
+            let [temperature, distortion] = modes.respond(Complex::new(lost, -wave.number * velocity));
+            let distortion = if self.expansion.is_some() { distortion } else { NO_DISTORTION };
+            gains.add(place, -2.0 * wave.count / self.period, [temperature, distortion]);
         }
-        sums.add_to(&self.shapes, temperature, distortion);
     }
+}
 
-    /// Euler-Maclaurin term f'/24 at the first harmonic of the integral; that of the nearest periodic images is
-    /// included in their sum.
-    fn correct_ends(&self, integrals: &Integrals, response: &dyn Fn(f64) -> Complex<f64>, blocks: &mut Blocks) {
-        let part = if integrals.images { 1.0 - 12.0 / (PI * PI) } else { 1.0 };
-        for (end, (harmonic, sign)) in [(self.last, -1.0), (self.last + 1, 1.0)].into_iter().enumerate() {
-            let (even, odd) = integrals.ends.rows(end);
-            let gain = response(self.harmonic(harmonic).number) * (sign * part * 2.0 / (24.0 * self.period));
-            blocks.add_wave(gain, even, odd);
-        }
+/// Wave numbers of all sums in ascending order; notes the place of each.
+fn arrange(mut sums: [&mut WaveSum; 5]) -> Vec<Wave> {
+    let mut all: Vec<(Wave, usize)> = Vec::new();
+    for (owner, sum) in sums.iter_mut().enumerate() {
+        sum.places.resize(sum.waves.len(), 0);
+        all.extend(sum.waves.iter().map(|wave| (*wave, owner)));
     }
+    // Stable: the wave numbers of each sum ascend, and keep their order.
+    all.sort_by(|(left, _), (right, _)| left.number.total_cmp(&right.number));
+    let mut next = [0; 5];
+    for (place, &(_, owner)) in all.iter().enumerate() {
+        sums[owner].places[next[owner]] = place;
+        next[owner] += 1;
+    }
+    all.into_iter().map(|(wave, _)| wave).collect()
 }

@@ -96,15 +96,14 @@ fn to_first_stage([from, to]: [f64; 2]) -> [f64; 2] {
 
 impl Step {
     pub fn new(operators: &StripOperators) -> Step {
-        // Settings for few steps use the cache in the operators instead.
-        let kept = if operators.kept.is_none() { cache_capacity(operators.widths.len()) } else { 0 };
+        let cached = cache_capacity(operators.widths.len());
         Step {
             length: f64::NAN,
             velocity: [f64::NAN; 2],
             euler: false,
-            first: StageWeights::new(operators, false, kept),
-            end: StageWeights::new(operators, true, kept),
-            steady: SteadySteps::new(kept),
+            first: StageWeights::new(operators, false, cached),
+            end: StageWeights::new(operators, true, cached),
+            steady: SteadySteps::new(cached),
             workspace: Workspace::new(operators),
             immediate: DirectFeedthrough::new(operators),
         }
@@ -122,38 +121,13 @@ impl Step {
             return;
         }
         (self.length, self.velocity, self.euler) = (length, velocity, false);
-        let Some(kept) = &operators.kept else {
-            let (place, known) = self.steady.take(length, velocity);
-            (self.first.current, self.end.current) = (place, place);
-            if known {
-                self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
-                self.end.resume(operators, length, velocity);
-                return;
-            }
-            return self.find(operators, length, velocity);
-        };
-        // Backward sliding is the mirror image of forward sliding: one response serves both.
-        let back = velocity[0] + velocity[1] < 0.0;
-        let forwards = if back { velocity.map(|v| 0.0 - v) } else { velocity };
-        match kept.get(length, forwards) {
-            Some(known) => {
-                let stages = [&mut self.first, &mut self.end].into_iter().zip(known.iter());
-                for ((stage, answer), length) in stages.zip([GAMMA * length, length]) {
-                    stage.take_length(operators, length);
-                    stage.answers[0].copy_from(answer);
-                }
-            }
-            None => {
-                self.find(operators, length, forwards);
-                kept.keep(length, forwards, [self.first.answer(), self.end.answer()]);
-            }
-        }
-        for (stage, velocity) in [&mut self.first, &mut self.end].into_iter().zip([to_first_stage(velocity), velocity])
-        {
-            if back {
-                stage.answers[0].mirror();
-            }
-            stage.carry(operators, velocity);
+        let (place, known) = self.steady.take(length, velocity);
+        (self.first.current, self.end.current) = (place, place);
+        if known {
+            self.first.resume(operators, GAMMA * length, to_first_stage(velocity));
+            self.end.resume(operators, length, velocity);
+        } else {
+            self.find(operators, length, velocity);
         }
     }
 

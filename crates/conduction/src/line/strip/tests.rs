@@ -1,7 +1,7 @@
 mod balance;
 mod exact;
-mod kept;
 mod thresholds;
+mod velocities;
 
 use super::{Expansion, SlidingPath, StripHeat, StripProperties};
 use crate::line::{Stage, Surroundings, ThermalBody};

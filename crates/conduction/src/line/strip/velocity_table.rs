@@ -6,7 +6,7 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
-use super::blocks::Blocks;
+use super::passive::Passive;
 use super::static_correction::{Integrals, StaticCorrection, Workspace};
 use nalgebra::DMatrix;
 use numerics::dense;
@@ -22,9 +22,9 @@ const CLOSEST: f64 = 0.15;
 /// Number of nodes of the interpolation stencil.
 const STENCIL: usize = 6;
 /// Distance from a node, relative to the spacing, that is attributed to rounding.
-const ON_A_KNOT: f64 = 1e-9;
+const ON_A_NODE: f64 = 1e-9;
 /// Nodes at negative velocity.
-const BEHIND: usize = STENCIL / 2 - 1;
+const NEGATIVE_NODES: usize = STENCIL / 2 - 1;
 
 /// Surface influence matrices of the direct feedthrough (temperature, distortion) at the nodes
 /// `v = v0 sinh(spacing k)`, k = -2, -1, 0, ... Negative velocities follow by symmetry; beyond the last node the
@@ -36,70 +36,46 @@ const BEHIND: usize = STENCIL / 2 - 1;
 pub struct VelocityTable {
     scale: f64,
     spacing: f64,
-    widths: Vec<f64>,
-    nodes: Vec<OnceLock<Knot>>,
+    nodes: Vec<OnceLock<Influence>>,
     static_correction: StaticCorrection,
     integrals: Integrals,
-    workshop: Mutex<Workshop>,
+    unused: Mutex<Unused>,
 }
 
-/// Workspace for computing nodes, and the preallocated nodes.
+/// Preallocated nodes that are not computed yet, and workspace to compute one.
 #[derive(Debug)]
-struct Workshop {
+struct Unused {
+    nodes: Vec<Influence>,
     workspace: Workspace,
-    /// One for every node not yet computed.
-    spare: Vec<Knot>,
-    /// Temperature and distortion split by parity, and workspace for one block and one of its rows.
-    blocks: [Blocks; 2],
-    turned: Vec<f64>,
-    /// Even part of the heat of a uniform flux, W/m.
-    uniform: Vec<f64>,
+    passive: Passive,
 }
 
 /// Surface influence matrices of temperature and distortion, N x N each; the second is empty without thermal expansion.
-type Knot = [DMatrix<f64>; 2];
+type Influence = [DMatrix<f64>; 2];
 
 impl VelocityTable {
     /// `scale`: velocity v0 (m/s) below which the feedthrough is independent of the velocity; `fastest`: velocity (m/s)
     /// from which the limit of fast sliding holds; `tolerance`: requested relative error of the contact temperature.
     pub fn new(static_correction: StaticCorrection, scale: f64, fastest: f64, tolerance: f64) -> VelocityTable {
-        let (half, widths) = (static_correction.shapes.half(), static_correction.cells.widths().to_vec());
         let spacing = (SPACING * (tolerance / 0.01).powf(1.0 / 6.0)).clamp(CLOSEST, WIDEST);
-        let count = BEHIND + ((fastest / scale).asinh() / spacing).ceil().max(1.0) as usize + 1 + STENCIL / 2;
+        let count = NEGATIVE_NODES + ((fastest / scale).asinh() / spacing).ceil().max(1.0) as usize + 1 + STENCIL / 2;
         let integrals = static_correction.integrals();
-        let cells = widths.len();
-        let moving = if static_correction.expansion.is_some() { cells } else { 0 };
-        let workshop = Workshop {
-            workspace: Workspace::new(&static_correction, &integrals),
+        let cells = static_correction.cells.count();
+        let distorted = if static_correction.expansion.is_some() { cells } else { 0 };
+        let zeros = |size: usize| DMatrix::from_vec(size, size, vec![0.0; size * size]);
+        let unused = Unused {
             // Zero pages of the operating system: most nodes are never computed and touch no memory.
-            spare: (0..count)
-                .map(|_| [cells, moving].map(|size| DMatrix::from_vec(size, size, vec![0.0; size * size])))
-                .collect(),
-            blocks: [Blocks::zeros(half), Blocks::zeros(half)],
-            turned: vec![0.0; (half + 1) * half],
-            uniform: (0..half)
-                .map(|a| if cells - 1 - a == a { widths[a] } else { widths[a] + widths[cells - 1 - a] })
-                .collect(),
+            nodes: (0..count).map(|_| [cells, distorted].map(zeros)).collect(),
+            workspace: Workspace::new(&static_correction, &integrals),
+            passive: Passive::new(static_correction.cells.widths()),
         };
         VelocityTable {
             scale,
             spacing,
-            widths,
             nodes: (0..count).map(|_| OnceLock::new()).collect(),
             static_correction,
             integrals,
-            workshop: Mutex::new(workshop),
-        }
-    }
-
-    /// Adapts the spacing, before any node is computed, so that one node lies at `velocity` (m/s): interpolation there
-    /// needs this node only.
-    pub fn align(&mut self, velocity: f64) {
-        let reach = (velocity.abs() / self.scale).asinh();
-        let number = (reach / self.spacing).round();
-        let last = (self.nodes.len() - 1 - STENCIL / 2 - BEHIND) as f64;
-        if number >= 1.0 && number <= last && self.nodes.iter().all(|node| node.get().is_none()) {
-            self.spacing = reach / number;
+            unused: Mutex::new(unused),
         }
     }
 
@@ -112,16 +88,16 @@ impl VelocityTable {
     }
 
     /// Both influence matrices at a node, counted from the first one at negative velocity; allocates nothing.
-    fn node(&self, node: usize) -> &Knot {
+    fn node(&self, node: usize) -> &Influence {
         if let Some(known) = self.nodes[node].get() {
             return known;
         }
-        let opposite = (node < BEHIND).then(|| self.node(2 * BEHIND - node));
+        let opposite = (node < NEGATIVE_NODES).then(|| self.node(2 * NEGATIVE_NODES - node));
         // The workspace is overwritten, so the state left by a panic is harmless.
-        let mut workshop = self.workshop.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut unused = self.unused.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         // Another thread may have computed it in the meantime.
         if self.nodes[node].get().is_none()
-            && let Some(mut found) = workshop.spare.pop()
+            && let Some(mut found) = unused.nodes.pop()
         {
             match opposite {
                 Some(opposite) => {
@@ -130,28 +106,24 @@ impl VelocityTable {
                         own.as_mut_slice().reverse();
                     }
                 }
-                None => self.find(node - BEHIND, &mut workshop, &mut found),
+                None => self.find(node - NEGATIVE_NODES, &mut unused, &mut found),
             }
             let _ = self.nodes[node].set(found);
         }
-        drop(workshop);
-        self.nodes[node].get().expect("there is a spare one for every knot")
+        drop(unused);
+        self.nodes[node].get().expect("every node has its preallocated matrices")
     }
 
     /// Computes the influence matrices at node `number`, 0 at rest.
-    fn find(&self, number: usize, workshop: &mut Workshop, found: &mut Knot) {
-        let Workshop { workspace, blocks, turned, uniform, .. } = workshop;
+    fn find(&self, number: usize, unused: &mut Unused, found: &mut Influence) {
         let velocity = self.scale * (number as f64 * self.spacing).sinh();
-        let [warm, moved] = &mut *blocks;
-        self.static_correction.at(velocity, &self.integrals, workspace, warm, moved);
+        self.static_correction.at(velocity, &self.integrals, &mut unused.workspace, found);
         if number == 0 {
-            // At rest the influence is symmetric, but rest is evaluated at a small positive velocity.
-            blocks.iter_mut().for_each(Blocks::make_symmetric);
+            // At rest the influence per heat is symmetric, but rest is evaluated at a small positive velocity.
+            let widths = self.static_correction.cells.widths();
+            found.iter_mut().for_each(|influence| make_symmetric(influence, widths));
         }
-        blocks[0].make_passive(uniform, &mut workspace.passive);
-        for (blocks, own) in blocks.iter().zip(found).filter(|(_, own)| !own.is_empty()) {
-            blocks.unfold(&self.widths, 0.0, turned, own);
-        }
+        unused.passive.make_passive(&mut found[0]);
     }
 
     /// Velocity v0 below which the feedthrough is independent of the velocity, m/s.
@@ -161,7 +133,7 @@ impl VelocityTable {
 
     /// First node and interpolation weights for a speed.
     fn stencil(&self, velocity: f64) -> (usize, [f64; STENCIL]) {
-        let last = self.nodes.len() - 1 - STENCIL / 2 - BEHIND;
+        let last = self.nodes.len() - 1 - STENCIL / 2 - NEGATIVE_NODES;
         let mut position = (velocity.abs() / self.scale).asinh() / self.spacing;
         let mut limit = 1.0;
         if position > last as f64 {
@@ -169,16 +141,19 @@ impl VelocityTable {
             position = last as f64;
         }
         // Positions within rounding of a node are moved onto it.
-        if (position - position.round()).abs() < ON_A_KNOT {
+        if (position - position.round()).abs() < ON_A_NODE {
             position = position.round();
         }
         let base = (position as usize).min(last);
         let offset = position - base as f64;
         let weights = std::array::from_fn(|k| {
-            let position = k as f64 - BEHIND as f64;
+            let position = k as f64 - NEGATIVE_NODES as f64;
             let weight: f64 = (0..STENCIL)
                 .filter(|&other| other != k)
-                .map(|other| (offset - (other as f64 - BEHIND as f64)) / (position - (other as f64 - BEHIND as f64)))
+                .map(|other| {
+                    (offset - (other as f64 - NEGATIVE_NODES as f64))
+                        / (position - (other as f64 - NEGATIVE_NODES as f64))
+                })
                 .product();
             limit * weight
         });
@@ -190,7 +165,7 @@ impl VelocityTable {
     pub fn respond(&self, moving: usize, velocity: f64, response: &mut DMatrix<f64>) {
         let (base, weights) = self.stencil(velocity);
         // On a node the other weights are 0, and the other nodes are not computed.
-        let of = |k: usize| if weights[k] == 0.0 { BEHIND } else { k };
+        let of = |k: usize| if weights[k] == 0.0 { NEGATIVE_NODES } else { k };
         let nodes: [&[f64]; STENCIL] = std::array::from_fn(|k| self.node(base + of(k))[moving].as_slice());
         dense::combine(response.as_mut_slice(), nodes, weights);
         if velocity < 0.0 {
@@ -230,6 +205,16 @@ impl VelocityTable {
     }
 }
 
+/// Replaces the influence per flux by that whose part per heat is symmetric.
+fn make_symmetric(influence: &mut DMatrix<f64>, widths: &[f64]) {
+    for j in 0..influence.ncols() {
+        for i in 0..j {
+            let mean = 0.5 * (influence[(i, j)] / widths[j] + influence[(j, i)] / widths[i]);
+            (influence[(i, j)], influence[(j, i)]) = (mean * widths[j], mean * widths[i]);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -261,22 +246,19 @@ mod tests {
         let mut body = strip(cells, path, resolution);
         let operators = body.operators.clone();
         let (table, count) = (&operators.table, cells.count());
-        let mut workshop = table.workshop.lock().unwrap();
         let mut worst = [0.0f64; 2];
-        for k in 0..table.nodes.len() - STENCIL - BEHIND {
+        for k in 0..table.nodes.len() - STENCIL - NEGATIVE_NODES {
             let velocity = table.scale * ((k as f64 + 0.5) * table.spacing).sinh();
-            drop(workshop);
             let mut between = DMatrix::zeros(count, count);
             table.respond(0, velocity, &mut between);
             body.prepare(1e9, [velocity; 2]);
             let whole = largest(uniform(&body.influence(Stage::End).temperature));
-            workshop = table.workshop.lock().unwrap();
-            let Workshop { workspace, blocks: [warm, moved], turned, uniform: heat, .. } = &mut *workshop;
-            table.static_correction.at(velocity, &table.integrals, workspace, warm, moved);
-            let mut exact = [DMatrix::zeros(count, count), DMatrix::zeros(count, count)];
-            warm.unfold(&table.widths, 0.0, turned, &mut exact[0]);
-            warm.make_passive(heat, &mut workspace.passive);
-            warm.unfold(&table.widths, 0.0, turned, &mut exact[1]);
+            let Unused { workspace, passive, .. } = &mut *table.unused.lock().unwrap();
+            let mut exact = [(); 2].map(|()| DMatrix::zeros(count, count));
+            let mut sums = [DMatrix::zeros(count, count), DMatrix::zeros(0, 0)];
+            table.static_correction.at(velocity, &table.integrals, workspace, &mut sums);
+            exact.iter_mut().for_each(|exact| exact.copy_from(&sums[0]));
+            passive.make_passive(&mut exact[1]);
             for (worst, [left, right]) in worst.iter_mut().zip([[&between, &exact[1]], [&exact[0], &exact[1]]]) {
                 let error = largest(uniform(left).iter().zip(uniform(right)).map(|(left, right)| left - right));
                 *worst = worst.max(error / whole);
@@ -286,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn between_the_knots_the_table_keeps_to_a_tenth_of_the_tolerance() {
+    fn between_the_nodes_the_table_keeps_to_a_tenth_of_the_tolerance() {
         let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
         for path in
             [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.05, length: 0.0 }, SlidingPath::Unidirectional]
@@ -295,7 +277,7 @@ mod tests {
                 for shortest in [1e-1, 1e-3] {
                     // In unidirectional sliding the damping of periodic images sets in within the thousand steps.
                     let duration = if path == SlidingPath::Unidirectional { 1e3 * shortest } else { 100.0 };
-                    let resolution = Resolution { duration, shortest, tolerance, way: f64::INFINITY };
+                    let resolution = Resolution { duration, shortest, tolerance };
                     let [between, passive] = errors(&cells, path, &resolution);
                     println!("{path:?} {tolerance:.0e} {shortest:.0e}: between {between:.1e}, passive {passive:.1e}");
                     assert!(between < 0.1 * tolerance, "{path:?} {tolerance:e} {shortest:e} s: {between:e}");
@@ -303,27 +285,5 @@ mod tests {
                 }
             }
         }
-    }
-    #[test]
-    fn a_table_shifted_to_a_velocity_finds_one_knot_for_it() {
-        let cells = Cells::graded(HALF_WIDTH, 9).unwrap();
-        let (velocity, count) = (0.123, cells.count());
-        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-4, way: f64::INFINITY };
-        let answer = |strip: StripHeat| {
-            let table = &strip.operators.table;
-            let mut response = DMatrix::zeros(count, count);
-            table.respond(0, velocity, &mut response);
-            (response, table.nodes.iter().filter(|node| node.get().is_some()).count())
-        };
-        let (between, several) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution));
-        let (there, one) = answer(strip(&cells, SlidingPath::Unidirectional, &resolution).for_few_steps(velocity));
-        assert_eq!((several, one), (STENCIL, 1));
-        assert!(largest((between - &there).iter().copied()) < 1e-3 * largest(there.iter().copied()));
-        // Computed nodes are not moved.
-        let mut body = strip(&cells, SlidingPath::Unidirectional, &resolution);
-        body.expect(velocity);
-        let spacing = body.operators.table.spacing;
-        body = body.for_few_steps(0.7 * velocity);
-        assert!(body.operators.table.spacing == spacing);
     }
 }

@@ -16,12 +16,6 @@ use numerics::maximum::maximum;
 use scene::{self, Body, Fidelity, Geometry, HeatResolution, Scene, Scheme, ThermalBoundary};
 use std::sync::Mutex;
 
-/// Largest number of states of a strip: with everything else a saved state stays below 256 KB.
-const MOST_STATES: usize = 16_000;
-
-/// Most doublings of the shortest resolved step until the strip's number of states is within its limit.
-const MOST_DOUBLINGS: usize = 100;
-
 /// Finest tolerance of a reduction.
 const FINEST: f64 = 2e-5;
 
@@ -205,18 +199,10 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         expansion,
         lateral: Lateral::of(scene),
     };
-    let (duration, way) = (scene.nominal_duration, f64::INFINITY);
-    let mut resolution = Resolution { duration, shortest: shortest(scene), tolerance, way };
-    for _ in 0..MOST_DOUBLINGS {
-        let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
-        if strip.states() <= MOST_STATES {
-            strip.expect(EXPECTED * scene.nominal_velocity);
-            return Ok(Some(strip));
-        }
-        // Modes that decay faster become quasi-static.
-        resolution.shortest *= 2.0;
-    }
-    Err(format!("strip: more than {MOST_STATES} thermal states, however long the shortest step that they resolve"))
+    let resolution = Resolution { duration: scene.nominal_duration, shortest: shortest(scene), tolerance };
+    let strip = StripHeat::new(&properties, cells, &resolution).map_err(|error| error.to_string())?;
+    strip.expect(EXPECTED * scene.nominal_velocity);
+    Ok(Some(strip))
 }
 
 /// Cooled area of the strip over its area beside the contact on a closed path; 1 where the area is not given, or the path open.

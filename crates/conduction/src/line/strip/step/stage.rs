@@ -56,8 +56,8 @@ impl StageWeights {
         &self.answers[self.current]
     }
 
-    /// Weights with a cache of `kept` responses.
-    pub fn new(operators: &StripOperators, at_end: bool, kept: usize) -> StageWeights {
+    /// Weights with a cache of `cached` responses.
+    pub fn new(operators: &StripOperators, at_end: bool, cached: usize) -> StageWeights {
         let (states, waves) = (operators.rate.len(), operators.waves.len());
         let layout = Layout::new(operators, at_end);
         StageWeights {
@@ -65,11 +65,11 @@ impl StageWeights {
             factor: [vec![0.0; states], vec![0.0; states]],
             mean_factor: vec![0.0; operators.mean.count],
             mean_weight: vec![[0.0; 2]; operators.mean.count],
-            answers: (0..=kept).map(|_| Answer::new(layout)).collect(),
+            answers: (0..=cached).map(|_| Answer::new(layout)).collect(),
             current: 0,
             decay: vec![0.0; states],
             length: f64::NAN,
-            nodes: InterpolationNodes::new(layout, operators.steady > 0.0),
+            nodes: InterpolationNodes::new(layout),
             phases: [vec![0.0; waves], vec![0.0; waves]],
         }
     }
@@ -110,7 +110,7 @@ impl StageWeights {
     }
 
     /// Computes the factors that depend on the length of the interval alone.
-    pub fn take_length(&mut self, operators: &StripOperators, length: f64) {
+    fn take_length(&mut self, operators: &StripOperators, length: f64) {
         let mean = &operators.mean;
         if self.length != length {
             self.length = length;
@@ -127,7 +127,7 @@ impl StageWeights {
     }
 
     /// Computes the propagation factors of the modes' states over the interval.
-    pub fn carry(&mut self, operators: &StripOperators, velocity: [f64; 2]) {
+    fn carry(&mut self, operators: &StripOperators, velocity: [f64; 2]) {
         let fade = operators.image_damping.mean(velocity);
         let damping = (-fade * self.length).exp();
         let [cosine, sine] = &mut self.phases;

@@ -17,7 +17,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let mut properties = steel(0.02, base, path, convection);
         properties.expansion = expanding(0.3, elasticity::Base::Bonded);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         // A prescribed temperature, or the flux of forced convection.
@@ -63,7 +63,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     {
         let properties = steel(0.02, Base::Convecting(500.0), path, 0.0);
         let cells = Cells::graded(0.02, 12).unwrap();
-        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3, way: f64::INFINITY };
+        let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let (mut state, zero) = (vec![0.0; body.states()], vec![0.0; 12]);
         body.uniform(20.0, &mut state);
@@ -131,7 +131,7 @@ fn convection_acts_beside_the_contact_only() {
     let mut properties = steel(0.02, Base::Insulated, SlidingPath::Closed(0.3), 400.0);
     properties.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
-    let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4, way: f64::INFINITY };
+    let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
     let mut state = vec![0.0; body.states()];
     march(&mut body, &mut state, 1e4, 20, |_| 0.3);
@@ -152,7 +152,7 @@ fn everything_at_one_temperature_stays_there() {
     for base in [Base::Held, Base::Insulated, Base::Convecting(300.0)] {
         let properties = steel(0.02, base, SlidingPath::Closed(0.3), 100.0);
         let cells = Cells::graded(0.05, 9).unwrap();
-        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3, way: f64::INFINITY };
+        let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         body.uniform(10.0, &mut state);
@@ -175,7 +175,7 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let count = 8;
     let length = 0.0754;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
-    let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4, way: f64::INFINITY };
+    let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4 };
     let body = |conductivity: f64, capacity: f64, path: SlidingPath| {
         let properties = StripProperties { conductivity, capacity, ..steel(0.05, Base::Held, path, 0.0) };
         StripHeat::new(&properties, &cells, &resolution).unwrap()

@@ -1,0 +1,122 @@
+//! Reduction of all Fourier modes of the strip through the depth.
+//!
+//! Theory: docs/theory.md, sections 4.5, 4.12.
+
+use super::depth::{Depth, DepthModes};
+use super::error_sweep::ErrorSweep;
+use super::operators::{Resolution, StripProperties};
+use super::waves::{Shapes, Wave, harmonics};
+use crate::reduced::ReducedBody;
+use crate::slab::Slab;
+use elasticity::Cells;
+use std::f64::consts::PI;
+
+/// Ratios of the shifts of the reduction, tried in this order until the error is small.
+const SHIFT_RATIOS: [f64; 7] = [10.0, 7.0, 5.0, 3.8, 3.0, 2.5, 2.1];
+/// Fraction of the tolerance available to the reduction of the modes.
+const REDUCTION_PART: f64 = 0.2;
+/// Number of modes from which on the reduction error is first tested on a sample, and the ratio of all modes to the
+/// sample.
+const MANY_WAVES: usize = 200;
+const SAMPLED: usize = 8;
+/// Harmonics that always have states.
+const FEWEST_HARMONICS: usize = 16;
+/// Most harmonics with states.
+const MOST_HARMONICS: usize = 8192;
+/// Largest number of states of all modes: with everything else a saved state stays below 256 KB.
+const MOST_STATES: usize = 16_000;
+/// Most doublings of the shortest resolved time until the number of states is within its limit; at the last one only
+/// [`FEWEST_HARMONICS`] are left, with a few hundred states.
+const MOST_DOUBLINGS: usize = 60;
+
+/// Modes with states.
+#[derive(Debug)]
+pub struct Reduction {
+    /// Number of the last harmonic that has states.
+    pub last: usize,
+    /// Decay rate beyond which modes have no states, 1/s.
+    pub fastest: f64,
+    pub waves: Vec<Wave>,
+    pub shapes: Shapes,
+    pub modes: Vec<DepthModes>,
+    /// Number of states of each mode: at least as many as any shorter one has.
+    pub counts: Vec<usize>,
+    /// Error of the mean contact temperature; see [`ErrorSweep::largest_error`].
+    pub error: f64,
+}
+
+/// The layer, its path in the frame of the punch, and what is asked of its reduction.
+#[derive(Clone, Copy, Debug)]
+pub struct Layer<'a> {
+    pub properties: &'a StripProperties,
+    pub cells: &'a Cells,
+    pub slab: &'a Slab,
+    /// Mean mode.
+    pub mean: &'a ReducedBody,
+    /// Length of the period, and largest distance between heated and observed point along the material, m.
+    pub period: f64,
+    pub reach: f64,
+    /// The contact meets fresh material.
+    pub fresh: bool,
+    pub tolerance: f64,
+}
+
+impl Layer<'_> {
+    /// Reduces the modes that decay slowly against the shortest time of `resolution`. Where they have too many states,
+    /// that time is doubled: modes that decay faster become direct feedthrough.
+    pub fn reduce(&self, resolution: &Resolution) -> Reduction {
+        let mut resolution = *resolution;
+        let mut reduction = self.reduce_at(&resolution);
+        for _ in 0..MOST_DOUBLINGS {
+            if 2 * reduction.counts.iter().sum::<usize>() <= MOST_STATES {
+                break;
+            }
+            resolution.shortest *= 2.0;
+            reduction = self.reduce_at(&resolution);
+        }
+        reduction
+    }
+
+    fn reduce_at(&self, resolution: &Resolution) -> Reduction {
+        let Layer { properties, cells, slab, mean, period, reach, fresh, tolerance } = *self;
+        let spacing = 2.0 * PI / period;
+        let fastest = (0.7 * (1e-3 / tolerance).powf(0.4)).clamp(0.5, 20.0) / resolution.shortest;
+        let shortest_wave = (fastest / slab.diffusivity()).sqrt();
+        let last = ((shortest_wave / spacing).ceil() as usize).clamp(FEWEST_HARMONICS, MOST_HARMONICS);
+        let mut waves = harmonics(period, last, reach);
+        if fresh {
+            // Neighbouring periodic images have opposite signs: no mean, and the midpoint rule of the endless path.
+            waves.iter_mut().for_each(|wave| wave.number -= 0.5 * spacing);
+        }
+        let shapes = Shapes::new(cells, &waves);
+        let expansion = properties.expansion.as_ref();
+        let layers: Vec<Depth> =
+            waves.iter().map(|wave| Depth::new(slab, expansion, wave.number).spreading(properties.lateral)).collect();
+        let mean = (!fresh).then_some(mean);
+        let error_sweep = ErrorSweep::new(cells, slab, mean, period, (&waves, &layers), &shapes, resolution);
+        let mut modes: Vec<DepthModes> = Vec::new();
+        let mut error = f64::INFINITY;
+        for ratio in SHIFT_RATIOS {
+            let reduce = |step: usize| -> Vec<DepthModes> {
+                let layers = layers.iter().step_by(step);
+                layers.map(|depth| depth.reduce(0.03 / resolution.duration, 4.0 * fastest, ratio)).collect()
+            };
+            let good = |error: f64| error <= REDUCTION_PART * tolerance;
+            // Errors of neighbouring modes are similar; the last ratio is accepted without the test.
+            let few = waves.len() >= MANY_WAVES && Some(&ratio) != SHIFT_RATIOS.last();
+            if few && !good(error_sweep.largest_error(&reduce(SAMPLED), SAMPLED)) {
+                continue;
+            }
+            modes = reduce(1);
+            error = error_sweep.largest_error(&modes, 1);
+            if good(error) {
+                break;
+            }
+        }
+        let mut counts: Vec<usize> = modes.iter().map(|mode| mode.rate.len()).collect();
+        for wave in (1..counts.len()).rev() {
+            counts[wave - 1] = counts[wave - 1].max(counts[wave]);
+        }
+        Reduction { last, fastest, waves, shapes, modes, counts, error }
+    }
+}
