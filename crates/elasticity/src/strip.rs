@@ -32,7 +32,8 @@ pub enum Extent {
 /// integrated over pairs of cells exactly; the remainder decays like `exp(-2 q h)`. The straight strip is the limit P ->
 /// infinity: N, and T less its constant far field `-nu sign(r)/(4 G)` on a smooth base, decay at least like
 /// `exp(-0.739 |r|/h)` (the root of cos y = y, bonded and incompressible; faster otherwise), so that a period of the contact
-/// width plus 40 h approximates it to 1e-12 of the half-plane's compliance.
+/// width plus 40 h approximates it to 1e-12 of the half-plane's compliance. So does it for a longer closed strip, whose T has
+/// the far field of its own length.
 ///
 /// Unlike that of the half-plane, the displacement is absolute: relative to the held base.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,8 @@ pub struct Strip {
 
 /// Length of unloaded strip, in heights, after which its surface no longer responds to the load.
 const DECAY_LENGTH: f64 = 40.0;
+/// Largest contact width over the height; below it the strip needs some ten thousand Fourier modes.
+const FLATTEST: f64 = 2000.0;
 /// Value of `q h` beyond which `Phi - 1` is below 1e-16.
 const SHORTEST_WAVE: f64 = 23.0;
 /// Fourier modes taken together in one matrix product.
@@ -60,33 +63,36 @@ impl Strip {
         Ok(Self { material, height, base, extent })
     }
 
-    /// Compliance on the given cells; an error where the strip is shorter than the contact zone.
+    /// Compliance on the given cells; an error where the strip is shorter than the contact zone
+    /// or too flat.
     pub fn try_compliance(&self, cells: &Cells) -> Result<Compliance, OutOfRange> {
         let width = 2.0 * cells.half_width();
-        let period = match self.extent {
-            Extent::Straight => width + DECAY_LENGTH * self.height,
-            // Rounding of the width must not refuse full periodic contact.
-            Extent::Closed(length) if length < width * (1.0 - 1e-12) => {
-                let requirement = "at least the width of the contact zone";
-                return Err(OutOfRange { quantity: "strip length", value: length, requirement });
-            }
-            Extent::Closed(length) => length.max(width),
+        OutOfRange::unless(
+            self.height * FLATTEST >= width,
+            "strip height",
+            self.height,
+            "at least a two thousandth of the contact's width",
+        )?;
+        let length = match self.extent {
+            Extent::Straight => f64::INFINITY,
+            Extent::Closed(length) => length,
         };
-        Ok(self.on_period(cells, period))
+        // Rounding of the width must not refuse full periodic contact.
+        let requirement = "at least the width of the contact zone";
+        OutOfRange::unless(length >= width * (1.0 - 1e-12), "strip length", length, requirement)?;
+        Ok(self.on_period(cells, length.max(width), (width + DECAY_LENGTH * self.height).min(length.max(width))))
     }
 
-    fn on_period(&self, cells: &Cells, period: f64) -> Compliance {
+    /// Compliance of a strip that is closed after `length` m, from the Fourier sum with the period `period` m.
+    fn on_period(&self, cells: &Cells, length: f64, period: f64) -> Compliance {
         let (x, c) = (cells.centres(), cells.widths());
         let (g, nu) = (self.material.shear_modulus(), self.material.poissons_ratio());
         let kernel = StripKernel::new(self.base, nu);
         let logarithm = PeriodicLogarithm::new(cells, period);
         let uniform = PI * self.height / period * kernel.normal_at_zero();
         let mut normal = fill(cells.count(), 1.0, |i, j| uniform + logarithm.mean(i, j));
-        // Mean of (sign(r) - 2 r/P)/2, and for the straight strip the far field that the period cuts off.
-        let far_field = match self.extent {
-            Extent::Straight => kernel.shear_at_zero(),
-            Extent::Closed(_) => 0.0,
-        };
+        // Mean of (sign(r) - 2 r/P)/2, and the far field that the period cuts off.
+        let far_field = kernel.shear_at_zero() * (1.0 - period / length);
         let squeezed = 1.0 - 2.0 * nu;
         let mut shear = fill(cells.count(), -1.0, |i, j| {
             let sign = if i == j { 0.0 } else { 1.0 };
@@ -145,9 +151,9 @@ impl Strip {
 
 impl ElasticBody for Strip {
     /// # Panics
-    /// If a closed strip is shorter than the contact zone; [`Strip::try_compliance`] reports that as an error.
+    /// Where [`Strip::try_compliance`] reports an error.
     fn compliance(&self, cells: &Cells) -> Compliance {
-        self.try_compliance(cells).expect("the strip is at least as long as the contact zone")
+        self.try_compliance(cells).expect("a strip neither too flat nor too short")
     }
 }
 

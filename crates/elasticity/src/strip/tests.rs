@@ -69,7 +69,7 @@ fn straight_strip_does_not_depend_on_the_auxiliary_period() {
             let strip = Strip::new(material, height, base, Extent::Straight).unwrap();
             let cells = Cells::graded(1.0, 17).unwrap();
             let usual = strip.compliance(&cells);
-            let longer = strip.on_period(&cells, 2.0 + 1.37 * DECAY_LENGTH * height);
+            let longer = strip.on_period(&cells, f64::INFINITY, 2.0 + 1.37 * DECAY_LENGTH * height);
             let scale = largest(&HalfPlane { material }.compliance(&cells).normal);
             let error = largest(&(&usual.normal - &longer.normal)) / scale;
             assert!(error < 1e-11, "{base:?} nu {nu} h {height}: C {error:e}");
@@ -77,6 +77,30 @@ fn straight_strip_does_not_depend_on_the_auxiliary_period() {
             assert!(error < 1e-11, "{base:?} nu {nu} h {height}: S {error:e}");
         }
     }
+}
+
+#[test]
+fn a_closed_strip_longer_than_its_memory_is_summed_over_less_than_its_length() {
+    for base in [Base::Bonded, Base::Smooth] {
+        for (nu, length) in [(0.0, 5.0), (0.3, 3.0), (0.4999, 7.0)] {
+            let strip = Strip::new(Material::new(2.6, nu).unwrap(), 0.02, base, Extent::Closed(length)).unwrap();
+            let cells = Cells::graded(1.0, 17).unwrap();
+            let (usual, whole) = (strip.compliance(&cells), strip.on_period(&cells, length, length));
+            let scale = largest(&whole.normal);
+            for (usual, whole) in [(&usual.normal, &whole.normal), (&usual.shear, &whole.shear)] {
+                assert!(largest(&(usual - whole)) < 1e-11 * scale, "{base:?} nu {nu} length {length}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_strip_too_flat_for_its_fourier_sum_is_refused() {
+    let cells = Cells::graded(1.0, 5).unwrap();
+    let strip = |height: f64| Strip::new(steel(), height, Base::Bonded, Extent::Straight).unwrap();
+    assert!(strip(1e-3).try_compliance(&cells).is_ok());
+    let refused = strip(1e-3_f64.next_down()).try_compliance(&cells).unwrap_err().to_string();
+    assert!(refused.contains("strip height") && refused.contains("two thousandth"), "{refused}");
 }
 
 #[test]
