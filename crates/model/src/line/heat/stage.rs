@@ -13,11 +13,9 @@ use numerics::maximum::maximum;
 /// Largest number of iterations until contact and temperature agree; beyond it the step is shortened.
 const MAXIMUM_ITERATIONS: usize = 80;
 
-/// Relative difference of temperature at which the friction coefficient is consistent with it.
-const AGREEMENT: f64 = 1e-10;
-
-/// Remaining error of the pressure, relative to the largest, at which the iteration ends: as a part of the step's tolerance, and
-/// its bounds. Fluxes and heat balance are exact at any remaining error.
+/// Remaining error of the pressure, relative to the largest, and of the absolute contact temperature, on which friction and wear
+/// depend, at which the iteration ends: as a part of the step's tolerance, and its bounds. Fluxes and heat balance are exact at
+/// any remaining error.
 const PART: f64 = 1e-3;
 const LEAST: f64 = 1e-9;
 const MOST: f64 = 1e-6;
@@ -140,7 +138,7 @@ impl Line {
         heat.linearized = false;
         let mut slip = moment.slip(stribeck);
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
-        let (mut pressures, mut temperatures) = (Convergence::default(), Convergence::default());
+        let [mut pressures, mut temperatures, mut contact_temperatures] = [Convergence::default(); 3];
         heat.temperatures_current = false;
         heat.acceleration.forget();
         // Ratio of residual to change of an accelerated iteration.
@@ -156,7 +154,7 @@ impl Line {
             let slow = fades && iteration >= SLOW_FROM && pressures.slow;
             if !heat.refactored[s] && (iteration == REFACTOR_FROM || slow) {
                 heat.refactor(stage, slip);
-                (pressures, temperatures) = Default::default();
+                [pressures, temperatures, contact_temperatures] = Default::default();
                 heat.acceleration.forget();
                 residual_norm = None;
             }
@@ -216,7 +214,8 @@ impl Line {
             let [remaining_error, unlike_surfaces] =
                 residual_norm.map_or(of_series, |residual_norm| [residual_norm.max(1.0) * change, residual]);
             let remaining_error = maximum(remaining_error, unlike_surfaces / TEMPERATURE);
-            if active_set_settled && temperature_change <= AGREEMENT && (heat.exact[s] || remaining_error <= enough) {
+            let consistent = contact_temperatures.remaining_error(temperature_change) <= enough;
+            if active_set_settled && consistent && (heat.exact[s] || remaining_error <= enough) {
                 heat.iterations = heat.iterations.max(iteration);
                 self.finish_stage(heat, stage);
                 return Ok(());
