@@ -46,8 +46,8 @@ pub struct Strip {
 
 /// Length of unloaded strip, in heights, after which its surface no longer responds to the load.
 const DECAY_LENGTH: f64 = 40.0;
-/// Largest contact width over the height; below it the strip needs some ten thousand Fourier modes.
-const FLATTEST: f64 = 2000.0;
+/// Largest contact width over the height; below it the strip needs a hundred thousand Fourier modes.
+const FLATTEST: f64 = 2e4;
 /// Value of `q h` beyond which `Phi - 1` is below 1e-16.
 const SHORTEST_WAVE: f64 = 23.0;
 /// Fourier modes taken together in one matrix product.
@@ -71,7 +71,7 @@ impl Strip {
             self.height * FLATTEST >= width,
             "strip height",
             self.height,
-            "at least a two thousandth of the contact's width",
+            "at least a twenty thousandth of the contact's width",
         )?;
         let length = match self.extent {
             Extent::Straight => f64::INFINITY,
