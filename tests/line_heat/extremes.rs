@@ -144,3 +144,33 @@ fn a_long_step_follows_one_of_microseconds() {
         assert!((one - many).abs() < 0.01, "{one} {many}");
     }
 }
+
+/// Friction that falls to a twentieth within 10 K: more friction is more heat and so less friction, and a plain iteration
+/// alternates at any step size.
+#[test]
+fn a_friction_that_collapses_with_the_temperature_is_followed() {
+    let points = [0.0, 100.0, 110.0, 1000.0, 2000.0, 3000.0, 4000.0, 5000.0];
+    let names: Vec<[String; 2]> =
+        (1..=8).map(|i| ["temperature", "factor"].map(|part| format!("contact.friction_fade.{part}[{i}]"))).collect();
+    let mut changes = vec![
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 33.0),
+        ("solver.tolerance", 1e-3),
+        ("nominal.load", 20e3),
+        ("nominal.velocity", 20.0),
+        ("nominal.duration", 20.0),
+    ];
+    for (number, ([temperature, factor], celsius)) in names.iter().zip(points).enumerate() {
+        changes.push((temperature, celsius + 273.15));
+        changes.push((factor, if number < 2 { 1.0 } else { 0.05 }));
+    }
+    let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
+    drive.set("normal_load", 20e3);
+    for step in 0..20 {
+        drive.set("sliding_velocity", 20.0 * (1.0 - 0.02 * f64::from(step))).step(0.01);
+    }
+    let (friction, solves) = (drive.get("friction_force") / 20e3, drive.0.contact_work().solves);
+    assert!(friction > 0.03 && friction < 0.6, "{friction}");
+    assert!(solves < 12_000, "{solves}");
+    assert!(drive.imbalance() < 1e-9);
+}

@@ -51,11 +51,6 @@ impl FrictionLaw {
         v / (v * v + S::from(regularization * regularization)).sqrt()
     }
 
-    /// Derivative of [`Self::kinetic_coefficient`] with respect to the temperature at `t` (K), 1/K.
-    pub fn fall(&self, t: f64) -> f64 {
-        self.coefficient * self.fade.at(t).1
-    }
-
     /// Kinetic friction coefficient at temperature, mu_0 fade(T), at `t` (K): without the Stribeck factor, as in the wear law.
     #[inline]
     pub fn kinetic_coefficient<S: Scalar>(&self, t: S) -> S {

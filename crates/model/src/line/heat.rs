@@ -19,7 +19,6 @@ mod accept;
 pub mod air;
 pub mod bodies;
 mod evaluation;
-mod friction_jacobian;
 mod growth;
 mod outputs;
 pub mod partition;
@@ -36,7 +35,6 @@ use acceleration::Acceleration;
 use bodies::Bodies;
 use conduction::line::{Surroundings, ThermalBody};
 use contact::wear::line::WearingContact;
-use friction_jacobian::FrictionJacobian;
 use growth::GrowthGuard;
 use partition::HeatPartition;
 use partitions::PartitionCache;
@@ -74,7 +72,7 @@ pub struct ThermalCoupling {
     pub contacts: [WearingContact; 2],
     /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
     pub partitions: PartitionCache,
-    taken: [usize; 2],
+    installed: [usize; 2],
     /// Fluxes into punch and strip at either stage, W/m2.
     pub flux: [[Vec<f64>; 2]; 2],
     /// Temperatures of punch and strip at either stage, K above the reference.
@@ -96,17 +94,10 @@ pub struct ThermalCoupling {
     velocity: [f64; 2],
     /// Linearization point of the operators reused from step to step.
     reference: FrozenCoefficients,
-    /// The operators of the stage were refactored: built from its own surface influence matrices instead of those at the
-    /// linearization point.
-    refactored: [bool; 2],
     /// Largest number of iterations of a stage in the step under way.
     iterations: usize,
     /// Anderson acceleration of the stage iteration.
     acceleration: Acceleration,
-    /// Friction-temperature Jacobian; `None`: friction is independent of the temperature.
-    friction_jacobian: Option<Box<FrictionJacobian>>,
-    /// The operators of the stage include the friction-temperature Jacobian.
-    linearized: bool,
     /// The operators of the stage are exact, so that one solution needs no iteration.
     exact: [bool; 2],
     /// Punch and strip have thermal expansion.
@@ -162,7 +153,7 @@ impl ThermalCoupling {
             bodies,
             contacts: [operators.contact(), operators.contact()],
             partitions: PartitionCache::new(&own, count),
-            taken: [usize::MAX; 2],
+            installed: [usize::MAX; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             friction: pair(),
@@ -174,11 +165,8 @@ impl ThermalCoupling {
             step: 0.0,
             velocity: [0.0; 2],
             reference: FrozenCoefficients::default(),
-            refactored: [false; 2],
             iterations: 0,
             acceleration: Acceleration::new(count),
-            friction_jacobian: (!operators.scene.friction_fade.flat).then(|| Box::new(FrictionJacobian::new(count))),
-            linearized: false,
             exact: [false; 2],
             expands,
             staggered: operators.scene.scheme == Scheme::Staggered,
@@ -209,7 +197,7 @@ impl Clone for ThermalCoupling {
             bodies: std::array::from_fn(|body| self.bodies[body].as_ref().map(|heat| heat.boxed())),
             contacts: self.contacts.clone(),
             partitions: self.partitions.clone(),
-            taken: self.taken,
+            installed: self.installed,
             flux: self.flux.clone(),
             temperature: self.temperature.clone(),
             friction: self.friction.clone(),
@@ -221,11 +209,8 @@ impl Clone for ThermalCoupling {
             step: self.step,
             velocity: self.velocity,
             reference: self.reference,
-            refactored: self.refactored,
             iterations: self.iterations,
             acceleration: self.acceleration.clone(),
-            friction_jacobian: self.friction_jacobian.clone(),
-            linearized: self.linearized,
             exact: self.exact,
             expands: self.expands,
             staggered: self.staggered,

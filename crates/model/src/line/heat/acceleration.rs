@@ -1,6 +1,7 @@
 //! Anderson acceleration of the fixed-point iteration of a stage.
 //!
-//! A stage whose operators were built at another velocity is iterated: `x <- G(x)`, x the pressure and the flux into the punch.
+//! A stage whose operators were built at another velocity or friction is iterated: `x <- G(x)`, x the pressure, the flux into the
+//! punch and, where friction or wear depend on it, the contact temperature.
 //! The error is multiplied by `(1 - M)^-1 (M' - M)` in each iteration, M the feedback of pressure through its own friction heat
 //! at the linearization point and M' at the stage. Near the critical speed one or two eigenvalues of M are close to 1, and the
 //! iteration converges slowly along their modes or diverges. From the last residuals `f = G(x) - x` and their differences the
@@ -9,22 +10,26 @@
 //!
 //! Theory: docs/theory.md, section 6.4.
 
+use super::evaluation::largest;
 use numerics::dense;
 use numerics::maximum::maximum;
 
 /// Depth: number of differences stored.
-const DEPTH: usize = 4;
+const DEPTH: usize = 8;
+
+/// Pressure, flux, temperature.
+const PARTS: usize = 3;
 
 /// Least part of a difference, squared, that must be linearly independent of the others for it to be used.
 const INDEPENDENT: f64 = 1e-12;
 
-/// Anderson acceleration. The two parts of x are stored one behind the other, each scaled by its own magnitude.
+/// Anderson acceleration. The parts of x are stored one behind the other, each scaled by its own magnitude.
 #[derive(Clone, Debug)]
 pub(super) struct Acceleration {
-    /// Length of either part.
+    /// Length of each part.
     count: usize,
-    /// Scale factors of both parts, 1/Pa and m2/W; 0: no iterate stored yet.
-    units: [f64; 2],
+    /// Scale factors of the parts, 1/Pa, m2/W and 1/K; 0: no iterate stored yet.
+    units: [f64; PARTS],
     start: Vec<f64>,
     value: Vec<f64>,
     residual: Vec<f64>,
@@ -38,10 +43,10 @@ pub(super) struct Acceleration {
 
 impl Acceleration {
     pub fn new(count: usize) -> Acceleration {
-        let zeros = || vec![0.0; 2 * count];
+        let zeros = || vec![0.0; PARTS * count];
         Acceleration {
             count,
-            units: [0.0; 2],
+            units: [0.0; PARTS],
             start: zeros(),
             value: zeros(),
             residual: zeros(),
@@ -54,35 +59,35 @@ impl Acceleration {
 
     /// Discards all differences because G has changed.
     pub fn forget(&mut self) {
-        (self.units, self.kept, self.compares) = ([0.0; 2], 0, false);
+        (self.units, self.kept, self.compares) = ([0.0; PARTS], 0, false);
     }
 
     /// Stores x before an iteration.
-    pub fn begin(&mut self, pressure: &[f64], flux: &[f64]) {
-        let (own_pressure, own_flux) = self.start.split_at_mut(self.count);
-        own_pressure.copy_from_slice(pressure);
-        own_flux.copy_from_slice(flux);
+    pub fn begin(&mut self, parts: [&[f64]; PARTS]) {
+        for (own, part) in self.start.chunks_exact_mut(self.count).zip(parts) {
+            own.copy_from_slice(part);
+        }
     }
 
     /// Replaces G(x) by the accelerated next x. Returns the largest change of the pressure by this, in Pa; `None` where no
     /// difference is available yet.
-    pub fn accelerate(&mut self, pressure: &mut [f64], flux: &mut [f64]) -> Option<f64> {
+    pub fn accelerate(&mut self, parts: [&mut [f64]; PARTS]) -> Option<f64> {
         let count = self.count;
         if self.units[0] == 0.0 {
-            let unit = |values: &[f64]| {
-                let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+            self.units = parts.each_ref().map(|part| {
+                let largest = largest(part);
                 if largest > 0.0 { largest.recip() } else { 0.0 }
-            };
-            self.units = [unit(pressure), unit(flux)];
+            });
         }
         self.residuals.rotate_right(1);
         self.values.rotate_right(1);
-        let found = pressure.iter().chain(&*flux);
-        for (i, value) in found.enumerate() {
-            let residual = self.units[usize::from(i >= count)] * (value - self.start[i]);
-            self.residuals[0][i] = residual - self.residual[i];
-            self.values[0][i] = value - self.value[i];
-            (self.residual[i], self.value[i]) = (residual, *value);
+        for (part, (unit, found)) in self.units.iter().zip(&parts).enumerate() {
+            for (i, value) in (part * count..).zip(&**found) {
+                let residual = unit * (value - self.start[i]);
+                self.residuals[0][i] = residual - self.residual[i];
+                self.values[0][i] = value - self.value[i];
+                (self.residual[i], self.value[i]) = (residual, *value);
+            }
         }
         if !std::mem::replace(&mut self.compares, true) {
             // Without a previous residual the newest entry is no difference: the rotation is undone.
@@ -93,11 +98,13 @@ impl Acceleration {
         self.kept = (self.kept + 1).min(DEPTH);
         let factors = self.least();
         let mut most: f64 = 0.0;
-        for (i, value) in pressure.iter_mut().chain(flux).enumerate() {
-            let change: f64 = factors.iter().zip(&self.values).map(|(factor, values)| factor * values[i]).sum();
-            *value -= change;
-            if i < count {
-                most = maximum(most, change.abs());
+        for (part, found) in parts.into_iter().enumerate() {
+            for (i, value) in (part * count..).zip(found) {
+                let change: f64 = factors.iter().zip(&self.values).map(|(factor, values)| factor * values[i]).sum();
+                *value -= change;
+                if part == 0 {
+                    most = maximum(most, change.abs());
+                }
             }
         }
         Some(most)
@@ -152,11 +159,11 @@ mod tests {
 
     /// Number of iterations until x = Ax + b is satisfied to 1e-9, at most 60; A has the given eigenvalues.
     fn iterations(eigenvalues: &[f64], accelerated: bool) -> usize {
-        let count = eigenvalues.len() / 2;
+        let count = eigenvalues.len() / PARTS;
         let mut acceleration = Acceleration::new(count);
-        let mut x = vec![0.0; 2 * count];
+        let mut x = vec![0.0; PARTS * count];
         // A Householder reflection makes A a full matrix.
-        let normal: Vec<f64> = (0..2 * count).map(|i| (1.0 + i as f64).sin()).collect();
+        let normal: Vec<f64> = (0..PARTS * count).map(|i| (1.0 + i as f64).sin()).collect();
         let square = dense::dot(&normal, &normal);
         let reflect = |x: &[f64]| -> Vec<f64> {
             let part = 2.0 * dense::dot(&normal, x) / square;
@@ -172,9 +179,10 @@ mod tests {
                 return iteration;
             }
             if accelerated {
-                acceleration.begin(&x[..count], &x[count..]);
-                let (pressure, flux) = next.split_at_mut(count);
-                acceleration.accelerate(pressure, flux);
+                acceleration.begin([&x[..count], &x[count..2 * count], &x[2 * count..]]);
+                let (pressure, rest) = next.split_at_mut(count);
+                let (flux, temperature) = rest.split_at_mut(count);
+                acceleration.accelerate([pressure, flux, temperature]);
             }
             x = next;
         }
@@ -183,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_few_modes_that_crawl_or_run_away_are_solved_for() {
-        let mut eigenvalues = [0.02, -0.03, 0.01, 0.0, 0.03, -0.01, 0.02, 0.01, -0.02, 0.0];
+        let mut eigenvalues = [0.02, -0.03, 0.01, 0.0, 0.03, -0.01, 0.02, 0.01, -0.02, 0.0, 0.01, -0.01];
         let plain = iterations(&eigenvalues, false);
         assert!(plain <= 8 && iterations(&eigenvalues, true) <= plain);
         for one in [0.9, 0.99, -0.95, -3.0, 1.5] {

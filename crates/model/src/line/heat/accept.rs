@@ -39,7 +39,7 @@ impl Line {
             temperature_error = maximum(temperature_error, of_temperature * change);
             rise = rise.max(largest(&heat.temperature[1][side]));
         }
-        let known = heat.reference.exact || heat.refactored[1];
+        let known = heat.reference.exact;
         let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
         maximum(share * moved / bound, share * temperature_error / (self.operators.scene.tolerance * rise))
     }

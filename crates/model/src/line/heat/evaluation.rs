@@ -4,7 +4,6 @@
 
 use super::ThermalCoupling;
 use conduction::line::{GAMMA, Stage};
-use contact::friction::FrictionLaw;
 use contact::wear::line::StageError;
 use numerics::dense;
 
@@ -45,56 +44,18 @@ impl ThermalCoupling {
     pub(super) fn install_thermal_compliance(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
         let s = stage as usize;
         self.partitions[s].set_active_set(&self.closed);
-        let known = !self.refactored[s] && self.is_solved_directly(self.partitions[s].open().len());
-        self.exact[s] = known
-            && self
-                .kinetic_coefficient
-                .iter()
-                .all(|kinetic_coefficient| kinetic_coefficient * slip == self.reference.per_pressure);
+        let known = self.is_solved_directly(self.partitions[s].open().len());
         let per_pressure = self.reference.per_pressure;
-        if !self.refactored[s] {
-            let (place, made) = (self.partitions.place(s), self.partitions[s].thermal_compliance(per_pressure));
-            if made || self.taken[s] != place {
-                self.taken[s] = usize::MAX;
-                self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()))?;
-                self.taken[s] = place;
-            }
+        let same_friction = |coefficient: &f64| coefficient * slip == per_pressure;
+        self.exact[s] = known && self.kinetic_coefficient.iter().all(same_friction);
+        let (slot, built) = (self.partitions.slot(), self.partitions[s].thermal_compliance(per_pressure));
+        if built || self.installed[s] != slot {
+            self.installed[s] = usize::MAX;
+            self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()))?;
+            self.installed[s] = slot;
         }
         let reduced = self.exact[s] && self.conducts() == [true, true];
         self.contacts[s].set_low_rank_update(if reduced { self.partitions[s].low_rank_update() } else { None });
-        Ok(())
-    }
-
-    /// Refactors: builds the operators from the stage's own surface influence matrices and friction, where the iteration with the
-    /// frozen ones does not converge.
-    pub(super) fn refactor(&mut self, stage: Stage, slip: f64) {
-        let s = stage as usize;
-        let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(stage)));
-        self.partitions.select_uncached(s).build((f64::NAN, f64::NAN), influence);
-        if let Some(friction_jacobian) = &mut self.friction_jacobian {
-            friction_jacobian.build(&self.partitions[s], influence, self.half_resistance);
-        }
-        let mean = self.kinetic_coefficient.iter().sum::<f64>() / self.kinetic_coefficient.len() as f64;
-        self.partitions[s].thermal_compliance(mean * slip);
-        self.taken[s] = self.partitions.place(s);
-        // The influence matrices are finite, and so is their product with a velocity.
-        let _ = self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_matrix()));
-        self.refactored[s] = true;
-    }
-
-    /// Includes the friction-temperature Jacobian in the operators of the stage.
-    pub(super) fn linearize(&mut self, stage: Stage, slip: f64, friction: &FrictionLaw) -> Result<(), StageError> {
-        let s = stage as usize;
-        let Some(friction_jacobian) = &mut self.friction_jacobian else { return Ok(()) };
-        let (closed, pressure) = (&self.closed, &self.pressure);
-        let (kinetic_coefficient, contact_temperature, ratio) =
-            (&self.kinetic_coefficient, &self.contact_temperature, &self.ratio);
-        let heat = friction_jacobian.linearize(
-            |i| if closed[i] { slip * ratio[i] * kinetic_coefficient[i] } else { 0.0 },
-            |i| if closed[i] { slip * ratio[i] * pressure[i] * friction.fall(contact_temperature[i]) } else { 0.0 },
-        );
-        self.contacts[s].set_added_compliance(Some(self.partitions[s].thermal_compliance_by(heat)))?;
-        self.linearized = true;
         Ok(())
     }
 
@@ -137,23 +98,9 @@ impl ThermalCoupling {
             self.temperatures_current = false;
             return 0.0;
         }
-        match &self.friction_jacobian {
-            // Newton step of the friction heat for the residual of the friction law at the current temperature: where a
-            // temperature rise by all of the heat changes friction by more than 100%, fixed-point iteration alternates at any
-            // step size.
-            Some(friction_jacobian) if self.linearized => {
-                let known = friction.iter().zip(&self.pressure).zip(&self.per_pressure);
-                for (residual, ((heat, pressure), per_pressure)) in self.difference.iter_mut().zip(known) {
-                    *residual = if *per_pressure > 0.0 { pressure - heat / per_pressure } else { 0.0 };
-                }
-                friction_jacobian.add_heat(&self.difference, friction);
-            }
-            _ => {
-                let known = self.pressure.iter().zip(&self.per_pressure);
-                for (heat, (pressure, per_pressure)) in friction.iter_mut().zip(known) {
-                    *heat = per_pressure * pressure;
-                }
-            }
+        let known = self.pressure.iter().zip(&self.per_pressure);
+        for (heat, (pressure, per_pressure)) in friction.iter_mut().zip(known) {
+            *heat = per_pressure * pressure;
         }
         let open = self.partitions[s].open();
         open.iter().for_each(|&i| (friction[i], punch[i]) = (0.0, 0.0));
@@ -244,11 +191,6 @@ impl ThermalCoupling {
         }
         // Open cells have no friction heat.
         self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
-        if let (Some(friction_jacobian), true) = (&self.friction_jacobian, self.linearized) {
-            // Friction heat consistent with the temperature that it causes.
-            self.difference.fill(0.0);
-            friction_jacobian.add_heat(&self.gap, &mut self.difference);
-        }
         for (friction, more) in self.friction[s].iter_mut().zip(&self.difference) {
             *friction += more;
         }

@@ -415,21 +415,9 @@ impl HeatPartition {
 
     /// Partition matrix Y on all cells, by columns: fraction of the friction heat that enters the punch where both bodies
     /// conduct.
+    #[cfg(test)]
     pub fn shares(&self) -> &[f64] {
         &self.shares
-    }
-
-    /// Builds the thermal compliance for the friction-heat Jacobian `heat` = dQ/dp (N x N by columns, m/s).
-    pub fn thermal_compliance_by(&mut self, heat: &[f64]) -> &DMatrix<f64> {
-        let count = self.closed.len();
-        self.per_pressure = f64::NAN;
-        self.thermal_compliance.fill(0.0);
-        for (target, column) in
-            self.thermal_compliance.as_mut_slice().chunks_exact_mut(count).zip(heat.chunks_exact(count))
-        {
-            dense::multiply_add(self.distortion.as_slice(), column, target);
-        }
-        &self.thermal_compliance
     }
 
     /// Current thermal compliance, m/Pa.

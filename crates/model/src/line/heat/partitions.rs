@@ -10,44 +10,32 @@ use conduction::line::cache_capacity;
 use numerics::cache::KeyedCache;
 use std::ops::{Index, IndexMut};
 
-/// Slot of uncached heat partitions, built for one step only.
-const UNCACHED: usize = 0;
-
 /// LRU cache of the heat partitions of both stages; indexed by stage. Nothing is allocated after construction.
 #[derive(Debug)]
 pub struct PartitionCache {
-    /// By the bits of step and reference velocity; the one in slot k has the place k + 1.
+    /// By the bits of step and reference velocity.
     cache: KeyedCache<[u64; 2], [HeatPartition; 2]>,
-    passing: [HeatPartition; 2],
-    /// Places of those of either stage.
-    current: [usize; 2],
+    current: usize,
 }
 
 impl PartitionCache {
     /// Empty cache of heat partitions on `count` cells.
     pub fn new(partition: &HeatPartition, count: usize) -> PartitionCache {
-        let memory = || [partition.like(), partition.like()];
-        let cache = KeyedCache::new((0..cache_capacity(count)).map(|_| memory()));
-        PartitionCache { cache, passing: memory(), current: [UNCACHED; 2] }
+        let cache = KeyedCache::new((0..cache_capacity(count)).map(|_| [partition.like(), partition.like()]));
+        PartitionCache { cache, current: 0 }
     }
 
     /// Takes those of a step (s) and reference velocity (m/s), or memory in which they have to be built: then it is false.
     pub fn take(&mut self, (step, velocity): (f64, f64)) -> bool {
         let key = [step.to_bits(), velocity.to_bits()];
         let known = self.cache.lookup(&key);
-        self.current = [1 + known.unwrap_or_else(|| self.cache.insert(key)); 2];
+        self.current = known.unwrap_or_else(|| self.cache.insert(key));
         known.is_some()
     }
 
-    /// Makes the uncached slot current for a stage.
-    pub fn select_uncached(&mut self, stage: usize) -> &mut HeatPartition {
-        self.current[stage] = UNCACHED;
-        &mut self.passing[stage]
-    }
-
-    /// Current slot of a stage.
-    pub fn place(&self, stage: usize) -> usize {
-        self.current[stage]
+    /// Current slot.
+    pub fn slot(&self) -> usize {
+        self.current
     }
 }
 
@@ -55,19 +43,13 @@ impl Index<usize> for PartitionCache {
     type Output = HeatPartition;
 
     fn index(&self, stage: usize) -> &HeatPartition {
-        match self.current[stage] {
-            UNCACHED => &self.passing[stage],
-            place => &self.cache[place - 1][stage],
-        }
+        &self.cache[self.current][stage]
     }
 }
 
 impl IndexMut<usize> for PartitionCache {
     fn index_mut(&mut self, stage: usize) -> &mut HeatPartition {
-        match self.current[stage] {
-            UNCACHED => &mut self.passing[stage],
-            place => &mut self.cache[place - 1][stage],
-        }
+        &mut self.cache[self.current][stage]
     }
 }
 
@@ -75,7 +57,7 @@ impl Clone for PartitionCache {
     fn clone(&self) -> PartitionCache {
         // Zeros that the system hands out are not touched until they are used.
         let memory = |pair: &[HeatPartition; 2]| pair.each_ref().map(HeatPartition::like);
-        PartitionCache { cache: self.cache.clone_occupied(memory), passing: self.passing.clone(), ..*self }
+        PartitionCache { cache: self.cache.clone_occupied(memory), current: self.current }
     }
 }
 
@@ -96,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_steps_are_kept_whatever_passes_between() {
+    fn the_last_steps_are_kept() {
         let partition = || HeatPartition::new(&[1.0; 5], &[1.0; 5], 0.7).in_single_precision();
         let most = cache_capacity(5);
         let mut partitions = PartitionCache::new(&partition(), 5);
@@ -118,8 +100,6 @@ mod tests {
         };
         for turn in 0..5 * most {
             take(&mut partitions, 1 + turn % most);
-            build(partitions.select_uncached(turn % 2), 0.5);
-            assert_eq!(partitions.place(turn % 2), UNCACHED);
         }
         // One more evicts the least recently used one.
         take(&mut partitions, 1 + most);

@@ -36,7 +36,7 @@ impl Line {
                 heat.partitions[stage as usize].build(key, influence);
             }
         }
-        (heat.refactored, heat.iterations) = ([false; 2], 0);
+        heat.iterations = 0;
         let flat = operators.scene.friction_fade.flat;
         let kinetic_coefficient = if flat {
             self.friction.kinetic_coefficient(0.0)

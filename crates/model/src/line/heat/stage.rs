@@ -23,14 +23,6 @@ const MOST: f64 = 1e-6;
 /// Admissible relative error of the temperatures of both surfaces over that of the pressure.
 const TEMPERATURE: f64 = 10.0;
 
-/// Iteration from which on the Jacobian is refactored at the stage.
-const REFACTOR_FROM: usize = 12;
-
-/// Ratio of successive changes that counts as slow convergence, and iteration from which on slow convergence with
-/// temperature-dependent friction switches from fixed-point iteration to Newton with the friction-temperature Jacobian.
-const SLOW: f64 = 0.4;
-const SLOW_FROM: usize = 3;
-
 /// Iteration from which on Anderson acceleration is used.
 const ACCELERATED_FROM: usize = 1;
 
@@ -38,14 +30,12 @@ const ACCELERATED_FROM: usize = 1;
 #[derive(Clone, Copy, Debug, Default)]
 struct Convergence {
     last: Option<f64>,
-    slow: bool,
 }
 
 impl Convergence {
     /// Remaining error after a `change`, for changes that decrease as a geometric series.
     fn remaining_error(&mut self, change: f64) -> f64 {
         let last = self.last.replace(change);
-        self.slow = last.is_some_and(|last| change > SLOW * last);
         match last {
             Some(last) if change < 0.5 * last => change * change / (last - change),
             _ => change,
@@ -135,7 +125,6 @@ impl Line {
             }
             false => heat.kinetic_coefficient.fill(self.friction.kinetic_coefficient(0.0)),
         }
-        heat.linearized = false;
         let mut slip = moment.slip(stribeck);
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
         let [mut pressures, mut temperatures, mut contact_temperatures] = [Convergence::default(); 3];
@@ -151,23 +140,13 @@ impl Line {
                 slip = moment.slip(stribeck);
                 heat.temperatures_current = false;
             }
-            let slow = fades && iteration >= SLOW_FROM && pressures.slow;
-            if !heat.refactored[s] && (iteration == REFACTOR_FROM || slow) {
-                heat.refactor(stage, slip);
-                [pressures, temperatures, contact_temperatures] = Default::default();
-                heat.acceleration.forget();
-                residual_norm = None;
-            }
             heat.install_thermal_compliance(stage, slip)?;
-            if heat.refactored[s] && fades {
-                heat.linearize(stage, slip, &self.friction)?;
-            }
             self.work.budget.solutions += 1;
             self.set_conditions(moment, tau);
             self.set_laws(heat, moment, by_cell);
-            let compared = !follows && !heat.exact[s] && iteration >= ACCELERATED_FROM;
+            let compared = !heat.exact[s] && iteration >= ACCELERATED_FROM;
             if compared {
-                heat.acceleration.begin(&heat.pressure, &heat.flux[s][0]);
+                heat.acceleration.begin([&heat.pressure, &heat.flux[s][0], &heat.contact_temperature]);
             }
             let residual = heat.assemble_fluxes(stage, slip);
             heat.assemble_gap(stage, &self.work.gap);
@@ -225,8 +204,16 @@ impl Line {
                 residual_norm = None;
             } else if compared {
                 let most = largest(&heat.pressure);
-                let moved = heat.acceleration.accelerate(&mut heat.pressure, &mut heat.flux[s][0]);
+                let parts = [&mut heat.pressure[..], &mut heat.flux[s][0], &mut heat.contact_temperature];
+                let moved = heat.acceleration.accelerate(parts);
                 residual_norm = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
+                if follows && moved.is_some() {
+                    heat.temperatures_current = false;
+                    let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.contact_temperature);
+                    cells.for_each(|(coefficient, temperature)| {
+                        *coefficient = self.friction.kinetic_coefficient(*temperature)
+                    });
+                }
             }
         }
         Err(StageError::NotConverged { stage: tau, iterations: MAXIMUM_ITERATIONS })

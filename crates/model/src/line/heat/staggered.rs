@@ -252,15 +252,12 @@ impl ThermalCoupling {
 
     /// Builds the heat partition at the end of the step for the cells in contact.
     fn build_end_partition(&mut self) {
-        let key = (self.step, self.velocity[1]);
         let steady = self.velocity[0] == self.velocity[1];
-        let known = if steady { self.partitions.take(key) } else { false };
-        if !known {
+        let key = (self.step, if steady { self.velocity[1] } else { f64::NAN });
+        // The operators of a changing velocity share a slot and are built anew.
+        if !(self.partitions.take(key) && steady) {
             let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
-            match steady {
-                true => self.partitions[1].build(key, influence),
-                false => self.partitions.select_uncached(1).build((f64::NAN, f64::NAN), influence),
-            }
+            self.partitions[1].build(key, influence);
         }
         self.partitions[1].set_active_set(&self.closed);
     }
