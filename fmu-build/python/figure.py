@@ -13,6 +13,7 @@ import matplotlib
 matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
+from matplotlib.lines import Line2D  # noqa: E402
 
 # Okabe and Ito's palette: told apart by every eye and in print.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -40,35 +41,42 @@ WIDTH = 180 / 25.4  # inches: the width of a page of most journals
 ROW = 1.55
 
 
+MARKER = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
+
+
 def draw(axis, panel):
+    curves = [series for series in panel["series"] if not series["measured"]]
     for series in panel["series"]:
         colour = COLOURS[series["colour"] % len(COLOURS)]
-        look = {"color": colour, "label": series["name"] or None}
         if series["measured"]:
-            look |= {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.7}
-        elif any(other["measured"] and other["colour"] == series["colour"] for other in panel["series"]):
-            look |= {"zorder": 3}
-        axis.plot(series["x"], series["y"], **look)
+            axis.plot(series["x"], series["y"], color=colour, **MARKER)
+        else:
+            # Wider below the others, to be seen where they coincide.
+            width = 2.0 if len(curves) > 1 and series is curves[0] else 1.1
+            axis.plot(series["x"], series["y"], color=colour, label=series["name"] or None, linewidth=width)
     axis.set_xlabel(panel["x"])
     axis.set_ylabel(panel["y"])
-    ends = [x for series in panel["series"] for x in (series["x"][0], series["x"][-1]) if series["x"]]
-    if ends and min(ends) < max(ends):
-        axis.set_xlim(min(ends), max(ends))
-    low, high = axis.get_ylim()
+    ends = [x for series in curves for x in (series["x"][0], series["x"][-1])]
+    axis.set_xlim(min(ends), max(ends))
     values = [y for series in panel["series"] for y in series["y"]]
-    if values and min(values) == max(values):
-        # A constant is not drawn on its own axis as if it varied.
-        room = 0.1 * abs(values[0]) or 1.0
-        axis.set_ylim(values[0] - room, values[0] + room)
-    elif values and min(values) >= 0.0 and low < 0.0:
-        axis.set_ylim(0.0, high)
-    named = sum(bool(series["name"]) for series in panel["series"])
-    if named:
-        # Above the axes, where no curve is.
-        columns = named if named <= 3 else (named + 1) // 2
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
-    if panel["remark"]:
-        axis.annotate(panel["remark"], (1.0, 0.03), xycoords="axes fraction", ha="right", va="bottom", fontsize=7)
+    low, high = min(values), max(values)
+    if high - low <= 1e-6 * max(abs(low), abs(high)):
+        # A constant is not drawn as if it varied.
+        room = 0.1 * max(abs(low), abs(high)) or 1.0
+        axis.set_ylim(low - room, high + room)
+    elif 0.0 <= low < 0.2 * high:
+        axis.set_ylim(bottom=0.0)
+
+
+def legend(axis, panel):
+    """Above the axes, where no curve is."""
+    handles, labels = axis.get_legend_handles_labels()
+    if any(series["measured"] for series in panel["series"]):
+        handles.append(Line2D([], [], color="#444444", **MARKER))
+        labels.append("measured")
+    if handles:
+        columns = len(handles) if len(handles) <= 3 else (len(handles) + 1) // 2
+        axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
 
 
 def figure_of(content):
@@ -82,6 +90,7 @@ def figure_of(content):
     grid = parts[0].subplots(rows, 2, squeeze=False, sharex=True).T.flatten()
     for axis, panel in zip(grid, courses):
         draw(axis, panel)
+        legend(axis, panel)
     for axis in grid[len(courses):]:
         axis.set_visible(False)
     last = len(courses) - 1
@@ -97,8 +106,6 @@ def figure_of(content):
         axes = parts[1].subplots(lines, per_row, squeeze=False).flatten()
         for axis, panel in zip(axes, profiles):
             draw(axis, panel)
-            if axis.get_legend():
-                axis.get_legend().remove()
         for axis in axes[len(profiles):]:
             axis.set_visible(False)
         handles, labels = axes[0].get_legend_handles_labels()

@@ -69,6 +69,10 @@ impl Column {
             return Some(Said::Nothing);
         }
         if let Some(symbol) = rest.trim_start().strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            // Several columns that no comma separates are none.
+            if symbol.contains(['[', ']']) {
+                return None;
+            }
             return Some(Said::Symbol(symbol.trim()));
         }
         let spelled = rest.strip_prefix('_')?;

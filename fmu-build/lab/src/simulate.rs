@@ -6,8 +6,6 @@ mod progress;
 mod quantity;
 mod run;
 mod summary;
-#[cfg(test)]
-mod tests;
 mod trajectory;
 mod write;
 
@@ -40,7 +38,7 @@ pub struct Arguments {
     set: Vec<String>,
     /// Longest communication step in seconds, or with its unit as "20 ms".
     ///
-    /// By default a thousandth of the time of the inputs, without inputs that of the scene. The interval between two rows is
+    /// By default about a thousandth of the time of the inputs, without inputs that of the scene. The interval between two rows is
     /// divided into equal steps.
     #[arg(long, value_name = "TIME", value_parser = step)]
     step: Option<f64>,
@@ -129,9 +127,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => Vec::new(),
     };
     if let Some(path) = &arguments.plot {
-        let title = format!("{}, level {}", packaged.name, recording.level);
         let residual = run::energy_residual(&recording);
-        figure::Figure::new(title, &recording, &deviations, residual).write(path)?;
+        let title = format!("{}, level {}; energy balance closes to {residual:.0e}", packaged.name, recording.level);
+        figure::Figure::new(title, &recording, &deviations).write(path)?;
         files.push(path.display().to_string());
     }
     let summary = Summary {

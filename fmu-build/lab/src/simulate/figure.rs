@@ -18,11 +18,17 @@ pub const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
 const POINTS: usize = 4000;
 const CONTACT_POINTS: usize = 257;
 
+/// Markers of a measured curve at most.
+const MARKERS: usize = 160;
+
 /// Energies below this fraction of the largest are left out: their curve is the axis.
 const VISIBLE: f64 = 1e-3;
 
 /// Range of a worn depth over its largest value below which its shape is drawn without the mean.
 const FLAT: f64 = 0.2;
+
+/// The same below which the shape is rounding, and not drawn.
+const ROUNDING: f64 = 1e-9;
 
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Series {
@@ -40,8 +46,6 @@ pub struct Panel {
     pub x: String,
     pub y: String,
     pub series: Vec<Series>,
-    /// A remark above the axes.
-    pub remark: String,
 }
 
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -93,12 +97,9 @@ const ALWAYS: [&str; 4] = ["sliding velocity", "normal load", "worn depth", "ene
 
 impl Figure {
     /// Of a run beside a measured record.
-    pub fn new(title: String, recording: &Recording, measured: &[Measured], residual: f64) -> Self {
+    pub fn new(title: String, recording: &Recording, measured: &[Measured]) -> Self {
         let mut courses: Vec<Panel> =
             COURSES.iter().filter_map(|course| panel(course.0, course.1, recording, measured)).collect();
-        if let Some(energy) = courses.last_mut() {
-            energy.remark = format!("balance closes to {residual:.0e}");
-        }
         let drawn = |name: &str| COURSES.iter().any(|(_, variables)| variables.iter().any(|(own, _)| *own == name));
         let others = measured.iter().filter(|own| !drawn(&own.name));
         courses.extend(
@@ -180,20 +181,21 @@ fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measure
         }
         let values: Vec<f64> = channel.values.iter().map(|value| shown.value(*value)).collect();
         let (x, y) = thinned(&recording.times, &values, POINTS);
-        let name = match own {
-            Some(_) if legend.is_empty() => "simulated".to_owned(),
-            _ => (*legend).to_owned(),
-        };
-        series.push(Series { name, colour, measured: false, x, y });
+        series.push(Series { name: (*legend).to_owned(), colour, measured: false, x, y });
         if let Some(own) = own {
             let (x, y): (Vec<f64>, Vec<f64>) =
                 own.points.iter().map(|(time, value)| (*time, shown.value(*value))).unzip();
-            let (x, y) = thinned(&x, &y, POINTS / 10);
-            let name = if legend.is_empty() { "measured".to_owned() } else { format!("{legend}, measured") };
-            series.push(Series { name, colour, measured: true, x, y });
+            let (x, y) = thinned(&x, &y, MARKERS);
+            series.push(Series { name: String::new(), colour, measured: true, x, y });
         }
     }
-    Some(Panel { x: "time (s)".into(), y: shown.label(label), series, remark: String::new() })
+    // The label of the axis says what a single curve is.
+    match &mut series[..] {
+        [only] => only.name.clear(),
+        [simulated, measured] if measured.measured && simulated.name.is_empty() => simulated.name = "simulated".into(),
+        _ => {}
+    }
+    Some(Panel { x: "time (s)".into(), y: shown.label(label), series })
 }
 
 /// Panels over the contact; none of a run without profiles.
@@ -219,7 +221,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
             }
         });
         let series = series.collect();
-        Panel { x: position.label(along), y: shown.label(label), series, remark: String::new() }
+        Panel { x: position.label(along), y: shown.label(label), series }
     };
     let mut panels = vec![
         draw("pressure", "profile.pressure", "Pa", &|own| own.pressure.to_vec()),
@@ -231,7 +233,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
             high - low
         };
         let most = all.iter().fold(0.0_f64, |most, own| most.max(extremes(&own.worn[body]).1));
-        if most == 0.0 {
+        if all.iter().all(|own| range(own) <= ROUNDING * most) {
             continue;
         }
         if all.iter().all(|own| range(own) < FLAT * most) {

@@ -18,8 +18,8 @@ const MULTIPLES: &[(&str, Multiples)] = &[
     ("m3", &[(0.0, 1e9, "mm³")]),
     ("m/s", &[(0.1, 1.0, "m/s"), (0.0, 1e3, "mm/s")]),
     ("rad", &[(0.01, 1.0, "rad"), (1e-5, 1e3, "mrad"), (0.0, 1e6, "µrad")]),
-    ("N", &[(1e4, 1e-3, "kN"), (0.0, 1.0, "N")]),
-    ("N.m", &[(1e4, 1e-3, "kN·m"), (0.0, 1.0, "N·m")]),
+    ("N", &[(5e3, 1e-3, "kN"), (0.0, 1.0, "N")]),
+    ("N.m", &[(5e3, 1e-3, "kN·m"), (0.0, 1.0, "N·m")]),
     ("Pa", &[(1e9, 1e-9, "GPa"), (1e5, 1e-6, "MPa"), (1e3, 1e-3, "kPa"), (0.0, 1.0, "Pa")]),
     ("J", &[(1e7, 1e-6, "MJ"), (1e4, 1e-3, "kJ"), (0.0, 1.0, "J")]),
     ("W", &[(1e4, 1e-3, "kW"), (0.0, 1.0, "W")]),
@@ -84,7 +84,7 @@ fn signs(unit: &str) -> String {
 }
 
 /// Five significant digits.
-fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 {
         return "0".into();
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn values_have_five_digits_and_a_unit_of_their_size() {
         for (name, unit, value, text) in [
-            ("wear_depth", "m", 3.76123e-6, "3.7612 µm"),
+            ("wear_depth", "m", 3.76123e-6_f64, "3.7612 µm"),
             ("wear_depth", "m", 0.0, "0 m"),
             ("friction_force", "N", 2.6e3, "2600.0 N"),
             ("contact_temperature", "K", 448.15, "175.00 °C"),

@@ -1,7 +1,7 @@
 //! Results of a run as a table and as JSON.
 
 use super::measured::Measured;
-use super::quantity::Shown;
+use super::quantity::{Shown, number};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use serde_json::{Map, Value, json};
 
@@ -50,7 +50,7 @@ impl Summary<'_> {
     fn wear(&self, body: &str) -> String {
         let [depth, volume] = ["depth", "volume"].map(|kind| self.last(&format!("wear_{kind}_{body}")));
         let depth = Shown::of("wear_depth", "m", depth.abs()).text(depth);
-        format!("{depth}, {:.4e} mm³", 1e9 * volume)
+        format!("{depth}, {}", Shown::of_difference("m3", volume.abs()).text(volume))
     }
 
     fn energies(&self) -> String {
@@ -84,8 +84,9 @@ impl Summary<'_> {
         let real_time = (times[times.len() - 1] - times[0]) / steps.max(1e-9);
         format!(
             "{} communication steps, {accepted} internal ones and {rejected} rejected; {initialisation:.3} s to initialise, \
-             {steps:.3} s to step, {real_time:.3e} times real time",
-            times.len() - 1
+             {steps:.3} s to step, {} times real time",
+            times.len() - 1,
+            number(real_time)
         )
     }
 

@@ -72,7 +72,7 @@ impl Trajectory {
         let (first, last) = (table.times[0], table.times[table.times.len() - 1]);
         Ok(Self {
             description: format!("{file}, {} rows", table.times.len()),
-            step: step.unwrap_or((last - first) / LEAST_STEPS),
+            step: step.unwrap_or_else(|| round((last - first) / LEAST_STEPS)),
             file: Some((path.to_owned(), table.lines)),
             times: table.times,
             inputs,
@@ -188,6 +188,12 @@ impl Trajectory {
     }
 }
 
+/// The largest of 1, 2 and 5 times a power of ten that is not above `step`, so that the communication points are round numbers.
+fn round(step: f64) -> f64 {
+    let power = 10.0_f64.powf(step.log10().floor());
+    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|rounded| *rounded <= step).unwrap_or(power)
+}
+
 /// Unit of a variable; `1` of one without.
 pub fn unit_of(variable: ValueReference) -> &'static str {
     match lookup(variable).map(|(row, _)| row.kind) {
@@ -215,6 +221,13 @@ mod tests {
         }
         let told = ramp(1e-9).points(&[]).unwrap_err().to_string();
         assert!(told.contains("2.500e9 communication steps"), "{told}");
+    }
+
+    #[test]
+    fn default_steps_are_round() {
+        for (step, rounded) in [(0.006, 0.005), (1.37, 1.0), (0.02, 0.02), (4.99e-6, 2e-6)] {
+            assert!((round(step) / rounded - 1.0).abs() < 1e-12, "{step}: {}", round(step));
+        }
     }
 
     #[test]
