@@ -7,6 +7,7 @@ The panels, with their labels and curves, come as JSON from fmu-build/lab/src/si
 
 import json
 import sys
+import textwrap
 
 import matplotlib
 
@@ -44,15 +45,15 @@ ROW = 1.55
 MARKER = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
 
 
-def draw(axis, panel):
+def draw(axis, panel, wide=False):
+    """Draws a panel; `wide`: the first of several curves below the others, to be seen where they coincide."""
     curves = [series for series in panel["series"] if not series["measured"]]
     for series in panel["series"]:
         colour = COLOURS[series["colour"] % len(COLOURS)]
         if series["measured"]:
             axis.plot(series["x"], series["y"], color=colour, **MARKER)
         else:
-            # Wider below the others, to be seen where they coincide.
-            width = 2.0 if len(curves) > 1 and series is curves[0] else 1.1
+            width = 2.0 if wide and len(curves) > 1 and series is curves[0] else 1.1
             axis.plot(series["x"], series["y"], color=colour, label=series["name"] or None, linewidth=width)
     axis.set_xlabel(panel["x"])
     axis.set_ylabel(panel["y"])
@@ -75,7 +76,7 @@ def legend(axis, panel):
         handles.append(Line2D([], [], color="#444444", **MARKER))
         labels.append("measured")
     if handles:
-        columns = len(handles) if len(handles) <= 3 else (len(handles) + 1) // 2
+        columns = 2 if len(handles) == 4 else 3
         axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
 
 
@@ -84,12 +85,12 @@ def figure_of(content):
     rows = (len(courses) + 1) // 2
     per_row = 3 if len(profiles) == 3 else 2
     lines = -(-len(profiles) // per_row)
-    height = ROW * (rows + 1.15 * lines) + 0.3
+    height = ROW * (rows + 1.3 * lines) + 0.3
     figure = plt.figure(figsize=(WIDTH, height), layout="constrained")
-    parts = figure.subfigures(2, 1, height_ratios=(rows, 1.15 * lines)) if profiles else (figure,)
+    parts = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
     grid = parts[0].subplots(rows, 2, squeeze=False, sharex=True).T.flatten()
     for axis, panel in zip(grid, courses):
-        draw(axis, panel)
+        draw(axis, panel, wide=True)
         legend(axis, panel)
     for axis in grid[len(courses):]:
         axis.set_visible(False)
@@ -105,11 +106,11 @@ def figure_of(content):
     if profiles:
         axes = parts[1].subplots(lines, per_row, squeeze=False).flatten()
         for axis, panel in zip(axes, profiles):
-            draw(axis, panel)
+            draw(axis, panel | {"y": textwrap.fill(panel["y"], 20)})
         for axis in axes[len(profiles):]:
             axis.set_visible(False)
         handles, labels = axes[0].get_legend_handles_labels()
-        parts[1].legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6), title="over the contact at the time")
+        parts[1].legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6), title="over the contact, at the time")
     figure.suptitle(content["title"], fontsize=9)
     return figure
 

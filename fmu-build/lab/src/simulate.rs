@@ -128,7 +128,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     };
     if let Some(path) = &arguments.plot {
         let residual = run::energy_residual(&recording);
-        let title = format!("{}, level {}; energy balance closes to {residual:.0e}", packaged.name, recording.level);
+        let title =
+            format!("{}, level {}; energy balance closes to {}", packaged.name, recording.level, power(residual));
         figure::Figure::new(title, &recording, &deviations).write(path)?;
         files.push(path.display().to_string());
     }
@@ -145,6 +146,14 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", summary.table());
     }
     Ok(())
+}
+
+/// A small number in the mathematical text of matplotlib: `2e-15` as 2 times a power of ten.
+fn power(number: f64) -> String {
+    match format!("{number:.0e}").split_once('e') {
+        Some((digit, exponent)) if number != 0.0 => format!("${digit}\\times 10^{{{exponent}}}$"),
+        _ => "0".into(),
+    }
 }
 
 /// Refuses to write over a file that is read.

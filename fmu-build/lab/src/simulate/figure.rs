@@ -2,6 +2,7 @@
 //! figures of the examples.
 
 use super::measured::Measured;
+use super::progress::rounded;
 use super::quantity::Shown;
 use super::run::{Profiles, Recording};
 use crate::{project, python};
@@ -21,8 +22,8 @@ const CONTACT_POINTS: usize = 257;
 /// Markers of a measured curve at most.
 const MARKERS: usize = 160;
 
-/// Energies below this fraction of the largest are left out: their curve is the axis.
-const VISIBLE: f64 = 1e-3;
+/// Fraction of the largest value of a panel below which a curve is left out: it is the axis.
+const VISIBLE: f64 = 1e-2;
 
 /// Range of a worn depth over its largest value below which its shape is drawn without the mean.
 const FLAT: f64 = 0.2;
@@ -85,9 +86,9 @@ const COURSES: &[Course] = &[
         &[
             ("dissipated_energy", "friction heat"),
             ("stored_heat", "stored"),
-            ("heat_lost_ambient", "to the air"),
-            ("heat_lost_punch_top", "through the punch's top"),
-            ("heat_lost_strip_base", "through the strip's base"),
+            ("heat_lost_ambient", "lost: air"),
+            ("heat_lost_punch_top", "lost: punch top"),
+            ("heat_lost_strip_base", "lost: strip base"),
         ],
     ),
 ];
@@ -213,7 +214,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
         let series = all.iter().enumerate().map(|(colour, own)| {
             let (x, y) = smooth(&own.x, &of(own), CONTACT_POINTS);
             Series {
-                name: format!("{} s", (own.time * 1e6).round() / 1e6),
+                name: format!("{} s", rounded(own.time)),
                 colour,
                 measured: false,
                 x: x.iter().map(|x| position.value(*x)).collect(),

@@ -37,7 +37,7 @@ impl Progress {
         let part = (time - self.first) / (self.last - self.first);
         if !self.terminal {
             self.next = now + PAUSE;
-            eprintln!("{time:.6} s of {} s, {:.0} %", self.last, 100.0 * part);
+            eprintln!("{} s of {} s, {:.0} %", rounded(time), self.last, 100.0 * part);
             return;
         }
         self.next = now + QUIET / 10;
@@ -46,7 +46,7 @@ impl Progress {
             ProgressBar::new(PARTS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         bar.set_position((PARTS as f64 * part) as u64);
-        bar.set_message(format!("{time:.6} s of {} s", self.last));
+        bar.set_message(format!("{} s of {} s", rounded(time), self.last));
     }
 
     /// Removes the bar.
@@ -55,4 +55,9 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
+}
+
+/// Without the rounding of a sum of steps.
+pub fn rounded(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
 }

@@ -1,6 +1,7 @@
 //! Results of a run as a table and as JSON.
 
 use super::measured::Measured;
+use super::progress::rounded;
 use super::quantity::{Shown, number};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use serde_json::{Map, Value, json};
@@ -30,7 +31,7 @@ fn limits(sum: f64) -> String {
 
 /// A time as in a sentence.
 fn seconds(time: f64) -> String {
-    format!("{} s", (time * 1e6).round() / 1e6)
+    format!("{} s", rounded(time))
 }
 
 impl Summary<'_> {
