@@ -18,7 +18,7 @@ import report  # noqa: E402  (the one beside this file comes first)
 import simulation  # noqa: E402
 
 DISTANCE = 1000.0  # [m], of the standard's test
-SPEEDS = (1.0, 5.0, 20.0)  # over the nominal one
+SPEEDS = (1.0, 2.0, 3.0)  # over the nominal one; the contact is thermoelastically unstable from 3.7 on
 STEPS = 1000
 
 

@@ -28,9 +28,9 @@ STYLE = {
 def over_the_distance(runs, path):
     """Worn volume, hottest point of the contact, mean temperature of pin and disk."""
     quantities = (
-        ("worn volume of the pin (10⁻³ mm³)", lambda run: 1e12 * run["wear_volume_punch"]),
-        ("hottest point of the contact (°C)", lambda run: run["contact_temperature_max"] - ZERO_CELSIUS),
-        ("mean temperature of the pin (°C)", lambda run: run["punch.mean_temperature"] - ZERO_CELSIUS),
+        ("worn volume\nof the pin (10⁻³ mm³)", lambda run: 1e12 * run["wear_volume_punch"]),
+        ("hottest point\nof the contact (°C)", lambda run: run["contact_temperature_max"] - ZERO_CELSIUS),
+        ("mean temperature\nof the pin (°C)", lambda run: run["punch.mean_temperature"] - ZERO_CELSIUS),
     )
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(1, len(quantities), figsize=(180 / 25.4, 2.2), layout="constrained")
