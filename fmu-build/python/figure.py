@@ -61,7 +61,7 @@ def draw(axis, panel, wide=False):
     axis.set_xlim(min(ends), max(ends))
     values = [y for series in panel["series"] for y in series["y"]]
     low, high = min(values), max(values)
-    if high - low <= 1e-6 * max(abs(low), abs(high)):
+    if high - low <= 1e-3 * max(abs(low), abs(high)):
         # A constant is not drawn as if it varied.
         room = 0.1 * max(abs(low), abs(high)) or 1.0
         axis.set_ylim(low - room, high + room)

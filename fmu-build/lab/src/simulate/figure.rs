@@ -207,7 +207,7 @@ fn profiles(recording: &Recording) -> Vec<Panel> {
     }
     let along = if recording.radial { "radius less the mean one" } else { "x, along the sliding direction" };
     let half_width = all[0].x[all[0].x.len() - 1].abs();
-    let position = Shown::of("profile.x", "m", half_width.min(0.5));
+    let position = Shown::of_difference("m", half_width.clamp(1e-3, 0.5));
     let draw = |label: &str, name: &str, unit: &str, of: &dyn Fn(&Profiles) -> Vec<f64>| {
         let most = all.iter().flat_map(of).fold(0.0_f64, |most, value| most.max(value.abs()));
         let shown = Shown::of(name, unit, most);
@@ -327,6 +327,63 @@ mod tests {
         assert!(times.len() <= POINTS && times.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!((times[0], times[times.len() - 1]), (0.0, 99_999.0));
         assert!(values.contains(&7.0) && values.contains(&-7.0));
+    }
+
+    /// A short stop of the stock brake on a contact line, with a measured temperature.
+    fn stop(level: &str) -> Figure {
+        let mut file = crate::scenes::load(Some("disc_brake")).unwrap();
+        for assignment in [level, "solver.cells=9", "nominal.duration=1 s"] {
+            crate::scenes::assign(&mut file, assignment).unwrap();
+        }
+        let scene = scene::Scene::new(&file.packaged.starts, None).unwrap();
+        let trajectory = super::super::trajectory::Trajectory::nominal(&file, &scene, None).unwrap();
+        let recording = super::super::run::run(&file, &trajectory, &[]).unwrap();
+        let measured = |name: &str, unit: &'static str, value: f64| Measured {
+            name: name.into(),
+            unit,
+            points: vec![(0.5, value)],
+            outside: 0,
+            root_mean_square: 0.0,
+            largest: 0.0,
+            at: 0.5,
+            range: 0.0,
+        };
+        let measured = [measured("contact_temperature", "K", 300.0), measured("tilt", "rad", 1e-6)];
+        Figure::new("stop".into(), &recording, &measured)
+    }
+
+    #[test]
+    fn panels_have_units_measured_points_and_only_what_can_be_seen() {
+        let figure = stop("solver.fidelity=line");
+        let labels: Vec<&str> = figure.courses.iter().map(|panel| panel.y.as_str()).collect();
+        for label in ["sliding velocity (m/s)", "normal load (N)", "temperature (°C)", "pressure (MPa)", "tilt (µrad)"]
+        {
+            assert!(labels.contains(&label), "{label} is not among {labels:?}");
+        }
+        // Inputs that are 0 throughout.
+        assert!(!labels.iter().any(|label| label.starts_with("angular") || label.starts_with("cooling")), "{labels:?}");
+        let panel = |start: &str| figure.courses.iter().find(|panel| panel.y.starts_with(start)).unwrap();
+        let measured: Vec<&Series> = panel("temperature").series.iter().filter(|series| series.measured).collect();
+        assert!(
+            measured.len() == 1 && measured[0].x == [0.5] && (measured[0].y[0] - 26.85).abs() < 1e-9,
+            "{measured:?}"
+        );
+        assert_eq!(panel("tilt").series[0].name, "simulated");
+        assert!(panel("normal load").series[0].name.is_empty());
+        // Heat through the base of the disc is nothing.
+        let energies: Vec<&str> = panel("energy").series.iter().map(|series| series.name.as_str()).collect();
+        assert!(energies.contains(&"friction heat") && energies.contains(&"stored"), "{energies:?}");
+        assert!(!energies.contains(&"lost: strip base"), "{energies:?}");
+        let profiles: Vec<&str> = figure.profiles.iter().map(|panel| panel.y.as_str()).collect();
+        assert_eq!(profiles, ["pressure (MPa)", "temperature (°C)", "worn depth of the punch (nm)"]);
+        for panel in &figure.profiles {
+            let names: Vec<&str> = panel.series.iter().map(|series| series.name.as_str()).collect();
+            assert_eq!(names, ["0 s", "0.5 s", "1 s"]);
+            assert_eq!(panel.x, "x, along the sliding direction (mm)");
+            assert!(panel.series.iter().all(|series| series.x[0] == -47.5 && series.x[CONTACT_POINTS - 1] == 47.5));
+        }
+        let lumped = stop("solver.fidelity=lumped");
+        assert!(lumped.profiles.is_empty());
     }
 
     #[test]
