@@ -86,7 +86,7 @@ impl Trajectory {
     /// A duration that is no time; a cycle too short for the duration.
     pub fn nominal(file: &SceneFile, scene: &Scene, step: Option<f64>) -> Result<Self> {
         let (load, velocity, duration) = (scene.nominal_load, scene.nominal_velocity, scene.nominal_duration);
-        if !(duration > 0.0) {
+        if duration <= 0.0 {
             bail!(
                 "nominal.duration = {duration} s is the time that is simulated without --inputs; it must be above 0 s"
             );
@@ -147,7 +147,7 @@ impl Trajectory {
         // Rounding of a quotient is no further step.
         let parts = |pair: &[f64]| ((pair[1] - pair[0]) / self.step * (1.0 - 1e-12)).ceil().max(1.0);
         let count: f64 = knots.windows(2).map(parts).sum();
-        if !(count <= MOST_POINTS) {
+        if count > MOST_POINTS {
             bail!(
                 "{} s in steps of at most {} s are {count:.3e} communication steps; at most {MOST_POINTS:e} are kept",
                 last - first,
