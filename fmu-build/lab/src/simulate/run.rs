@@ -73,20 +73,16 @@ impl Recording {
     }
 
     fn record(&mut self, time: f64, component: &mut Component) -> Result<(), String> {
-        for channel in &mut self.channels {
+        // Nothing of a point is recorded unless all of it can be.
+        for channel in &self.channels {
             let value = component.get(channel.reference);
             if !value.is_finite() {
-                return Err(format!("{} = {value} is not a finite number", channel.name));
+                return Err(format!("at {time} s {} = {value} is not a finite number", channel.name));
             }
-            channel.values.push(value);
         }
+        self.channels.iter_mut().for_each(|channel| channel.values.push(component.get(channel.reference)));
         self.times.push(time);
         Ok(())
-    }
-
-    /// Removes the values of a point that was not recorded entirely.
-    fn trim(&mut self) {
-        self.channels.iter_mut().for_each(|channel| channel.values.truncate(self.times.len()));
     }
 
     fn take_warnings(&mut self, time: f64, component: &mut Component) {
@@ -168,7 +164,6 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64]) -> Result<Reco
         };
         recording.take_warnings(time, &mut component);
         if let Err(reason) = stepped.and_then(|()| recording.record(time, &mut component)) {
-            recording.trim();
             recording.failure = Some(reason);
             break;
         }
