@@ -18,6 +18,9 @@ const STEPS_IN_CYCLE: f64 = 60.0;
 /// Communication points at most: all of them are held in memory.
 const MOST_POINTS: f64 = 2e6;
 
+/// Relative excess of an interval over the longest step that is rounding of its times.
+const SAME: f64 = 1e-6;
+
 /// Inputs at given times, linear between them.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Trajectory {
@@ -144,8 +147,8 @@ impl Trajectory {
         let mut knots = [self.times.as_slice(), also].concat();
         knots.sort_unstable_by(f64::total_cmp);
         knots.dedup();
-        // Rounding of a quotient is no further step.
-        let parts = |pair: &[f64]| ((pair[1] - pair[0]) / self.step * (1.0 - 1e-12)).ceil().max(1.0);
+        // Rounding of the times is no further step.
+        let parts = |pair: &[f64]| ((pair[1] - pair[0]) / self.step * (1.0 - SAME)).ceil().max(1.0);
         let count: f64 = knots.windows(2).map(parts).sum();
         if count > MOST_POINTS {
             bail!(
@@ -248,6 +251,10 @@ mod tests {
             .map(|end| 0.5 * (speeds[end] + speeds[end - 1]) * (quarter.times[end] - quarter.times[end - 1]))
             .sum();
         assert!((distance / (0.5 * scene.nominal_stroke) - 1.0).abs() < 1e-3, "{distance}");
+        // A difference of large times is not exactly the step: no interval is divided for its rounding.
+        scene.nominal_duration = 754.0;
+        let whole = Trajectory::nominal(&file, &scene, None).unwrap();
+        assert_eq!(whole.points(&[]).unwrap(), whole.times);
         scene.nominal_duration = 1e9;
         let told = Trajectory::nominal(&file, &scene, None).unwrap_err().to_string();
         assert!(told.contains("cargo fmu cycles"), "{told}");
