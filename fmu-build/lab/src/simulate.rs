@@ -40,7 +40,7 @@ pub struct Arguments {
     ///
     /// By default about a thousandth of the time of the inputs, without inputs that of the scene. The interval between two rows is
     /// divided into equal steps.
-    #[arg(long, value_name = "TIME", value_parser = step)]
+    #[arg(long, value_name = "TIME", value_parser = step, allow_negative_numbers = true)]
     step: Option<f64>,
     /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv.
     #[arg(short, long, value_name = "FILE.csv")]
@@ -54,7 +54,7 @@ pub struct Arguments {
     #[arg(short, long, value_name = "FILE.csv")]
     measured: Option<PathBuf>,
     /// Times of the profiles over the contact, as 0,10,"2 min"; by default start, middle and end.
-    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time)]
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time, allow_negative_numbers = true)]
     at: Vec<f64>,
     /// Print JSON instead of a table: every variable's range and end, deviations, profiles.
     #[arg(long)]

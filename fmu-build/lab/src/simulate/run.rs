@@ -77,7 +77,7 @@ impl Recording {
         for channel in &self.channels {
             let value = component.get(channel.reference);
             if !value.is_finite() {
-                return Err(format!("at {time} s {} = {value} is not a finite number", channel.name));
+                return Err(format!("at {time:?} s {} = {value} is not a finite number", channel.name));
             }
         }
         self.channels.iter_mut().for_each(|channel| channel.values.push(component.get(channel.reference)));
@@ -191,7 +191,7 @@ fn step(component: &mut Component, trajectory: &Trajectory, from: f64, to: f64) 
     }
     component
         .step(step)
-        .map_err(|text| format!("the step from {from} s to {to} s failed{}: {text}", trajectory.place(interval)))
+        .map_err(|text| format!("the step from {from:?} s to {to:?} s failed{}: {text}", trajectory.place(interval)))
 }
 
 /// Name of the level, and whether it has profiles over the contact.
