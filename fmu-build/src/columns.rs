@@ -4,12 +4,17 @@
 //! (`sliding_velocity [km/h]`) or with a unit spelled behind it (`speed_km_per_h`). Lines that begin with `#` are notes.
 
 use anyhow::{Context, Result, anyhow, bail};
-use scene::variables::units::{SECOND, Unit};
-use scene_file::quantity;
+use scene::variables::units::{ONE, SECOND, Unit};
+use scene::variables::{Causality, Kind, Row, TABLE};
+use scene_file::unit_names::canonical;
+use scene_file::{nearest, quantity};
 use std::path::{Path, PathBuf};
 
 /// Name of the column that every file must have.
 const TIME: &str = "time";
+
+/// Most columns that a message lists.
+const LISTED: usize = 12;
 
 /// A column that a file may have beside the time.
 #[derive(Clone, Debug)]
@@ -32,6 +37,23 @@ impl Column {
         Self { name: name.to_owned(), unit, absolute: true, required: false, unit_required: false }
     }
 
+    /// An optional column for a variable of the table, which must say its unit where it has one; `None` where the variable
+    /// is no number.
+    pub fn of(row: &Row) -> Option<Self> {
+        let unit = match row.kind {
+            Kind::Real { unit, .. } => unit,
+            Kind::Integer { .. } => &ONE,
+            Kind::Boolean | Kind::Enumeration(_) => return None,
+        };
+        let (absolute, unit_required) = (!row.is_difference(), unit.name != ONE.name);
+        Some(Self { absolute, unit_required, ..Self::optional(row.name, unit) })
+    }
+
+    /// The columns of a file of inputs.
+    pub fn inputs() -> Vec<Self> {
+        TABLE.iter().filter(|row| row.causality == Causality::Input).filter_map(Self::of).collect()
+    }
+
     /// The headers that are accepted, for messages.
     fn headers(&self) -> String {
         let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
@@ -47,11 +69,18 @@ impl Column {
             return Some(Said::Nothing);
         }
         if let Some(symbol) = rest.trim_start().strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            // Several columns that no comma separates are none.
+            if symbol.contains(['[', ']']) {
+                return None;
+            }
             return Some(Said::Symbol(symbol.trim()));
         }
         let spelled = rest.strip_prefix('_')?;
         let others = quantity::units(self.unit, self.absolute).map(|display| display.name);
-        std::iter::once(self.unit.name).chain(others).find(|symbol| spell(symbol) == spelled).map(Said::Symbol)
+        std::iter::once(self.unit.name)
+            .chain(others)
+            .find(|symbol| spell(symbol) == spelled || *symbol == canonical(spelled))
+            .map(Said::Symbol)
     }
 }
 
@@ -104,6 +133,9 @@ pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
         .with_context(|| format!("reading {file}"))?;
     let headers = reader.headers().with_context(|| format!("reading {file}"))?.clone();
     let line = headers.position().map_or(1, csv::Position::line);
+    if headers.is_empty() {
+        bail!("{file} is empty; its first line must name the columns, as time [s]");
+    }
     let time = Column { required: true, ..Column::optional(TIME, &SECOND) };
     let known: Vec<&Column> = std::iter::once(&time).chain(accepted).collect();
     let mut found: Vec<Found> = Vec::with_capacity(headers.len());
@@ -159,10 +191,9 @@ impl<'a> Found<'a> {
     /// The fault of the header, and the accepted headers.
     fn of(header: &'a str, known: &[&Column]) -> Result<Self, String> {
         let Some((column, said)) = known.iter().find_map(|column| Some((column, column.unit_of(header)?))) else {
-            let accepted: Vec<String> = known.iter().map(|column| column.headers()).collect();
             return Err(format!(
-                "{header:?} is not a known quantity with a known unit; accepted are {}",
-                accepted.join(", ")
+                "{header:?} is not a known quantity with a known unit; {}",
+                alternatives(header, known)
             ));
         };
         let symbol = match said {
@@ -175,6 +206,22 @@ impl<'a> Found<'a> {
         quantity::in_si(0.0, symbol, column.unit, column.absolute).map_err(|wrong| format!("{header:?}: {wrong}"))?;
         Ok(Self { name: column.name.clone(), symbol, unit: column.unit, absolute: column.absolute })
     }
+}
+
+/// The accepted headers; of many those near the given one.
+fn alternatives(header: &str, known: &[&Column]) -> String {
+    if let Some(separator) = [';', '\t'].into_iter().find(|&separator| header.contains(separator)) {
+        return format!("columns are separated by commas, and this header has {separator:?}");
+    }
+    let name = header.split('[').next().unwrap_or(header).trim();
+    let wrong_unit = known.iter().find(|column| column.name == name);
+    if known.len() <= LISTED || wrong_unit.is_some() {
+        let listed = known.iter().filter(|column| wrong_unit.is_none_or(|own| own.name == column.name));
+        return format!("accepted are {}", listed.map(|column| column.headers()).collect::<Vec<_>>().join(", "));
+    }
+    let example: Vec<String> = known.iter().take(2).map(|column| column.headers()).collect();
+    let near = nearest(name, known.iter().map(|column| column.name.as_str()));
+    format!("accepted are the time, inputs and outputs of the FMU by their names, as {}{near}", example.join(", "))
 }
 
 #[cfg(test)]
@@ -213,10 +260,14 @@ mod tests {
     #[test]
     fn what_does_not_fit_is_refused_with_its_place_and_what_would() {
         for (name, text, wanted) in [
-            ("order", "speed_m_per_s,normal_load\n0,1\n", "line 1: no column time or time [s or min or h]; found are"),
-            ("missing", "time,normal_load\n0,1\n", "no column speed [m/s or km/h or mm/s]"),
+            (
+                "order",
+                "speed_m_per_s,normal_load\n0,1\n",
+                "line 1: no column time or time [s or min or h or ms]; found are",
+            ),
+            ("missing", "time,normal_load\n0,1\n", "no column speed [m/s or km/h or mm/s or m/min or cm/s]"),
             ("unknown", "time,velocity\n0,1\n", "line 1, column 2: \"velocity\" is not a known"),
-            ("unknown", "time,velocity\n0,1\n", "accepted are time or time [s or min or h], speed [m/s or km/h"),
+            ("unknown", "time,velocity\n0,1\n", "accepted are time or time [s or min or h or ms], speed [m/s or km/h"),
             ("bare", "time,speed\n0,1\n", "column 2: \"speed\" does not say its unit; accepted is speed [m/s"),
             ("unit", "time,speed [mph]\n0,1\n", "\"mph\" is the wrong unit; accepted are m/s, km/h, mm/s"),
             ("difference", "time,speed [m/s],offset [degC]\n0,1,2\n", "accepted are K"),
@@ -226,6 +277,9 @@ mod tests {
             ("infinite", "time,speed_m_per_s\n0,nan\n", "\"nan\": NaN is not a finite number"),
             ("back", "time,speed_m_per_s\n0,1\n1,1\n1,1\n", "line 4, column 1 (time): \"1\": the time must increase"),
             ("none", "time,speed_m_per_s\n", "has no row"),
+            ("nothing", "", "is empty; its first line must name the columns"),
+            ("notes", "# nothing\n", "is empty"),
+            ("semicolons", "time;speed_m_per_s\n0;1\n", "columns are separated by commas, and this header has ';'"),
             ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line: 3"),
         ] {
             let told = format!("{:#}", table(name, text).unwrap_err());

@@ -24,6 +24,8 @@ enum Command {
     Test(test::Arguments),
     Bench(bench::Arguments),
     Realtime(realtime::Arguments),
+    #[command(about = native::SIMULATE)]
+    Simulate(Forwarded),
     #[command(about = native::STEADY)]
     Steady(Forwarded),
     #[command(about = native::CYCLES)]
@@ -59,7 +61,8 @@ fn main() -> ExitCode {
             Command::Realtime(arguments) => realtime::execute(&arguments),
             Command::Batch(arguments) => batch::execute(&arguments),
             Command::BatchWorker => batch::worker::execute(),
-            Command::Steady(_)
+            Command::Simulate(_)
+            | Command::Steady(_)
             | Command::Cycles(_)
             | Command::Tables(_)
             | Command::Verify(_)

@@ -19,6 +19,7 @@ macro_rules! commands {
 }
 
 commands! {
+    SIMULATE = "simulate", "Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record";
     STEADY = "steady", "Compute a scene's steady state under nominal load and sliding, without time integration, print and draw it";
     CYCLES = "cycles", "Advance a reciprocating scene over many cycles at nominal load and speed";
     TABLES = "tables", "Print the tables of a scene's lumped level as JSON: decay rates, residues and static corrections of both bodies and of the moving source, and the rate that sliding adds to its decay rates";

@@ -55,6 +55,8 @@ enum Example {
     Clutch,
     /// A reciprocating punch until its wear is steady, in two holders, beside the direct steady states; with heat too.
     ReciprocatingPunch,
+    /// A pin on a disk after ASTM G99, at three speeds over the same distance: wear, temperatures, heat.
+    PinOnDisk,
     /// A ring on a turning ring, below and above the critical speed of thermoelastic instability.
     HotSpots,
 }
@@ -67,6 +69,7 @@ impl Example {
             Example::VehicleBrake => "vehicle_brake",
             Example::Clutch => "clutch",
             Example::ReciprocatingPunch => "reciprocating_punch",
+            Example::PinOnDisk => "pin_on_disk",
             Example::HotSpots => "hot_spots",
         }
     }
@@ -77,6 +80,7 @@ impl Example {
             Example::DiscBrake | Example::VehicleBrake => "disc_brake",
             Example::Clutch => "clutch",
             Example::ReciprocatingPunch => "reciprocating_punch",
+            Example::PinOnDisk => "pin_on_disk",
             Example::HotSpots => "hot_spots",
         }
     }
@@ -136,7 +140,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.unwrap_or(STEP).to_string())
         }
         Example::VehicleBrake => command.arg("--cycle").arg(&cycle),
-        Example::Clutch | Example::HotSpots => &mut command,
+        Example::Clutch | Example::PinOnDisk | Example::HotSpots => &mut command,
         Example::ReciprocatingPunch => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
             command.arg("--steady").args(steady_states(scene, &output)?)
@@ -261,7 +265,7 @@ mod tests {
 
     #[test]
     fn options_that_do_not_apply_are_refused() {
-        for example in ["clutch", "hot_spots", "reciprocating_punch"] {
+        for example in ["clutch", "hot_spots", "pin_on_disk", "reciprocating_punch"] {
             assert!(refusal(&[example, "--cycle", "hwfet"]).contains("--cycle hwfet does not apply to"), "{example}");
         }
         assert!(refusal(&["vehicle_brake", "--step", "0.2"]).contains("--step 0.2 does not apply to vehicle_brake"));

@@ -26,6 +26,9 @@
 pub mod materials;
 pub mod quantity;
 mod suggest;
+pub mod unit_names;
+
+pub use suggest::nearest;
 
 use std::collections::BTreeMap;
 use std::fmt;

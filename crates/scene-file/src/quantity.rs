@@ -2,6 +2,8 @@
 
 use toml::de::DeValue;
 
+use crate::unit_names::canonical;
+pub use crate::unit_names::units;
 use scene::variables::units::{DisplayUnit, Unit};
 use scene::variables::{Kind, Row};
 
@@ -64,6 +66,20 @@ pub fn real(value: &DeValue, unit: &'static Unit, absolute: bool) -> Result<f64,
     Ok(written.si())
 }
 
+/// A plain number, then in the SI unit, or a number with a unit (`100 ms`); `absolute` as in [`real`].
+///
+/// # Errors
+/// The fault and the accepted alternatives.
+pub fn text(text: &str, unit: &'static Unit, absolute: bool) -> Result<f64, String> {
+    let name = if unit.name == "1" { "" } else { unit.name };
+    let written = match text.trim().parse() {
+        Ok(number) => Written { number, unit: None, name },
+        Err(_) => Written::from_text(text, unit, name, absolute)?,
+    };
+    within(&written, None, None)?;
+    Ok(written.si())
+}
+
 /// `number` of the unit `symbol` in `unit`; `absolute` as in [`real`].
 ///
 /// # Errors
@@ -117,6 +133,7 @@ impl Written {
     /// # Errors
     /// The units that would be accepted.
     fn in_unit(number: f64, symbol: &str, unit: &'static Unit, absolute: bool) -> Result<Written, String> {
+        let symbol = canonical(symbol);
         if symbol == unit.name {
             let name = if unit.name == "1" { "" } else { unit.name };
             return Ok(Written { number, unit: None, name });
@@ -137,11 +154,6 @@ impl Written {
     fn shown(&self, si: f64) -> f64 {
         self.unit.map_or(si, |unit| decimal(unit.factor * si + unit.offset))
     }
-}
-
-/// Units beside the SI unit; those with an offset only where `absolute`.
-pub fn units(unit: &'static Unit, absolute: bool) -> impl Iterator<Item = &'static DisplayUnit> {
-    unit.display.iter().filter(move |display| absolute || display.offset == 0.0)
 }
 
 /// Rounding to 15 significant decimal digits, so that `"20 um"` is the same number as `2e-5`.

@@ -8,6 +8,7 @@ mod chart;
 mod cycles;
 mod golden;
 mod plan;
+mod simulate;
 mod stability;
 mod steady;
 mod tables;
@@ -31,6 +32,7 @@ enum Command {
     /// The half of `cargo fmu bench` that calls the solvers and not the library in the FMU.
     #[command(hide = true)]
     Bench(bench::Arguments),
+    Simulate(simulate::Arguments),
     Steady(steady::Arguments),
     Cycles(cycles::Arguments),
     Tables(tables::Arguments),
@@ -44,6 +46,7 @@ enum Command {
 fn main() -> ExitCode {
     output::status(match CommandLine::parse().command {
         Command::Bench(arguments) => bench::execute(&arguments),
+        Command::Simulate(arguments) => simulate::execute(&arguments),
         Command::Steady(arguments) => steady::execute(&arguments),
         Command::Cycles(arguments) => cycles::execute(&arguments),
         Command::Tables(arguments) => tables::execute(&arguments),

@@ -28,6 +28,8 @@ fn nobody_reading_the_output_is_no_panic() {
         "tables",
         "cycles reciprocating_punch --cycles 2 --cells 9 --cold --json",
         "golden compare lumped_held",
+        "simulate clutch --json",
+        "simulate clutch",
         "--help",
     ] {
         let (reader, writer) = io::pipe().unwrap();

@@ -26,7 +26,8 @@ const PEAK: &str = ".peak";
 
 /// Run many scenes with one FMU: a row of parameters each, a row of results each.
 ///
-/// A column of the design is a parameter of the FMU, or NAME.factor: the factor on the column of the input NAME.
+/// A column of the design is a parameter of the FMU, with a unit in its header or its cells where it is not the SI one
+/// (`punch.width [mm]`, `40 mm`), or NAME.factor: the factor on the column of the input NAME.
 /// A scene that fails is a row with its stage and its reason. A run that was stopped is continued by the same command.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
@@ -162,22 +163,26 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     }
     output::check_ending(Some(output), "csv")?;
     let table = Table::read(design)?;
+    let folder = unpack(fmu)?;
+    let worker = Worker::open(&folder)?;
+    let converted = table.in_units_of(worker.description()).with_context(|| format!("reading {}", design.display()))?;
     let job = Job {
-        folder: unpack(fmu)?,
+        folder,
         inputs: inputs.clone(),
-        columns: table.columns.clone(),
+        columns: converted.columns.clone(),
         step: arguments.step.into(),
         interpolation: arguments.interpolation,
         record: arguments.record.clone(),
         peak: arguments.peak.clone(),
         every: arguments.every.unwrap_or(arguments.step).into(),
     };
-    check(&job)?;
+    check(&job, worker.description())?;
+    drop(worker);
     let settings = format!("{:?}", (&job.step, job.interpolation, &job.record, &job.peak, &job.every));
     let fingerprint =
         results::fingerprint(&[&fs::read(fmu)?, &fs::read(design)?, &fs::read(inputs)?, settings.as_bytes()]);
     let header: Vec<String> = std::iter::once("scene".to_owned())
-        .chain(job.columns.iter().chain(&job.record).cloned())
+        .chain(table.columns.iter().chain(&job.record).cloned())
         .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
         .chain(["status".to_owned(), "reason".to_owned()])
         .collect();
@@ -192,7 +197,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     bar.set_style(ProgressStyle::with_template("  Scenes [{bar:30}] {pos}/{len} {msg} {eta} left")?);
     bar.inc((table.rows.len() - ran_now) as u64);
     let mut failed_now = 0;
-    pool::run(&job, &table, pending, jobs, |scene, answer| {
+    pool::run(&job, &converted, pending, jobs, |scene, answer| {
         failed_now += usize::from(answer.status != worker::OK);
         results.add(&Row::of(scene, &table.rows[scene], answer, job.record.len() + job.peak.len()))?;
         bar.set_message(format!("{failed_now} failed"));
@@ -219,9 +224,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
 }
 
 /// Checks the settings that would fail for every scene, once and before any is run.
-fn check(job: &Job) -> Result<()> {
-    let worker = Worker::open(&job.folder)?;
-    let description = worker.description();
+fn check(job: &Job, description: &Description) -> Result<()> {
     let inputs = Inputs::read(&job.inputs, description)?;
     Schedule::new(&inputs.times, &inputs.values, inputs.names.len())?;
     for text in implausible(&inputs, description, &job.columns) {

@@ -1,9 +1,10 @@
 //! The CSV files that go into a batch.
 
 use crate::columns::{self, Column};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
 use scene::variables::{self, units};
+use scene_file::quantity;
 use std::path::Path;
 
 /// A design: one row per scene, cells as texts.
@@ -37,6 +38,48 @@ impl Table {
             bail!("{} has no row below its header", path.display());
         }
         Ok(Self { columns, rows })
+    }
+
+    /// The same with the units of headers (`punch.width [mm]`) and of cells (`40 mm`) converted to those of the FMU, and
+    /// headers that are names alone. A cell that is no number of its unit stays, so that it fails its own scene only.
+    ///
+    /// # Errors
+    /// A header with a unit that is not one of its variable, with those that are accepted; a column that is there twice then.
+    pub fn in_units_of(&self, description: &Description) -> Result<Self> {
+        let mut converted = self.clone();
+        for (at, header) in self.columns.iter().enumerate() {
+            let (name, symbol) = match header.strip_suffix(']').and_then(|rest| rest.split_once('[')) {
+                // The index of an element is no unit.
+                Some((name, symbol)) if symbol.parse::<u32>().is_err() => (name.trim_end(), Some(symbol.trim())),
+                _ => (header.as_str(), None),
+            };
+            if converted.columns[..at].iter().any(|other| other == name) {
+                bail!("the design's column {header}: {name} stands in another column already");
+            }
+            name.clone_into(&mut converted.columns[at]);
+            let unit = match description.find(name) {
+                Ok(variable) if !variable.unit.is_empty() => column(variable),
+                _ if symbol.is_none() => continue,
+                // A factor, a choice or a number of things has no unit; an unknown name is told as such.
+                _ => Column::optional(name, &units::ONE),
+            };
+            if let Some(symbol) = symbol {
+                quantity::in_si(0.0, symbol, unit.unit, unit.absolute)
+                    .map_err(|wrong| anyhow!("the design's column {header}: {wrong}"))?;
+            }
+            for row in &mut converted.rows {
+                let cell = &row[at];
+                let value = match (symbol, cell.parse()) {
+                    (Some(symbol), Ok(number)) => quantity::in_si(number, symbol, unit.unit, unit.absolute),
+                    (None, Err(_)) => quantity::text(cell, unit.unit, unit.absolute),
+                    _ => continue,
+                };
+                if let Ok(value) = value {
+                    row[at] = value.to_string();
+                }
+            }
+        }
+        Ok(converted)
     }
 }
 
@@ -74,11 +117,11 @@ impl Inputs {
     }
 }
 
-/// The column of an input: with the units of its row in the table of variables.
-fn column(input: &Variable) -> Column {
-    let row = variables::find(&input.name).and_then(variables::lookup).map(|(row, _)| row);
-    let unit = units::UNITS.iter().copied().find(|unit| unit.name == input.unit).unwrap_or(&units::ONE);
-    Column { absolute: row.is_none_or(|row| !row.is_difference()), ..Column::optional(&input.name, unit) }
+/// The column of a variable: with the units of its row in the table of variables.
+fn column(variable: &Variable) -> Column {
+    let row = variables::find(&variable.name).and_then(variables::lookup).map(|(row, _)| row);
+    let unit = units::UNITS.iter().copied().find(|unit| unit.name == variable.unit).unwrap_or(&units::ONE);
+    Column { absolute: row.is_none_or(|row| !row.is_difference()), ..Column::optional(&variable.name, unit) }
 }
 
 #[cfg(test)]
@@ -118,6 +161,27 @@ mod tests {
         assert_eq!((inputs.start(), inputs.stop()), (0.0, 2.5));
         assert_eq!(inputs.names, ["normal_load", "sliding_velocity"]);
         assert_eq!(inputs.values, [1.0, 10.0, 3000.0, 20.0]);
+    }
+
+    #[test]
+    fn units_of_a_design_are_those_of_scene_files() {
+        let path = file("in_units", "punch.width [mm], normal_load.factor, level\n40, 1, 2\nwide, 2, 3 mm\n");
+        let table = Table::read(&path).unwrap().in_units_of(&description()).unwrap();
+        assert_eq!(table.columns, ["punch.width", "normal_load.factor", "level"]);
+        // What is no number fails its scene, and says so there.
+        assert_eq!(table.rows, [["0.04", "1", "2"], ["wide", "2", "3 mm"]]);
+        let path = file("in_cells", "punch.width\n40 mm\n0.05\n40 kN\n");
+        let table = Table::read(&path).unwrap().in_units_of(&description()).unwrap();
+        assert_eq!(table.rows, [["0.04"], ["0.05"], ["40 kN"]]);
+        for (name, text, wanted) in [
+            ("wrong", "punch.width [kN]\n1\n", "column punch.width [kN]: \"kN\" is the wrong unit; accepted are m, mm"),
+            ("factor", "normal_load.factor [kN]\n1\n", "accepted are 1, %"),
+            ("same", "punch.width,punch.width [mm]\n1,1\n", "punch.width stands in another column already"),
+        ] {
+            let table = Table::read(&file(name, text)).unwrap();
+            let told = format!("{:#}", table.in_units_of(&description()).unwrap_err());
+            assert!(told.contains(wanted), "{told}");
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ use std::io::Read;
 use std::path::Path;
 
 const CLOSED: f64 = 2.0;
+const LINE: f64 = 1.0;
 const ANNULAR: f64 = 2.0;
 const PERIODIC: f64 = 3.0;
 
@@ -46,13 +47,14 @@ pub fn check_fmu(example: Example, file: &Path) -> Result<()> {
 fn check(example: Example, name: &str, start: &dyn Fn(&str) -> Option<f64>) -> Result<()> {
     let of = |variable: &str| start(variable).with_context(|| format!("{name} has no start value of {variable}"));
     let (geometry, radius) = (of("contact.geometry")?, of("contact.mean_radius")?);
+    let faces = of("contact.faces")?;
     let closed = of("strip.path")? == CLOSED;
     let covered = covered(&of)?;
     let (fits, wanted) = match example {
         Example::DiscBrake | Example::VehicleBrake => (
-            closed && geometry != PERIODIC && radius > 0.0 && covered <= PADS,
+            closed && geometry != PERIODIC && radius > 0.0 && covered <= PADS && faces == 2.0,
             "pads on the disc of a car's brake: strip.path = closed, contact.geometry = line or annular, \
-             contact.mean_radius above 0 m, at most half of the disc covered",
+             contact.mean_radius above 0 m, contact.faces = 2, at most half of the disc covered",
         ),
         Example::Clutch => (
             closed && geometry == ANNULAR && radius > 0.0 && covered > PADS,
@@ -62,6 +64,10 @@ fn check(example: Example, name: &str, start: &dyn Fn(&str) -> Option<f64>) -> R
         Example::ReciprocatingPunch => (
             !closed && of("nominal.stroke")? > 0.0,
             "a reciprocating punch: strip.path = straight, nominal.stroke above 0 m",
+        ),
+        Example::PinOnDisk => (
+            closed && geometry == LINE && radius > 0.0 && covered <= PADS && faces == 1.0,
+            "a pin on a turning disk: strip.path = closed, contact.geometry = line, contact.mean_radius above 0 m, contact.faces = 1",
         ),
         Example::HotSpots => {
             (closed && geometry == PERIODIC, "a ring on a ring: strip.path = closed, contact.geometry = periodic")
@@ -73,7 +79,7 @@ fn check(example: Example, name: &str, start: &dyn Fn(&str) -> Option<f64>) -> R
     let word = |number: f64, words: &[&'static str]| words.get(number as usize - 1).copied().unwrap_or("unknown");
     bail!(
         "the scene {name} does not fit {}, which drives {wanted}; the scene has strip.path = {}, contact.geometry = {}, \
-         contact.mean_radius = {radius} m, nominal.stroke = {} m, and covers {covered:.3} of its path",
+         contact.mean_radius = {radius} m, contact.faces = {faces}, nominal.stroke = {} m, and covers {covered:.3} of its path",
         example.folder(),
         word(of("strip.path")?, &["straight", "closed"]),
         word(geometry, &["line", "annular", "periodic"]),

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
-use scene::variables::{COUNT, Causality, Kind, TABLE, find, units::KELVIN};
+use scene::variables::{COUNT, find};
 use scene_file::SceneFile;
 use serde_json::{Value, json};
 use verification::applications::Application;
@@ -128,18 +128,7 @@ pub fn execute(request: &Request) -> Result<()> {
 
 /// The scene with the inputs of the file; what the file does not have keeps its start value.
 fn drive(name: &str, starts: &[f64; COUNT], path: &Path) -> Result<Application> {
-    let accepted: Vec<Column> = TABLE
-        .iter()
-        .filter(|row| row.causality == Causality::Input)
-        .filter_map(|row| match row.kind {
-            Kind::Real { unit, .. } => {
-                let absolute = !(row.is_difference() && std::ptr::eq(unit, &KELVIN));
-                Some(Column { unit_required: true, absolute, ..Column::optional(row.name, unit) })
-            }
-            _ => None,
-        })
-        .collect();
-    let table = columns::read(path, &accepted)?;
+    let table = columns::read(path, &Column::inputs())?;
     if table.times.len() < 2 {
         bail!("{} has one row; a drive needs at least two", path.display());
     }

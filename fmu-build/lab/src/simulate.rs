@@ -1,0 +1,169 @@
+//! `cargo fmu simulate`: a scene driven by given inputs, to a table, files and a figure, beside measurements.
+
+mod figure;
+mod measured;
+mod progress;
+mod quantity;
+mod run;
+mod summary;
+mod trajectory;
+mod write;
+
+use crate::output::{self, print_line, print_text};
+use crate::scenes;
+use anyhow::{Context, Result, anyhow, bail};
+use scene::Scene;
+use scene::variables::units::SECOND;
+use scene_file::quantity::text;
+use std::fs;
+use std::path::{Path, PathBuf};
+use summary::Summary;
+use trajectory::Trajectory;
+
+/// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
+///
+/// Drives the component that the FMU contains. Without --inputs: nominal load and velocity for the nominal duration, over the
+/// nominal stroke where the scene has one.
+#[derive(clap::Args, Debug)]
+pub struct Arguments {
+    /// Scene file, or name of a folder in `examples`.
+    scene: String,
+    /// Inputs over time (CSV): time [s], sliding_velocity [km/h], normal_load [kN], or any input by its name and a unit.
+    ///
+    /// Linear between the rows, each of which is a communication point. An input without a column keeps the scene's start value.
+    #[arg(short, long, value_name = "FILE.csv")]
+    inputs: Option<PathBuf>,
+    /// Give a variable of the scene another value, as punch.width="40 mm"; may be repeated.
+    #[arg(short, long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Longest communication step in seconds, or with its unit as "20 ms".
+    ///
+    /// By default about a thousandth of the time of the inputs, without inputs that of the scene. The interval between two rows is
+    /// divided into equal steps.
+    #[arg(long, value_name = "TIME", value_parser = step, allow_negative_numbers = true)]
+    step: Option<f64>,
+    /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv.
+    #[arg(short, long, value_name = "FILE.csv")]
+    output: Option<PathBuf>,
+    /// Draw inputs, outputs, energy balance and, for a contact line, pressure, temperature and worn shape over the contact, as
+    /// SVG, PDF or PNG by the file's ending.
+    #[arg(short, long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Measured record (CSV), drawn over the curves of the same names: time [s], contact_temperature [degC], or any input or
+    /// output by its name and a unit.
+    #[arg(short, long, value_name = "FILE.csv")]
+    measured: Option<PathBuf>,
+    /// Times of the profiles over the contact, as 0,10,"2 min"; by default start, middle and end.
+    #[arg(long, value_name = "TIMES", value_delimiter = ',', value_parser = time, allow_negative_numbers = true)]
+    at: Vec<f64>,
+    /// Print JSON instead of a table: every variable's range and end, deviations, profiles.
+    #[arg(long)]
+    json: bool,
+}
+
+/// A time as an argument, s.
+///
+/// # Errors
+/// With the units that are accepted.
+fn time(given: &str) -> Result<f64, String> {
+    text(given, &SECOND, true)
+}
+
+/// A communication step as an argument, s.
+///
+/// # Errors
+/// As [`time`]; a step that is not above 0.
+fn step(given: &str) -> Result<f64, String> {
+    match time(given)? {
+        step if step > 0.0 => Ok(step),
+        step => Err(format!("{step} s must be above 0 s")),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Everything wrong with the arguments, the scene and the files, by file, line, variable and value; a step that fails; a file
+/// that cannot be written.
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    output::check_ending(arguments.output.as_deref(), "csv")?;
+    if let Some(plot) = &arguments.plot {
+        figure::format(plot)?;
+    }
+    let written = [("--output", &arguments.output), ("--plot", &arguments.plot)];
+    for (option, path) in written {
+        write::check_folder(option, path.as_deref())?;
+        refuse_to_replace(option, path.as_deref(), arguments)?;
+    }
+    let mut file = scenes::load(Some(&arguments.scene))?;
+    for assignment in &arguments.set {
+        scenes::assign(&mut file, assignment)?;
+    }
+    let packaged = &file.packaged;
+    let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))
+        .map_err(|broken| anyhow!("the scene {}: {broken}", packaged.name))?;
+    let trajectory = match &arguments.inputs {
+        Some(path) => Trajectory::of_file(path, &packaged.starts, arguments.step)?,
+        None => Trajectory::nominal(&file, &scene, arguments.step)?,
+    };
+    let record = arguments.measured.as_deref().map(measured::read).transpose()?;
+    let recording = run::run(&file, &trajectory, &arguments.at)?;
+    let mut files = Vec::new();
+    if let Some(path) = arguments.output.as_deref().filter(|_| !recording.times.is_empty()) {
+        write::courses(path, &recording)?;
+        files.push(path.display().to_string());
+        if !recording.profiles.is_empty() {
+            let profiles = write::beside(path);
+            write::profiles(&profiles, &recording)?;
+            files.push(profiles.display().to_string());
+        }
+    }
+    if let Some(reason) = &recording.failure {
+        let kept = files.first().map_or(String::new(), |file| format!("; the rows before it are in {file}"));
+        bail!("the scene {}: {reason}{kept}", packaged.name);
+    }
+    let deviations = match &record {
+        Some(record) => measured::compare(record, &recording)?,
+        None => Vec::new(),
+    };
+    if let Some(path) = &arguments.plot {
+        let residual = run::energy_residual(&recording);
+        let title =
+            format!("{}, level {}; energy balance closes to {}", packaged.name, recording.level, power(residual));
+        figure::Figure::new(title, &recording, &deviations).write(path)?;
+        files.push(path.display().to_string());
+    }
+    let summary = Summary {
+        scene: &packaged.name,
+        inputs: &trajectory.description,
+        recording: &recording,
+        measured: &deviations,
+        files: &files,
+    };
+    if arguments.json {
+        print_line!("{:#}", summary.record());
+    } else {
+        print_text!("{}", summary.table());
+    }
+    Ok(())
+}
+
+/// A small number in the mathematical text of matplotlib: `2e-15` as 2 times a power of ten.
+fn power(number: f64) -> String {
+    match format!("{number:.0e}").split_once('e') {
+        Some((digit, exponent)) if number != 0.0 => format!("${digit}\\times 10^{{{exponent}}}$"),
+        _ => "0".into(),
+    }
+}
+
+/// Refuses to write over a file that is read.
+fn refuse_to_replace(option: &str, path: Option<&Path>, arguments: &Arguments) -> Result<()> {
+    let Some((path, own)) = path.and_then(|path| Some((path, fs::canonicalize(path).ok()?))) else { return Ok(()) };
+    let scene = scenes::locate(&arguments.scene).ok();
+    for read in [&arguments.inputs, &arguments.measured, &scene].into_iter().flatten() {
+        if fs::canonicalize(read).with_context(|| format!("reading {}", read.display()))? == own {
+            bail!("{option} {} would replace a file that is read", path.display());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! Drives the component along a trajectory and records every input and output.
+
+use super::progress::Progress;
+use super::trajectory::{Trajectory, unit_of};
+use anyhow::{Result, anyhow, bail};
+use model::levels::ModelOperators;
+use scene::variables::{Causality, TABLE, ValueReference, find};
+use scene::{Geometry, STATIONS};
+use scene_file::SceneFile;
+use sliding_contact::component::{Component, Subject};
+use std::sync::Arc;
+use std::time::Instant;
+use verification::applications::trial::largest;
+
+/// A recorded variable.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Channel {
+    pub name: &'static str,
+    /// SI unit; `1` of a number.
+    pub unit: &'static str,
+    pub reference: ValueReference,
+    /// Values at the communication points.
+    pub values: Vec<f64>,
+}
+
+/// Distributions over the contact at a time, at the stations.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Profiles {
+    /// s
+    pub time: f64,
+    /// Position along the contact line, m.
+    pub x: [f64; STATIONS],
+    /// Pa
+    pub pressure: [f64; STATIONS],
+    /// K
+    pub temperature: [f64; STATIONS],
+    /// Worn depths of punch and strip, m.
+    pub worn: [[f64; STATIONS]; 2],
+}
+
+/// A run, complete or up to its failure.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Recording {
+    pub times: Vec<f64>,
+    pub channels: Vec<Channel>,
+    pub profiles: Vec<Profiles>,
+    /// Level at which the scene ran.
+    pub level: String,
+    /// Whether the contact line lies along the radius.
+    pub radial: bool,
+    /// Time and text of the warnings.
+    pub warnings: Vec<(f64, String)>,
+    /// Accepted and rejected internal steps.
+    pub internal_steps: (u64, u64),
+    /// Wall-clock time of initialisation and of the steps, s.
+    pub seconds: [f64; 2],
+    /// The reason why the run ended early.
+    pub failure: Option<String>,
+}
+
+impl Recording {
+    /// The recorded variable of this name.
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// Values of an output.
+    ///
+    /// # Panics
+    /// Where there is none of that name.
+    pub fn values(&self, name: &str) -> &[f64] {
+        &self.channel(name).unwrap_or_else(|| panic!("no output {name}")).values
+    }
+
+    fn record(&mut self, time: f64, component: &mut Component) -> Result<(), String> {
+        // Nothing of a point is recorded unless all of it can be.
+        for channel in &self.channels {
+            let value = component.get(channel.reference);
+            if !value.is_finite() {
+                return Err(format!("at {time:?} s {} = {value} is not a finite number", channel.name));
+            }
+        }
+        self.channels.iter_mut().for_each(|channel| channel.values.push(component.get(channel.reference)));
+        self.times.push(time);
+        Ok(())
+    }
+
+    fn take_warnings(&mut self, time: f64, component: &mut Component) {
+        if component.has_messages() {
+            let warnings = component.messages().filter(|message| message.subject == Subject::Warning);
+            self.warnings.extend(warnings.map(|message| (time, message.text.clone())));
+        }
+    }
+}
+
+/// Every input and output of the variable table.
+fn channels() -> Vec<Channel> {
+    let rows = TABLE.iter().filter(|row| matches!(row.causality, Causality::Input | Causality::Output));
+    let channel =
+        |name| find(name).map(|reference| Channel { name, unit: unit_of(reference), reference, values: Vec::new() });
+    rows.filter_map(|row| channel(row.name)).collect()
+}
+
+fn profiles(time: f64, component: &mut Component) -> Profiles {
+    let mut at = |name: &str| {
+        let first = find(&format!("{name}[1]")).unwrap_or_default();
+        std::array::from_fn(|station| component.get(first + station as ValueReference))
+    };
+    Profiles {
+        time,
+        x: at("profile.x"),
+        pressure: at("profile.pressure"),
+        temperature: at("profile.temperature"),
+        worn: [at("profile.wear_punch"), at("profile.wear_strip")],
+    }
+}
+
+/// Runs the scene along the trajectory, with profiles at the times `at`; where it has none, at start, middle and end of a contact
+/// line.
+///
+/// # Errors
+/// A scene that is refused; times `at` outside of the trajectory or for a level without profiles; too many points. A step that
+/// fails ends the recording.
+pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64]) -> Result<Recording> {
+    let points = trajectory.points(at)?;
+    let begin = Instant::now();
+    let packaged = &file.packaged;
+    let mut component = Component::new(Arc::new(packaged.starts)).declaring(packaged.experiment.tolerance);
+    for (input, values) in &trajectory.inputs {
+        component.set_input(*input, values[0]);
+    }
+    component.enter_initialization();
+    component.initialise(None).map_err(|text| anyhow!("the scene {}{}: {text}", packaged.name, trajectory.place(1)))?;
+    let operators = component.operators();
+    let (level, has_profiles) = operators.as_ref().map_or((String::new(), false), level);
+    if !has_profiles && !at.is_empty() {
+        bail!(
+            "--at: the scene {} runs at the level {level}, whose pressure is uniform; profiles need the contact line, as with \
+             --set solver.fidelity=line",
+            packaged.name
+        );
+    }
+    let wanted = match at {
+        [] => [0.0, 0.5, 1.0].map(|part| points[((points.len() - 1) as f64 * part).round() as usize]).to_vec(),
+        at => at.to_vec(),
+    };
+    let mut recording = Recording {
+        times: Vec::new(),
+        channels: channels(),
+        profiles: Vec::new(),
+        level,
+        radial: operators.is_some_and(|operators| operators.scene().geometry == Geometry::Annular),
+        warnings: Vec::new(),
+        internal_steps: (0, 0),
+        seconds: [begin.elapsed().as_secs_f64(), 0.0],
+        failure: None,
+    };
+    let begin = Instant::now();
+    let mut progress = Progress::new(points[0], points[points.len() - 1]);
+    for (count, &time) in points.iter().enumerate() {
+        let stepped = match count {
+            0 => Ok(()),
+            _ => step(&mut component, trajectory, points[count - 1], time),
+        };
+        recording.take_warnings(time, &mut component);
+        if let Err(reason) = stepped.and_then(|()| recording.record(time, &mut component)) {
+            recording.failure = Some(reason);
+            break;
+        }
+        if has_profiles && wanted.contains(&time) {
+            recording.profiles.push(profiles(time, &mut component));
+        }
+        progress.reached(time);
+    }
+    progress.finish();
+    recording.internal_steps = component.work();
+    recording.seconds[1] = begin.elapsed().as_secs_f64();
+    Ok(recording)
+}
+
+/// A communication step with the inputs linear.
+fn step(component: &mut Component, trajectory: &Trajectory, from: f64, to: f64) -> Result<(), String> {
+    let interval = trajectory.interval(from);
+    let step = to - from;
+    for (input, values) in &trajectory.inputs {
+        let (before, after) = (trajectory.at(values, interval, from), trajectory.at(values, interval, to));
+        component.set_input(*input, before);
+        if after != before {
+            component.set_input_derivative(*input, (after - before) / step);
+        }
+    }
+    component
+        .step(step)
+        .map_err(|text| format!("the step from {from:?} s to {to:?} s failed{}: {text}", trajectory.place(interval)))
+}
+
+/// Name of the level, and whether it has profiles over the contact.
+fn level(operators: &ModelOperators) -> (String, bool) {
+    match operators {
+        ModelOperators::Lumped(_) => ("lumped".into(), false),
+        ModelOperators::Line(line) => {
+            let heat = if line.heat.is_some() { "resolved heat" } else { "lumped heat" };
+            (format!("line, {} cells, {heat}", line.count()), true)
+        }
+    }
+}
+
+/// Largest magnitude of the energy balance's residual over the dissipated energy at the end, from the outputs alone.
+pub fn energy_residual(recording: &Recording) -> f64 {
+    let energy =
+        ["dissipated_energy", "stored_heat", "heat_lost_ambient", "heat_lost_punch_top", "heat_lost_strip_base"]
+            .map(|name| recording.values(name));
+    let rows = 0..recording.times.len();
+    let residuals = rows.clone().map(|row| energy[0][row] - energy[1..].iter().map(|part| part[row]).sum::<f64>());
+    let moved = largest(rows.flat_map(|row| energy.iter().map(move |part| part[row])));
+    if moved == 0.0 { 0.0 } else { largest(residuals) / moved }
+}

@@ -1,0 +1,262 @@
+//! Inputs over time: of a file, or nominal ones; and the communication points.
+
+use crate::columns::{self, Column};
+use anyhow::{Result, bail};
+use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
+use scene::{Scene, value};
+use scene_file::SceneFile;
+use sliding_contact::component::LARGEST_INPUT;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+/// Communication steps into which the whole time is divided at least, where no step is given.
+const LEAST_STEPS: f64 = 1000.0;
+
+/// Communication steps in a cycle of a reciprocating scene at least.
+const STEPS_IN_CYCLE: f64 = 60.0;
+
+/// Communication points at most: all of them are held in memory.
+const MOST_POINTS: f64 = 2e6;
+
+/// Relative excess of an interval over the longest step that is rounding of its times.
+const SAME: f64 = 1e-6;
+
+/// Inputs at given times, linear between them.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Trajectory {
+    /// What they are, for the table.
+    pub description: String,
+    /// The file with the line of every time; `None`: nominal inputs.
+    pub file: Option<(PathBuf, Vec<u64>)>,
+    /// Times, strictly increasing, s.
+    pub times: Vec<f64>,
+    /// Values of an input at the times.
+    pub inputs: Vec<(ValueReference, Vec<f64>)>,
+    /// Longest communication step, s.
+    pub step: f64,
+}
+
+impl Trajectory {
+    /// The inputs of a file; an input without a column keeps the scene's start value.
+    ///
+    /// # Errors
+    /// As [`columns::read`]; a single row; no velocity; no load where the scene's own is 0.
+    pub fn of_file(path: &Path, starts: &[f64; COUNT], step: Option<f64>) -> Result<Self> {
+        let table = columns::read(path, &Column::inputs())?;
+        let file = path.display();
+        if table.times.len() < 2 {
+            bail!("{file} has one row; a time interval needs at least two");
+        }
+        let has = |name: &str| table.names.iter().any(|own| own == name);
+        if !has("sliding_velocity") && !has("angular_velocity") {
+            bail!(
+                "{file} has neither a column sliding_velocity [m/s] nor angular_velocity [rad/s]; found are time, {}",
+                table.names.join(", ")
+            );
+        }
+        let load = value!(starts, "normal_load");
+        if !has("normal_load") && load == 0.0 {
+            bail!("{file} has no column normal_load [N], and the scene's own start value is {load} N");
+        }
+        let mut inputs = Vec::new();
+        for name in &table.names {
+            let (Some(input), Some(values)) = (find(name), table.column(name)) else { continue };
+            let values: Vec<f64> = values.collect();
+            if let Some(row) = values.iter().position(|value| value.abs() > LARGEST_INPUT) {
+                let unit = unit_of(input);
+                bail!(
+                    "{file}, line {}: {name} = {} {unit} is beyond {LARGEST_INPUT:e} {unit}",
+                    table.lines[row],
+                    values[row]
+                );
+            }
+            inputs.push((input, values));
+        }
+        let (first, last) = (table.times[0], table.times[table.times.len() - 1]);
+        Ok(Self {
+            description: format!("{file}, {} rows", table.times.len()),
+            step: step.unwrap_or_else(|| round((last - first) / LEAST_STEPS)),
+            file: Some((path.to_owned(), table.lines)),
+            times: table.times,
+            inputs,
+        })
+    }
+
+    /// Nominal load and velocity for the nominal duration; of a reciprocating scene the cosine whose mean speed is the nominal
+    /// one, over the nominal stroke.
+    ///
+    /// # Errors
+    /// A duration that is no time; a cycle too short for the duration.
+    pub fn nominal(file: &SceneFile, scene: &Scene, step: Option<f64>) -> Result<Self> {
+        let (load, velocity, duration) = (scene.nominal_load, scene.nominal_velocity, scene.nominal_duration);
+        if duration <= 0.0 {
+            bail!(
+                "nominal.duration = {duration} s is the time that is simulated without --inputs; it must be above 0 s"
+            );
+        }
+        let of_load = (reference("normal_load"), load);
+        let steady = (reference("angular_velocity"), 0.0);
+        let own = file.packaged.experiment.step;
+        if scene.nominal_stroke == 0.0 || velocity == 0.0 {
+            return Ok(Self {
+                description: format!("nominal: {load} N and {velocity} m/s for {duration} s"),
+                file: None,
+                times: vec![0.0, duration],
+                inputs: [of_load, steady, (reference("sliding_velocity"), velocity)]
+                    .map(|(input, value)| (input, vec![value; 2]))
+                    .to_vec(),
+                step: step.unwrap_or(own.min(duration)),
+            });
+        }
+        let period = 2.0 * scene.nominal_stroke / velocity;
+        let step = step.unwrap_or(own).min(period / STEPS_IN_CYCLE);
+        let count = (duration / step).ceil();
+        if count > MOST_POINTS {
+            bail!(
+                "{:.0} cycles of {period} s in nominal.duration = {duration} s need {count:.0} communication steps, and at most \
+                 {MOST_POINTS:e} are kept; set a shorter nominal.duration, or jump over cycles with `cargo fmu cycles`",
+                duration / period
+            );
+        }
+        let times: Vec<f64> = (0..=count as usize).map(|point| duration * point as f64 / count).collect();
+        let speeds = times.iter().map(|time| 0.5 * PI * velocity * (2.0 * PI * time / period).cos()).collect();
+        let held = |value: f64| vec![value; times.len()];
+        let inputs = vec![(of_load.0, held(load)), (steady.0, held(0.0)), (reference("sliding_velocity"), speeds)];
+        let description = format!(
+            "nominal: {load} N, strokes of {} m at {velocity} m/s in the mean for {duration} s",
+            scene.nominal_stroke
+        );
+        Ok(Self { description, file: None, times, inputs, step })
+    }
+
+    /// First and last time, s.
+    pub fn span(&self) -> (f64, f64) {
+        (self.times[0], self.times[self.times.len() - 1])
+    }
+
+    /// Communication points: all times, those of `also`, and enough between them that no step is longer than
+    /// [`Trajectory::step`].
+    ///
+    /// # Errors
+    /// A time outside of the trajectory, or too many points.
+    pub fn points(&self, also: &[f64]) -> Result<Vec<f64>> {
+        let (first, last) = self.span();
+        if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {
+            bail!("--at {outside:?} s is outside of the simulated time, {first:?} s to {last:?} s");
+        }
+        let mut knots = [self.times.as_slice(), also].concat();
+        knots.sort_unstable_by(f64::total_cmp);
+        knots.dedup();
+        // Rounding of the times is no further step.
+        let parts = |pair: &[f64]| ((pair[1] - pair[0]) / self.step * (1.0 - SAME)).ceil().max(1.0);
+        let count: f64 = knots.windows(2).map(parts).sum();
+        if count > MOST_POINTS {
+            bail!(
+                "{:?} s in steps of at most {:?} s are {count:.3e} communication steps; at most {MOST_POINTS:e} are kept",
+                last - first,
+                self.step
+            );
+        }
+        let mut points = vec![first];
+        for pair in knots.windows(2) {
+            let parts = parts(pair);
+            points.extend((1..parts as usize).map(|part| pair[0] + (pair[1] - pair[0]) * part as f64 / parts));
+            points.push(pair[1]);
+        }
+        Ok(points)
+    }
+
+    /// Number of times up to `time`, at least 1: the interval after the last of them.
+    pub fn interval(&self, time: f64) -> usize {
+        self.times.partition_point(|own| *own <= time).clamp(1, self.times.len() - 1)
+    }
+
+    /// Value of the input with these `values` at `time` in an interval of [`Trajectory::interval`].
+    pub fn at(&self, values: &[f64], interval: usize, time: f64) -> f64 {
+        let (from, to) = (self.times[interval - 1], self.times[interval]);
+        if time == to {
+            return values[interval];
+        }
+        values[interval - 1] + (values[interval] - values[interval - 1]) * ((time - from) / (to - from))
+    }
+
+    /// Place of an interval in the file, for messages; empty for nominal inputs.
+    pub fn place(&self, interval: usize) -> String {
+        match &self.file {
+            Some((path, lines)) => {
+                format!(" ({}, lines {} and {})", path.display(), lines[interval - 1], lines[interval])
+            }
+            None => String::new(),
+        }
+    }
+}
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `step`, so that the communication points are round numbers.
+fn round(step: f64) -> f64 {
+    let power = 10.0_f64.powf(step.log10().floor());
+    [5.0, 2.0].into_iter().map(|digit| digit * power).find(|rounded| *rounded <= step).unwrap_or(power)
+}
+
+/// Unit of a variable; `1` of one without.
+pub fn unit_of(variable: ValueReference) -> &'static str {
+    match lookup(variable).map(|(row, _)| row.kind) {
+        Some(Kind::Real { unit, .. }) => unit.name,
+        _ => "1",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ramp(step: f64) -> Trajectory {
+        let inputs = vec![(0, vec![0.0, 4.0, 4.0])];
+        Trajectory { description: String::new(), file: None, times: vec![1.0, 3.0, 3.5], inputs, step }
+    }
+
+    #[test]
+    fn rows_and_wanted_times_are_communication_points_and_steps_between_them_are_equal() {
+        assert_eq!(ramp(0.5).points(&[]).unwrap(), [1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
+        assert_eq!(ramp(10.0).points(&[1.0, 1.25]).unwrap(), [1.0, 1.25, 3.0, 3.5]);
+        for (also, wanted) in [(0.5, "1.0 s to 3.5 s"), (4.0, "--at 4.0 s")] {
+            let told = ramp(1.0).points(&[also]).unwrap_err().to_string();
+            assert!(told.contains(wanted), "{told}");
+        }
+        let told = ramp(1e-9).points(&[]).unwrap_err().to_string();
+        assert!(told.contains("2.500e9 communication steps"), "{told}");
+    }
+
+    #[test]
+    fn default_steps_are_round() {
+        for (step, rounded) in [(0.006, 0.005), (1.37, 1.0), (0.02, 0.02), (4.99e-6, 2e-6)] {
+            assert!((round(step) / rounded - 1.0).abs() < 1e-12, "{step}: {}", round(step));
+        }
+    }
+
+    #[test]
+    fn inputs_are_linear_between_rows_and_exact_at_them() {
+        let ramp = ramp(1.0);
+        let at = |time: f64| ramp.at(&ramp.inputs[0].1, ramp.interval(time), time);
+        assert_eq!([at(1.0), at(1.5), at(3.0), at(3.25), at(3.5)], [0.0, 1.0, 4.0, 4.0, 4.0]);
+    }
+
+    #[test]
+    fn nominal_strokes_are_the_nominal_distance_long() {
+        let file = crate::scenes::load(Some("reciprocating_punch")).unwrap();
+        let mut scene = Scene::new(&file.packaged.starts, None).unwrap();
+        scene.nominal_duration = 0.25 * 2.0 * scene.nominal_stroke / scene.nominal_velocity;
+        let quarter = Trajectory::nominal(&file, &scene, None).unwrap();
+        let speeds = &quarter.inputs[2].1;
+        let distance: f64 = (1..speeds.len())
+            .map(|end| 0.5 * (speeds[end] + speeds[end - 1]) * (quarter.times[end] - quarter.times[end - 1]))
+            .sum();
+        assert!((distance / (0.5 * scene.nominal_stroke) - 1.0).abs() < 1e-3, "{distance}");
+        // A difference of large times is not exactly the step: no interval is divided for its rounding.
+        scene.nominal_duration = 754.0;
+        let whole = Trajectory::nominal(&file, &scene, None).unwrap();
+        assert_eq!(whole.points(&[]).unwrap(), whole.times);
+        scene.nominal_duration = 1e9;
+        let told = Trajectory::nominal(&file, &scene, None).unwrap_err().to_string();
+        assert!(told.contains("cargo fmu cycles"), "{told}");
+    }
+}

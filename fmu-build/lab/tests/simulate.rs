@@ -1,0 +1,320 @@
+//! `cargo fmu simulate` as a user starts it: results, round trips, and what every wrong input is refused with.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+/// A folder of its own for every test, removed at its end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("simulate-{}-{name}", std::process::id()));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+
+    fn file(&self, name: &str, text: &str) -> &Self {
+        fs::write(self.0.join(name), text).unwrap();
+        self
+    }
+
+    /// Runs the command in the folder: whether it succeeds, its output and what it tells.
+    fn run(&self, arguments: &[&str]) -> (bool, String, String) {
+        let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_fmu-lab"))
+            .arg("simulate")
+            .args(arguments)
+            .current_dir(&self.0)
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        (status.success(), String::from_utf8(stdout).unwrap(), String::from_utf8(stderr).unwrap())
+    }
+
+    fn json(&self, arguments: &[&str]) -> Value {
+        let (success, text, told) = self.run(&[arguments, &["--json"]].concat());
+        assert!(success, "{arguments:?}: {told}");
+        serde_json::from_str(&text).unwrap()
+    }
+
+    fn refusal(&self, arguments: &[&str]) -> String {
+        let (success, text, told) = self.run(arguments);
+        assert!(!success && text.is_empty(), "{arguments:?} was accepted: {text}");
+        told
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// Columns of a CSV file.
+fn columns(path: &Path) -> Vec<(String, Vec<f64>)> {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<String> = lines.next().unwrap().split(',').map(str::to_owned).collect();
+    let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    names.into_iter().enumerate().map(|(at, name)| (name, rows.iter().map(|row| row[at]).collect())).collect()
+}
+
+const STOP: &str = "time [s],sliding_velocity [km/h],normal_load [kN]\n0,36,0\n0.5,36,4\n2,0,4\n2.5,0,0\n";
+const LINE: [&str; 4] = ["--set", "solver.fidelity=line", "--set", "solver.cells=9"];
+
+#[test]
+fn inputs_are_driven_as_they_stand_and_energy_and_distance_follow() {
+    let folder = Folder::new("stop");
+    folder.file("in.csv", STOP);
+    let result = folder.json(&["disc_brake", "-i", "in.csv", "-o", "out.csv", "--step", "20 ms"]);
+    assert_eq!(result["communication_steps"], 125);
+    let end = |name: &str| result["variables"][name]["end"].as_f64().unwrap();
+    // 10 m/s for 0.5 s, then down to 0 within 1.5 s.
+    assert!((end("sliding_distance") - 12.5).abs() < 1e-9);
+    // Two faces: mu F v = 2 x 0.4 x 4 kN x v, the load ramped over the first half second; below the fade of friction.
+    let heat = 2.0 * 0.4 * 4e3 * (0.5 * 10.0 * 0.5 + 0.5 * 10.0 * 1.5);
+    assert!((end("dissipated_energy") / heat - 1.0).abs() < 1e-3, "{} {heat}", end("dissipated_energy"));
+    assert!(result["energy_residual"].as_f64().unwrap() < 1e-12);
+    let written = columns(&folder.0.join("out.csv"));
+    let of = |name: &str| &written.iter().find(|(own, _)| own == name).unwrap().1;
+    assert_eq!(of("time [s]").len(), 126);
+    let row = of("time [s]").iter().position(|time| (time - 1.1).abs() < 1e-9).unwrap();
+    assert!((of("sliding_velocity [m/s]")[row] - 6.0).abs() < 1e-9);
+    assert_eq!(of("normal_load [N]")[row], 4000.0);
+    let wear = of("wear_depth [m]").last().copied().unwrap();
+    assert!(wear > 1e-8 && (wear / end("wear_depth") - 1.0).abs() < 1e-14, "{wear} {}", end("wear_depth"));
+}
+
+#[test]
+fn without_inputs_the_scene_runs_at_its_nominal_values() {
+    let folder = Folder::new("nominal");
+    let result = folder.json(&["pin_on_disk", "--set", "solver.fidelity=lumped", "--set", "nominal.load=20 N"]);
+    let end = |name: &str| result["variables"][name]["end"].as_f64().unwrap();
+    assert_eq!((end("normal_load"), end("sliding_velocity"), result["stop"].as_f64()), (20.0, 0.1, Some(1e4)));
+    // k F s of the interlaboratory test at twice its load.
+    assert!((end("wear_volume_punch") / (2.0 * 198e-12) - 1.0).abs() < 1e-9, "{}", end("wear_volume_punch"));
+    let set = ["--set", "nominal.duration=0.7 s", "--set", "solver.fidelity=lumped"];
+    let strokes = folder.json(&[&["reciprocating_punch"], &set[..]].concat());
+    let least = strokes["variables"]["sliding_velocity"]["minimum"].as_f64().unwrap();
+    assert!((least / -15e-3 - 1.0).abs() < 1e-2, "{least}");
+}
+
+#[test]
+fn a_run_does_not_deviate_from_its_own_record_and_an_offset_is_told() {
+    let folder = Folder::new("measured");
+    folder.file("in.csv", STOP);
+    let run = ["disc_brake", "-i", "in.csv"];
+    assert!(folder.run(&[&run[..], &["-o", "own.csv"]].concat()).0);
+    let result = folder.json(&[&run[..], &["-m", "own.csv"]].concat());
+    let measured = result["measured"].as_array().unwrap();
+    assert!(measured.len() > 40, "{}", measured.len());
+    for own in measured {
+        // The inputs pass through their slopes, which is rounding.
+        assert!(own["largest"].as_f64().unwrap().abs() <= 1e-12 * own["range"].as_f64().unwrap().max(1.0), "{own}");
+    }
+    // 10 K above at every point but one, which is 20 K above; one point outside.
+    let text = fs::read_to_string(folder.0.join("own.csv")).unwrap();
+    let column = text.lines().next().unwrap().split(',').position(|name| name == "contact_temperature [K]").unwrap();
+    let mut record = String::from("contact_temperature [°C],time [ms]\n");
+    for (at, line) in text.lines().skip(1).step_by(100).enumerate() {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let offset = if at == 3 { 20.0 } else { 10.0 };
+        record += &format!("{},{}\n", cells[column] - 273.15 + offset, 1e3 * cells[0]);
+    }
+    record += "50,2600\n";
+    folder.file("record.csv", &record);
+    let result = folder.json(&[&run[..], &["-m", "record.csv"]].concat());
+    let own = &result["measured"][0];
+    let number = |key: &str| own[key].as_f64().unwrap();
+    let count = number("points");
+    assert_eq!((number("points_outside"), own["unit"].as_str()), (1.0, Some("K")));
+    assert!((number("largest") + 20.0).abs() < 1e-9);
+    assert!((number("root_mean_square") - (100.0 + 300.0 / count).sqrt()).abs() < 1e-9, "{own}");
+    assert!((number("largest_over_range") * number("range") + 20.0).abs() < 1e-9);
+    let (_, table, _) = folder.run(&[&run[..], &["-m", "record.csv"]].concat());
+    assert!(table.contains("deviation of contact_temperature") && table.contains("largest -20.000 K"), "{table}");
+    assert!(table.contains("1 outside of the simulated time"), "{table}");
+}
+
+#[test]
+fn a_contact_line_has_profiles_at_the_chosen_times() {
+    let folder = Folder::new("profiles");
+    folder.file("in.csv", STOP);
+    let run = [&["disc_brake", "-i", "in.csv", "-o", "out.csv", "--at", "0.333,1 s"], &LINE[..]].concat();
+    let result = folder.json(&run);
+    let profiles = result["profiles"].as_array().unwrap();
+    let times: Vec<f64> = profiles.iter().map(|own| own["time"].as_f64().unwrap()).collect();
+    assert_eq!(times, [0.333, 1.0]);
+    for own in profiles {
+        let list =
+            |key: &str| -> Vec<f64> { own[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+        let (x, pressure) = (list("x"), list("pressure"));
+        // The trapezoid sum over the stations is the load of one pad: 4 kN, at 0.333 s the ramp's part of it.
+        let force: f64 =
+            (1..33).map(|k| 0.5 * (pressure[k] + pressure[k - 1]) * (x[k] - x[k - 1])).sum::<f64>() * 0.055;
+        let load = if times[0] == own["time"].as_f64().unwrap() { 4e3 * 0.666 } else { 4e3 };
+        assert!((force / load - 1.0).abs() < 1e-6, "{force} {load}");
+    }
+    assert_eq!(columns(&folder.0.join("out.profiles.csv"))[0].1.len(), 66);
+    let usual = folder.json(&[&["disc_brake", "-i", "in.csv"], &LINE[..]].concat());
+    let times: Vec<f64> =
+        usual["profiles"].as_array().unwrap().iter().map(|own| own["time"].as_f64().unwrap()).collect();
+    assert_eq!(times, [0.0, 1.25, 2.5]);
+    let told = folder.refusal(&["disc_brake", "--at", "1"]);
+    assert!(told.contains("level lumped") && told.contains("solver.fidelity=line"), "{told}");
+}
+
+#[test]
+fn units_of_brakes_and_tribometers_are_the_same_run() {
+    let folder = Folder::new("units");
+    folder.file("si.csv", "time [s],angular_velocity [rad/s],normal_load [N],ambient_temperature_offset [K]\n0,31.41592653589793,2e3,0\n120,31.41592653589793,2e3,5\n");
+    folder.file(
+        "shop.csv",
+        "time [min],angular_velocity [rpm],normal_load_kN,ambient_temperature_offset [K]\n0,300,2,0\n2,300,2,5\n",
+    );
+    let end = |inputs: &str| {
+        folder.json(&["disc_brake", "-i", inputs])["variables"]["contact_temperature"]["end"].as_f64().unwrap()
+    };
+    // The turns are converted, which is rounding.
+    assert!((end("si.csv") - end("shop.csv")).abs() < 1e-9);
+}
+
+/// Name of a refused file, its text, and parts of what is told.
+type WrongFile = (&'static str, &'static str, &'static [&'static str]);
+
+#[test]
+fn a_wrong_file_of_inputs_is_refused_by_line_and_column_with_what_is_accepted() {
+    let folder = Folder::new("wrong");
+    let files: &[WrongFile] = &[
+        ("empty.csv", "", &["is empty", "time [s]"]),
+        ("header.csv", "time [s],sliding_velocity [m/s],normal_load [N]\n", &["no row below its header"]),
+        ("one.csv", "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n", &["one row", "at least two"]),
+        (
+            "untimed.csv",
+            "sliding_velocity [m/s],normal_load [N]\n1,1\n",
+            &["line 1", "no column time", "[s or min or h or ms]"],
+        ),
+        (
+            "back.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,1,1\n1,1,1\n",
+            &["line 4, column 1", "must increase", "1 s"],
+        ),
+        (
+            "unknown.csv",
+            "time [s],sliding_velocity [m/s],pressure [Pa]\n0,1,1\n",
+            &["line 1, column 3", "\"pressure [Pa]\"", "normal_load [N or kN or mN]"],
+        ),
+        ("output.csv", "time [s],sliding_velocity [m/s],wear_depth [m]\n0,1,1\n", &["column 3", "\"wear_depth [m]\""]),
+        (
+            "unit.csv",
+            "time [s],sliding_velocity [mph],normal_load [N]\n0,1,1\n",
+            &["column 2", "\"mph\"", "m/s, km/h, mm/s"],
+        ),
+        (
+            "rpm.csv",
+            "time [s],sliding_velocity [rpm],normal_load [N]\n0,1,1\n",
+            &["column 2", "\"rpm\"", "m/s, km/h, mm/s"],
+        ),
+        (
+            "bare.csv",
+            "time [s],sliding_velocity,normal_load [N]\n0,1,1\n",
+            &["does not say its unit", "sliding_velocity [m/s"],
+        ),
+        (
+            "text.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,fast,1\n",
+            &["line 3, column 2", "\"fast\" is no number"],
+        ),
+        (
+            "missing.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,,1\n",
+            &["line 3, column 2", "\"\" is no number"],
+        ),
+        (
+            "nan.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,NaN,1\n",
+            &["line 3, column 2", "NaN is not a finite number"],
+        ),
+        (
+            "huge.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N]\n0,1,1\n1,1,1e13\n",
+            &["line 3", "normal_load = 10000000000000 N is beyond 1e12 N"],
+        ),
+        (
+            "cold.csv",
+            "time [s],sliding_velocity [m/s],normal_load [N],ambient_temperature_offset [K]\n0,1,1,0\n1,1,1,0\n2,1,1,-400\n",
+            &["lines 3 and 4", "ambient_temperature_offset = ", "above 0 K"],
+        ),
+        ("unmoved.csv", "time [s],normal_load [N]\n0,1\n1,1\n", &["neither a column sliding_velocity", "normal_load"]),
+        ("unloaded.csv", "time [s],sliding_velocity [m/s]\n0,1\n1,1\n", &["no column normal_load [N]", "0 N"]),
+        (
+            "twice.csv",
+            "time [s],sliding_velocity [m/s],sliding_velocity [km/h]\n0,1,1\n",
+            &["column 3", "stands in column 2 already"],
+        ),
+        ("ragged.csv", "time [s],sliding_velocity [m/s],normal_load [N]\n0,1\n", &["line: 2", "2 fields"]),
+        ("semicolons.csv", "time [s];sliding_velocity [m/s];normal_load [N]\n0;1;1\n", &["separated by commas", "';'"]),
+    ];
+    for (name, text, parts) in files {
+        folder.file(name, text);
+        let told = folder.refusal(&["disc_brake", "--inputs", name]);
+        assert!(told.contains(name) && parts.iter().all(|part| told.contains(part)), "{name}: {told}\n{parts:?}");
+    }
+    let told = folder.refusal(&["disc_brake", "--inputs", "none.csv"]);
+    assert!(told.contains("reading none.csv") && told.contains("No such file"), "{told}");
+}
+
+#[test]
+fn a_wrong_argument_is_refused_with_what_is_accepted() {
+    let folder = Folder::new("arguments");
+    folder.file("in.csv", STOP).file("later.csv", "time [s],wear_depth [um]\n10,1\n").file("time.csv", "time [s]\n0\n");
+    folder.file("near.csv", "time [s],wear_dept [um]\n0,1\n").file("scene.toml", "name = \"own\"\npunch.widht = 1\n");
+    let cases: &[(&[&str], &[&str])] = &[
+        (&["disc_break"], &["no scene \"disc_break\"", "disc_brake"]),
+        (&["none.toml"], &["none.toml cannot be read", "No such file"]),
+        (&["scene.toml"], &["scene.toml", "line 2", "punch.widht", "did you mean punch.width?"]),
+        (&[], &["SCENE"]),
+        (&["disc_brake", "--set", "punch.widht=1"], &["punch.widht", "did you mean punch.width?"]),
+        (&["disc_brake", "--set", "punch.width"], &["KEY=VALUE"]),
+        (&["disc_brake", "--set", "punch.width=-3 mm"], &["punch.width", "-3 mm", "from 0.001 mm to 10000 mm"]),
+        (&["disc_brake", "--set", "punch.width=3 kN"], &["punch.width", "\"kN\"", "accepted are m, mm"]),
+        (&["disc_brake", "--set", "solver.fidelity=fine"], &["solver.fidelity", "\"fine\"", "lumped"]),
+        (&["disc_brake", "--set", "wear_depth=1"], &["wear_depth", "calculated by the FMU"]),
+        (&["disc_brake", "--set", "nominal.duration=0"], &["nominal.duration", "0"]),
+        (&["disc_brake", "--step", "0"], &["--step", "above 0 s"]),
+        (&["disc_brake", "--step", "-1"], &["--step", "-1 s must be above 0 s"]),
+        (&["disc_brake", "-i", "in.csv", "--at", "-1"], &["--at -1.0 s", "0.0 s to 2.5 s"]),
+        (&["disc_brake", "--step", "nan"], &["--step", "finite"]),
+        (&["disc_brake", "--step", "1 km"], &["--step", "accepted are s, min, h, ms"]),
+        (&["disc_brake", "--step", "1 ns"], &["--step"]),
+        (&["disc_brake", "--step", "1e-9"], &["9.300e10 communication steps", "2e6"]),
+        (&["disc_brake", "-i", "in.csv", "--at", "3"], &["--at 3.0 s", "0.0 s to 2.5 s"]),
+        (&["disc_brake", "-i", "in.csv", "--at", "soon"], &["--at", "soon"]),
+        (&["disc_brake", "-o", "out.parquet"], &[".csv is written, not .parquet"]),
+        (&["disc_brake", "-o", "none/out.csv"], &["--output none/out.csv", "no folder none"]),
+        (&["disc_brake", "-o", "."], &["is a folder"]),
+        (&["disc_brake", "-i", "in.csv", "-o", "in.csv"], &["in.csv would replace a file that is read"]),
+        (&["disc_brake", "--plot", "out.jpg"], &[".svg, .pdf, .png are drawn, not .jpg"]),
+        (&["disc_brake", "-i", "in.csv", "-m", "later.csv"], &["later.csv", "10 s", "0 s to 2.5 s"]),
+        (&["disc_brake", "-i", "in.csv", "-m", "time.csv"], &["time.csv", "time only", "wear_depth [um]"]),
+        (&["disc_brake", "-i", "in.csv", "-m", "near.csv"], &["near.csv", "column 2", "did you mean wear_depth?"]),
+        (&["disc_brake", "-i", "in.csv", "-m", "none.csv"], &["reading none.csv"]),
+    ];
+    for (arguments, parts) in cases {
+        let told = folder.refusal(arguments);
+        assert!(parts.iter().all(|part| told.contains(part)), "{arguments:?}: {told}\n{parts:?}");
+    }
+}
+
+#[test]
+fn a_step_that_fails_leaves_the_rows_before_it() {
+    let folder = Folder::new("failing");
+    let text = "time [s],sliding_velocity [m/s],normal_load [N],ambient_temperature_offset [K]\n0,1,1,0\n1,1,1,0\n2,1,1,-400\n";
+    folder.file("in.csv", text);
+    let told = folder.refusal(&["disc_brake", "-i", "in.csv", "-o", "out.csv"]);
+    assert!(told.contains("the rows before it are in out.csv") && told.contains("in.csv, lines 3 and 4"), "{told}");
+    let times = columns(&folder.0.join("out.csv"))[0].1.clone();
+    assert!(times.len() > 800 && times.last().is_some_and(|last| (1.5..2.0).contains(last)), "{:?}", times.last());
+}
