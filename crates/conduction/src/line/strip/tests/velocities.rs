@@ -2,7 +2,7 @@
 
 use super::{march, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
-use crate::line::{Stage, SurfaceInfluence, ThermalBody};
+use crate::line::{Stage, ThermalBody};
 use crate::slab::Base;
 use elasticity::Cells;
 
