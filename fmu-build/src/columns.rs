@@ -6,6 +6,8 @@
 use anyhow::{Context, Result, anyhow, bail};
 use scene::variables::units::{SECOND, Unit};
 use scene_file::quantity;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Name of the column that every file must have.
@@ -96,12 +98,16 @@ impl Table {
 /// is not accepted or stands twice, or it has a unit that does not fit, a cell that is no finite number, or a time that does not
 /// increase.
 pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
+    parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path, accepted)
+}
+
+/// Reads the content of a file; `path` names it in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(content: impl Read, path: &Path, accepted: &[Column]) -> Result<Table> {
     let file = path.display();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(path)
-        .with_context(|| format!("reading {file}"))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
     let headers = reader.headers().with_context(|| format!("reading {file}"))?.clone();
     let line = headers.position().map_or(1, csv::Position::line);
     let time = Column { required: true, ..Column::optional(TIME, &SECOND) };

@@ -7,6 +7,8 @@ mod tables;
 pub mod worker;
 
 pub use example::library as host_library;
+pub use tables::{Inputs, Table};
+pub use worker::points;
 
 use crate::output::{self, print_line};
 use crate::project;
@@ -17,7 +19,6 @@ use results::{Results, Row};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use tables::{Inputs, Table};
 
 /// Ending of a column that multiplies an input's column of the schedule.
 const FACTOR: &str = ".factor";

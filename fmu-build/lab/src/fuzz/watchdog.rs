@@ -1,0 +1,47 @@
+//! Time limit of a call, and the place where a call that never returns is told from.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What is running: function and since when.
+static RUNNING: Mutex<Option<(&'static str, Instant)>> = Mutex::new(None);
+/// Whether every call is printed.
+static TRACED: AtomicBool = AtomicBool::new(false);
+/// How often the running call is looked at.
+const PERIOD: Duration = Duration::from_millis(200);
+
+/// Notes that `function` begins, and that the one before it has ended.
+pub fn enter(function: &'static str) {
+    if let Ok(mut running) = RUNNING.lock() {
+        *running = Some((function, Instant::now()));
+    }
+    if TRACED.load(Ordering::Relaxed) {
+        eprintln!("  {function}");
+    }
+}
+
+/// The function that runs, or ran last.
+pub fn last() -> &'static str {
+    RUNNING.lock().ok().and_then(|running| *running).map_or("", |(function, _)| function)
+}
+
+/// Prints every call from here on.
+pub fn trace() {
+    TRACED.store(true, Ordering::Relaxed);
+}
+
+/// Watches from a thread of its own; `overdue` is called with the function that has run for longer than `limit`.
+pub fn start(limit: Duration, overdue: impl Fn(&'static str) + Send + 'static) {
+    std::thread::spawn(move || {
+        loop {
+            std::thread::sleep(PERIOD);
+            let running = RUNNING.lock().ok().and_then(|running| *running);
+            if let Some((function, since)) = running
+                && since.elapsed() > limit
+            {
+                overdue(function);
+            }
+        }
+    });
+}
