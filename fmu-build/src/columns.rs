@@ -230,6 +230,11 @@ mod tests {
             ("word", "time,speed_m_per_s\n0,1\n1,fast\n", "line 3, column 2 (speed_m_per_s): \"fast\" is no number"),
             ("empty", "time,speed_m_per_s\n0,\n", "line 2, column 2 (speed_m_per_s): \"\" is no number"),
             ("infinite", "time,speed_m_per_s\n0,nan\n", "\"nan\": NaN is not a finite number"),
+            (
+                "beyond",
+                "time,speed_m_per_s,normal_load [kN]\n0,1,1e306\n",
+                "\"1e306\": 1e306 kN is no finite number in the SI unit",
+            ),
             ("back", "time,speed_m_per_s\n0,1\n1,1\n1,1\n", "line 4, column 1 (time): \"1\": the time must increase"),
             ("none", "time,speed_m_per_s\n", "has no row"),
             ("ragged", "time,speed_m_per_s\n0,1\n1\n", "line: 3"),

@@ -244,10 +244,8 @@ fn check(job: &Job) -> Result<()> {
     let (step, every) = (job.step.value()?, job.every.value()?);
     let span = Span { start: inputs.start(), stop: inputs.stop(), step };
     span.steps().context("the last time of the inputs is the stop time")?;
-    if !(every.is_finite() && every > 0.0) {
-        bail!("--every {every} must be positive");
-    }
-    span.indices(&worker::points(span, every)).context("--every must be a multiple of --step")?;
+    let points = worker::points(span, every)?;
+    span.indices(&points).context("--every must be a multiple of --step")?;
     Ok(())
 }
 

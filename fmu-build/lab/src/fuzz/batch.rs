@@ -53,7 +53,8 @@ fn change(text: &mut String, random: &mut Random) {
         3 => {
             let name = random.pick(TABLE).name;
             let unit = random.pick(&["", " [mm]", "[kN]", " [degC]", "_m_per_s", ".factor", ".factor.factor", "[1]"]);
-            lines[0][column.min(1)] = format!("{name}{unit}");
+            let at = column.min(lines[0].len() - 1);
+            lines[0][at] = format!("{name}{unit}");
         }
         4 => {
             let line = lines[row].clone();
@@ -137,8 +138,13 @@ pub fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: &mut Ki
         return Ok(());
     }
     enter("points");
-    if let Err(failure) = span.indices(&points(span, every)) {
-        kinds.note(&failure.reason);
+    match points(span, every) {
+        Ok(points) => {
+            if let Err(failure) = span.indices(&points) {
+                kinds.note(&failure.reason);
+            }
+        }
+        Err(error) => kinds.note(&format!("{error:#}")),
     }
     Ok(())
 }

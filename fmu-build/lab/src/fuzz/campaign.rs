@@ -21,6 +21,8 @@ const MOST_LOST: usize = 50;
 #[derive(Default)]
 struct Report {
     executions: u64,
+    /// Calls of functions, where the process told their number.
+    calls: u64,
     found: BTreeMap<String, usize>,
     lost: usize,
 }
@@ -56,9 +58,10 @@ pub fn run(arguments: &Arguments, targets: &[Target]) -> Result<()> {
         }
         let seconds = begin.elapsed().as_secs_f64();
         print_line!(
-            "{}: {} executions in {seconds:.1} s ({:.0} per second), {} found, seeds from {}",
+            "{}: {} executions of {} calls in {seconds:.1} s ({:.0} executions per second), {} found, seeds from {}",
             target.name(),
             report.executions,
+            report.calls,
             report.executions as f64 / seconds,
             report.found.values().sum::<usize>(),
             arguments.from
@@ -107,7 +110,10 @@ fn process(
                     report.add(target, seed, text);
                 }
                 ("novel", Some(seed)) => print_line!("novel: {} {seed}: {text}", target.name()),
-                ("end", Some(_)) => ended = true,
+                ("end", Some(_)) => {
+                    ended = true;
+                    report.calls += text.parse::<u64>().unwrap_or(0);
+                }
                 _ => print_line!("{line}"),
             }
         }
@@ -160,7 +166,7 @@ pub fn serve(arguments: &Arguments, target: Target, file: &Path) -> Result<()> {
         }
         seed += 1;
     }
-    print_line!("end {seed}");
+    print_line!("end {seed} {}", watchdog::calls());
     // Nothing is left to be done, and instances of the thread need not be freed.
     std::process::exit(0);
 }

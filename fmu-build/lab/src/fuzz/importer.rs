@@ -6,11 +6,12 @@ use std::ffi::CString;
 use std::ptr;
 
 use scene::slot;
-use scene::variables::{COUNT, ValueReference};
+use scene::variables::{COUNT, ValueReference, reference};
 use sliding_contact::fmi2::exports::*;
 use sliding_contact::fmi2::types::{self, CallbackFunctions, ComponentEnvironment, FmuState, Logger, Status};
 
-use super::watchdog::enter;
+use super::invariants::name_of;
+use super::watchdog::{enter, tell};
 
 /// Messages: status and text.
 pub type Log = Vec<(Status, String)>;
@@ -34,6 +35,7 @@ unsafe extern "C" fn note(
     // SAFETY: the environment is an importer's log, the text ends with a zero.
     unsafe {
         let text = CStr::from_ptr(text).to_string_lossy().into_owned();
+        tell(|| format!("{status:?}: {text}"));
         (*environment.cast::<RefCell<Log>>()).borrow_mut().push((status, text));
     }
 }
@@ -134,6 +136,7 @@ impl Importer {
     /// `fmi2DoStep`
     pub fn step(&self, from: f64, step: f64) -> Status {
         enter("fmi2DoStep");
+        tell(|| format!("{step:e} s from {from:e} s"));
         // SAFETY: as above.
         unsafe { fmi2DoStep(self.component, from, step, 1) }
     }
@@ -149,6 +152,9 @@ impl Importer {
     /// `fmi2SetReal`; the arrays are as long as each other.
     pub fn set_reals(&self, references: &[ValueReference], values: &[f64]) -> Status {
         enter("fmi2SetReal");
+        for (reference, value) in references.iter().zip(values) {
+            tell(|| format!("{} = {value:e}", name_of(*reference)));
+        }
         let count = references.len().min(values.len());
         // SAFETY: the arrays are as long as told, here and below.
         unsafe { fmi2SetReal(self.component, references.as_ptr(), count, values.as_ptr()) }
@@ -157,6 +163,7 @@ impl Importer {
     /// `fmi2SetInteger`
     pub fn set_integer(&self, reference: ValueReference, value: i32) -> Status {
         enter("fmi2SetInteger");
+        tell(|| format!("{} = {value}", name_of(reference)));
         // SAFETY: as above.
         unsafe { fmi2SetInteger(self.component, &reference, 1, &value) }
     }
@@ -164,6 +171,7 @@ impl Importer {
     /// `fmi2SetBoolean`
     pub fn set_boolean(&self, reference: ValueReference, value: i32) -> Status {
         enter("fmi2SetBoolean");
+        tell(|| format!("{} = {value}", name_of(reference)));
         // SAFETY: as above.
         unsafe { fmi2SetBoolean(self.component, &reference, 1, &value) }
     }
@@ -176,6 +184,14 @@ impl Importer {
         // SAFETY: as above.
         let status = unsafe { fmi2GetReal(self.component, references.as_ptr(), references.len(), values.as_mut_ptr()) };
         if status == Status::Ok { Ok(values) } else { Err(status) }
+    }
+
+    /// `limit_reached`
+    pub fn limits(&self) -> i32 {
+        let mut limits = 0;
+        // SAFETY: as above.
+        let _ = unsafe { fmi2GetInteger(self.component, &reference("limit_reached"), 1, &mut limits) };
+        limits
     }
 
     /// `fmi2GetFMUstate`

@@ -20,8 +20,10 @@ const SCENES: [&[(&str, f64)]; 6] = [
     &[("solver.fidelity", 3.0), ("solver.cells", 5.0), ("holder.constraint", 2.0), ("strip.path", 1.0)],
 ];
 
-/// Whole states: of every phase of every scene that initialises.
-static WHOLE: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| SCENES.iter().flat_map(|scene| states_of(scene)).collect());
+/// Whole states, of every phase of every scene.
+static WHOLE: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| BY_SCENE.concat());
+
+static BY_SCENE: LazyLock<Vec<Vec<Vec<u8>>>> = LazyLock::new(|| SCENES.iter().map(|scene| states_of(scene)).collect());
 
 fn states_of(scene: &[(&str, f64)]) -> Vec<Vec<u8>> {
     let Some(importer) = Importer::new(false) else { return Vec::new() };
@@ -105,10 +107,11 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
 pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
     let mut random = Random::new(seed, 0);
     thread_local! {
-        static IMPORTER: Option<Importer> = Importer::new(false);
+        /// One for every scene, whose operators it keeps.
+        static IMPORTERS: Vec<Option<Importer>> = SCENES.iter().map(|_| Importer::new(false)).collect();
     }
-    let whole = random.pick(&WHOLE);
-    let mut bytes = whole.clone();
+    let which = random.below(SCENES.len());
+    let mut bytes = random.pick(&BY_SCENE[which]).clone();
     for _ in 0..1 + random.below(3) {
         damage(&mut bytes, &mut random);
     }
@@ -117,8 +120,8 @@ pub fn run(seed: u64, kinds: &mut Kinds) -> Verdict {
         forge(&mut bytes);
     }
     let is_whole = WHOLE.contains(&bytes);
-    IMPORTER.with(|importer| {
-        let importer = importer.as_ref().ok_or("fmi2Instantiate gives no instance")?;
+    IMPORTERS.with(|importers| {
+        let importer = importers[which].as_ref().ok_or("fmi2Instantiate gives no instance")?;
         let verdict = read(importer, &bytes, is_forged || is_whole, &mut random);
         for (_, text) in importer.take_log() {
             if text.contains("defect of this FMU") {
@@ -164,7 +167,9 @@ fn use_restored(importer: &Importer, random: &mut Random) -> Verdict {
     for _ in 0..2 {
         if importer.step(importer.time(), length) == Status::Ok {
             let values = importer.get_reals(&OUTPUTS).map_err(|status| format!("fmi2GetReal returns {status:?}"))?;
-            Outputs::new(values).check_finite().map_err(|text| format!("after a step from a forged state: {text}"))?;
+            Outputs::new(values, importer.limits())
+                .check_finite()
+                .map_err(|text| format!("after a step from a forged state: {text}"))?;
         }
     }
     Ok(())

@@ -16,6 +16,11 @@ use crate::fuzz::invariants::{OUTPUTS, Outputs};
 use crate::fuzz::random::Random;
 use crate::fuzz::{Kinds, Verdict};
 
+fn first_difference(one: &[u8], other: &[u8]) -> Option<usize> {
+    let at = one.iter().zip(other).position(|(one, other)| one != other);
+    at.or((one.len() != other.len()).then(|| one.len().min(other.len())))
+}
+
 /// Number of the library's inputs: the first variables.
 pub const INPUTS: usize = model::INPUTS;
 /// States that an instance keeps.
@@ -158,7 +163,7 @@ impl Actor {
     /// All outputs.
     fn outputs(&mut self) -> Result<Outputs, String> {
         let values = self.importer.get_reals(&OUTPUTS).map_err(|status| format!("fmi2GetReal returns {status:?}"))?;
-        let outputs = Outputs::new(values);
+        let outputs = Outputs::new(values, self.importer.limits());
         self.digest = outputs.bits().flat_map(u64::to_le_bytes).fold(self.digest, Fnv::with);
         Ok(outputs)
     }
@@ -244,9 +249,9 @@ impl Actor {
             Status::Ok => self.check_step(length)?,
             Status::Error if careful => {
                 let after = self.importer.bytes();
-                if without_phase(before.clone()) != without_phase(after) {
+                if let Some(at) = first_difference(&without_phase(before.clone()), &without_phase(after)) {
                     return Err(format!(
-                        "a step of {length:e} s that fails changes the state: {:?}",
+                        "a step of {length:e} s that fails changes byte {at} of the state: {:?}",
                         self.importer.take_log()
                     ));
                 }
@@ -265,8 +270,8 @@ impl Actor {
         if let Ok(values) = self.importer.get_reals(&references) {
             self.inputs.copy_from_slice(&values);
         }
-        // A step of length 0 moves nothing and refuses no inputs.
-        if length == 0.0 && !self.has_good_inputs() {
+        // A step of length 0 moves nothing and refuses no inputs: not even temperatures below 0 K.
+        if length == 0.0 {
             self.last = None;
             return Ok(());
         }

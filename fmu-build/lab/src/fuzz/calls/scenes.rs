@@ -90,11 +90,11 @@ pub fn set_up(importer: &Importer, random: &mut Random) -> bool {
 
 /// Chooses the level: the lumped one is the cheapest by far, a plan by `auto` and the field level take the longest.
 fn level(importer: &Importer, random: &mut Random) -> bool {
-    let (fidelity, cells) = match random.below(256) {
+    let (fidelity, cells) = match random.below(2048) {
         0 => (1, 0),
-        1 => (4, 5 + random.below(8)),
-        2..16 => (3, 3 + random.below(10)),
-        16 => (3, [1, 2, 33][random.below(3)]),
+        1 => (4, 5 + random.below(4)),
+        2..64 => (3, 3 + random.below(10)),
+        64..66 => (3, [1, 2, 33][random.below(3)]),
         _ => (2, 0),
     };
     let _ = importer.set_integer(reference("solver.fidelity"), fidelity);
