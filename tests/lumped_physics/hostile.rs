@@ -232,14 +232,23 @@ const CASES: &[Case] = &[
     case(
         "an air speed of 1e12 m/s at initialisation",
         &[("cooling_velocity", 1e12), ("ambient_temperature_offset", 12.0)],
-        Refused("is below 0 K after initialisation"),
+        Finite,
     ),
     Case {
         example: "disc_brake",
         ..case(
             "a velocity of 1e12 m/s at initialisation",
             &[("sliding_velocity", 1e12), ("ambient_temperature_offset", -0.2)],
-            Refused("is below 0 K after initialisation"),
+            Finite,
+        )
+    },
+    Case {
+        inputs: &[("sliding_velocity", 1e4), ("normal_load", 250.0), ("cooling_velocity", 1e12)],
+        step: 1e-9,
+        ..case(
+            "an air speed of 1e12 m/s at a radiating base",
+            &[("strip.base_thermal", 2.0), ("strip.emissivity", 0.55), ("strip.convection_forced", 8.0)],
+            FiniteOrRefused,
         )
     },
     Case {

@@ -124,7 +124,6 @@ pub fn check(design: &str, schedule: &str, step: f64, every: f64, kinds: &mut Ki
     for row in table.iter().flat_map(|table| &table.rows) {
         for (column, cell) in table.iter().flat_map(|table| &table.columns).zip(row) {
             match description.find_as(column, Causality::Parameter).and_then(|variable| variable.parse(cell)) {
-                Ok(value) if value.is_nan() => return Err(format!("{column} = {cell:?} is read as NaN")),
                 Ok(_) => {}
                 Err(failure) if failure.reason.is_empty() => return Err("a failure without a reason".into()),
                 Err(failure) => kinds.note(&failure.reason),
