@@ -9,7 +9,7 @@ use fmu_build::project;
 use super::{Arguments, Kinds, Target, keep_panics, run, scenes, watchdog};
 use crate::output::print_line;
 
-/// Executes all of them in this process.
+/// Executes all of them in this process, under the watchdog.
 ///
 /// # Errors
 /// Where something is found, or a line is wrong.
@@ -20,6 +20,19 @@ pub fn replay(arguments: &Arguments) -> Result<()> {
         eprintln!("error: {function} takes longer than {limit} s");
         std::process::exit(1);
     });
+    let (count, found) = run_all(&arguments.target, &mut Kinds::default())?;
+    if !found.is_empty() {
+        bail!("{}", found.join("\n"));
+    }
+    print_line!("{count} executions, nothing found");
+    Ok(())
+}
+
+/// Executes those of some targets, or all: their number, and what was found.
+///
+/// # Errors
+/// Where a line is wrong.
+pub fn run_all(targets: &[Target], kinds: &mut Kinds) -> Result<(usize, Vec<String>)> {
     let folder = project::root().join("tests").join("fuzz");
     let file = folder.join("corpus.txt");
     let text = std::fs::read_to_string(&file).with_context(|| format!("reading {}", file.display()))?;
@@ -35,24 +48,19 @@ pub fn replay(arguments: &Arguments) -> Result<()> {
         };
         let place = format!("{}, line {}: {entry}", file.display(), at + 1);
         let target = Target::from_str(name, false).map_err(|wrong| anyhow::anyhow!("{place}: {wrong}"))?;
-        if !arguments.target.is_empty() && !arguments.target.contains(&target) {
+        if !targets.is_empty() && !targets.contains(&target) {
             continue;
         }
-        let mut kinds = Kinds::default();
         let verdict = match (what.parse(), target) {
-            (Ok(seed), _) => run(target, seed, &mut kinds),
+            (Ok(seed), _) => run(target, seed, kinds),
             (Err(_), Target::Scenes) => {
                 let text = std::fs::read_to_string(folder.join(what)).with_context(|| place.clone())?;
-                scenes::check(&text, &mut kinds)
+                scenes::check(&text, kinds)
             }
             _ => bail!("{place}: {what:?} is no seed"),
         };
         count += 1;
         found.extend(verdict.err().map(|text| format!("{place}: {text}")));
     }
-    if !found.is_empty() {
-        bail!("{}", found.join("\n"));
-    }
-    print_line!("{count} executions, nothing found");
-    Ok(())
+    Ok((count, found))
 }

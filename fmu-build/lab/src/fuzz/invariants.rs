@@ -141,3 +141,42 @@ impl Outputs {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Outputs that hold, with one changed.
+    fn with(name: &str, value: f64) -> Outputs {
+        let mut outputs = Outputs::new(vec![0.0; OUTPUTS.len()], 0);
+        let changed = OUTPUTS.iter().position(|&reference| name_of(reference) == name);
+        outputs.values[changed.unwrap()] = value;
+        outputs
+    }
+
+    #[test]
+    fn each_invariant_is_judged() {
+        let before = with("wear_volume_punch", 1e-9);
+        assert_eq!(with("wear_volume_punch", 1e-9).check(Some(&before)), Ok(()));
+        for (name, value, told) in [
+            ("wear_depth", f64::NAN, "wear_depth = NaN"),
+            ("profile.wear_strip[33]", f64::INFINITY, "profile.wear_strip[33] = inf"),
+            ("pressure_max", -1e-3, "pressure_max = -1e-3 is negative"),
+            ("profile.pressure[7]", -1e-3, "profile.pressure[7] = -1e-3 is negative"),
+            ("contact_fraction", 1.1, "contact_fraction = 1.1 is above 1"),
+            ("contact_temperature", 1.0, "is below contact_temperature = 1"),
+            ("punch.mean_temperature", -1.0, "punch.mean_temperature = -1 K is below 0 K"),
+            ("estimated_error", -1.0, "estimated_error = -1e0 is negative"),
+            ("stored_heat", 1.0, "leave -1e0 J"),
+            ("wear_volume_punch", 0.9e-9, "wear_volume_punch decreases from 1e-9 to 9e-10"),
+        ] {
+            let found = with(name, value).check(Some(&before)).unwrap_err();
+            assert!(found.contains(told), "{found}");
+        }
+        let beyond = Outputs::new(with("punch.mean_temperature", -1.0).values, VALIDITY);
+        assert_eq!(beyond.check(None), Ok(()));
+        let difference = before.difference(&with("wear_volume_punch", 2e-9)).unwrap();
+        assert_eq!(difference, "wear_volume_punch = 1e-9 and 2e-9");
+        assert!(before.difference(&before).is_none());
+    }
+}
