@@ -326,7 +326,8 @@ impl Actor {
 
     fn get(&mut self) -> Result<Status, String> {
         let outputs = self.outputs()?;
-        if self.has_good_inputs() {
+        // Before initialisation outputs keep their last values, which may be those of inputs that were refused.
+        if self.importer.time().is_finite() && self.has_good_inputs() {
             outputs.check_finite().map_err(|text| format!("read at inputs {:?}: {text}", self.inputs))?;
         }
         Ok(Status::Ok)
