@@ -54,7 +54,7 @@ pub fn change(text: &mut String, others: &[String], random: &mut Random) {
     match random.below(6) {
         0 => {
             let at = place(text, random);
-            text.insert_str(at, &random.pick::<&str>(&PIECES));
+            text.insert_str(at, random.pick::<&str>(&PIECES));
         }
         1 => {
             let range = piece(text, 12, random);
@@ -62,7 +62,7 @@ pub fn change(text: &mut String, others: &[String], random: &mut Random) {
         }
         2 => {
             let range = piece(text, 4, random);
-            text.replace_range(range, &random.pick::<&str>(&PIECES));
+            text.replace_range(range, random.pick::<&str>(&PIECES));
         }
         3 => {
             let at = place(text, random);

@@ -326,8 +326,10 @@ impl Actor {
 
     fn get(&mut self) -> Result<Status, String> {
         let outputs = self.outputs()?;
-        // Before initialisation outputs keep their last values, which may be those of inputs that were refused.
-        if self.importer.time().is_finite() && self.has_good_inputs() {
+        // Before initialisation and after an error outputs keep their last values, which may be those of inputs that were
+        // refused: only after a step both of these calls are allowed.
+        let is_stepping = self.importer.time().is_finite() && self.importer.set_reals(&[], &[]) == Status::Ok;
+        if is_stepping && self.has_good_inputs() {
             outputs.check_finite().map_err(|text| format!("read at inputs {:?}: {text}", self.inputs))?;
         }
         Ok(Status::Ok)
