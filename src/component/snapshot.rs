@@ -73,6 +73,9 @@ impl Component {
             }
             check_parameter(index.into(), value).map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
         }
+        if let Some(tolerance) = from.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
+            return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
+        }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {
             // The scene at the end of initialisation: tunable parameters may have changed since.
