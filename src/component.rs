@@ -9,7 +9,7 @@ mod plan_watch;
 mod rates;
 mod snapshot;
 
-pub use inputs::{LARGEST_INPUT, SHORTEST_STEP};
+pub use inputs::{LARGEST_INPUT, LONGEST_STEP, SHORTEST_STEP};
 pub use messages::Messages;
 pub use snapshot::Snapshot;
 
@@ -50,6 +50,9 @@ const FIRST_OUTPUT: usize = reference("wear_depth") as usize;
 const FIRST_PARAMETER: usize = reference("punch.height") as usize;
 const MAIN: [usize; 3] =
     [reference("wear_depth") as usize, reference("contact_temperature") as usize, reference("friction_force") as usize];
+const CONTACT_TEMPERATURE: usize = MAIN[1];
+const PROFILE_OF_TEMPERATURE: core::ops::Range<usize> =
+    reference("profile.temperature") as usize..reference("profile.wear_punch") as usize;
 const _: () = assert!(FIRST_OUTPUT == INPUTS, "the inputs are the first rows of the variable table");
 
 /// Bit for both velocities given in a step, beside those of [`limit`].
@@ -378,15 +381,26 @@ impl Component {
         }
     }
 
-    /// Checks that every output is finite at the end of initialisation.
+    /// Checks at the end of initialisation that every output is finite and the contact above 0 K.
     fn check_outputs(&mut self) -> Result<(), String> {
         self.stale = false;
         for index in FIRST_OUTPUT..FIRST_PARAMETER {
             let value = self.get(index as ValueReference);
+            let name = || lookup(index as ValueReference).map_or_else(String::new, |(row, at)| row.element_name(at));
             if !value.is_finite() {
-                let name = lookup(index as ValueReference).map_or_else(String::new, |(row, at)| row.element_name(at));
                 return Err(format!(
-                    "{name} = {value} after initialisation: the model of these parameters has no finite solution"
+                    "{} = {value} after initialisation: the model of these parameters has no finite solution",
+                    name()
+                ));
+            }
+            if value < 0.0 && (index == CONTACT_TEMPERATURE || PROFILE_OF_TEMPERATURE.contains(&index)) {
+                return Err(format!(
+                    "{} = {value} K is below 0 K after initialisation: sliding_velocity = {} m/s, normal_load = {} N and \
+                     cooling_velocity = {} m/s are outside the model's validity",
+                    name(),
+                    value!(self.values, "sliding_velocity"),
+                    value!(self.values, "normal_load"),
+                    value!(self.values, "cooling_velocity")
                 ));
             }
         }
@@ -406,6 +420,9 @@ impl Component {
         }
         if step < SHORTEST_STEP {
             return Err(format!("the step of {step} s is shorter than {SHORTEST_STEP:e} s and not 0"));
+        }
+        if step > LONGEST_STEP {
+            return Err(format!("the step of {step} s is longer than {LONGEST_STEP:e} s"));
         }
         if self.suspect || self.sloped {
             self.check_inputs(step)?;

@@ -8,6 +8,8 @@ use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE};
 use scene_file::unit_names::canonical;
 use scene_file::{nearest, quantity};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Name of the column that every file must have.
@@ -125,12 +127,16 @@ impl Table {
 /// is not accepted or stands twice, or it has a unit that does not fit, a cell that is no finite number, or a time that does not
 /// increase.
 pub fn read(path: &Path, accepted: &[Column]) -> Result<Table> {
+    parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path, accepted)
+}
+
+/// Reads the content of a file; `path` names it in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(content: impl Read, path: &Path, accepted: &[Column]) -> Result<Table> {
     let file = path.display();
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(path)
-        .with_context(|| format!("reading {file}"))?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
     let headers = reader.headers().with_context(|| format!("reading {file}"))?.clone();
     let line = headers.position().map_or(1, csv::Position::line);
     if headers.is_empty() {
@@ -275,6 +281,11 @@ mod tests {
             ("word", "time,speed_m_per_s\n0,1\n1,fast\n", "line 3, column 2 (speed_m_per_s): \"fast\" is no number"),
             ("empty", "time,speed_m_per_s\n0,\n", "line 2, column 2 (speed_m_per_s): \"\" is no number"),
             ("infinite", "time,speed_m_per_s\n0,nan\n", "\"nan\": NaN is not a finite number"),
+            (
+                "beyond",
+                "time,speed_m_per_s,normal_load [kN]\n0,1,1e306\n",
+                "\"1e306\": 1e306 kN is no finite number in the SI unit",
+            ),
             ("back", "time,speed_m_per_s\n0,1\n1,1\n1,1\n", "line 4, column 1 (time): \"1\": the time must increase"),
             ("none", "time,speed_m_per_s\n", "has no row"),
             ("nothing", "", "is empty; its first line must name the columns"),

@@ -46,6 +46,8 @@ enum Command {
     Plan(Forwarded),
     #[command(about = native::GOLDEN)]
     Golden(Forwarded),
+    #[command(about = native::FUZZ)]
+    Fuzz(Forwarded),
 }
 
 fn main() -> ExitCode {
@@ -69,7 +71,8 @@ fn main() -> ExitCode {
             | Command::Stability(_)
             | Command::Chart(_)
             | Command::Plan(_)
-            | Command::Golden(_) => native::forward(&arguments),
+            | Command::Golden(_)
+            | Command::Fuzz(_) => native::forward(&arguments),
         },
     };
     output::status(result)

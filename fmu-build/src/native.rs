@@ -28,6 +28,7 @@ commands! {
     CHART = "chart", "Chart accuracy against cost: wear depth, contact temperature, friction force and peak pressure of six scenes";
     PLAN = "plan", "Print the level that `solver.fidelity = auto` takes for a scene: effects with their governing numbers, kept or dropped, and the error of each";
     GOLDEN = "golden", "Record what the golden scenes compute, or compare it with the records to the bit";
+    FUZZ = "fuzz", "Call the library, its states, scene files and batch inputs with random values and sequences, and report what breaks";
 }
 
 /// Whether a command of this name is among them.

@@ -13,6 +13,9 @@ use tally::{Counter, Tally};
 /// Scene that the importers and the clock run.
 const BRAKE: &str = "disc_brake";
 
+/// Seconds of random calls, states, scene files and batch inputs; `cargo fmu fuzz` takes longer by command.
+const FUZZED: &str = "60";
+
 /// Most runs of the contact line at 1 kHz until one is within its limits.
 const REAL_TIME_RUNS: usize = 3;
 
@@ -93,7 +96,7 @@ fn fast(tally: &mut Tally) {
         let targets = ["fmi_policy", "sources", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
-    for name in ["integration tests", "packaging", "fmpy tests", "cost of a step", "real time"] {
+    for name in ["integration tests", "fuzzing", "packaging", "fmpy tests", "cost of a step", "real time"] {
         tally.skip(name, "not requested: --fast");
     }
 }
@@ -109,6 +112,13 @@ fn rust_tests(targets: &[&str]) -> Command {
 fn usual(tally: &mut Tally) {
     lints(tally);
     tally.step("Rust tests", |step| step.run(rust_tests(&[]), Counter::CargoTest));
+    tally.step("fuzzing", |step| {
+        let mut command = Command::new(project::program()?);
+        command.current_dir(project::root()).args(["fuzz", "--seconds", FUZZED]);
+        step.check(command)?;
+        step.pass();
+        Ok(())
+    });
     tally.step("packaging", |step| {
         for scene in std::iter::once(None).chain(scenes::names().iter().map(|name| Some(name.as_str()))) {
             package::build(scene, &package::Options::default())?;

@@ -5,7 +5,7 @@ use model::INPUTS;
 use model::levels::{Model, ModelState};
 use model::lumped::state::LumpedState;
 use model::plan::prepared::Prepared;
-use scene::variables::COUNT;
+use scene::variables::{COUNT, Kind, check_parameter, lookup};
 use scene::{Scene, value};
 use std::sync::Arc;
 
@@ -67,6 +67,14 @@ impl Component {
         for &(index, value) in &from.changed {
             let slot = values.get_mut(index as usize).filter(|_| index as usize >= FIRST_PARAMETER);
             *slot.ok_or("a saved parameter is unknown")? = value;
+            let is_real = lookup(index.into()).is_some_and(|(row, _)| matches!(row.kind, Kind::Real { .. }));
+            if !is_real && value.fract() != 0.0 {
+                return Err(format!("the saved state is damaged: the parameter of value reference {index} is {value}"));
+            }
+            check_parameter(index.into(), value).map_err(|refusal| format!("the saved state is damaged: {refusal}"))?;
+        }
+        if let Some(tolerance) = from.tolerance.filter(|tolerance| !(*tolerance > 0.0 && tolerance.is_finite())) {
+            return Err(format!("the saved state is damaged: its tolerance {tolerance} must be a finite number > 0"));
         }
         values[..INPUTS].copy_from_slice(&from.inputs);
         if let Some(state) = &from.state {

@@ -2,7 +2,7 @@
 //! the state unchanged.
 
 use scene::variables::{COUNT, Causality, STARTS, lookup};
-use sliding_contact::component::Component;
+use sliding_contact::component::{Component, Snapshot};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use test_support::{Drive, EXTERNAL, scene};
 
@@ -54,8 +54,12 @@ fn invalid_outputs(component: &mut Component) -> Vec<String> {
     found
 }
 
-fn bits(component: &mut Component) -> Vec<u64> {
-    (0..COUNT as u32).map(|reference| component.get(reference).to_bits()).collect()
+/// Everything that the continuation depends on, as bytes, and every variable.
+fn bits(component: &mut Component) -> (Vec<u8>, Vec<u64>) {
+    let (mut snapshot, mut bytes) = (Snapshot::default(), Vec::new());
+    component.snapshot(&mut snapshot);
+    snapshot.encode(&mut bytes);
+    (bytes, (0..COUNT as u32).map(|reference| component.get(reference).to_bits()).collect())
 }
 
 /// Runs a case; the error describes the deviation from its required outcome.
@@ -218,7 +222,35 @@ const CASES: &[Case] = &[
         inputs: &[("sliding_velocity", 1e12), ("normal_load", 1e12)],
         ..case("velocity and load at the limit on cells", ON_CELLS, FiniteOrRefused)
     },
-    Case { step: 1e300, ..case("a step of 1e300 s", &[], FiniteOrRefused) },
+    Case { step: 1e300, ..case("a step of 1e300 s", &[], Refused("longer than 1e9 s")) },
+    Case {
+        step: 1.1e9,
+        ..case("a step that is too long", &[], Refused("the step of 1100000000 s is longer than 1e9 s"))
+    },
+    Case { step: 1e9, inputs: RESTING, ..case("the longest step", &[], Finite) },
+    Case { step: 1e9, inputs: RESTING, ..case("the longest step on cells", ON_CELLS, Finite) },
+    case(
+        "an air speed of 1e12 m/s at initialisation",
+        &[("cooling_velocity", 1e12), ("ambient_temperature_offset", 12.0)],
+        Finite,
+    ),
+    Case {
+        example: "disc_brake",
+        ..case(
+            "a velocity of 1e12 m/s at initialisation",
+            &[("sliding_velocity", 1e12), ("ambient_temperature_offset", -0.2)],
+            Finite,
+        )
+    },
+    Case {
+        inputs: &[("sliding_velocity", 1e4), ("normal_load", 250.0), ("cooling_velocity", 1e12)],
+        step: 1e-9,
+        ..case(
+            "an air speed of 1e12 m/s at a radiating base",
+            &[("strip.base_thermal", 2.0), ("strip.emissivity", 0.55), ("strip.convection_forced", 8.0)],
+            FiniteOrRefused,
+        )
+    },
     Case {
         example: "disc_brake",
         ..case(
@@ -235,6 +267,8 @@ const CASES: &[Case] = &[
         )
     },
 ];
+
+const RESTING: &[(&str, f64)] = &[("sliding_velocity", 0.0), ("normal_load", 5e3)];
 
 const ON_CELLS: &[(&str, f64)] = &[("solver.fidelity", 3.0), ("solver.cells", 9.0), ("solver.tolerance", 0.01)];
 

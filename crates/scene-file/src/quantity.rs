@@ -29,7 +29,16 @@ pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
         Kind::Real { unit, min, max, .. } => {
             let written = Written::of(value, unit, !row.is_difference())?;
             within(&written, min, max)?;
-            Ok(written.si())
+            let si = written.si();
+            if si != 0.0 && si < row.least_chosen {
+                let least = written.shown(row.least_chosen);
+                return Err(format!(
+                    "{} is below the least value other than 0, {}",
+                    written.show(written.number),
+                    written.show(least)
+                ));
+            }
+            Ok(si)
         }
         Kind::Integer { min, max } => {
             let DeValue::Integer(number) = value else {
@@ -151,6 +160,11 @@ impl Written {
         self.unit.map_or(self.number, |unit| decimal((self.number - unit.offset) / unit.factor))
     }
 
+    /// A number in the unit that was written, as a text.
+    fn show(&self, number: f64) -> String {
+        if self.name.is_empty() { format!("{number}") } else { format!("{number} {}", self.name) }
+    }
+
     fn shown(&self, si: f64) -> f64 {
         self.unit.map_or(si, |unit| decimal(unit.factor * si + unit.offset))
     }
@@ -162,13 +176,14 @@ fn decimal(number: f64) -> f64 {
 }
 
 fn within(written: &Written, min: Option<f64>, max: Option<f64>) -> Result<(), String> {
-    let show = |number: f64| {
-        if written.name.is_empty() { format!("{number}") } else { format!("{number} {}", written.name) }
-    };
+    let show = |number: f64| written.show(number);
     if !written.number.is_finite() {
         return Err(format!("{} is not a finite number", written.number));
     }
     let si = written.si();
+    if !si.is_finite() {
+        return Err(format!("{:e} {} is no finite number in the SI unit", written.number, written.name));
+    }
     if min.is_none_or(|min| si >= min) && max.is_none_or(|max| si <= max) {
         return Ok(());
     }

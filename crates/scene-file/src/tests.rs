@@ -134,6 +134,11 @@ fn every_mistake_is_named_with_its_key_value_and_what_is_accepted() {
         ("punch.width = -1", &["-1 m is outside", "from 0.000001 m to 10 m"]),
         ("ambient_temperature = \"-300 degC\"", &["-300 degC is outside", "from -272.15 degC to 9726.85 degC"]),
         ("normal_load = -5", &["-5 N is outside", "at least 0 N"]),
+        (
+            "solver.tolerance = 1e-12",
+            &["solver.tolerance: 0.000000000001 is below the least value other than 0, 0.0000000001"],
+        ),
+        ("normal_load = \"1e306 kN\"", &["line 2", "normal_load: 1e306 kN is no finite number in the SI unit"]),
         ("depth = inf", &["depth: inf is not a finite number"]),
         ("depth = nan", &["depth: NaN is not a finite number"]),
         ("contact.faces = 0", &["contact.faces: 0 is outside", "from 1 to 1000"]),

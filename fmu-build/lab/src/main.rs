@@ -6,6 +6,7 @@
 mod bench;
 mod chart;
 mod cycles;
+mod fuzz;
 mod golden;
 mod plan;
 mod simulate;
@@ -41,6 +42,7 @@ enum Command {
     Chart(chart::Arguments),
     Plan(plan::Arguments),
     Golden(golden::Arguments),
+    Fuzz(fuzz::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         Command::Chart(arguments) => chart::execute(&arguments),
         Command::Plan(arguments) => plan::execute(&arguments),
         Command::Golden(arguments) => golden::execute(&arguments),
+        Command::Fuzz(arguments) => fuzz::execute(&arguments),
     })
 }
 

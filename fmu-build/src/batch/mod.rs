@@ -7,6 +7,8 @@ mod tables;
 pub mod worker;
 
 pub use example::library as host_library;
+pub use tables::{Inputs, Table};
+pub use worker::points;
 
 use crate::output::{self, print_line};
 use crate::project;
@@ -17,7 +19,6 @@ use results::{Results, Row};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use tables::{Inputs, Table};
 
 /// Ending of a column that multiplies an input's column of the schedule.
 const FACTOR: &str = ".factor";
@@ -246,10 +247,8 @@ fn check(job: &Job, description: &Description) -> Result<()> {
     let (step, every) = (job.step.value()?, job.every.value()?);
     let span = Span { start: inputs.start(), stop: inputs.stop(), step };
     span.steps().context("the last time of the inputs is the stop time")?;
-    if !(every.is_finite() && every > 0.0) {
-        bail!("--every {every} must be positive");
-    }
-    span.indices(&worker::points(span, every)).context("--every must be a multiple of --step")?;
+    let points = worker::points(span, every)?;
+    span.indices(&points).context("--every must be a multiple of --step")?;
     Ok(())
 }
 

@@ -5,6 +5,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use fmu_host::{Causality, Description, Variable};
 use scene::variables::{self, units};
 use scene_file::quantity;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 /// A design: one row per scene, cells as texts.
@@ -22,9 +24,16 @@ impl Table {
     /// # Errors
     /// Where it cannot be read, has no row, a column twice, or a row of another length.
     pub fn read(path: &Path) -> Result<Self> {
+        Self::parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path)
+    }
+
+    /// Reads the content of a file; `path` names it in messages.
+    ///
+    /// # Errors
+    /// As [`Table::read`].
+    pub fn parse(content: impl Read, path: &Path) -> Result<Self> {
         let context = || format!("reading {}", path.display());
-        let mut reader =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_path(path).with_context(context)?;
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(content);
         let columns: Vec<String> = reader.headers().with_context(context)?.iter().map(str::to_owned).collect();
         if let Some((at, twice)) = columns.iter().enumerate().find(|(at, column)| columns[..*at].contains(column)) {
             bail!("{}: column {} is named {twice:?} like another one", path.display(), at + 1);
@@ -100,9 +109,17 @@ impl Inputs {
     /// # Errors
     /// As [`columns::read`].
     pub fn read(path: &Path, description: &Description) -> Result<Self> {
+        Self::parse(File::open(path).with_context(|| format!("reading {}", path.display()))?, path, description)
+    }
+
+    /// Reads the content of a file; `path` names it in messages.
+    ///
+    /// # Errors
+    /// As [`columns::read`].
+    pub fn parse(content: impl Read, path: &Path, description: &Description) -> Result<Self> {
         let inputs = description.variables().iter().filter(|variable| variable.causality == Causality::Input);
         let accepted: Vec<Column> = inputs.map(column).collect();
-        let columns::Table { names, times, values, .. } = columns::read(path, &accepted)?;
+        let columns::Table { names, times, values, .. } = columns::parse(content, path, &accepted)?;
         Ok(Self { names, times, values })
     }
 

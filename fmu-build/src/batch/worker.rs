@@ -3,7 +3,7 @@
 
 use super::tables::Inputs;
 use super::{FACTOR, Job};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use fmu_host::{Causality, Failure, Scene, Schedule, Span, Stage, Worker};
 use std::io::{self, BufRead, ErrorKind, Write, stdin, stdout};
 
@@ -76,14 +76,32 @@ fn say(answer: &Answer) -> Result<()> {
     Ok(out.flush()?)
 }
 
+/// Most communication points that largest values are taken from: their times and values are kept in memory.
+const MOST_POINTS: f64 = 1e7;
+
 /// Communication points that largest values are taken from: every so often, and the last.
-pub fn points(span: Span, every: f64) -> Vec<f64> {
-    let count = ((span.stop - span.start) / every + 1e-9).floor() as usize;
+///
+/// # Errors
+/// Where the interval is not above 0, or makes more than [`MOST_POINTS`].
+pub fn points(span: Span, every: f64) -> Result<Vec<f64>> {
+    if !(every.is_finite() && every > 0.0) {
+        bail!("--every {every} must be positive");
+    }
+    let count = ((span.stop - span.start) / every + 1e-9).floor();
+    if count.is_nan() || count > MOST_POINTS {
+        bail!(
+            "--every {every} s makes {count:e} points from {} s to {} s; {MOST_POINTS:e} are the most (without --every it is the \
+             --step)",
+            span.start,
+            span.stop
+        );
+    }
+    let count = count as usize;
     let mut points: Vec<f64> = (0..=count).map(|at| span.start + at as f64 * every).collect();
     if points[count] < span.stop - 1e-9 * every {
         points.push(span.stop);
     }
-    points
+    Ok(points)
 }
 
 struct Runner<'a> {
@@ -99,7 +117,7 @@ impl<'a> Runner<'a> {
         let worker = Worker::open(&job.folder)?;
         let inputs = Inputs::read(&job.inputs, worker.description())?;
         let span = Span { start: inputs.start(), stop: inputs.stop(), step: job.step.value()? };
-        let points = if job.peak.is_empty() { vec![span.stop] } else { points(span, job.every.value()?) };
+        let points = if job.peak.is_empty() { vec![span.stop] } else { points(span, job.every.value()?)? };
         Ok(Self { job, worker, inputs, span, points })
     }
 
@@ -151,9 +169,19 @@ mod tests {
     #[test]
     fn largest_values_are_taken_to_the_very_end() {
         let span = Span { start: 1.0, stop: 2.0, step: 0.1 };
+        let points = |span, every| points(span, every).unwrap();
         assert_eq!(points(span, 0.5), [1.0, 1.5, 2.0]);
         assert_eq!(points(span, 0.4), [1.0, 1.4, 1.8, 2.0]);
         assert_eq!(points(span, 7.0), [1.0, 2.0]);
         assert_eq!(points(span, 0.1).len(), 11);
+    }
+
+    #[test]
+    fn intervals_that_no_memory_holds_the_points_of_are_refused() {
+        let span = Span { start: 0.0, stop: 1e3, step: 1e-9 };
+        for every in [1e-9, 1e-300, 5e-324, 0.0, -1.0, f64::NAN] {
+            let told = points(span, every).unwrap_err().to_string();
+            assert!(told.starts_with(&format!("--every {every} ")), "{told}");
+        }
     }
 }

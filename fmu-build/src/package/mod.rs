@@ -14,6 +14,8 @@ mod terminals;
 mod toolchain;
 mod xml;
 
+pub use description::write as model_description;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};

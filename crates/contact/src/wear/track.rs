@@ -136,8 +136,11 @@ impl Track {
         (primitive(edge - x0) - primitive(edge - x1)) / travel
     }
 
-    /// Mean worn depth (m) over [from, to] (m) in the strip's coordinate.
+    /// Mean worn depth (m) over [from, to] (m) in the strip's coordinate; of an interval without length the depth there.
     pub fn mean(&self, from: f64, to: f64) -> f64 {
+        if to <= from {
+            return self.at((from / self.cell).floor() as i64);
+        }
         let low = ((from / self.cell).floor() as i64).max(self.first);
         let high = ((to / self.cell).ceil() as i64 - 1).min(self.first + self.count as i64 - 1);
         let mut sum = 0.0;
@@ -206,6 +209,14 @@ mod tests {
         }
         assert!((volume(&track) / total - 1.0).abs() < 1e-12, "{} {total}", volume(&track));
         assert!(!track.revisited());
+    }
+
+    #[test]
+    fn far_beyond_the_resolution_of_positions_the_mean_is_that_of_a_point() {
+        let mut track = Track::new(0.5, 3.0);
+        track.wear(0.0, 1.0, 1e-6);
+        assert_eq!(track.under(5e15), 0.0);
+        assert_eq!(track.mean(0.5, 0.5), track.at((0.5 / track.cell).floor() as i64));
     }
 
     #[test]

@@ -129,12 +129,15 @@ impl Lumped {
         is_too_long: bool,
     ) -> Result<(), StepFailure> {
         let mut backup = None;
+        // Both may change before the state is saved, which it is only once a part of the step is accepted.
+        let (limits, rejected) = (self.state.limits, self.state.rejected);
         let outcome =
             self.pieces(inputs, slopes, step, is_too_long, &mut backup).and_then(|()| self.watch(inputs, slopes, step));
-        if outcome.is_err()
-            && let Some(backup) = backup
-        {
-            self.state = backup;
+        if outcome.is_err() {
+            if let Some(backup) = backup {
+                self.state = backup;
+            }
+            (self.state.limits, self.state.rejected) = (limits, rejected);
         }
         outcome
     }

@@ -151,17 +151,36 @@ fn held_cooling<S: Scalar>(
             + into * faces[face].direct[Port::Contact as usize]
             + S::from(frozen.cooled[face])
     });
-    // The static corrections are small against the resistance of the convection: the fixed-point iteration contracts by their
-    // ratio.
+    // Mostly the static correction is small against the resistance of the convection, and the fixed-point iteration contracts by
+    // their ratio. Where it does not, the flux through both in series keeps the face between the air and its level.
     for _ in 0..5 {
         for face in 0..FACES {
-            if body.air[face].acts() {
+            let air = &body.air[face];
+            if air.acts() {
                 let t = level[face] + raised(faces[face], &flux);
-                flux[face] = cooling_flux(&body.air[face], reference, t, conditions.ambient, conditions.forced);
+                let correction = faces[face].direct[PORTS_OF_FACES[face]];
+                let hottest = t.value().max(conditions.ambient.value());
+                flux[face] =
+                    if correction * cooling_slope(air, reference, hottest, conditions.forced.value()) <= CONTRACTING {
+                        cooling_flux(air, reference, t, conditions.ambient, conditions.forced)
+                    } else {
+                        let without = t - flux[face] * correction;
+                        let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
+                        (conditions.ambient - without) * transfer / (transfer * correction + S::from(1.0))
+                    };
             }
         }
     }
     flux
+}
+
+/// Ratio of static correction and resistance of the convection up to which the fixed-point iteration for the cooling is used.
+const CONTRACTING: f64 = 0.5;
+
+/// Heat transfer coefficient, W/(m2 K), at which convection alone gives [`cooling_flux`]: radiation as (a^2 + b^2)(a + b).
+fn transfer_coefficient<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
+    let [air_side, face] = [ambient, t].map(|rise| (rise + S::from(reference)).positive());
+    forced * air.forced + (air_side * air_side + face * face) * (air_side + face) * (STEFAN_BOLTZMANN * air.emissivity)
 }
 
 /// Direct feedthrough of the cooling fluxes to an observation.

@@ -171,7 +171,9 @@ impl Stepper<'_> {
                 * stages.pressure[1]
                 * operators.per_pressure,
         };
-        if !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far]) {
+        let is_below_zero = stages.temperature.iter().any(|rise| rise + state.reference < 0.0);
+        if is_below_zero || !new.is_finite() || !all_finite(&[stages.moved.deflection, last.punch_far, last.strip_far])
+        {
             return Attempt { error: f64::INFINITY, hottest };
         }
         // Accepted: update the state.
