@@ -4,7 +4,7 @@
 use scene::variables::{COUNT, Causality, STARTS, lookup};
 use sliding_contact::component::{Component, Snapshot};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use test_support::{Drive, EXTERNAL, scene};
+use test_support::{Drive, EXTERNAL, reference, scene};
 
 /// Required outcome of a case.
 #[derive(Clone, Copy)]
@@ -282,4 +282,25 @@ fn every_hostile_case_ends_in_numbers_or_in_an_error_that_says_why() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Wear follows the friction coefficient, which is tunable: more friction than at initialisation wears a body through within a
+/// step that would otherwise have been far from it.
+#[test]
+fn a_step_that_wears_the_punch_through_by_tuned_friction_changes_nothing() {
+    let mut refused = 0;
+    for exponent in 0..60 {
+        let wear = 1e-11 * 10f64.powf(0.1 * f64::from(exponent));
+        let changes = [("punch.wear_coefficient", wear), ("contact.friction_coefficient", 0.1), ("punch.height", 1e-6)];
+        let mut drive = Drive::stock(&changes);
+        drive.0.set_parameter(reference("contact.friction_coefficient"), 0.9);
+        drive.set("sliding_velocity", 10.0).set("normal_load", 5e3).slope("sliding_velocity", 1e-3);
+        let before = bits(&mut drive.0);
+        if let Err(text) = drive.0.step(1e-6) {
+            assert!(text.contains("worn through"), "{wear:e}: {text}");
+            assert!(bits(&mut drive.0) == before, "{wear:e}: {text}");
+            refused += 1;
+        }
+    }
+    assert!((10..50).contains(&refused), "{refused}");
 }

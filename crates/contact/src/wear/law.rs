@@ -72,8 +72,10 @@ impl WearLaw {
         !self.fade.flat || friction_fades
     }
 
-    /// Upper bound of the depth rate (m/s) over all temperatures, at pressure `p` (Pa) and speed `v` (m/s).
-    pub fn highest_rate(&self, p: f64, v: f64) -> f64 {
+    /// Upper bound of the depth rate (m/s) over all temperatures, at pressure `p` (Pa), speed `v` (m/s) and friction coefficient
+    /// `friction` at the reference temperature.
+    pub fn highest_rate(&self, p: f64, v: f64, friction: f64) -> f64 {
+        let p = if self.reference_friction > 0.0 { p * friction / self.reference_friction } else { p };
         if self.pressure_exponent == 1.0 && self.velocity_exponent == 1.0 {
             return self.highest_coefficient * p * v;
         }
