@@ -25,6 +25,8 @@ pub enum Unfactorable {
         /// Its value.
         value: f64,
     },
+    /// The matrix has no entries.
+    Empty,
     /// The matrix is singular, or not positive definite.
     Singular,
     /// The eigenvalue iteration did not converge.
@@ -37,6 +39,7 @@ impl fmt::Display for Unfactorable {
             Unfactorable::NotFinite { row, column, value } => {
                 write!(formatter, "row {row}, column {column} of the matrix is {value}, no finite number")
             }
+            Unfactorable::Empty => formatter.write_str("the matrix has no entries"),
             Unfactorable::Singular => formatter.write_str("the matrix is singular, or not positive definite"),
             Unfactorable::NotConverged => {
                 write!(formatter, "the eigenvalue iteration did not end in {ITERATIONS_PER_ROW} iterations per row")
@@ -62,6 +65,11 @@ pub fn check(entries: &[f64], rows: usize) -> Result<(), Unfactorable> {
 
 fn checked(matrix: DMatrix<f64>) -> Result<DMatrix<f64>, Unfactorable> {
     check(matrix.as_slice(), matrix.nrows()).map(|()| matrix)
+}
+
+/// [`checked`] for the iterations behind eigenvalues, which panic on an empty matrix.
+fn checked_with_entries(matrix: DMatrix<f64>) -> Result<DMatrix<f64>, Unfactorable> {
+    if matrix.is_empty() { Err(Unfactorable::Empty) } else { checked(matrix) }
 }
 
 /// LU factors with partial pivoting.
@@ -131,10 +139,10 @@ pub fn least_squares(matrix: DMatrix<f64>, right: &DVector<f64>, smallest: f64) 
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 ///
 /// # Errors
-/// A matrix that is not finite, or eigenvalues that are not found.
+/// A matrix without entries or not finite, or eigenvalues that are not found.
 pub fn symmetric_eigen(matrix: DMatrix<f64>) -> Result<SymmetricEigen<f64, Dyn>, Unfactorable> {
     let limit = limit(&matrix);
-    SymmetricEigen::try_new(checked(matrix)?, f64::EPSILON, limit).ok_or(Unfactorable::NotConverged)
+    SymmetricEigen::try_new(checked_with_entries(matrix)?, f64::EPSILON, limit).ok_or(Unfactorable::NotConverged)
 }
 
 /// [`symmetric_eigen`], with NaN throughout on failure. For operators of a body that are built from many such problems: the
@@ -150,10 +158,10 @@ pub fn symmetric_eigen_or_nan(matrix: DMatrix<f64>) -> SymmetricEigen<f64, Dyn> 
 /// Eigenvalues of a real matrix.
 ///
 /// # Errors
-/// A matrix that is not finite, or eigenvalues that are not found.
+/// A matrix without entries or not finite, or eigenvalues that are not found.
 pub fn eigenvalues(matrix: DMatrix<f64>) -> Result<DVector<Complex<f64>>, Unfactorable> {
     let limit = limit(&matrix);
-    let schur = Schur::try_new(checked(matrix)?, f64::EPSILON, limit).ok_or(Unfactorable::NotConverged)?;
+    let schur = Schur::try_new(checked_with_entries(matrix)?, f64::EPSILON, limit).ok_or(Unfactorable::NotConverged)?;
     Ok(schur.complex_eigenvalues())
 }
 
@@ -192,6 +200,12 @@ mod tests {
             assert!(solve(&Matrix2::new(1.0, 0.0, wrong, 1.0), &Vector2::zeros()).is_err());
             assert!(least_squares(DMatrix::identity(2, 2), &DVector::from_vec(vec![1.0, wrong]), 1e-12).is_err());
         }
+    }
+
+    #[test]
+    fn an_empty_matrix_has_no_eigenvalues() {
+        assert_eq!(symmetric_eigen(DMatrix::zeros(0, 0)).err(), Some(Unfactorable::Empty));
+        assert_eq!(eigenvalues(DMatrix::zeros(0, 0)).err(), Some(Unfactorable::Empty));
     }
 
     #[test]
