@@ -24,7 +24,7 @@ pub struct Acceleration {
 
 impl Acceleration {
     /// Discards all differences because the step function has changed.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         *self = Acceleration::default();
     }
 

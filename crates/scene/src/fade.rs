@@ -75,7 +75,7 @@ impl FadeTable {
 
     #[inline(never)]
     fn piece(&self, temperature: f64) -> FadeLine {
-        let after = self.temperature.iter().position(|knot| temperature < *knot).unwrap_or(8);
+        let after = self.temperature.iter().position(|point| temperature < *point).unwrap_or(8);
         match after {
             0 => level(f64::NEG_INFINITY, self.temperature[0], self.factor[0]),
             8 => level(self.temperature[7], f64::INFINITY, self.factor[7]),

@@ -26,7 +26,6 @@
 
 mod account;
 mod amplitudes;
-mod answer;
 mod depth;
 mod distance;
 mod error_sweep;
@@ -38,6 +37,7 @@ mod propagate;
 mod reduction;
 mod robin_correction;
 mod scratch;
+mod stage_response;
 mod state_layout;
 mod static_correction;
 mod steady;
@@ -284,7 +284,7 @@ impl ThermalBody for StripHeat {
     }
 
     fn influence(&self, stage: Stage) -> &SurfaceInfluence {
-        &self.step.stage(stage).answer().influence
+        &self.step.stage(stage).current_response().influence
     }
 
     fn free_response(
@@ -367,8 +367,8 @@ impl ThermalBody for StripHeat {
         self.held_amplitudes(scratch, state, false);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.contact_temperature, state, surroundings, entering);
-        let Scratch { amplitude, answer, .. } = &mut *scratch;
-        operators.observe_one(amplitude, &mut answer[0], level, temperature);
+        let Scratch { amplitude, response, .. } = &mut *scratch;
+        operators.observe_one(amplitude, &mut response[0], level, temperature);
         operators.table.add_response(0, velocity, flux, &mut scratch.held, temperature);
     }
 
@@ -389,8 +389,8 @@ impl ThermalBody for StripHeat {
         self.held_amplitudes(scratch, state, true);
         let [entering, _] = self.held_fluxes(state, surroundings, flux);
         let level = self.held_background(&operators.mean.mean_temperature, state, surroundings, entering);
-        let Scratch { moved, answer, .. } = &mut *scratch;
-        operators.observe_one(moved, &mut answer[0], operators.mean_distortion * level, distortion);
+        let Scratch { moved, response, .. } = &mut *scratch;
+        operators.observe_one(moved, &mut response[0], operators.mean_distortion * level, distortion);
         operators.table.add_response(1, velocity, flux, &mut scratch.held, distortion);
     }
 
@@ -442,8 +442,8 @@ impl ThermalBody for StripHeat {
             })
         });
         // The rise of the modes under the contact is balanced by a deficit beside it: see `cooled_temperature`.
-        let lacking = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
-        let not_extrapolated = -lacking * self.held_mean(state);
+        let deficit = if operators.fresh || free <= 1e-9 { 0.0 } else { (1.0 - free) / free };
+        let not_extrapolated = -deficit * self.held_mean(state);
         temperature[BESIDE] += not_extrapolated;
         CooledAhead { temperature, rise, not_extrapolated }
     }

@@ -52,7 +52,7 @@ impl Line {
     fn moment(&mut self, inputs: &[f64; INPUTS]) -> StageConditions {
         let load = inputs[1].max(0.0);
         let point = self.mean.point(inputs);
-        let felt = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
+        let contact_temperature_of_cells = self.state.heat.as_ref().map(|heat| heat.mean(&self.operators.weights));
         let velocity = inputs[0] + self.operators.scene.mean_radius * inputs[2];
         let full = load * self.operators.mean.scene.faces * self.operators.mean.power_factor;
         let signed_friction =
@@ -63,7 +63,8 @@ impl Line {
             load,
             speed: point.wearing_speed,
             kinetic_coefficient: point.kinetic_coefficient,
-            temperature: felt.unwrap_or(point.contact_temperature) + self.mean.state().reference,
+            temperature: contact_temperature_of_cells.unwrap_or(point.contact_temperature)
+                + self.mean.state().reference,
             expansion: self.expansion(),
             heat_per_pressure: None,
         }
@@ -247,9 +248,10 @@ impl Line {
         value!(derivatives, "tilt") = rate.tilt;
         value!(derivatives, "approach") = rate.approach;
         value!(derivatives, "wear_dissipation_power") = {
-            let felt = self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(&operators.weights)));
-            let temperature =
-                felt.unwrap_or(loaded_point.contact_temperature) + Dual::from(self.mean.state().reference);
+            let contact_temperature_of_cells =
+                self.state.heat.as_ref().map(|heat| Dual::from(heat.mean(&operators.weights)));
+            let temperature = contact_temperature_of_cells.unwrap_or(loaded_point.contact_temperature)
+                + Dual::from(self.mean.state().reference);
             let laws = operators.coefficients(
                 loaded_point.wearing_speed,
                 loaded_point.kinetic_coefficient,

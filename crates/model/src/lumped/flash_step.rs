@@ -270,9 +270,9 @@ impl FlashStep {
             // The slowest state is the most sensitive. The series above is truncated after its first term, and the slope is that
             // between two points.
             let (first, second) = (r3 - r2, r3 - 2.0 * r2 + r1);
-            let felt = (bend * m2[0] / m0[0]).abs();
+            let curvature = (bend * m2[0] / m0[0]).abs();
             let bent = if first == 0.0 { 0.0 } else { (second / first).abs() };
-            self.unsteadiness = felt * (3.0 * felt + 0.5 * bent);
+            self.unsteadiness = curvature * (3.0 * curvature + 0.5 * bent);
         }
         self.keep(point, at_rest.map(|decay| decay * common), flat, ramp);
     }

@@ -54,8 +54,8 @@ pub fn judge(
         (Some(mean), Some(exact)) => (mean - exact).max(0.0),
         _ => 0.0,
     };
-    let felt = [uneven.pressure, uneven.shear, uneven.rotation, distortion.min(1.0)];
-    let total: f64 = felt.iter().sum();
+    let changes = [uneven.pressure, uneven.shear, uneven.rotation, distortion.min(1.0)];
+    let total: f64 = changes.iter().sum();
     let share = |number: f64| if total > 0.0 && !line { uniform * number / total } else { 0.0 };
     let flash = match fine {
         ModelOperators::Line(line) => line.mean.flash.is_some(),
@@ -63,28 +63,28 @@ pub fn judge(
     };
     let wears = scene.strip.wear_coefficient > 0.0;
     vec![
-        effect("pressure along the contact", "rms deviation from its mean", uneven.pressure, line, share(felt[0])),
+        effect("pressure along the contact", "rms deviation from its mean", uneven.pressure, line, share(changes[0])),
         effect("strip elasticity", "its part of the compliance", groups.strip_compliance, line, 0.0),
         effect(
             "shear coupling",
             "rms change of the pressure",
             uneven.shear,
             line && uneven.shear > 0.0,
-            share(felt[1]),
+            share(changes[1]),
         ),
         effect(
             "rotation",
             "rms change of the pressure",
             uneven.rotation,
             line && uneven.rotation > 0.0,
-            share(felt[2]),
+            share(changes[2]),
         ),
         effect(
             "thermal distortion",
             "distortion over elastic approach",
             distortion,
             by_cells && distortion > 0.0,
-            if line && !by_cells { heat_error } else { share(felt[3]) },
+            if line && !by_cells { heat_error } else { share(changes[3]) },
         ),
         effect(
             "heat along the contact",

@@ -119,7 +119,7 @@ pub(super) fn solve(
         }
         if touching != closed {
             closed = touching;
-            acceleration.forget();
+            acceleration.clear();
             iterate = answer;
         } else {
             iterate = acceleration.next(iterate, step, &weights);
@@ -317,13 +317,13 @@ impl Problem<'_> {
                     matrix[(other, face)] += resistance * slope[face];
                 }
             }
-            let lack =
+            let residual =
                 nalgebra::Vector2::from_fn(|face, _| if slope[face] > 0.0 { found_at[face] - used[face] } else { 0.0 });
             for face in (0..FACES).filter(|&face| slope[face] == 0.0) {
                 // A temperature on which nothing depends is not iterated.
                 (0..FACES).for_each(|other| matrix[(face, other)] = f64::from(u8::from(face == other)));
             }
-            let change = factorization::solve(&matrix, &lack).unwrap_or_default();
+            let change = factorization::solve(&matrix, &residual).unwrap_or_default();
             for face in (0..FACES).filter(|&face| slope[face] > 0.0) {
                 temperatures[FACES * side + face] = used[face] + change[face];
             }

@@ -144,12 +144,12 @@ impl Trajectory {
         if let Some(outside) = also.iter().find(|time| !(first..=last).contains(*time)) {
             bail!("--at {outside:?} s is outside of the simulated time, {first:?} s to {last:?} s");
         }
-        let mut knots = [self.times.as_slice(), also].concat();
-        knots.sort_unstable_by(f64::total_cmp);
-        knots.dedup();
+        let mut instants = [self.times.as_slice(), also].concat();
+        instants.sort_unstable_by(f64::total_cmp);
+        instants.dedup();
         // Rounding of the times is no further step.
         let parts = |pair: &[f64]| ((pair[1] - pair[0]) / self.step * (1.0 - SAME)).ceil().max(1.0);
-        let count: f64 = knots.windows(2).map(parts).sum();
+        let count: f64 = instants.windows(2).map(parts).sum();
         if count > MOST_POINTS {
             bail!(
                 "{:?} s in steps of at most {:?} s are {count:.3e} communication steps; at most {MOST_POINTS:e} are kept",
@@ -158,7 +158,7 @@ impl Trajectory {
             );
         }
         let mut points = vec![first];
-        for pair in knots.windows(2) {
+        for pair in instants.windows(2) {
             let parts = parts(pair);
             points.extend((1..parts as usize).map(|part| pair[0] + (pair[1] - pair[0]) * part as f64 / parts));
             points.push(pair[1]);

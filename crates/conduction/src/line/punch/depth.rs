@@ -175,16 +175,16 @@ impl Depth {
         let (k, h) = (self.conductivity, self.height);
         let square = (decay * h).powi(2);
         // tanh(decay h)/decay, and its difference from h over decay^2.
-        let (tangent, lack) = if square < 1e-3 {
-            let lack = h.powi(3) * (1.0 / 3.0 - square * (2.0 / 15.0 - square * 17.0 / 315.0));
-            (h - decay * decay * lack, lack)
+        let (tangent, deficit) = if square < 1e-3 {
+            let deficit = h.powi(3) * (1.0 / 3.0 - square * (2.0 / 15.0 - square * 17.0 / 315.0));
+            (h - decay * decay * deficit, deficit)
         } else {
             let tangent = (decay * h).tanh() / decay;
             (tangent, (h - tangent) / (decay * decay))
         };
         match self.top_ratio() {
-            None => lack / k,
-            Some(ratio) => (h * tangent + ratio * lack) / (k * (ratio + decay * decay * tangent)),
+            None => deficit / k,
+            Some(ratio) => (h * tangent + ratio * deficit) / (k * (ratio + decay * decay * tangent)),
         }
     }
 }

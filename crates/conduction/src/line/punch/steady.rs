@@ -54,8 +54,8 @@ pub(super) fn steady_beyond(
 /// Number of modes that [`steady_beyond`] sums one by one.
 pub(super) fn summed_modes(across: &Across, depth: &Depth, skipped: usize) -> usize {
     // Beyond 20 decay lengths the top has no effect; that of the sides falls like 1/m^4.
-    let felt = (20.0 * 2.0 * across.half_width / (PI * depth.height)).ceil() as usize;
-    skipped.max(felt).max(256)
+    let within_height = (20.0 * 2.0 * across.half_width / (PI * depth.height)).ceil() as usize;
+    skipped.max(within_height).max(256)
 }
 
 /// Sum over all modes but the uniform one of the products of their cell integrals over k times the wave number.

@@ -70,8 +70,12 @@ impl StripHeat {
         scratch.first.iter_mut().zip(flux).for_each(|(value, q)| *value = q - cooling);
         if let Some(robin_correction) = &self.operators.robin_correction {
             let level = scratch.projected[Stage::First as usize];
-            scratch.returned[Stage::First as usize] =
-                robin_correction.add(self.step.first.answer(), &level, surroundings.ambient, &mut scratch.first);
+            scratch.returned[Stage::First as usize] = robin_correction.add(
+                self.step.first.current_response(),
+                &level,
+                surroundings.ambient,
+                &mut scratch.first,
+            );
         }
     }
 
@@ -81,7 +85,7 @@ impl StripHeat {
         if let Some(robin_correction) = &self.operators.robin_correction {
             let level = scratch.projected[Stage::End as usize];
             scratch.returned[Stage::End as usize] =
-                robin_correction.add(self.step.end.answer(), &level, surroundings.ambient, &mut scratch.end);
+                robin_correction.add(self.step.end.current_response(), &level, surroundings.ambient, &mut scratch.end);
         }
     }
 
@@ -97,12 +101,12 @@ impl StripHeat {
         let operators = &*self.operators;
         let weights = self.step.stage(stage);
         let [level, through_depth] = self.known_levels(scratch, state, surroundings, stage);
-        let Scratch { amplitude, moved, answer, .. } = &mut *scratch;
+        let Scratch { amplitude, moved, response, .. } = &mut *scratch;
         if operators.expands {
             let levels = [level, operators.mean_distortion * through_depth];
-            operators.observe([amplitude, moved], answer, levels, [temperature, distortion]);
+            operators.observe([amplitude, moved], response, levels, [temperature, distortion]);
         } else {
-            operators.observe_one(amplitude, &mut answer[0], level, temperature);
+            operators.observe_one(amplitude, &mut response[0], level, temperature);
             distortion.fill(0.0);
         }
         // Fluxes of this stage other than those of the contact: the cooling that does not act there, and the Robin
@@ -115,16 +119,17 @@ impl StripHeat {
         let mut amounts = [0.0; RANK];
         if let Some(robin_correction) = &operators.robin_correction {
             let projected = &scratch.projected[stage as usize];
-            amounts = robin_correction.amounts(weights.answer(), projected, surroundings.ambient, &scratch.end);
+            amounts =
+                robin_correction.amounts(weights.current_response(), projected, surroundings.ambient, &scratch.end);
         }
         for (moving, values) in [temperature, distortion].into_iter().enumerate() {
             if moving == 1 && !operators.expands {
                 continue;
             }
-            let uniform = weights.answer().uniform(moving);
+            let uniform = weights.current_response().uniform(moving);
             values.iter_mut().zip(uniform).for_each(|(value, rise)| *value -= cooling * rise);
             if operators.robin_correction.is_some() {
-                dense::multiply_add(weights.answer().lifted(moving), &amounts, values);
+                dense::multiply_add(weights.current_response().lifted(moving), &amounts, values);
             }
         }
     }
@@ -168,7 +173,7 @@ impl StripHeat {
         }
         operators.transform(&scratch.end, &mut scratch.fold, &mut scratch.heat_end);
         let weights = &self.step.end;
-        let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.answer().weights());
+        let ([re, im], [known_re, known_im, own_re, own_im]) = (&weights.factor, weights.current_response().weights());
         let carrier = Carrier { factors: [re, im], known: [known_re, known_im], own: [own_re, own_im] };
         let heat = [&scratch.heat, &scratch.heat_end].map(|heat| [&heat[0][..], &heat[1][..]]);
         let (re, im) = operators.wave_states_mut(state);
@@ -188,7 +193,7 @@ impl StripHeat {
     /// Adds the response of the modes to the flux known before the stage, its amplitudes in `scratch.heat`.
     pub(super) fn add_known_flux(&self, scratch: &mut Scratch, weights: &StageWeights) {
         let operators = &*self.operators;
-        let [re, im, moved_re, moved_im] = weights.answer().carried();
+        let [re, im, moved_re, moved_im] = weights.current_response().carried();
         let Scratch { heat: [heat_re, heat_im], amplitude, moved, .. } = scratch;
         add_products(amplitude, [re, im], [heat_re, heat_im]);
         if operators.expands {

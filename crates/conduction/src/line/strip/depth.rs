@@ -85,8 +85,8 @@ impl Depth {
         let Some(lateral) = &self.lateral else { return self.respond_in_plane(s) };
         let mut sum = [Complex::from(0.0); 2];
         for (share, s) in lateral.frequencies(s) {
-            let answer = self.respond_in_plane(s);
-            sum = [sum[0] + answer[0] * share, sum[1] + answer[1] * share];
+            let response = self.respond_in_plane(s);
+            sum = [sum[0] + response[0] * share, sum[1] + response[1] * share];
         }
         sum
     }

@@ -331,8 +331,8 @@ impl WithSimd for Means<'_> {
                 }
             }
             let [j, l] = pair.cells;
-            let mut set = |answering: usize, heated: usize, mean: f64, moved_mean: f64| {
-                let at = heated * sum.count + answering;
+            let mut set = |observed: usize, heated: usize, mean: f64, moved_mean: f64| {
+                let at = heated * sum.count + observed;
                 warm[at] = widths[heated] * (level + mean);
                 if let Some(value) = moved.get_mut(at) {
                     *value = widths[heated] * (moved_level + sum.unit * moved_mean);

@@ -7,22 +7,22 @@
 //!
 //! Theory: docs/theory.md, sections 4.5, 6.4.
 
-use super::answer::{Answer, FeedthroughTerms, Layout};
 use super::operators::{ImageDamping, StripOperators};
+use super::stage_response::{FeedthroughTerms, Layout, StageResponse};
 use super::step::{Interval, Workspace};
 
 /// Phase change of the shortest mode from node to node, rad: the error of the cubic is .023 of its fourth power for
 /// that mode, and decreases with the fourth power of the wave number for longer ones.
-const KNOT_TURN: f64 = 0.25;
+const NODE_PHASE: f64 = 0.25;
 /// Spacing of the nodes in asinh(v/slow) where the damping rate of periodic images curves: the error of the cubic is
 /// 3e-4 of the rate at `slow`. This error accumulates over the steps, so it must not depend on their length.
-const KNOT_BEND: f64 = 0.25;
+const NODE_SPACING: f64 = 0.25;
 /// Cached nodes for the usual length of the interval, and for any other.
 const SLOTS: [usize; 2] = [8, 4];
 /// Requests after which another length becomes the usual one.
 const REQUESTS: u32 = 3;
 
-/// Velocities of the nodes: the number of a node is `v/phase + asinh(v/bend)/KNOT_BEND`.
+/// Velocities of the nodes: the number of a node is `v/phase + asinh(v/bend)/NODE_SPACING`.
 #[derive(Clone, Copy, Debug)]
 struct Grid {
     phase: f64,
@@ -37,7 +37,7 @@ impl Grid {
 
     /// Node number of a velocity, as a real number.
     fn position(&self, velocity: f64) -> f64 {
-        velocity / self.phase + (velocity / self.bend).asinh() / KNOT_BEND
+        velocity / self.phase + (velocity / self.bend).asinh() / NODE_SPACING
     }
 
     /// Velocity of a node.
@@ -49,10 +49,10 @@ impl Grid {
         // Newton's method in u = asinh(v/bend). The function is convex, and the start, the smaller of the solutions
         // with either term alone, is an upper bound, so the iterates decrease.
         let distance = target.abs();
-        let mut u = (distance * KNOT_BEND).min((distance * self.phase / self.bend).asinh());
+        let mut u = (distance * NODE_SPACING).min((distance * self.phase / self.bend).asinh());
         for _ in 0..MOST_ITERATIONS {
             let (part, slope) = (self.bend / self.phase * u.sinh(), self.bend / self.phase * u.cosh());
-            let change = (part + u / KNOT_BEND - distance) / (slope + KNOT_BEND.recip());
+            let change = (part + u / NODE_SPACING - distance) / (slope + NODE_SPACING.recip());
             u -= change;
             if change.abs() <= f64::EPSILON * u {
                 break;
@@ -85,7 +85,7 @@ struct Set {
 struct Slot {
     number: i64,
     velocity: f64,
-    answer: Answer,
+    response: StageResponse,
 }
 
 impl Set {
@@ -102,7 +102,9 @@ impl InterpolationNodes {
         let set = |slots: usize| Set {
             length: f64::NAN,
             requests: 0,
-            slots: (0..slots).map(|_| Slot { number: i64::MIN, velocity: 0.0, answer: Answer::new(layout) }).collect(),
+            slots: (0..slots)
+                .map(|_| Slot { number: i64::MIN, velocity: 0.0, response: StageResponse::new(layout) })
+                .collect(),
         };
         InterpolationNodes { sets: SLOTS.map(set) }
     }
@@ -141,10 +143,10 @@ impl InterpolationNodes {
         velocity: f64,
         immediate: FeedthroughTerms<'_>,
         workspace: &mut Workspace,
-        answer: &mut Answer,
+        response: &mut StageResponse,
     ) {
         let shortest = operators.waves.last().map_or(0.0, |wave| wave.number);
-        let grid = Grid::new(KNOT_TURN / (shortest * length), &operators.image_damping);
+        let grid = Grid::new(NODE_PHASE / (shortest * length), &operators.image_damping);
         let set = self.set(length);
         let base = grid.position(velocity).floor() as i64;
         let slots = set.slots.len() as i64;
@@ -155,7 +157,7 @@ impl InterpolationNodes {
             let own = &mut set.slots[slot(k)];
             if own.number != number {
                 (own.number, own.velocity) = (number, grid.node(number));
-                interval.respond(operators, [own.velocity; 2], workspace, &mut own.answer);
+                interval.respond(operators, [own.velocity; 2], workspace, &mut own.response);
             }
             nodes[k as usize] = own.velocity;
         }
@@ -164,6 +166,6 @@ impl InterpolationNodes {
             others.map(|other| (velocity - other) / (nodes[k] - other)).product()
         });
         let slots = &set.slots;
-        answer.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].answer), weights, immediate);
+        response.combine([0, 1, 2, 3].map(|k| &slots[slot(k)].response), weights, immediate);
     }
 }

@@ -154,7 +154,7 @@ const SHORTEST_PERIOD: f64 = 12.0;
 /// Largest velocity times width over diffusivity at which the table over the velocity ends (Peclet number 2.5e6).
 const FASTEST: f64 = 1e7;
 /// Decay exponent of the damping of periodic images while the contact passes one period.
-const FORGOTTEN: f64 = 4.0;
+const DECAY_EXPONENT: f64 = 4.0;
 /// Largest contact width over the height: below it the integral over the wave numbers has at most some ten thousand nodes.
 const FLATTEST: f64 = 2000.0;
 
@@ -236,7 +236,7 @@ impl StripOperators {
         let spacing = 2.0 * PI / period;
         let fresh = properties.path == SlidingPath::Unidirectional;
         let image_damping = ImageDamping {
-            per_length: if fresh { FORGOTTEN / period } else { 0.0 },
+            per_length: if fresh { DECAY_EXPONENT / period } else { 0.0 },
             slow: period / resolution.duration,
         };
         let expansion = properties.expansion.as_ref().filter(|expansion| expansion.coefficient != 0.0);

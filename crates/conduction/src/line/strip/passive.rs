@@ -42,7 +42,7 @@ pub struct Passive {
     vectors: Mat<f64>,
     values: Col<f64>,
     /// Response to a uniform flux.
-    answer: Vec<f64>,
+    response: Vec<f64>,
     stack: MemBuffer,
 }
 
@@ -67,7 +67,7 @@ impl Passive {
             matrix: Mat::zeros(size, size),
             vectors: Mat::zeros(size, size),
             values: Col::zeros(size),
-            answer: vec![0.0; size],
+            response: vec![0.0; size],
             stack: MemBuffer::new(stack),
         }
     }
@@ -148,21 +148,22 @@ impl Passive {
     /// 1/(c'u), reduced where u is far from c.
     fn split_uniform(&mut self) -> f64 {
         let uniform = &self.uniform[..];
-        self.answer.fill(0.0);
+        self.response.fill(0.0);
         for (j, heat) in uniform.iter().enumerate() {
-            for (answer, entry) in self.answer.iter_mut().zip(self.matrix.col_as_slice(j)) {
-                *answer += entry * heat;
+            for (response, entry) in self.response.iter_mut().zip(self.matrix.col_as_slice(j)) {
+                *response += entry * heat;
             }
         }
-        let [given, square, own] = [[&self.answer[..], uniform], [&self.answer, &self.answer], [uniform, uniform]]
-            .map(|[l, r]| dense::dot(l, r));
+        let [given, square, own] =
+            [[&self.response[..], uniform], [&self.response, &self.response], [uniform, uniform]]
+                .map(|[l, r]| dense::dot(l, r));
         if given.is_nan() || given <= 0.0 {
             return 0.0;
         }
         let share = (given * given / (TURNED * square * own)).min(1.0) / given;
         for j in 0..uniform.len() {
             for i in 0..uniform.len() {
-                self.matrix[(i, j)] -= share * self.answer[i] * self.answer[j];
+                self.matrix[(i, j)] -= share * self.response[i] * self.response[j];
             }
         }
         share
@@ -185,9 +186,9 @@ impl Passive {
         }
         values.fill(0.0);
         if share > 0.0 {
-            for (column, part) in values.chunks_exact_mut(size).zip(&self.answer) {
+            for (column, part) in values.chunks_exact_mut(size).zip(&self.response) {
                 let part = share * part;
-                column.iter_mut().zip(&self.answer).for_each(|(entry, other)| *entry = part * other);
+                column.iter_mut().zip(&self.response).for_each(|(entry, other)| *entry = part * other);
             }
         }
         for k in 0..size {

@@ -11,8 +11,8 @@
 //!
 //! Theory: docs/theory.md, section 4.5.
 
-use super::answer::{Answer, Parts};
 use super::operators::StripOperators;
+use super::stage_response::{Parts, StageResponse};
 use elasticity::{Cells, MAXIMUM_CELLS};
 use nalgebra::DMatrix;
 use numerics::dense;
@@ -87,19 +87,19 @@ impl RobinCorrection {
 
     /// Polynomial coefficients (W/m2) of the Robin correction under the contact flux `flux` (W/m2), `level` being the
     /// projected temperature of the free response.
-    pub fn amounts(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
+    pub fn amounts(&self, response: &StageResponse, level: &[f64; RANK], ambient: f64, flux: &[f64]) -> [f64; RANK] {
         let mut driving = *level;
         driving.iter_mut().zip(&self.unit).for_each(|(driving, unit)| *driving -= unit * ambient);
-        dense::multiply_add(answer.response(), flux, &mut driving);
+        dense::multiply_add(response.response(), flux, &mut driving);
         let mut amounts = [0.0; RANK];
-        dense::multiply_add(answer.solution(), &driving, &mut amounts);
+        dense::multiply_add(response.solution(), &driving, &mut amounts);
         amounts
     }
 
     /// Adds the fluxes of the Robin correction to `flux` and returns their coefficients; see
     /// [`RobinCorrection::amounts`].
-    pub fn add(&self, answer: &Answer, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
-        let amounts = self.amounts(answer, level, ambient, flux);
+    pub fn add(&self, response: &StageResponse, level: &[f64; RANK], ambient: f64, flux: &mut [f64]) -> [f64; RANK] {
+        let amounts = self.amounts(response, level, ambient, flux);
         self.lift(&amounts, flux);
         amounts
     }

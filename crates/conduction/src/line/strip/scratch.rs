@@ -11,7 +11,7 @@ pub struct Scratch {
     pub end: Vec<f64>,
     /// Even and odd parts of fluxes, and of temperature and distortion.
     pub fold: [Vec<f64>; 2],
-    pub answer: [[Vec<f64>; 2]; 2],
+    pub response: [[Vec<f64>; 2]; 2],
     /// States of the modes before a step in place, real and imaginary parts.
     pub before: [Vec<f64>; 2],
     /// Workspace of the direct feedthrough at frozen state.
@@ -36,7 +36,7 @@ impl Scratch {
             first: vec![0.0; count],
             end: vec![0.0; count],
             fold: halves(),
-            answer: [halves(), halves()],
+            response: [halves(), halves()],
             before: [vec![0.0; operators.rate.len()], vec![0.0; operators.rate.len()]],
             held: [vec![0.0; count], vec![0.0; count]],
             heat: parts(),

@@ -233,8 +233,8 @@ impl StaticCorrection {
         }
         for (wave, layer, place) in integrals.beyond.iter() {
             let [temperature, distortion] = self.respond(layer, turning(wave.number));
-            let felt = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
-            let temperature = if felt { temperature - half_plane(wave.number) } else { Complex::from(0.0) };
+            let in_layer = self.lateral.is_some() || wave.number * self.bare.height < HALF_PLANE;
+            let temperature = if in_layer { temperature - half_plane(wave.number) } else { Complex::from(0.0) };
             gains.add(place, wave.count * copies(wave.number) / PI, [temperature, distortion]);
         }
         // Euler-Maclaurin term f'/24 at the first harmonic of the integral; that of the nearest periodic images is
@@ -258,11 +258,11 @@ impl StaticCorrection {
         let (conductivity, diffusivity) = (self.bare.conductivity, self.bare.diffusivity());
         // With damping of periodic images the states are steady by themselves; contacts too slow for it within the
         // duration are not, and their states are exact.
-        let forgotten = image_damping.rate(velocity);
-        let lasting = slowest * slowest / (slowest + forgotten);
+        let damping = image_damping.rate(velocity);
+        let lasting = slowest * slowest / (slowest + damping);
         // Decay rate with which the response of the states is subtracted: a smaller one would make the direct
         // feedthrough negative.
-        let lost = forgotten.hypot(lasting);
+        let lost = damping.hypot(lasting);
         let resolved = 10.0 * SLOWEST_WAVE / (2.0 * self.cells.half_width()) * moving;
         let lasting = lasting.max(resolved);
         for (wave, layer, place) in integrals.removed.iter() {

@@ -49,7 +49,7 @@ mod tests {
 
     /// Up to six alternating lengths, interspersed with steps of varying velocity and implicit Euler steps.
     #[test]
-    fn steps_by_turns_keep_their_answers_to_the_bit() {
+    fn steps_by_turns_keep_their_responses_to_the_bit() {
         let cells = Cells::graded(0.02, 9).unwrap();
         let material = Material::new(2e11, 0.3).unwrap();
         let expansion = strip::Expansion { coefficient: 1e-5, material, base: elasticity::Base::Bonded };
@@ -78,9 +78,9 @@ mod tests {
             fresh.prepare(length, velocity);
             let (one, other) = (&kept.step, &fresh.step);
             for (one, other) in [(&one.first, &other.first), (&one.end, &other.end)] {
-                assert_eq!(one.answer().influence, other.answer().influence, "{phase}");
-                assert_eq!(one.answer().weights(), other.answer().weights(), "{phase}");
-                assert_eq!(one.answer().carried(), other.answer().carried(), "{phase}");
+                assert_eq!(one.current_response().influence, other.current_response().influence, "{phase}");
+                assert_eq!(one.current_response().weights(), other.current_response().weights(), "{phase}");
+                assert_eq!(one.current_response().carried(), other.current_response().carried(), "{phase}");
                 assert_eq!(one.factor, other.factor, "{phase}");
                 assert_eq!(one.mean_weight, other.mean_weight, "{phase}");
             }

@@ -161,7 +161,7 @@ impl Step {
         }
         let end = self.immediate.find(operators, velocity[1]);
         for stage in [&mut self.first, &mut self.end] {
-            add(self.immediate.at(end), 1.0, &mut stage.answers[0].influence);
+            add(self.immediate.at(end), 1.0, &mut stage.responses[0].influence);
         }
     }
 }

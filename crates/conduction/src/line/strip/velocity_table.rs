@@ -181,7 +181,7 @@ impl VelocityTable {
         velocity: f64,
         flux: &[f64],
         workspace: &mut [Vec<f64>; 2],
-        answer: &mut [f64],
+        response: &mut [f64],
     ) {
         let (base, weights) = self.stencil(velocity);
         let [weighted, sum] = workspace;
@@ -196,7 +196,7 @@ impl VelocityTable {
         if velocity < 0.0 {
             sum.reverse();
         }
-        answer.iter_mut().zip(&*sum).for_each(|(value, own)| *value += own);
+        response.iter_mut().zip(&*sum).for_each(|(value, own)| *value += own);
     }
 
     /// Number of interpolation nodes.

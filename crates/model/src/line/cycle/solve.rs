@@ -127,7 +127,7 @@ impl CycleMap {
             let current = newton.take();
             if current.as_ref().is_none_or(|newton| changed(newton) > self.operators().count() / 8) {
                 // Another active set invalidates the earlier differences.
-                acceleration.forget();
+                acceleration.clear();
             }
             let current = current.filter(|newton| changed(newton) == 0);
             let current = match current {
@@ -153,7 +153,7 @@ impl CycleMap {
                 best = (size, memory.iter().zip(&step).map(|(value, step)| value + step).collect());
             } else if size > ASTRAY * best.0 {
                 // Extrapolation has diverged: restart from the best iterate without it.
-                acceleration.forget();
+                acceleration.clear();
                 memory.clone_from(&best.1);
                 continue;
             }

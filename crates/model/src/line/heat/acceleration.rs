@@ -58,7 +58,7 @@ impl Acceleration {
     }
 
     /// Discards all differences because G has changed.
-    pub fn forget(&mut self) {
+    pub fn clear(&mut self) {
         (self.units, self.kept, self.compares) = ([0.0; PARTS], 0, false);
     }
 

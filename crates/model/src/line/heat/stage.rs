@@ -129,7 +129,7 @@ impl Line {
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
         let [mut pressures, mut temperatures, mut contact_temperatures] = [Convergence::default(); 3];
         heat.temperatures_current = false;
-        heat.acceleration.forget();
+        heat.acceleration.clear();
         // Ratio of residual to change of an accelerated iteration.
         let mut residual_norm: Option<f64> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
@@ -200,7 +200,7 @@ impl Line {
                 return Ok(());
             }
             if !active_set_settled {
-                heat.acceleration.forget();
+                heat.acceleration.clear();
                 residual_norm = None;
             } else if compared {
                 let most = largest(&heat.pressure);

@@ -24,7 +24,7 @@ const LEAST_TURN_BY_CHANGE: f64 = 25.0;
 
 /// Phase rotation of all modes over an interval.
 #[derive(Clone, Copy)]
-pub struct Turning<'a> {
+pub struct PhaseRotation<'a> {
     /// Velocities at its ends, m/s, and its length, s.
     pub velocity: [f64; 2],
     pub step: f64,
@@ -49,7 +49,7 @@ fn product([a, b]: [Lanes; 2], [c, d]: [Lanes; 2]) -> [Lanes; 2] {
     [each(|l| a[l] * c[l] - b[l] * d[l]), each(|l| a[l] * d[l] + b[l] * c[l])]
 }
 
-impl Turning<'_> {
+impl PhaseRotation<'_> {
     /// Weights (s) in the states of one level, for the first of the modes, of a flux falling from 1 to 0 and of one
     /// rising from 0 to 1: real and imaginary parts of both alternate. `rates` and `decays` belong to the states.
     pub fn weights(&self, rates: &[f64], decays: &[f64], weights: [&mut [f64]; 4]) {
@@ -81,7 +81,7 @@ impl Turning<'_> {
 }
 
 struct Abreast<'a> {
-    turning: &'a Turning<'a>,
+    turning: &'a PhaseRotation<'a>,
     begin: usize,
     end: usize,
     states: [&'a [f64]; 2],
@@ -165,7 +165,8 @@ mod tests {
                 let motion = |q: f64| Motion { turning: velocity.map(|v| q * v), step };
                 let phases: Vec<Complex<f64>> = numbers.iter().map(|q| motion(*q).phase()).collect();
                 let parts = [phases.iter().map(|z| z.re).collect::<Vec<_>>(), phases.iter().map(|z| z.im).collect()];
-                let turning = Turning { velocity, step, numbers: &numbers, phases: [&parts[0], &parts[1]], damping };
+                let turning =
+                    PhaseRotation { velocity, step, numbers: &numbers, phases: [&parts[0], &parts[1]], damping };
                 // Fewer states than modes.
                 let count = 59;
                 let mut found = [0; 4].map(|_| vec![0.0; count]);

@@ -4,10 +4,10 @@
 
 use crate::line::GAMMA;
 use crate::line::strip::CONTACT;
-use crate::line::strip::answer::{Answer, Parts};
 use crate::line::strip::distance::Nodes;
 use crate::line::strip::operators::StripOperators;
-use crate::line::strip::propagate::abreast::Turning;
+use crate::line::strip::propagate::abreast::PhaseRotation;
+use crate::line::strip::stage_response::{Parts, StageResponse};
 use crate::line::strip::state_layout::{self, stage_weights};
 use nalgebra::{Complex, DMatrix};
 
@@ -65,9 +65,9 @@ impl Interval<'_> {
         operators: &StripOperators,
         velocity: [f64; 2],
         workspace: &mut Workspace,
-        answer: &mut Answer,
+        response: &mut StageResponse,
     ) {
-        self.weigh(operators, velocity, workspace, answer);
+        self.weigh(operators, velocity, workspace, response);
         for (influence, own) in workspace.influence.iter_mut().zip(workspace.own.chunks_exact(2)) {
             let parts = own[0].iter().zip(&own[1]).zip(&operators.weight);
             influence.iter_mut().zip(parts).for_each(|(gain, ((re, im), weight))| {
@@ -75,7 +75,7 @@ impl Interval<'_> {
             });
         }
         workspace.sum_waves(operators);
-        self.assemble(operators, workspace, answer);
+        self.assemble(operators, workspace, response);
     }
 
     /// Mean damping rate of periodic images (1/s), and its factor over the interval.
@@ -85,7 +85,7 @@ impl Interval<'_> {
     }
 
     /// Influence matrices from the mode responses and the mean mode, with the Robin correction.
-    pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, answer: &mut Answer) {
+    pub fn assemble(&self, operators: &StripOperators, workspace: &mut Workspace, response: &mut StageResponse) {
         let mean = &operators.mean;
         let Workspace { nodes, slow, .. } = workspace;
         let level = |moving: usize| {
@@ -99,14 +99,15 @@ impl Interval<'_> {
         };
         operators.distance_sum.set(nodes, &operators.widths, [level(0), level(1)], slow);
         for (moving, slow) in slow.iter().enumerate().take(1 + usize::from(operators.expands)) {
-            let gain = if moving == 1 { &mut answer.influence.distortion } else { &mut answer.influence.temperature };
+            let gain =
+                if moving == 1 { &mut response.influence.distortion } else { &mut response.influence.temperature };
             gain.copy_from(slow);
-            answer.parts().set_uniform(moving, slow);
+            response.parts().set_uniform(moving, slow);
         }
         if let Some(robin_correction) = &operators.robin_correction {
-            let parts = answer.parts();
+            let parts = response.parts();
             robin_correction.close(slow, parts);
-            let (influence, parts) = answer.gains_and_parts();
+            let (influence, parts) = response.gains_and_parts();
             robin_correction.add_influence(&parts, 0, &mut influence.temperature);
             if operators.expands {
                 robin_correction.add_influence(&parts, 1, &mut influence.distortion);
@@ -121,19 +122,19 @@ impl Interval<'_> {
         operators: &StripOperators,
         velocity: [f64; 2],
         workspace: &mut Workspace,
-        answer: &mut Answer,
+        response: &mut StageResponse,
     ) {
         let (rate, factor) = self.damping_of_images(operators, velocity);
         let Workspace { phases: [cosine, sine], fluxes, own, .. } = workspace;
         state_layout::phases(0.5 * self.length * (velocity[0] + velocity[1]), &operators.numbers, cosine, sine);
-        let turning = Turning {
+        let turning = PhaseRotation {
             velocity,
             step: self.length,
             numbers: &operators.numbers,
             phases: [cosine, sine],
             damping: [rate, factor],
         };
-        let Parts { weights: mut kept, mut carried, .. } = answer.parts();
+        let Parts { weights: mut kept, mut carried, .. } = response.parts();
         carried.iter_mut().for_each(|part| part.fill(0.0));
         own.iter_mut().for_each(|part| part.fill(0.0));
         for level in &operators.state_layout {

@@ -4,16 +4,16 @@
 
 use super::add;
 use super::interval::{Interval, Workspace, stage_fluxes};
-use crate::line::strip::answer::{Answer, FeedthroughTerms, Layout};
 use crate::line::strip::nodes::InterpolationNodes;
 use crate::line::strip::operators::StripOperators;
 use crate::line::strip::propagate::Motion;
+use crate::line::strip::stage_response::{FeedthroughTerms, Layout, StageResponse};
 use crate::line::strip::state_layout::{self, of_mode, phases};
 use crate::line::{GAMMA, Stage};
 use nalgebra::Complex;
 
 /// Phase rotation of the shortest mode in a step up to which the response is interpolated between velocities, rad.
-pub const SHORT_TURN: f64 = 20.0;
+pub const SHORT_ROTATION: f64 = 20.0;
 
 /// Largest `q dv h/8` of the shortest mode for which its weights are those of the mean velocity.
 pub const LEAST_DRIFT: f64 = 5e-4;
@@ -30,7 +30,7 @@ pub struct StageWeights {
     pub mean_weight: Vec<[f64; 2]>,
     /// Velocity-dependent responses: that of the current step if not cached, and the cached ones of steps at constant
     /// velocity.
-    pub answers: Vec<Answer>,
+    pub responses: Vec<StageResponse>,
     pub current: usize,
     /// Decay factor of each state over the interval, and its length, s.
     decay: Vec<f64>,
@@ -52,8 +52,8 @@ impl StageWeights {
     }
 
     /// The response of the current step.
-    pub fn answer(&self) -> &Answer {
-        &self.answers[self.current]
+    pub fn current_response(&self) -> &StageResponse {
+        &self.responses[self.current]
     }
 
     /// Weights with a cache of `cached` responses.
@@ -65,7 +65,7 @@ impl StageWeights {
             factor: [vec![0.0; states], vec![0.0; states]],
             mean_factor: vec![0.0; operators.mean.count],
             mean_weight: vec![[0.0; 2]; operators.mean.count],
-            answers: (0..=cached).map(|_| Answer::new(layout)).collect(),
+            responses: (0..=cached).map(|_| StageResponse::new(layout)).collect(),
             current: 0,
             decay: vec![0.0; states],
             length: f64::NAN,
@@ -88,17 +88,17 @@ impl StageWeights {
         let drift = motion.drift();
         let phase = length * motion.turning[0].abs().max(motion.turning[1].abs());
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        let answer = &mut self.answers[self.current];
-        let interpolated = drift < operators.steady && phase < SHORT_TURN;
+        let response = &mut self.responses[self.current];
+        let interpolated = drift < operators.steady && phase < SHORT_ROTATION;
         if interpolated {
             let middle = 0.5 * (velocity[0] + velocity[1]);
-            self.nodes.interpolate(operators, &interval, length, middle, immediate, workspace, answer);
+            self.nodes.interpolate(operators, &interval, length, middle, immediate, workspace, response);
         } else {
-            interval.respond(operators, velocity, workspace, answer);
-            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut answer.influence));
+            interval.respond(operators, velocity, workspace, response);
+            immediate.iter().for_each(|(responses, share)| add(responses, *share, &mut response.influence));
         }
         if interpolated && drift > LEAST_DRIFT {
-            interval.weigh(operators, velocity, workspace, answer);
+            interval.weigh(operators, velocity, workspace, response);
         }
         self.carry(operators, velocity);
     }
@@ -158,8 +158,8 @@ impl StageWeights {
             self.mean_weight[k] = [0.0, weight.re];
         }
         let fade = operators.image_damping.mean(velocity);
-        let answer = &mut self.answers[self.current];
-        let parts = answer.parts();
+        let response = &mut self.responses[self.current];
+        let parts = response.parts();
         for known in parts.carried {
             known.fill(0.0);
         }
@@ -185,6 +185,6 @@ impl StageWeights {
         }
         workspace.sum_waves(operators);
         let interval = Interval { at_end: self.at_end, length, decay: &self.decay, mean_weight: &self.mean_weight };
-        interval.assemble(operators, workspace, answer);
+        interval.assemble(operators, workspace, response);
     }
 }

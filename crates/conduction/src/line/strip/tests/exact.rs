@@ -28,14 +28,14 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
             let step = 1e9;
             body.prepare(step, [velocity, velocity]);
             let influence = body.influence(Stage::End).temperature.clone();
-            let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+            let response: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let [level, _] = body.mean_levels(
                 &vec![0.0; body.states()],
                 &Surroundings::default(),
                 &body.step.end,
                 [0.0, 2.0 * 0.0475 / 0.74],
             );
-            let computed = mean(&cells, &answer) - level;
+            let computed = mean(&cells, &response) - level;
             let steady = exact.steady_mean(velocity, 200_000);
             println!("{base:?} {velocity}: {computed:e} {steady:e} {:.1e}", computed / steady - 1.0);
             assert!((computed / steady - 1.0).abs() < 1e-4, "{base:?} {velocity}: {computed} {steady}");
@@ -90,13 +90,13 @@ fn jaeger_on_a_long_closed_path() {
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         body.prepare(1e12, [2.0 * peclet; 2]);
         let influence = &body.influence(Stage::End).temperature;
-        let answer: Vec<f64> = (0..65).map(|i| influence.row(i).sum()).collect();
+        let response: Vec<f64> = (0..65).map(|i| influence.row(i).sum()).collect();
         let exact = band_mean(peclet, Some((height, LayerBase::Held)));
-        println!("{peclet} {} {exact} {:.1e}", mean(&cells, &answer), mean(&cells, &answer) / exact - 1.0);
-        assert!((mean(&cells, &answer) / exact - 1.0).abs() < 1e-4);
+        println!("{peclet} {} {exact} {:.1e}", mean(&cells, &response), mean(&cells, &response) / exact - 1.0);
+        assert!((mean(&cells, &response) / exact - 1.0).abs() < 1e-4);
         let candidates = (0..20_000).map(|k| {
             let x = -1.0 + 1e-4 * f64::from(k);
-            (cells.point_value(&answer, x), x)
+            (cells.point_value(&response, x), x)
         });
         let (value, place) = candidates.max_by(|left, right| left.0.total_cmp(&right.0)).unwrap();
         println!("   max {value} {:.1e} at {place} {at}", value / max - 1.0);
@@ -180,13 +180,13 @@ fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
         for peclet in [0.05, 0.2, 1.0, 5.0, 100.0, 1e4, 1e6] {
             body.prepare(1e7, [2.0 * peclet; 2]);
             let influence = &body.influence(Stage::End).temperature;
-            let answer: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
+            let response: Vec<f64> = (0..33).map(|i| influence.row(i).sum()).collect();
             let exact = band_mean(peclet, Some((height, layer)));
-            println!("{height} {base:?} {peclet} {:.1e}", mean(&cells, &answer) / exact - 1.0);
+            println!("{height} {base:?} {peclet} {:.1e}", mean(&cells, &response) / exact - 1.0);
             // At lower speeds a band is not steady within the duration.
             if peclet > 0.1 {
                 let bound = if peclet < 1.0 { 2e-3 } else { 3e-4 };
-                assert!((mean(&cells, &answer) / exact - 1.0).abs() < bound, "{height} {peclet}");
+                assert!((mean(&cells, &response) / exact - 1.0).abs() < bound, "{height} {peclet}");
             }
         }
     }

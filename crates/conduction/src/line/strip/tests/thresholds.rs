@@ -2,7 +2,7 @@
 
 use super::{cooled_steel, uneven};
 use crate::line::strip::propagate::LARGEST_DRIFT;
-use crate::line::strip::step::stage::{LEAST_DRIFT, SHORT_TURN};
+use crate::line::strip::step::stage::{LEAST_DRIFT, SHORT_ROTATION};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::{Stage, Surroundings, ThermalBody};
 use elasticity::Cells;
@@ -41,7 +41,7 @@ fn temperatures_are_finite_and_continuous_over_every_threshold() {
                     edges.extend([[0.0, change(drift)], [-0.5 * change(drift), 0.5 * change(drift)]]);
                     edges.push([0.01, 0.01 + change(drift)]);
                 }
-                edges.push([SHORT_TURN / (number * step); 2]);
+                edges.push([SHORT_ROTATION / (number * step); 2]);
                 for [from, to] in edges {
                     for sign in [1.0, -1.0] {
                         let at = |to: f64| [sign * from, sign * to];

@@ -37,7 +37,7 @@ impl Layout {
 
 /// Response of one stage.
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct StageResponse {
     /// Surface influence matrices of the contact's flux, direct feedthrough included.
     pub influence: SurfaceInfluence,
     layout: Layout,
@@ -73,11 +73,11 @@ fn quarters<T>(slice: &mut [T]) -> [&mut [T]; 4] {
     [a, b, c, d]
 }
 
-impl Answer {
+impl StageResponse {
     /// A response of these dimensions, not yet computed.
-    pub fn new(layout: Layout) -> Answer {
+    pub fn new(layout: Layout) -> StageResponse {
         let matrix = || dense::untouched(layout.count);
-        Answer {
+        StageResponse {
             influence: SurfaceInfluence { temperature: matrix(), distortion: matrix() },
             rest: vec![0.0; layout.lengths().iter().sum()],
             layout,
@@ -151,13 +151,13 @@ impl Answer {
 
     /// Sets this to a linear combination of four responses, with the direct feedthrough added to the influence
     /// matrices.
-    pub fn combine(&mut self, answers: [&Answer; 4], factors: [f64; 4], immediate: FeedthroughTerms<'_>) {
-        let parts = answers.map(|answer| &answer.rest[..]);
+    pub fn combine(&mut self, responses: [&StageResponse; 4], factors: [f64; 4], immediate: FeedthroughTerms<'_>) {
+        let parts = responses.map(|response| &response.rest[..]);
         dense::combine(&mut self.rest, parts, factors);
-        let parts = answers.map(|answer| answer.influence.temperature.as_slice());
+        let parts = responses.map(|response| response.influence.temperature.as_slice());
         sum(self.influence.temperature.as_mut_slice(), parts, factors, immediate, 0);
         if !immediate[0].0[1].is_empty() {
-            let parts = answers.map(|answer| answer.influence.distortion.as_slice());
+            let parts = responses.map(|response| response.influence.distortion.as_slice());
             sum(self.influence.distortion.as_mut_slice(), parts, factors, immediate, 1);
         }
     }
@@ -182,7 +182,7 @@ fn sum(
             let sources = [a, b, c, d, one[moving].as_slice(), other[moving].as_slice()];
             dense::combine(target, sources, [f, g, h, i, *share, *rest]);
         }
-        _ => unreachable!("what answers at once is that of one or two velocities"),
+        _ => unreachable!("what responses at once is that of one or two velocities"),
     }
 }
 
