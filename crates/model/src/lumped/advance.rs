@@ -301,7 +301,8 @@ impl Lumped {
         let caliper = operators.series_stiffness > 0.0;
         let pressure = largest(1) / operators.area;
         let worn = |depth: f64, initial: f64, height: f64, body: &BodyOperators| {
-            let rate = body.wear.highest_rate(pressure, speed, self.tunables.friction_coefficient) * (body.wear_factor * self.tunables.wear_acceleration);
+            let rate = body.wear.highest_rate(pressure, speed, self.tunables.friction_coefficient)
+                * (body.wear_factor * self.tunables.wear_acceleration);
             depth + initial + step * rate > NEAR_END * height
         };
         caliper
