@@ -5,6 +5,9 @@ use exact::{CyclicHalfPlane, HolderKind};
 use scene::variables::STARTS;
 use test_support::{Drive, scene};
 
+/// Mean pressure under 10 kN, Pa.
+const MEAN: f64 = 1e4 / 6e-4;
+
 fn drive_reciprocating(drive: &mut Drive, half_strokes: u32, parts: u32, velocity: f64, stroke: f64) {
     for half in 0..half_strokes {
         drive.set("sliding_velocity", if half % 2 == 0 { velocity } else { -velocity });
@@ -223,4 +226,46 @@ fn example_wears_towards_its_steady_cycle() {
     assert!(drive.get("pressure_max") < first, "edges relax");
     let pressure = stations(&mut drive, "profile.pressure");
     assert!((trapezoid(&pressure, 0.06) * 0.01 / 1e4 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_error_follows_the_tolerance_where_edges_lift_off_and_touch_down() {
+    // A parabola wears into contact while the load falls and rises: a cell's wear rate begins or ends like the power b of time.
+    // The estimate is that of the method of first order, so that an error of second order is proportional to the tolerance.
+    for exponent in [0.3, 0.5, 1.0, 2.0] {
+        let run = |tolerance: f64| {
+            let mut drive = line(&[
+                ("solver.cells", 33.0),
+                ("solver.tolerance", tolerance),
+                ("contact.initial_shape", 2.0),
+                ("contact.initial_radius", 164.0),
+                ("punch.wear_pressure_exponent", exponent),
+                // The same rate at the mean pressure: 1e-6 m/s.
+                ("punch.wear_coefficient", 1e-6 / 1e6 * (MEAN / 1e6).powf(-exponent)),
+            ]);
+            drive.set("sliding_velocity", 1.0);
+            let load = |step: u32| 5e3 * (1.0 + 0.8 * (0.4 * f64::from(step)).sin());
+            for step in 0..20 {
+                drive.set("normal_load", load(step)).slope("normal_load", (load(step + 1) - load(step)) / 0.25);
+                drive.step(0.25);
+            }
+            let worn = stations(&mut drive, "profile.wear_punch");
+            (worn, drive.0.work().0)
+        };
+        let (truth, _) = run(1e-8);
+        let scale = truth.iter().fold(0.0, |most: f64, depth| most.max(*depth));
+        let at = |tolerance: f64| {
+            let (worn, steps) = run(tolerance);
+            let square: f64 = worn.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum();
+            ((square / 33.0).sqrt() / scale, steps)
+        };
+        let results: Vec<(f64, u64)> = (0..5).map(|k| at(1e-2 * 0.1f64.powi(k))).collect();
+        for (k, (error, steps)) in results.iter().enumerate() {
+            let tolerance = 1e-2 * 0.1f64.powi(k as i32);
+            assert!(*error < tolerance, "b = {exponent}, {tolerance:e}: {error:e} in {steps} steps");
+        }
+        // Two decades of the tolerance: ten times the steps, a hundredth of the error.
+        let ratio = (results[4].1 - 20) as f64 / (results[2].1 - 20) as f64;
+        assert!((7.0..13.0).contains(&ratio), "b = {exponent}: {results:?}");
+    }
 }

@@ -40,6 +40,11 @@ impl Driven {
         Ok(self.0.get(reference(name)?))
     }
 
+    /// Internal steps accepted and rejected so far.
+    pub fn work(&self) -> (u64, u64) {
+        self.0.work()
+    }
+
     /// `count` steps of `step` seconds.
     pub fn steps(&mut self, step: f64, count: u32) -> Result<(), String> {
         (0..count).try_for_each(|_| self.0.step(step))

@@ -137,7 +137,7 @@ fn stepped(cells: &Cells, friction: f64, height: Option<f64>, wear: f64) -> Resu
     let count = cells.count();
     let (normal, shear) = pair_operators(&Rigid.compliance(cells), &half_plane()?.compliance(cells));
     let mut contact = WearingContact::new(cells, cells.widths(), normal, shear, vec![0.0; count]).map_err(text)?;
-    let mut integrator = Integrator::new(Scheme::ImplicitEuler, 1.0, count);
+    let mut integrator = Integrator::new(Scheme::ImplicitEuler, count);
     let (mut worn, mut state) = (vec![0.0; count], ContactState::new(count));
     let mut means = [vec![0.0; count], vec![0.0; count]];
     for _ in 0..400 {

@@ -28,7 +28,7 @@ fn layer(cells: &Cells, nu: f64, height: f64, base: Base) -> Compliance {
 /// Steps of the default scheme under constant conditions; the state at the end.
 fn steps(contact: &mut WearingContact, worn: &mut [f64], rate: &CellRate, step: f64, count: usize) -> ContactState {
     let mut state = ContactState::new(worn.len());
-    let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, worn.len());
+    let mut integrator = Integrator::new(Scheme::Sdirk2, worn.len());
     let constant = conditions(rate.clone());
     for _ in 0..count {
         integrator.step(contact, worn, 0.0, step, &mut |_, now| now.clone_from(&constant), &mut state).unwrap();
@@ -198,7 +198,7 @@ fn a_velocity_of_a_picometre_per_second_wears_by_the_law_and_moves_nothing() {
             state.pressure
         } else {
             let mut state = ContactState::new(count);
-            let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, count);
+            let mut integrator = Integrator::new(Scheme::Sdirk2, count);
             let constant = &mut |_: f64, now: &mut Conditions| now.clone_from(&load);
             integrator.step(&mut contact, &mut worn, 0.0, step, constant, &mut state).unwrap();
             assert!((cells.integral(&worn) / volume - 1.0).abs() < 1e-12, "{:e} {volume:e}", cells.integral(&worn));
@@ -219,7 +219,7 @@ fn a_velocity_of_100_metres_per_second_ends_in_the_steady_state_at_once() {
     // Punch: even pressure after a few steps 10,000 and more times the relaxation.
     let mut punch = contact(&cells, normal.clone(), vec![0.0; count]);
     let (mut worn, mut state) = (vec![0.0; count], ContactState::new(count));
-    let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, count);
+    let mut integrator = Integrator::new(Scheme::Sdirk2, count);
     for _ in 0..5 {
         let constant = &mut |_: f64, now: &mut Conditions| now.clone_from(&load);
         integrator.step(&mut punch, &mut worn, 0.0, step, constant, &mut state).unwrap();

@@ -148,7 +148,7 @@ impl Relaxation {
         Ok(Stepper {
             contact,
             conditions,
-            schemes: [explicit, default].map(|scheme| Integrator::new(scheme, 1.0, count)),
+            schemes: [explicit, default].map(|scheme| Integrator::new(scheme, count)),
             worn: vec![0.0; count],
             state: ContactState::new(count),
         })

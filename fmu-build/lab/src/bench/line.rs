@@ -139,7 +139,7 @@ impl Line {
         let zero = (WorkCounter::default(), 0);
         Ok(Self {
             contact,
-            integrator: Integrator::new(Scheme::Sdirk2, 1.0, count),
+            integrator: Integrator::new(Scheme::Sdirk2, count),
             worn: vec![0.0; count],
             state: ContactState::new(count),
             before: zero,

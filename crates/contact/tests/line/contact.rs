@@ -6,7 +6,6 @@ use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid};
 use exact::{FlatPunch, HertzLine, friction_exponent};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use verification::integrator::{Integrator, Scheme};
 
 /// Counts the allocations of every thread.
 struct Counting;
@@ -149,52 +148,66 @@ fn drive(step: usize, conditions: &mut Conditions) {
     conditions.rate.terms[0].coefficient = (1.0 + 0.5 * (0.3 * n).cos()).into();
 }
 
-fn step(
-    step: usize,
-    exponent: f64,
-    integrator: &mut Integrator,
-    contact: &mut WearingContact,
-    worn: &mut [f64],
-    state: &mut ContactState,
-) {
-    let mut conditions = |_: f64, c: &mut Conditions| {
-        if c.rate.terms.is_empty() {
-            c.rate = CellRate::uniform(1.0, 1.0, exponent);
+/// The contact and its conditions of the step under way.
+struct Strokes {
+    contact: WearingContact,
+    worn: Vec<f64>,
+    gap: Vec<f64>,
+    state: ContactState,
+    conditions: Conditions,
+}
+
+impl Strokes {
+    fn new(exponent: f64, worn: Vec<f64>) -> Strokes {
+        let conditions = Conditions {
+            signed_friction: 0.0,
+            normal: Normal::Load(0.0),
+            tilt: Tilt::Fixed(0.0),
+            rate: CellRate::uniform(1.0, 1.0, exponent),
+        };
+        let count = worn.len();
+        Strokes { contact: wearing(count), worn, gap: vec![0.0; count], state: ContactState::new(count), conditions }
+    }
+
+    /// Step by the implicit Euler method.
+    fn step(&mut self, step: usize) {
+        const LENGTH: f64 = 0.05;
+        drive(step, &mut self.conditions);
+        for ((gap, initial), worn) in self.gap.iter_mut().zip(self.contact.initial_gap()).zip(&self.worn) {
+            *gap = initial + worn;
         }
-        drive(step, c);
-    };
-    integrator.step(contact, worn, 0.0, 0.05, &mut conditions, state).unwrap();
+        self.contact.stage_into(&self.gap, LENGTH, &self.conditions, &mut self.state).unwrap();
+        for (i, depth) in self.worn.iter_mut().enumerate() {
+            *depth += LENGTH * self.conditions.rate.rate(i, self.state.pressure[i]);
+        }
+    }
 }
 
 #[test]
 fn steps_allocate_nothing_and_replay_to_the_last_bit() {
     for exponent in [0.4, 1.0, 2.5] {
-        let (mut contact, mut integrator) = (wearing(33), Integrator::new(Scheme::Sdirk2, 1.0, 33));
-        let (mut worn, mut state) = (vec![0.0; 33], ContactState::new(33));
-        step(0, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
+        let mut strokes = Strokes::new(exponent, vec![0.0; 33]);
+        strokes.step(0);
         let before = ALLOCATIONS.get();
         for n in 1..40 {
-            step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
+            strokes.step(n);
         }
         assert_eq!(ALLOCATIONS.get(), before, "b {exponent}");
         // Saved as numbers, restored into a contact that has not taken these steps.
-        let (mut numbers, saved) = (Vec::new(), worn.clone());
-        contact.status().save(&mut numbers);
+        let mut numbers = Vec::new();
+        strokes.contact.status().save(&mut numbers);
         assert_eq!(numbers.len(), WarmStart::saved_len(33));
-        for n in 40..80 {
-            step(n, exponent, &mut integrator, &mut contact, &mut worn, &mut state);
-        }
         let mut status = WarmStart::new(33);
         status.load(&mut numbers.iter()).unwrap();
         assert!(WarmStart::new(33).load(&mut numbers[1..].iter()).is_none());
-        let (mut other, mut replayed, mut end) = (wearing(33), saved, ContactState::new(33));
-        other.set_status(&status);
-        let mut integrator = Integrator::new(Scheme::Sdirk2, 1.0, 33);
+        let mut other = Strokes::new(exponent, strokes.worn.clone());
+        other.contact.set_status(&status);
         for n in 40..80 {
-            step(n, exponent, &mut integrator, &mut other, &mut replayed, &mut end);
+            strokes.step(n);
+            other.step(n);
         }
-        assert_eq!((replayed, end), (worn, state.clone()), "b {exponent}");
-        assert_eq!(other.status(), contact.status(), "b {exponent}");
+        assert_eq!((&other.worn, &other.state), (&strokes.worn, &strokes.state), "b {exponent}");
+        assert_eq!(other.contact.status(), strokes.contact.status(), "b {exponent}");
     }
 }
 

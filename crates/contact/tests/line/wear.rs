@@ -1,0 +1,235 @@
+//! Wear of the contact line against closed forms: Galin's eigenvalues, the explicit bound, annulus, rotating punch.
+
+use super::implicit_step;
+use contact::wear::line::{CellRate, Coefficient, Conditions, WearTerm, WearingContact, explicit_limit};
+use contact::{ContactSolver, Normal, Tilt, pair_operators};
+use elasticity::{Cells, ElasticBody, HalfPlane, Material, Rigid, Winkler};
+use exact::{GalinRelaxation, annular_pressure, unidirectional_rotating_pressure};
+use test_support::Random;
+
+/// E* = 1 and a = 1, k = 1: time is the tau of the exact solution.
+fn unit_half_plane() -> HalfPlane {
+    HalfPlane { material: Material::new(0.91, 0.3).unwrap() }
+}
+
+/// A rigid punch on a body. The shear coupling includes the friction coefficient; the conditions supply its sign.
+fn contact(cells: &Cells, body: &dyn ElasticBody, friction: f64, gap: Vec<f64>) -> WearingContact {
+    let (normal, shear) = pair_operators(&Rigid.compliance(cells), &body.compliance(cells));
+    WearingContact::new(cells, cells.widths(), normal, shear * friction, gap).unwrap()
+}
+
+fn unidirectional(load: f64, tilt: Tilt, rate: CellRate) -> Conditions {
+    Conditions { signed_friction: 1.0, normal: Normal::Load(load), tilt, rate }
+}
+
+fn power_rate(exponent: f64) -> CellRate {
+    CellRate::uniform(1.0, 1.0, exponent)
+}
+
+#[test]
+fn galin_eigenvalues() {
+    // Eigenvalues of C on the zero-mean space, from the steps' own compliance: C phi = Lambda phi + constant.
+    let exact = GalinRelaxation::new(60).eigenvalues(3);
+    for (count, bound) in [(64, 5e-3), (256, 3e-4)] {
+        let cells = Cells::graded(1.0, count).unwrap();
+        let normal = unit_half_plane().compliance(&cells).normal;
+        let root: Vec<f64> = cells.widths().iter().map(|c| (c / 2.0).sqrt()).collect();
+        let mut matrix = nalgebra::DMatrix::from_fn(count, count, |i, j| normal[(i, j)] * root[i] / root[j]);
+        // Projection on the complement of the unit vector `root`.
+        let unit = nalgebra::DVector::from_column_slice(&root);
+        let image = &matrix * &unit;
+        let energy = unit.dot(&image);
+        matrix -= &image * unit.transpose() + &unit * image.transpose();
+        matrix += &unit * unit.transpose() * energy;
+        let mut values: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
+        values.sort_by(|a, b| b.total_cmp(a));
+        let errors: Vec<f64> = (0..3).map(|i| (values[i] / exact[i] - 1.0).abs()).collect();
+        println!("Galin eigenvalues N {count}: {errors:?}");
+        assert!(errors.iter().all(|e| *e < bound), "N {count}: {errors:?}");
+    }
+}
+
+#[test]
+fn explicit_bound_on_uniform_cells() {
+    let count = 100;
+    let cells = Cells::uniform(1.0, count).unwrap();
+    let conditions = unidirectional(200.0, Tilt::Fixed(0.0), CellRate::archard(1.0, 1.0));
+    let fresh = || contact(&cells, &unit_half_plane(), 0.0, vec![0.0; count]);
+    let start = fresh().pressure(&vec![0.0; count], &conditions).unwrap();
+    let limit = explicit_limit(&mut fresh(), &conditions, &start.pressure);
+    let factor = limit / 0.02;
+    println!("explicit limit: {factor} c/E*");
+    assert!((factor - 1.0855).abs() < 1e-3, "{factor}");
+    // The least damped mode (a sawtooth), stepped explicitly beyond the bound to show the instability that refusal prevents.
+    let deviation = |share: f64, steps: usize| {
+        let mut contact = fresh();
+        let mut worn: Vec<f64> = (0..count).map(|i| if i % 2 == 0 { 1e-3 } else { -1e-3 }).collect();
+        let mut last = 0.0;
+        for _ in 0..steps {
+            let pressure = contact.pressure(&worn, &conditions).unwrap().pressure;
+            for (w, p) in worn.iter_mut().zip(&pressure) {
+                *w += share * limit * p;
+            }
+            last = (0..count - 1).map(|i| (pressure[i + 1] - pressure[i]).abs()).fold(0.0, f64::max);
+        }
+        last
+    };
+    assert!(deviation(0.98, 400) < 0.01 * deviation(0.98, 1));
+    assert!(deviation(1.02, 400) > 100.0 * deviation(1.02, 1).min(1.0), "{}", deviation(1.02, 400));
+}
+
+#[test]
+fn explicit_bound_on_a_winkler_foundation() {
+    let cells = Cells::graded(1.0, 12).unwrap();
+    let mut contact = contact(&cells, &Winkler::new(4.0).unwrap(), 0.0, vec![0.0; 12]);
+    let conditions = unidirectional(2.0, Tilt::ResultantAt(0.2), CellRate::archard(1.0, 1.0));
+    let limit = explicit_limit(&mut contact, &conditions, &[1.0; 12]);
+    assert!((limit - 0.5).abs() < 1e-12, "{limit}");
+}
+
+#[test]
+fn steps_of_any_length_end_in_uniform_wear() {
+    // 10,000 times the explicit limit and more, exponents from .3 to 3, friction, edges that unload.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    for exponent in [0.3, 0.5, 1.0, 2.0, 3.0] {
+        let conditions = unidirectional(2.0, Tilt::Fixed(0.0), power_rate(exponent));
+        let gap: Vec<f64> = cells.centres().iter().map(|x| 3.0 * x * x).collect();
+        let mut contact = contact(&cells, &unit_half_plane(), 0.5, gap);
+        let mut worn = vec![0.0; 33];
+        for _ in 0..12 {
+            implicit_step(&mut contact, &mut worn, 1e4, &conditions);
+        }
+        let state = contact.pressure(&worn, &conditions).unwrap();
+        let error = state.pressure.iter().map(|p| (p - 1.0).abs()).fold(0.0, f64::max);
+        assert!(error < 1e-6, "b {exponent}: {error:e}");
+    }
+}
+
+#[test]
+fn stages_satisfy_every_condition() {
+    // Exponents, stage lengths over 16 decades, rough surfaces, both holders: the residual of the nonlinear problem.
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let mut random = Random(1);
+    for exponent in [0.3, 0.5, 1.0, 1.7, 3.0] {
+        let mut contact = contact(&cells, &unit_half_plane(), 0.4, vec![0.0; 33]);
+        for round in 0..40 {
+            let tau = 10f64.powf(16.0 * random.next() - 8.0);
+            let worn: Vec<f64> = (0..33).map(|_| 3.0 * random.next().powi(4)).collect();
+            let load = 10f64.powf(4.0 * random.next() - 2.0);
+            let tilt = if round % 2 == 0 { Tilt::Fixed(0.1) } else { Tilt::ResultantAt(0.4) };
+            let conditions = unidirectional(load, tilt, power_rate(exponent));
+            let state = contact.stage(&worn, tau, &conditions).unwrap();
+            let pressure = nalgebra::DVector::from_column_slice(&state.pressure);
+            let displacement = contact.compliance(1.0) * &pressure;
+            let scale = state.approach.abs() + displacement.amax() + tau * load.powf(exponent);
+            for i in 0..33 {
+                let wear = tau * conditions.rate.rate(i, pressure[i]);
+                let gap = worn[i] + wear + displacement[i] - state.approach - state.tilt * cells.centres()[i];
+                assert!((gap - state.gap[i]).abs() < 1e-8 * scale, "b {exponent} tau {tau:e} cell {i}: {gap:e}");
+                assert!(state.gap[i] >= 0.0 && pressure[i] >= 0.0 && state.gap[i] * pressure[i] == 0.0);
+            }
+            assert!((cells.integral(&state.pressure) / load - 1.0).abs() < 1e-9, "b {exponent} tau {tau:e}");
+            if round % 2 == 1 {
+                assert!((cells.moment(&state.pressure) / load - 0.4).abs() < 1e-9, "b {exponent} tau {tau:e}");
+            }
+        }
+        println!("b {exponent}: {} Newton iterations in 40 stages", contact.newton_iterations());
+    }
+}
+
+#[test]
+fn annular_punch_runs_in() {
+    // Radius 1.5 + x, speed in proportion to it, load weighted with the area.
+    let cells = Cells::graded(0.5, 33).unwrap();
+    let relative: Vec<f64> = cells.centres().iter().map(|x| (1.5 + x) / 1.5).collect();
+    let weights: Vec<f64> = cells.widths().iter().zip(&relative).map(|(c, r)| c * r).collect();
+    let compliance = unit_half_plane().compliance(&cells).normal;
+    for (a, b) in [(1.0, 1.0), (2.0, 1.0), (1.0, 0.5), (0.5, 1.5)] {
+        let coefficient = relative.iter().map(|r: &f64| r.powf(a)).collect();
+        let rate = CellRate {
+            reference_pressure: 1.0,
+            terms: vec![WearTerm { coefficient: Coefficient::PerCell(coefficient), exponent: b }],
+        };
+        let mut contact =
+            WearingContact::new(&cells, &weights, compliance.clone(), &compliance * 0.0, vec![0.0; 33]).unwrap();
+        let conditions = unidirectional(2.0, Tilt::Fixed(0.0), rate);
+        let mut worn = vec![0.0; 33];
+        for step in 0..60 {
+            implicit_step(&mut contact, &mut worn, 0.1 * 1.3f64.powi(step), &conditions);
+        }
+        let pressure = contact.pressure(&worn, &conditions).unwrap().pressure;
+        for (x, p) in cells.centres().iter().zip(&pressure) {
+            let error = p / annular_pressure(1.5 + x, 2.0, (1.0, 2.0), (a, b)) - 1.0;
+            assert!(error.abs() < 2e-3, "a {a} b {b} x {x}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn unidirectional_punch_free_to_rotate() {
+    let cells = Cells::graded(0.5, 33).unwrap();
+    for lever in [0.1, 1.0 / 6.0] {
+        let mut contact = contact(&cells, &unit_half_plane(), 0.3, vec![0.0; 33]);
+        let conditions = unidirectional(1.0, Tilt::ResultantAt(lever), CellRate::archard(1.0, 1.0));
+        let mut worn = vec![0.0; 33];
+        for step in 0..60 {
+            implicit_step(&mut contact, &mut worn, 0.1 * 1.3f64.powi(step), &conditions);
+        }
+        let state = contact.pressure(&worn, &conditions).unwrap();
+        for (x, p) in cells.centres().iter().zip(&state.pressure) {
+            let error = p - unidirectional_rotating_pressure(*x, lever, 1.0);
+            // The moment is taken on cells of constant pressure: second order.
+            assert!(error.abs() < 5e-3, "lever {lever} x {x}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn a_load_of_zero_stops_the_wear() {
+    let cells = Cells::graded(1.0, 9).unwrap();
+    let mut contact = contact(&cells, &unit_half_plane(), 0.3, vec![0.0; 9]);
+    for exponent in [0.3, 1.0, 3.0] {
+        let conditions = unidirectional(0.0, Tilt::ResultantAt(0.1), power_rate(exponent));
+        let mut worn = vec![1e-3; 9];
+        implicit_step(&mut contact, &mut worn, 10.0, &conditions);
+        assert_eq!(worn, vec![1e-3; 9]);
+    }
+    let mut solver = ContactSolver::new(&cells, contact.compliance(1.0)).unwrap();
+    assert_eq!(solver.solve(&[0.0; 9], Normal::Load(0.0), Tilt::Fixed(0.0)).unwrap().pressure, [0.0; 9]);
+}
+
+/// A light load leaves displacements that are small compared with the gap. Rounding errors then make the active set cycle where a
+/// cell is about to touch, however short the stage.
+#[test]
+fn light_loads_on_wide_gaps_are_solved_to_rounding() {
+    let cells = Cells::graded(1.0, 33).unwrap();
+    let terms = [1.52, 0.88].map(|exponent| WearTerm { exponent, coefficient: Coefficient::Uniform(1.0) });
+    let rate = CellRate { terms: terms.to_vec(), reference_pressure: 1.0 };
+    for wide in [1e-3, 1e-1, 1.0] {
+        let gap = cells.centres().iter().map(|x| wide + 1e-6 * (9.0 * x).sin()).collect();
+        let mut contact = contact(&cells, &unit_half_plane(), 0.0, gap);
+        let mut touching = |load: f64| {
+            let conditions = unidirectional(load, Tilt::Fixed(0.0), rate.clone());
+            let found = contact.stage(&[0.0; 33], 1e-12, &conditions).unwrap();
+            let carried: f64 = found.pressure.iter().zip(cells.widths()).map(|(p, c)| p * c).sum();
+            assert!((carried / load - 1.0).abs() < 1e-4, "{wide} {load:e}: {carried:e}");
+            found.pressure.iter().filter(|p| **p > 0.0).count()
+        };
+        for load in [1e-7, 3e-7, 1e-6, 3e-6] {
+            // The next cell touches somewhere between.
+            let (mut low, mut high) = (load, 1.5 * load);
+            let few = touching(low);
+            while touching(high) <= few {
+                high *= 1.5;
+            }
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if touching(middle) > few {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+        }
+    }
+}
