@@ -103,7 +103,7 @@ fn direct_cycle_equals_time_stepping() {
             let direct = problem.solve().unwrap();
             let (normal, shear) = pair_operators(&punch, &strip);
             let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; 33]).unwrap();
-            let mut integrator = Integrator::new(Scheme::ImplicitEuler, 1.0, cells.count());
+            let mut integrator = Integrator::new(Scheme::ImplicitEuler, cells.count());
             let mut worn = vec![0.0; 33];
             let mut half_stroke = |worn: &mut Vec<f64>, direction: Direction| {
                 let sign = if direction == Direction::Forward { 1.0 } else { -1.0 };
@@ -256,7 +256,7 @@ fn unidirectional_equals_time_stepping() {
         let gap: Vec<f64> = cells.centres().iter().map(|x| 0.1 * x * x).collect();
         let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, gap.clone()).unwrap();
         let conditions = Conditions { signed_friction: 0.2, normal: Normal::Load(LOAD), tilt, rate };
-        let mut integrator = Integrator::new(Scheme::ImplicitEuler, 1.0, cells.count());
+        let mut integrator = Integrator::new(Scheme::ImplicitEuler, cells.count());
         let mut worn = vec![0.0; 33];
         for step in 0..60 {
             let length = 0.1 * 1.2f64.powi(step);

@@ -160,7 +160,7 @@ fn time_stepping_takes_more_than_a_hundred_cycles_to_the_direct_steady_state() {
     let length = std::f64::consts::PI / 10.0 / f64::from(steps);
     let (normal, shear) = pair_operators(&bodies[0], &bodies[1]);
     let mut contact = WearingContact::new(&cells, cells.widths(), normal, shear, vec![0.0; COUNT]).unwrap();
-    let mut integrator = Integrator::new(Scheme::Sdirk2, 1e-3, COUNT);
+    let mut integrator = Integrator::new(Scheme::Sdirk2, COUNT);
     let (mut worn, mut found) = (vec![0.0; COUNT], ContactState::new(COUNT));
     let mut cycles = 0;
     let last = loop {

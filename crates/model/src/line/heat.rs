@@ -14,7 +14,6 @@
 //!
 //! Theory: docs/theory.md, sections 6.1, 6.2.
 
-mod acceleration;
 mod accept;
 pub mod air;
 pub mod bodies;
@@ -31,11 +30,11 @@ pub mod state;
 
 use super::operators::LineOperators;
 use crate::fastest_growth::FastestGrowth;
-use acceleration::Acceleration;
 use bodies::Bodies;
 use conduction::line::{Surroundings, ThermalBody};
 use contact::wear::line::WearingContact;
 use growth::GrowthGuard;
+use numerics::acceleration::Anderson;
 use partition::HeatPartition;
 use partitions::PartitionCache;
 use scene::Scheme;
@@ -46,6 +45,9 @@ const ROUNDING: f64 = 0.02;
 
 /// Number of cells above which products in single precision are faster; smaller operators fit the processor's caches.
 const MANY: usize = 72;
+
+/// Differences stored for the Anderson acceleration of a stage.
+const ACCELERATION_DEPTH: usize = 8;
 
 /// Linearization point of the operators reused from step to step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -96,8 +98,9 @@ pub struct ThermalCoupling {
     reference: FrozenCoefficients,
     /// Largest number of iterations of a stage in the step under way.
     iterations: usize,
-    /// Anderson acceleration of the stage iteration.
-    acceleration: Acceleration,
+    /// Anderson acceleration of the stage iteration: of pressure, flux into the punch and contact temperature; 1/Pa, m2/W and 1/K scale their residuals.
+    anderson: Anderson<ACCELERATION_DEPTH>,
+    acceleration_scale: [f64; 3],
     /// The operators of the stage are exact, so that one solution needs no iteration.
     exact: [bool; 2],
     /// Punch and strip have thermal expansion.
@@ -166,7 +169,8 @@ impl ThermalCoupling {
             velocity: [0.0; 2],
             reference: FrozenCoefficients::default(),
             iterations: 0,
-            acceleration: Acceleration::new(count),
+            anderson: Anderson::new(3 * count),
+            acceleration_scale: [0.0; 3],
             exact: [false; 2],
             expands,
             staggered: operators.scene.scheme == Scheme::Staggered,
@@ -210,7 +214,8 @@ impl Clone for ThermalCoupling {
             velocity: self.velocity,
             reference: self.reference,
             iterations: self.iterations,
-            acceleration: self.acceleration.clone(),
+            anderson: self.anderson.clone(),
+            acceleration_scale: self.acceleration_scale,
             exact: self.exact,
             expands: self.expands,
             staggered: self.staggered,

@@ -22,7 +22,7 @@ use model::line::heat::air::cooling;
 use model::line::heat::bodies::{Bodies, cooled_part};
 use model::line::hottest::Hottest;
 use nalgebra::{DMatrix, DVector};
-use numerics::acceleration::Acceleration;
+use numerics::acceleration::Anderson;
 use numerics::factorization;
 use numerics::maximum::maximum;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
@@ -34,6 +34,9 @@ const FOR_EVER: f64 = 1e8;
 const AGREEMENT: f64 = 1e-8;
 
 const MOST_ITERATIONS: usize = 200;
+
+/// Differences stored for the Anderson acceleration.
+const ACCELERATION_DEPTH: usize = 12;
 
 type Heat = [Option<Box<dyn ThermalBody>>; 2];
 
@@ -98,7 +101,7 @@ pub(super) fn solve(
     let mut iterate = vec![0.0; size];
     iterate.iter_mut().zip(&cold.strokes[0].pressure).for_each(|(value, p)| *value = p / mean);
     let weights: Vec<f64> = (0..size).map(|k| if k < count { 100.0 } else { 1.0 }).collect();
-    let mut acceleration = Acceleration::default();
+    let mut anderson = Anderson::<ACCELERATION_DEPTH>::new(size);
     let mut closed = vec![true; count];
     let mut change = f64::INFINITY;
     for iterations in 1..=MOST_ITERATIONS {
@@ -119,11 +122,12 @@ pub(super) fn solve(
         }
         if touching != closed {
             closed = touching;
-            acceleration.clear();
-            iterate = answer;
+            anderson.clear();
         } else {
-            iterate = acceleration.next(iterate, step, &weights);
+            anderson.begin(&[&iterate]);
+            anderson.accelerate([&mut answer], |i| weights[i]);
         }
+        iterate = answer;
     }
     Err(SteadyError::NotSettled { iterations: MOST_ITERATIONS, change })
 }

@@ -17,7 +17,7 @@ use super::exchange::ExchangeSolver;
 use super::map::{CycleError, CycleMap, Passage};
 use super::tangent::WearJacobian;
 use nalgebra::{DVector, Dyn, LU};
-use numerics::acceleration::Acceleration;
+use numerics::acceleration::Anderson;
 use numerics::maximum::maximum;
 
 /// Least fraction of an entry of heat that counts as lost in a cycle: heat that leaves through the other body alone does not
@@ -32,6 +32,9 @@ const MOST_ACCELERATED: usize = 30;
 
 /// Ratio of speed to critical speed above which instability is reported as a possible reason for the absence of a steady cycle.
 const CLOSE: f64 = 0.5;
+
+/// Differences stored for the Anderson acceleration.
+const ACCELERATION_DEPTH: usize = 12;
 
 /// Convergence criterion and limit of an iteration.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -115,7 +118,8 @@ impl CycleMap {
     ) -> Result<Solution, CycleError> {
         let mut memory = start.to_vec();
         let mut newton: Option<Newton> = None;
-        let mut acceleration = Acceleration::default();
+        let mut anderson = Anderson::<ACCELERATION_DEPTH>::new(start.len());
+        let mut weights = Vec::new();
         let mut residual = [f64::INFINITY; 2];
         // Smallest step so far, and the iterate after it.
         let mut best = (f64::INFINITY, memory.clone());
@@ -127,7 +131,7 @@ impl CycleMap {
             let current = newton.take();
             if current.as_ref().is_none_or(|newton| changed(newton) > self.operators().count() / 8) {
                 // Another active set invalidates the earlier differences.
-                acceleration.clear();
+                anderson.clear();
             }
             let current = current.filter(|newton| changed(newton) == 0);
             let current = match current {
@@ -153,12 +157,16 @@ impl CycleMap {
                 best = (size, memory.iter().zip(&step).map(|(value, step)| value + step).collect());
             } else if size > ASTRAY * best.0 {
                 // Extrapolation has diverged: restart from the best iterate without it.
-                acceleration.clear();
+                anderson.clear();
                 memory.clone_from(&best.1);
                 continue;
             }
-            let weights = self.weights(&memory);
-            memory = acceleration.next(memory, step, &weights);
+            if anderson.is_clear() {
+                weights = self.weights(&memory);
+            }
+            anderson.begin(&[&memory]);
+            memory.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
+            anderson.accelerate([&mut memory], |i| weights[i]);
         }
         Err(CycleError::NotConverged { cycles: options.most_cycles, shape: residual[0], heat: residual[1] })
     }

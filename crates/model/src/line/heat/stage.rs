@@ -129,7 +129,7 @@ impl Line {
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
         let [mut pressures, mut temperatures, mut contact_temperatures] = [Convergence::default(); 3];
         heat.temperatures_current = false;
-        heat.acceleration.clear();
+        heat.anderson.clear();
         // Ratio of residual to change of an accelerated iteration.
         let mut residual_norm: Option<f64> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
@@ -146,7 +146,7 @@ impl Line {
             self.set_laws(heat, moment, by_cell);
             let compared = !heat.exact[s] && iteration >= ACCELERATED_FROM;
             if compared {
-                heat.acceleration.begin([&heat.pressure, &heat.flux[s][0], &heat.contact_temperature]);
+                heat.anderson.begin(&[&heat.pressure, &heat.flux[s][0], &heat.contact_temperature]);
             }
             let residual = heat.assemble_fluxes(stage, slip);
             heat.assemble_gap(stage, &self.work.gap);
@@ -200,12 +200,19 @@ impl Line {
                 return Ok(());
             }
             if !active_set_settled {
-                heat.acceleration.clear();
+                heat.anderson.clear();
                 residual_norm = None;
             } else if compared {
                 let most = largest(&heat.pressure);
                 let parts = [&mut heat.pressure[..], &mut heat.flux[s][0], &mut heat.contact_temperature];
-                let moved = heat.acceleration.accelerate(parts);
+                if heat.anderson.is_clear() {
+                    heat.acceleration_scale = parts.each_ref().map(|part| {
+                        let most = largest(part);
+                        if most > 0.0 { most.recip() } else { 0.0 }
+                    });
+                }
+                let scale = heat.acceleration_scale;
+                let moved = heat.anderson.accelerate(parts, |i| scale[i / count]).map(|[pressure, ..]| pressure);
                 residual_norm = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
                 if follows && moved.is_some() {
                     heat.temperatures_current = false;
