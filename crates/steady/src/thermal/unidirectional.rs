@@ -2,11 +2,11 @@
 //!
 //! Over a step much longer than the slowest time constant the bodies respond to a flux with their steady temperatures and
 //! distortion, so the equations of a stage of the coupled step, without wear, are those of the steady state: the heat partition
-//! is one linear system ([`HeatPartition`]), and the distortion a thermal compliance. Wear determines the pressure where the
+//! is one linear system ([`ActivePartition`]), and the distortion a thermal compliance. Wear determines the pressure where the
 //! punch wears; otherwise the pressure is that of the contact with this compliance. Temperature-dependent tables, radiation and
 //! forced convection require an iteration over the temperatures of the cells.
 
-use super::partition::HeatPartition;
+use super::partition::ActivePartition;
 use super::{Accuracy, HeatFlows, HotState, SteadyHeat, StrokeHeat};
 use crate::states::{Contact, Sliding, SteadyKind, SteadyState, direction, initial_gap, per_distance};
 use crate::{SteadyError, groove, punch_run_in};
@@ -57,8 +57,7 @@ struct Problem<'a> {
     bodies: Heat,
     /// Cooled lengths beside the contact, m.
     cooled_length: [f64; 2],
-    step: f64,
-    partition: HeatPartition,
+    partition: ActivePartition,
     half_resistance: f64,
     friction: FrictionLaw,
     laws: [WearLaw; 2],
@@ -79,14 +78,15 @@ pub(super) fn solve(
     let velocity = cold.strokes[0].velocity;
     let step = FOR_EVER * scene.nominal_duration;
     bodies.iter_mut().flatten().for_each(|body| body.prepare(step, [velocity; 2]));
+    let influence = bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
+    let partition = ActivePartition::new(influence, cells.widths(), scene.conductance);
     let law = |body: &Body| WearLaw::new(body, scene.friction_coefficient, &scene.friction_fade);
     let mut problem = Problem {
         contact: Contact::new(scene, cells, compliances, sliding),
         kind: cold.kind,
         bodies,
         cooled_length: made.cooled_length,
-        step,
-        partition: HeatPartition::new(cells.count(), scene.conductance),
+        partition,
         half_resistance: if scene.conductance > 0.0 { 0.5 / scene.conductance } else { 0.0 },
         friction: FrictionLaw::new(scene),
         laws: [law(&scene.punch), law(&scene.strip)],
@@ -175,7 +175,7 @@ impl Problem<'_> {
         }
         let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|body| body.influence(Stage::End)));
         let conducts = influence.map(|influence| influence.is_some());
-        self.partition.prepare((self.step, [velocity; 2]), influence, closed);
+        self.partition.set_active_set(influence, closed);
         let kinetic_coefficient = kinetic_coefficient.iter().zip(&self.radii);
         let slip: Vec<f64> = kinetic_coefficient
             .map(|(kinetic_coefficient, radius)| kinetic_coefficient * stribeck * sign * velocity * radius)
@@ -184,7 +184,7 @@ impl Problem<'_> {
             &self.partition.distortion * DMatrix::from_diagonal(&DVector::from_column_slice(&slip));
         // Heat exchange between the surfaces without friction.
         let mut exchanged = zero.clone();
-        self.partition.punch_flux(conducts, [&base[0], &base[1]], &zero, &mut exchanged);
+        self.partition.punch_flux(influence, [&base[0], &base[1]], &zero, &mut exchanged);
         let mut undeformed = DVector::from_iterator(count, (0..count).map(|i| moved[0][i] + moved[1][i]));
         if let [Some(punch), Some(strip)] = influence {
             let exchanged = DVector::from_column_slice(&exchanged);
@@ -193,7 +193,7 @@ impl Problem<'_> {
         let pressure = self.pressure(&undeformed, &thermal_compliance)?;
         let friction: Vec<f64> = (0..count).map(|i| if closed[i] { slip[i] * pressure[i] } else { 0.0 }).collect();
         let mut flux = [zero.clone(), zero.clone()];
-        self.partition.punch_flux(conducts, [&base[0], &base[1]], &friction, &mut flux[0]);
+        self.partition.punch_flux(influence, [&base[0], &base[1]], &friction, &mut flux[0]);
         if conducts[1] {
             flux[1] = (0..count).map(|i| friction[i] - flux[0][i]).collect();
         }
