@@ -279,3 +279,9 @@ pub trait ThermalBody: Debug + Send {
     /// A copy with weights of its own.
     fn boxed(&self) -> Box<dyn ThermalBody>;
 }
+
+impl Clone for Box<dyn ThermalBody> {
+    fn clone(&self) -> Self {
+        (**self).boxed()
+    }
+}

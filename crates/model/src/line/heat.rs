@@ -65,9 +65,70 @@ struct FrozenCoefficients {
     kinetic_coefficient: f64,
 }
 
-/// Thermal coupling of both bodies through the contact: bodies, operators and workspace of a step.
-#[derive(Debug)]
+/// Constants of the coupling.
+#[derive(Clone, Debug)]
+struct Parameters {
+    /// Punch and strip have thermal expansion.
+    expands: [bool; 2],
+    /// Operator split between contact and heat: the bodies have no first stage.
+    staggered: bool,
+    /// Thermal diffusivity of the strip, the body that slides, m2/s.
+    diffusivity: f64,
+    /// Sliding velocity of the cells over that at the mean radius.
+    ratio: Vec<f64>,
+    /// 1/(2 h_c), K m2/W; 0: no exchange.
+    half_resistance: f64,
+}
+
+/// Iterate of the stage under way, N values each, and workspace of the iteration.
+#[derive(Clone, Debug)]
+struct Iterate {
+    /// Pressure, which determines the friction heat of the stage, Pa, and mu s v of the cells, m/s.
+    pressure: Vec<f64>,
+    per_pressure: Vec<f64>,
+    /// Local contact temperature that enters friction and wear, K.
+    contact_temperature: Vec<f64>,
+    /// Cells in the active set: they carry friction heat and exchange heat.
+    closed: Vec<bool>,
+    /// The temperatures of the stage are up to date with its fluxes.
+    temperatures_current: bool,
+    /// Temperature (K) and distortion (m) of the bodies without flux in the stage.
+    free_response: [Vec<f64>; 2],
+    free_distortion: [Vec<f64>; 2],
+    gap: Vec<f64>,
+    difference: Vec<f64>,
+    sums: [Vec<f64>; 2],
+    /// Anderson acceleration: of pressure, flux into the punch and contact temperature; 1/Pa, m2/W and 1/K scale their residuals.
+    anderson: Anderson<ACCELERATION_DEPTH>,
+    acceleration_scale: [f64; 3],
+}
+
+impl Iterate {
+    fn new(count: usize) -> Iterate {
+        let zeros = || vec![0.0; count];
+        let pair = || [zeros(), zeros()];
+        Iterate {
+            pressure: zeros(),
+            per_pressure: zeros(),
+            contact_temperature: zeros(),
+            closed: vec![false; count],
+            temperatures_current: false,
+            free_response: pair(),
+            free_distortion: pair(),
+            gap: zeros(),
+            difference: zeros(),
+            sums: pair(),
+            anderson: Anderson::new(3 * count),
+            acceleration_scale: [0.0; 3],
+        }
+    }
+}
+
+/// Thermal coupling of both bodies through the contact: operators, the step under way and its stages.
+#[derive(Clone, Debug)]
 pub struct ThermalCoupling {
+    parameters: Parameters,
+    // Operators.
     /// Punch and strip; `None`: an insulator.
     pub bodies: [Option<Box<dyn ThermalBody>>; 2],
     /// Contact problem of either stage, with the thermal compliance of the stage added to its compliance.
@@ -75,75 +136,45 @@ pub struct ThermalCoupling {
     /// Heat partition of either stage, and the cache slot whose thermal compliance the contact problem of the stage holds.
     pub partitions: PartitionCache,
     installed: [usize; 2],
-    /// Fluxes into punch and strip at either stage, W/m2.
+    /// Linearization point of the operators reused from step to step.
+    reference: FrozenCoefficients,
+    growth: GrowthGuard,
+    // Step under way.
+    /// Length, s, and sliding velocities at its ends, m/s.
+    step: f64,
+    velocity: [f64; 2],
+    /// Ambient, far-face temperatures and cooling of the bodies.
+    pub surroundings: [Surroundings; 2],
+    /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
+    unpredicted_rise: [f64; 2],
+    /// Largest number of iterations of a stage.
+    iterations: usize,
+    // Either stage.
+    /// The operators of the stage are exact, so that one solution needs no iteration.
+    exact: [bool; 2],
+    /// Fluxes into punch and strip, W/m2.
     pub flux: [[Vec<f64>; 2]; 2],
-    /// Temperatures of punch and strip at either stage, K above the reference.
+    /// Temperatures of punch and strip, K above the reference.
     pub temperature: [[Vec<f64>; 2]; 2],
-    /// Friction heat at either stage, W/m2.
+    /// Friction heat, W/m2.
     pub friction: [Vec<f64>; 2],
+    // Stage under way.
+    iterate: Iterate,
     /// Kinetic friction coefficient of the cells at their temperature (without Stribeck factor).
     pub kinetic_coefficient: Vec<f64>,
     /// Wear depth rates of punch and strip at the reference pressure, m/s.
     pub reference_wear_rates: [Vec<f64>; 2],
-    /// Ambient, far-face temperatures and cooling of the bodies during the step under way.
-    pub surroundings: [Surroundings; 2],
-    /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
-    unpredicted_rise: [f64; 2],
-    /// Thermal distortion: displacement of both surfaces at the end of the step, m into the bodies.
+    /// Thermal distortion: displacement of both surfaces, m into the bodies.
     pub distortion: Vec<f64>,
-    /// Length of the step under way, s, and the sliding velocities at its ends, m/s.
-    step: f64,
-    velocity: [f64; 2],
-    /// Linearization point of the operators reused from step to step.
-    reference: FrozenCoefficients,
-    /// Largest number of iterations of a stage in the step under way.
-    iterations: usize,
-    /// Anderson acceleration of the stage iteration: of pressure, flux into the punch and contact temperature; 1/Pa, m2/W and 1/K scale their residuals.
-    anderson: Anderson<ACCELERATION_DEPTH>,
-    acceleration_scale: [f64; 3],
-    /// The operators of the stage are exact, so that one solution needs no iteration.
-    exact: [bool; 2],
-    /// Punch and strip have thermal expansion.
-    expands: [bool; 2],
-    /// Operator split between contact and heat: the bodies have no first stage.
-    staggered: bool,
-    /// Thermal diffusivity of the strip, the body that slides, m2/s.
-    diffusivity: f64,
-    /// Pressure of the current iterate, which determines the friction heat of the stage, Pa, and mu s v of the cells, m/s.
-    pressure: Vec<f64>,
-    per_pressure: Vec<f64>,
-    /// Sliding velocity of the cells over that at the mean radius.
-    ratio: Vec<f64>,
-    /// 1/(2 h_c), K m2/W; 0: no exchange.
-    half_resistance: f64,
-    /// Cells in the active set: they carry friction heat and exchange heat.
-    closed: Vec<bool>,
-    /// The temperatures of the stage under way are up to date with its fluxes.
-    temperatures_current: bool,
-    /// Local contact temperature that enters friction and wear, K.
-    contact_temperature: Vec<f64>,
-    pub(super) difference: Vec<f64>,
-    /// Bound of the growth rate of thermoelastic waves; heat partition of the stage examined by the growth guard, and workspace
-    /// for its matrix, N x N.
-    growth: FastestGrowth,
-    guard_partition: HeatPartition,
-    matrix: Vec<f64>,
-    growth_guard: GrowthGuard,
-    free_response: [Vec<f64>; 2],
-    free_distortion: [Vec<f64>; 2],
-    gap: Vec<f64>,
-    sums: [Vec<f64>; 2],
 }
 
 impl ThermalCoupling {
     /// Thermal coupling along the contact line of `operators`, at least one of whose bodies conducts.
     pub fn new(operators: &LineOperators, bodies: &Bodies) -> ThermalCoupling {
         let count = operators.count();
-        let zeros = || vec![0.0; count];
-        let pair = || [zeros(), zeros()];
+        let pair = || [vec![0.0; count], vec![0.0; count]];
         let conductance = operators.scene.conductance;
         let strip = &operators.scene.strip;
-        let expands = [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0);
         let smallest = operators.cells.widths().iter().copied().fold(f64::INFINITY, f64::min);
         let rounded = f64::from(f32::EPSILON) * count as f64;
         let rough = count > MANY && rounded <= ROUNDING * operators.scene.tolerance;
@@ -153,89 +184,32 @@ impl ThermalCoupling {
         // The first preparation allocates the workspaces, so that no step does.
         bodies.iter_mut().flatten().for_each(|own| own.prepare(1.0, [0.0; 2]));
         ThermalCoupling {
+            parameters: Parameters {
+                expands: [&operators.scene.punch, strip].map(|body| body.thermal_expansion > 0.0),
+                staggered: operators.scene.scheme == Scheme::Staggered,
+                diffusivity: strip.conductivity / strip.capacity(),
+                ratio: operators.radius_ratio.clone(),
+                half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
+            },
             bodies,
             contacts: [operators.contact(), operators.contact()],
             partitions: PartitionCache::new(&own, count),
             installed: [usize::MAX; 2],
+            reference: FrozenCoefficients::default(),
+            growth: GrowthGuard::new(FastestGrowth::new(&operators.scene, smallest), partition(), count),
+            step: 0.0,
+            velocity: [0.0; 2],
+            surroundings: [Surroundings::default(); 2],
+            unpredicted_rise: [0.0; 2],
+            iterations: 0,
+            exact: [false; 2],
             flux: [pair(), pair()],
             temperature: [pair(), pair()],
             friction: pair(),
-            kinetic_coefficient: zeros(),
+            iterate: Iterate::new(count),
+            kinetic_coefficient: vec![0.0; count],
             reference_wear_rates: pair(),
-            surroundings: [Surroundings::default(); 2],
-            distortion: zeros(),
-            unpredicted_rise: [0.0; 2],
-            step: 0.0,
-            velocity: [0.0; 2],
-            reference: FrozenCoefficients::default(),
-            iterations: 0,
-            anderson: Anderson::new(3 * count),
-            acceleration_scale: [0.0; 3],
-            exact: [false; 2],
-            expands,
-            staggered: operators.scene.scheme == Scheme::Staggered,
-            diffusivity: strip.conductivity / strip.capacity(),
-            pressure: zeros(),
-            per_pressure: zeros(),
-            ratio: operators.radius_ratio.clone(),
-            half_resistance: if conductance > 0.0 { 0.5 / conductance } else { 0.0 },
-            closed: vec![false; count],
-            temperatures_current: false,
-            contact_temperature: zeros(),
-            difference: zeros(),
-            growth: FastestGrowth::new(&operators.scene, smallest),
-            guard_partition: partition(),
-            matrix: vec![0.0; count * count],
-            growth_guard: GrowthGuard::new(count),
-            free_response: pair(),
-            free_distortion: pair(),
-            gap: zeros(),
-            sums: pair(),
-        }
-    }
-}
-
-impl Clone for ThermalCoupling {
-    fn clone(&self) -> ThermalCoupling {
-        ThermalCoupling {
-            bodies: std::array::from_fn(|body| self.bodies[body].as_ref().map(|heat| heat.boxed())),
-            contacts: self.contacts.clone(),
-            partitions: self.partitions.clone(),
-            installed: self.installed,
-            flux: self.flux.clone(),
-            temperature: self.temperature.clone(),
-            friction: self.friction.clone(),
-            kinetic_coefficient: self.kinetic_coefficient.clone(),
-            reference_wear_rates: self.reference_wear_rates.clone(),
-            surroundings: self.surroundings,
-            distortion: self.distortion.clone(),
-            unpredicted_rise: self.unpredicted_rise,
-            step: self.step,
-            velocity: self.velocity,
-            reference: self.reference,
-            iterations: self.iterations,
-            anderson: self.anderson.clone(),
-            acceleration_scale: self.acceleration_scale,
-            exact: self.exact,
-            expands: self.expands,
-            staggered: self.staggered,
-            diffusivity: self.diffusivity,
-            pressure: self.pressure.clone(),
-            per_pressure: self.per_pressure.clone(),
-            ratio: self.ratio.clone(),
-            half_resistance: self.half_resistance,
-            closed: self.closed.clone(),
-            temperatures_current: self.temperatures_current,
-            contact_temperature: self.contact_temperature.clone(),
-            difference: self.difference.clone(),
-            growth: self.growth.clone(),
-            guard_partition: self.guard_partition.clone(),
-            matrix: self.matrix.clone(),
-            growth_guard: self.growth_guard.clone(),
-            free_response: self.free_response.clone(),
-            free_distortion: self.free_distortion.clone(),
-            gap: self.gap.clone(),
-            sums: self.sums.clone(),
+            distortion: vec![0.0; count],
         }
     }
 }

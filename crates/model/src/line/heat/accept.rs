@@ -28,12 +28,12 @@ impl Line {
         let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
         for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
             let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(cells.widths());
-            let room = heat.difference.iter_mut().zip(&mut heat.sums[0]);
+            let room = heat.iterate.difference.iter_mut().zip(&mut heat.iterate.sums[0]);
             for ((difference, weighted), ((first, end), c)) in room.zip(fluxes) {
                 *difference = end - first;
                 *weighted = c * *difference;
             }
-            let square = dense::dot(&heat.difference, &heat.sums[0]);
+            let square = dense::dot(&heat.iterate.difference, &heat.iterate.sums[0]);
             let change = (square / (2.0 * cells.half_width())).sqrt();
             moved += of_distortion * change;
             temperature_error = maximum(temperature_error, of_temperature * change);
@@ -58,25 +58,29 @@ impl Line {
         let mut moved_square = 0.0;
         let mut temperature_error: f64 = 0.0;
         let mut rise: f64 = 1.0;
-        heat.sums[1].fill(0.0);
+        heat.iterate.sums[1].fill(0.0);
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
-            for (i, difference) in heat.difference.iter_mut().enumerate() {
+            for (i, difference) in heat.iterate.difference.iter_mut().enumerate() {
                 *difference = heat.flux[1][side][i] - heat.flux[0][side][i];
             }
-            heat.sums[0].fill(0.0);
-            dense::multiply_add(influence.temperature.as_slice(), &heat.difference, &mut heat.sums[0]);
-            if heat.expands[side] {
-                dense::multiply_add(influence.distortion.as_slice(), &heat.difference, &mut heat.sums[1]);
+            heat.iterate.sums[0].fill(0.0);
+            dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
+            if heat.parameters.expands[side] {
+                dense::multiply_add(
+                    influence.distortion.as_slice(),
+                    &heat.iterate.difference,
+                    &mut heat.iterate.sums[1],
+                );
             }
-            let square: f64 = heat.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
+            let square: f64 = heat.iterate.sums[0].iter().zip(widths).map(|(t, c)| c * t * t).sum();
             temperature_error = maximum(temperature_error, (square / width).sqrt());
             rise = heat.temperature[1][side].iter().fold(rise, |highest, t| highest.max(t.abs()));
         }
         // Under a given load a uniform displacement does not change the pressure.
-        let mean = operators.cells.integral(&heat.sums[1]) / width;
-        for (moved, c) in heat.sums[1].iter().zip(widths) {
+        let mean = operators.cells.integral(&heat.iterate.sums[1]) / width;
+        for (moved, c) in heat.iterate.sums[1].iter().zip(widths) {
             moved_square += c * (moved - mean) * (moved - mean);
         }
         let share = 0.5 - GAMMA;
@@ -101,7 +105,7 @@ impl Line {
             if let Some(own) = &heat.bodies[side] {
                 let [first, end] = [&heat.flux[0][side], &heat.flux[1][side]];
                 let (body, around) = (&mut state.bodies[side], &heat.surroundings[side]);
-                match (before, heat.staggered) {
+                match (before, heat.parameters.staggered) {
                     (Some(before), false) => own.advance_to(&before[side], body, around, first, end),
                     (None, false) => own.advance_from_end(body, around, first, end),
                     (before, true) => {

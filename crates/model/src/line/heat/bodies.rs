@@ -131,9 +131,9 @@ impl Bodies {
     pub fn copies(&self) -> [Option<Box<dyn ThermalBody>>; 2] {
         self.prototypes.each_ref().map(|body| {
             body.as_ref().map(|body| match body.lock() {
-                Ok(body) => body.boxed(),
+                Ok(body) => body.clone(),
                 // Nothing is ever written through the lock.
-                Err(poisoned) => poisoned.into_inner().boxed(),
+                Err(poisoned) => poisoned.into_inner().clone(),
             })
         })
     }

@@ -11,7 +11,8 @@ impl ThermalCoupling {
     /// Free response of both bodies: temperature and distortion at the stage for zero flux in it.
     pub(super) fn begin(&mut self, stage: Stage, state: &super::state::HeatState) {
         for side in 0..2 {
-            let (free_response, distortion) = (&mut self.free_response[side], &mut self.free_distortion[side]);
+            let (free_response, distortion) =
+                (&mut self.iterate.free_response[side], &mut self.iterate.free_distortion[side]);
             match &self.bodies[side] {
                 Some(own) => {
                     let around = &self.surroundings[side];
@@ -20,7 +21,7 @@ impl ThermalCoupling {
                         let back = -GAMMA * self.step;
                         known.iter_mut().zip(&state.slope[side]).for_each(|(value, slope)| *value = back * slope);
                     }
-                    match (stage, self.staggered) {
+                    match (stage, self.parameters.staggered) {
                         (Stage::End, false) => {
                             own.free_response_at_end(&state.bodies[side], around, known, free_response, distortion)
                         }
@@ -43,7 +44,7 @@ impl ThermalCoupling {
     /// exact.
     pub(super) fn install_thermal_compliance(&mut self, stage: Stage, slip: f64) -> Result<(), StageError> {
         let s = stage as usize;
-        self.partitions[s].set_active_set(&self.closed);
+        self.partitions[s].set_active_set(&self.iterate.closed);
         let known = self.is_solved_directly(self.partitions[s].open().len());
         let per_pressure = self.reference.per_pressure;
         let same_friction = |coefficient: &f64| coefficient * slip == per_pressure;
@@ -63,7 +64,7 @@ impl ThermalCoupling {
     /// linearization point.
     pub(super) fn is_solved_directly(&self, open: usize) -> bool {
         let partition = self.conducts() != [true, true] || self.partitions[0].is_exact_with(open);
-        self.reference.exact && !self.staggered && partition
+        self.reference.exact && !self.parameters.staggered && partition
     }
 
     /// Friction heat of the stage at the current pressure, and its partition by which the surface temperatures satisfy the
@@ -74,31 +75,32 @@ impl ThermalCoupling {
     pub(super) fn assemble_fluxes(&mut self, stage: Stage, slip: f64) -> f64 {
         let s = stage as usize;
         let conducts = self.conducts();
-        let exchanges = conducts == [true, true] && self.half_resistance > 0.0;
+        let exchanges = conducts == [true, true] && self.parameters.half_resistance > 0.0;
         for ((per_pressure, kinetic_coefficient), ratio) in
-            self.per_pressure.iter_mut().zip(&self.kinetic_coefficient).zip(&self.ratio)
+            self.iterate.per_pressure.iter_mut().zip(&self.kinetic_coefficient).zip(&self.parameters.ratio)
         {
             *per_pressure = kinetic_coefficient * slip * ratio;
         }
         let (friction, [punch, strip]) = (&mut self.friction[s], &mut self.flux[s]);
         if self.exact[s] {
-            self.pressure.fill(0.0);
+            self.iterate.pressure.fill(0.0);
             friction.fill(0.0);
             punch.fill(0.0);
             strip.fill(0.0);
             if exchanges {
-                let [of_punch, of_strip] = &self.free_response;
-                self.difference
+                let [of_punch, of_strip] = &self.iterate.free_response;
+                self.iterate
+                    .difference
                     .iter_mut()
                     .zip(of_strip.iter().zip(of_punch))
                     .for_each(|(residual, (strip, punch))| *residual = strip - punch);
-                self.partitions[s].exchange(&self.difference, punch);
+                self.partitions[s].exchange(&self.iterate.difference, punch);
                 strip.iter_mut().zip(&*punch).for_each(|(strip, punch)| *strip = -punch);
             }
-            self.temperatures_current = false;
+            self.iterate.temperatures_current = false;
             return 0.0;
         }
-        let known = self.pressure.iter().zip(&self.per_pressure);
+        let known = self.iterate.pressure.iter().zip(&self.iterate.per_pressure);
         for (heat, (pressure, per_pressure)) in friction.iter_mut().zip(known) {
             *heat = per_pressure * pressure;
         }
@@ -114,13 +116,13 @@ impl ThermalCoupling {
         if !exchanges {
             return 0.0;
         }
-        if !self.temperatures_current {
+        if !self.iterate.temperatures_current {
             self.update_temperatures(stage);
         }
         let residual_norm = self.residual_norm(stage);
-        self.temperatures_current = false;
+        self.iterate.temperatures_current = false;
         let (friction, [punch, strip]) = (&self.friction[s], &mut self.flux[s]);
-        self.partitions[s].exchange(&self.difference, punch);
+        self.partitions[s].exchange(&self.iterate.difference, punch);
         rest(strip, friction, punch, true);
         residual_norm
     }
@@ -130,10 +132,11 @@ impl ThermalCoupling {
         let s = stage as usize;
         let ([punch, strip], [punch_flux, strip_flux]) = (&self.temperature[s], &self.flux[s]);
         let (surfaces, fluxes) = (strip.iter().zip(punch), strip_flux.iter().zip(punch_flux));
-        for ((residual, (strip, punch)), (given, taken)) in self.difference.iter_mut().zip(surfaces).zip(fluxes) {
-            *residual = strip - punch + self.half_resistance * (given - taken);
+        for ((residual, (strip, punch)), (given, taken)) in self.iterate.difference.iter_mut().zip(surfaces).zip(fluxes)
+        {
+            *residual = strip - punch + self.parameters.half_resistance * (given - taken);
         }
-        self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
+        self.partitions[s].open().iter().for_each(|&i| self.iterate.difference[i] = 0.0);
     }
 
     /// Largest residual of the interface law, relative to the largest rise and jump of temperature; the residuals of the cells,
@@ -142,8 +145,8 @@ impl ThermalCoupling {
         let s = stage as usize;
         self.residual(stage);
         let scale = (largest(&self.temperature[s][0]).max(largest(&self.temperature[s][1])))
-            .max(self.half_resistance * largest(&self.friction[s]));
-        if scale > 0.0 { largest(&self.difference) / scale } else { 0.0 }
+            .max(self.parameters.half_resistance * largest(&self.friction[s]));
+        if scale > 0.0 { largest(&self.iterate.difference) / scale } else { 0.0 }
     }
 
     /// Gap before the deformation by the pressure: with wear and distortion, less the displacement of the current pressure
@@ -151,23 +154,31 @@ impl ThermalCoupling {
     pub(super) fn assemble_gap(&mut self, stage: Stage, gap: &[f64]) {
         let s = stage as usize;
         let moved = &mut self.distortion;
-        let [punch, strip] = &self.free_distortion;
+        let [punch, strip] = &self.iterate.free_distortion;
         moved.iter_mut().zip(punch.iter().zip(strip)).for_each(|(moved, (punch, strip))| *moved = punch + strip);
         if self.exact[s] {
             // The fluxes into strip and punch are opposite.
-            if self.bodies.iter().all(Option::is_some) && self.expands.contains(&true) {
+            if self.bodies.iter().all(Option::is_some) && self.parameters.expands.contains(&true) {
                 self.partitions[s].distort_relatively(&self.flux[s][0], moved);
             }
         } else {
-            self.difference.iter_mut().zip(&self.pressure).for_each(|(less, pressure)| *less = -pressure);
-            dense::multiply_add(self.partitions[s].thermal_compliance_values(), &self.difference, moved);
+            self.iterate
+                .difference
+                .iter_mut()
+                .zip(&self.iterate.pressure)
+                .for_each(|(less, pressure)| *less = -pressure);
+            dense::multiply_add(self.partitions[s].thermal_compliance_values(), &self.iterate.difference, moved);
             for side in 0..2 {
-                if let (Some(own), true) = (&self.bodies[side], self.expands[side]) {
+                if let (Some(own), true) = (&self.bodies[side], self.parameters.expands[side]) {
                     dense::multiply_add(own.influence(stage).distortion.as_slice(), &self.flux[s][side], moved);
                 }
             }
         }
-        self.gap.iter_mut().zip(gap.iter().zip(&*moved)).for_each(|(target, (gap, moved))| *target = gap + moved);
+        self.iterate
+            .gap
+            .iter_mut()
+            .zip(gap.iter().zip(&*moved))
+            .for_each(|(target, (gap, moved))| *target = gap + moved);
     }
 
     /// Sets the pressure found and updates the friction heat; returns the change of the pressure, relative to the largest. At a
@@ -177,30 +188,30 @@ impl ThermalCoupling {
         if self.exact[s] {
             return self.update_pressure_exactly(stage, pressure);
         }
-        let most = largest(pressure).max(largest(&self.pressure));
-        for ((own, new), moved) in self.pressure.iter_mut().zip(pressure).zip(&mut self.gap) {
+        let most = largest(pressure).max(largest(&self.iterate.pressure));
+        for ((own, new), moved) in self.iterate.pressure.iter_mut().zip(pressure).zip(&mut self.iterate.gap) {
             *moved = new - *own;
             *own = *new;
         }
-        let change = largest(&self.gap);
-        let known = self.pressure.iter().zip(&self.per_pressure);
+        let change = largest(&self.iterate.gap);
+        let known = self.iterate.pressure.iter().zip(&self.iterate.per_pressure);
         for ((own, difference), (pressure, per_pressure)) in
-            self.friction[s].iter().zip(&mut self.difference).zip(known)
+            self.friction[s].iter().zip(&mut self.iterate.difference).zip(known)
         {
             *difference = per_pressure * pressure - own;
         }
         // Open cells have no friction heat.
-        self.partitions[s].open().iter().for_each(|&i| self.difference[i] = 0.0);
-        for (friction, more) in self.friction[s].iter_mut().zip(&self.difference) {
+        self.partitions[s].open().iter().for_each(|&i| self.iterate.difference[i] = 0.0);
+        for (friction, more) in self.friction[s].iter_mut().zip(&self.iterate.difference) {
             *friction += more;
         }
         let change = if most > 0.0 { change / most } else { 0.0 };
-        self.temperatures_current = false;
+        self.iterate.temperatures_current = false;
         let conducts = self.conducts();
         let [punch, strip] = &mut self.flux[s];
         match conducts {
             [true, true] if change <= enough => {}
-            [true, true] => self.partitions[s].add_punch_flux(&self.difference, punch),
+            [true, true] => self.partitions[s].add_punch_flux(&self.iterate.difference, punch),
             [true, false] => punch.copy_from_slice(&self.friction[s]),
             [false, _] => {}
         }
@@ -211,8 +222,10 @@ impl ThermalCoupling {
     /// [`ThermalCoupling::update_pressure`] with exact operators: from zero pressure, without iteration.
     fn update_pressure_exactly(&mut self, stage: Stage, pressure: &[f64]) -> f64 {
         let s = stage as usize;
-        self.pressure.copy_from_slice(pressure);
-        for ((heat, pressure), per_pressure) in self.friction[s].iter_mut().zip(pressure).zip(&self.per_pressure) {
+        self.iterate.pressure.copy_from_slice(pressure);
+        for ((heat, pressure), per_pressure) in
+            self.friction[s].iter_mut().zip(pressure).zip(&self.iterate.per_pressure)
+        {
             *heat = per_pressure * pressure;
         }
         let conducts = self.conducts();
@@ -229,22 +242,22 @@ impl ThermalCoupling {
     /// Temperatures of both surfaces by their fluxes.
     pub(super) fn update_temperatures(&mut self, stage: Stage) {
         let s = stage as usize;
-        self.temperatures_current = true;
-        if self.exact[s] && self.half_resistance > 0.0 && self.bodies.iter().all(Option::is_some) {
+        self.iterate.temperatures_current = true;
+        if self.exact[s] && self.parameters.half_resistance > 0.0 && self.bodies.iter().all(Option::is_some) {
             // The temperature of the strip's surface follows from the interface law.
             let [punch, strip] = &mut self.temperature[s];
-            punch.copy_from_slice(&self.free_response[0]);
+            punch.copy_from_slice(&self.iterate.free_response[0]);
             if let Some(own) = &self.bodies[0] {
                 self.partitions[s].update_punch_temperature(own.influence(stage), &self.flux[s][0], punch);
             }
             let [taken, given] = &self.flux[s];
             for ((strip, punch), (taken, given)) in strip.iter_mut().zip(&*punch).zip(taken.iter().zip(given)) {
-                *strip = punch - self.half_resistance * (given - taken);
+                *strip = punch - self.parameters.half_resistance * (given - taken);
             }
             // The law does not hold on open cells, whose surfaces are separated.
             let open = self.partitions[s].open();
             if open.len() == strip.len() {
-                strip.copy_from_slice(&self.free_response[1]);
+                strip.copy_from_slice(&self.iterate.free_response[1]);
             } else {
                 open.iter()
                     .zip(self.partitions[s].open_temperature_jump())
@@ -254,7 +267,7 @@ impl ThermalCoupling {
         }
         for side in 0..2 {
             let temperature = &mut self.temperature[s][side];
-            temperature.copy_from_slice(&self.free_response[side]);
+            temperature.copy_from_slice(&self.iterate.free_response[side]);
             if let Some(own) = &self.bodies[side] {
                 dense::multiply_add(own.influence(stage).temperature.as_slice(), &self.flux[s][side], temperature);
             }
@@ -264,9 +277,9 @@ impl ThermalCoupling {
         let conducts = self.conducts();
         if let [true, false] | [false, true] = conducts {
             let own = usize::from(!conducts[1]);
-            for i in 0..self.closed.len() {
+            for i in 0..self.iterate.closed.len() {
                 let open_temperature_jump =
-                    if self.closed[i] { self.friction[s][i] * self.half_resistance } else { 0.0 };
+                    if self.iterate.closed[i] { self.friction[s][i] * self.parameters.half_resistance } else { 0.0 };
                 self.temperature[s][own][i] = self.temperature[s][1 - own][i] + open_temperature_jump;
             }
         }
@@ -275,11 +288,11 @@ impl ThermalCoupling {
     /// Adds the cells that carry pressure to the active set of heat exchange; returns whether it already contained them.
     pub(super) fn update_active_set(&mut self, pressure: &[f64]) -> bool {
         let mut settled = true;
-        for (closed, p) in self.closed.iter_mut().zip(pressure) {
+        for (closed, p) in self.iterate.closed.iter_mut().zip(pressure) {
             if *p > 0.0 && !*closed {
                 *closed = true;
                 settled = false;
-                self.temperatures_current = false;
+                self.iterate.temperatures_current = false;
             }
         }
         settled
@@ -288,16 +301,16 @@ impl ThermalCoupling {
     /// Thermal distortion of both surfaces at the end of the step: that of the last iteration plus the displacement of the
     /// pressure found through the thermal compliance.
     pub(super) fn distort_by_contact(&mut self) {
-        self.partitions[1].add_displacement(self.exact[1], &self.pressure, &mut self.distortion);
+        self.partitions[1].add_displacement(self.exact[1], &self.iterate.pressure, &mut self.distortion);
     }
 
     /// Thermal distortion of both surfaces at the end of the step.
     pub(super) fn distort(&mut self) {
         for (i, moved) in self.distortion.iter_mut().enumerate() {
-            *moved = self.free_distortion[0][i] + self.free_distortion[1][i];
+            *moved = self.iterate.free_distortion[0][i] + self.iterate.free_distortion[1][i];
         }
         for side in 0..2 {
-            if let (Some(own), true) = (&self.bodies[side], self.expands[side]) {
+            if let (Some(own), true) = (&self.bodies[side], self.parameters.expands[side]) {
                 dense::multiply_add(
                     own.influence(Stage::End).distortion.as_slice(),
                     &self.flux[1][side],

@@ -24,6 +24,8 @@
 //! Theory: docs/theory.md, section 7.6.
 
 use super::ThermalCoupling;
+use super::partition::HeatPartition;
+use crate::fastest_growth::FastestGrowth;
 use crate::instability::driving_body;
 use crate::line::Line;
 use crate::line::operators::LineOperators;
@@ -156,10 +158,10 @@ impl Line {
         {
             return true;
         }
-        if heat.growth.of_body(1, friction, speed) * step > GROWTH {
+        if heat.growth.bound.of_body(1, friction, speed) * step > GROWTH {
             return false;
         }
-        if heat.growth.of_body(0, friction, speed) * step <= GROWTH {
+        if heat.growth.bound.of_body(0, friction, speed) * step <= GROWTH {
             return true;
         }
         // With the unreduced punch this would require a factorisation for the other step.
@@ -172,10 +174,16 @@ impl Line {
     }
 }
 
-/// Memo of the last definiteness test of a stage matrix: contact, friction and wear change less often than a step is taken.
+/// Bound of the growth rate, and the last definiteness test of a stage matrix: contact, friction and wear change less often than a
+/// step is taken.
 #[derive(Clone, Debug)]
 pub(super) struct GrowthGuard {
-    /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s).
+    /// Bound of the growth rate of thermoelastic waves.
+    bound: FastestGrowth,
+    /// Heat partition of the stage under test, and workspace for its matrix, N x N.
+    partition: HeatPartition,
+    matrix: Vec<f64>,
+    /// Step (s), reference velocity (m/s), signed friction coefficient and mu s v (m/s) of the last test.
     arguments: [f64; 4],
     closed: Vec<bool>,
     /// Slope of wear depth with pressure, m/Pa, rounded down: wear only reduces growth, so this is conservative.
@@ -187,8 +195,17 @@ pub(super) struct GrowthGuard {
 const DROPPED: u64 = (1 << 48) - 1;
 
 impl GrowthGuard {
-    pub fn new(count: usize) -> GrowthGuard {
-        GrowthGuard { arguments: [f64::NAN; 4], closed: vec![false; count], slopes: vec![0.0; count], answer: false }
+    /// Guard of `count` cells.
+    pub fn new(bound: FastestGrowth, partition: HeatPartition, count: usize) -> GrowthGuard {
+        GrowthGuard {
+            bound,
+            partition,
+            matrix: vec![0.0; count * count],
+            arguments: [f64::NAN; 4],
+            closed: vec![false; count],
+            slopes: vec![0.0; count],
+            answer: false,
+        }
     }
 
     /// Stores the arguments of a test; returns whether they equal those of the stored result.
@@ -211,15 +228,15 @@ impl ThermalCoupling {
     fn definite(&mut self, step: f64, friction: f64, weights: &[f64], slope: impl Fn(usize) -> f64) -> bool {
         let key = (step, self.reference.velocity);
         let arguments = [step, self.reference.velocity, friction, self.reference.per_pressure];
-        if !self.growth_guard.store_arguments(arguments, &self.closed, slope) {
-            self.growth_guard.answer = self.is_definite(key, friction, weights);
+        if !self.growth.store_arguments(arguments, &self.iterate.closed, slope) {
+            self.growth.answer = self.is_definite(key, friction, weights);
         }
-        self.growth_guard.answer
+        self.growth.answer
     }
 
     fn is_definite(&mut self, key: (f64, f64), friction: f64, weights: &[f64]) -> bool {
         let (count, step) = (weights.len(), key.0);
-        if !self.guard_partition.is_for(key) {
+        if !self.growth.partition.is_for(key) {
             // The first stage of a step of `step`/(gamma 0.3) has that length. The response of the strip, which slides under the
             // waves, hardly depends on it.
             if let Some(punch) = &mut self.bodies[0] {
@@ -230,42 +247,42 @@ impl ThermalCoupling {
                 punch.as_ref().map(|own| own.influence(Stage::First)),
                 strip.as_ref().map(|own| own.influence(Stage::End)),
             ];
-            self.guard_partition.build(key, influence);
+            self.growth.partition.build(key, influence);
             if let Some(punch) = &mut self.bodies[0] {
                 punch.prepare(step, self.velocity);
             }
         }
         // Friction that decreases with temperature only reduces growth.
-        self.guard_partition.thermal_compliance(self.reference.per_pressure);
+        self.growth.partition.thermal_compliance(self.reference.per_pressure);
         self.contacts[1].set_low_rank_update(None);
         let compliance = self.contacts[1].compliance_values(friction);
         let own = self.partitions[1].thermal_compliance_values();
         let entry = |i: usize, j: usize| {
             let at = j * count + i;
-            compliance[at] - own[at] + self.guard_partition.thermal_compliance_values()[at]
+            compliance[at] - own[at] + self.growth.partition.thermal_compliance_values()[at]
         };
-        self.matrix.fill(0.0);
+        self.growth.matrix.fill(0.0);
         let mut largest: f64 = 0.0;
-        for j in (0..count).filter(|&j| self.closed[j]) {
-            for i in (j..count).filter(|&i| self.closed[i]) {
+        for j in (0..count).filter(|&j| self.iterate.closed[j]) {
+            for i in (j..count).filter(|&i| self.iterate.closed[i]) {
                 let mut value = 0.5 * (weights[i] * entry(i, j) + weights[j] * entry(j, i));
                 if i == j {
-                    value += weights[i] * self.growth_guard.slopes[i];
+                    value += weights[i] * self.growth.slopes[i];
                     largest = maximum(largest, value.abs() / (weights[i] * weights[i]));
                 }
-                self.matrix[j * count + i] = value;
+                self.growth.matrix[j * count + i] = value;
             }
         }
         // Changes of the load are penalised; the matrix has to be definite on the remaining pressures.
         for j in 0..count {
-            if !self.closed[j] {
-                self.matrix[j * count + j] = 1.0;
+            if !self.iterate.closed[j] {
+                self.growth.matrix[j * count + j] = 1.0;
                 continue;
             }
-            for i in (j..count).filter(|&i| self.closed[i]) {
-                self.matrix[j * count + i] += PENALTY * largest * weights[i] * weights[j];
+            for i in (j..count).filter(|&i| self.iterate.closed[i]) {
+                self.growth.matrix[j * count + i] += PENALTY * largest * weights[i] * weights[j];
             }
         }
-        dense::cholesky(&mut self.matrix, count)
+        dense::cholesky(&mut self.growth.matrix, count)
     }
 }

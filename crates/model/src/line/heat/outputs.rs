@@ -87,11 +87,11 @@ impl Line {
         let (Some(heat), Some(state)) = (&mut self.heat, &self.state.heat) else { return };
         let absolute = self.mean.state().reference;
         let [punch, strip] = &state.temperature;
-        for (i, contact_temperature) in heat.contact_temperature.iter_mut().enumerate() {
+        for (i, contact_temperature) in heat.iterate.contact_temperature.iter_mut().enumerate() {
             *contact_temperature = 0.5 * (punch[i] + strip[i]) + absolute;
         }
         let first = const { reference("profile.temperature") } as usize;
-        self.operators.profile.fill(&heat.contact_temperature, &mut values[first..first + STATIONS]);
+        self.operators.profile.fill(&heat.iterate.contact_temperature, &mut values[first..first + STATIONS]);
     }
 
     /// Derivatives along `seed`: at frozen states only ambient and far-face temperatures change heat flows, and no output

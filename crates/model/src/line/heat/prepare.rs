@@ -132,6 +132,6 @@ impl ThermalCoupling {
     fn validity_radius(&self, step: f64) -> f64 {
         let velocity_radius =
             self.bodies.iter().flatten().map(|own| own.velocity_validity()).fold(f64::INFINITY, f64::min);
-        velocity_radius.min(REACH * (self.diffusivity / step).sqrt())
+        velocity_radius.min(REACH * (self.parameters.diffusivity / step).sqrt())
     }
 }

@@ -86,7 +86,7 @@ impl Line {
         let earlier = match stage {
             Stage::First => {
                 let untouched = self.state.pressure.iter().all(|p| *p == 0.0);
-                for (closed, p) in heat.closed.iter_mut().zip(&self.state.pressure) {
+                for (closed, p) in heat.iterate.closed.iter_mut().zip(&self.state.pressure) {
                     *closed = *p > 0.0 || untouched;
                 }
                 heat.predict_first(state, &self.state.pressure);
@@ -99,7 +99,7 @@ impl Line {
             }
         };
         if moment.load == 0.0 {
-            heat.closed.fill(false);
+            heat.iterate.closed.fill(false);
         }
         let [first, end] = &mut heat.contacts;
         match stage {
@@ -112,13 +112,13 @@ impl Line {
         let fades = !operators.scene.friction_fade.flat;
         let by_cell = operators.wears_by_cell();
         for (contact_temperature, (punch, strip)) in
-            heat.contact_temperature.iter_mut().zip(earlier[0].iter().zip(&earlier[1]))
+            heat.iterate.contact_temperature.iter_mut().zip(earlier[0].iter().zip(&earlier[1]))
         {
             *contact_temperature = 0.5 * (punch + strip) + reference;
         }
         match fades {
             true => {
-                let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.contact_temperature);
+                let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.iterate.contact_temperature);
                 cells.for_each(|(kinetic_coefficient, contact_temperature)| {
                     *kinetic_coefficient = self.friction.kinetic_coefficient(*contact_temperature)
                 });
@@ -128,17 +128,17 @@ impl Line {
         let mut slip = moment.slip(stribeck);
         let enough = (PART * operators.scene.tolerance).clamp(LEAST, MOST);
         let [mut pressures, mut temperatures, mut contact_temperatures] = [Convergence::default(); 3];
-        heat.temperatures_current = false;
-        heat.anderson.clear();
+        heat.iterate.temperatures_current = false;
+        heat.iterate.anderson.clear();
         // Ratio of residual to change of an accelerated iteration.
         let mut residual_norm: Option<f64> = None;
         for iteration in 0..MAXIMUM_ITERATIONS {
             if fades {
                 moment.kinetic_coefficient =
-                    weighted(&heat.kinetic_coefficient, &heat.pressure, &operators.torque_weights);
+                    weighted(&heat.kinetic_coefficient, &heat.iterate.pressure, &operators.torque_weights);
                 moment.follow(sign * stribeck);
                 slip = moment.slip(stribeck);
-                heat.temperatures_current = false;
+                heat.iterate.temperatures_current = false;
             }
             heat.install_thermal_compliance(stage, slip)?;
             self.work.budget.solutions += 1;
@@ -146,7 +146,11 @@ impl Line {
             self.set_laws(heat, moment, by_cell);
             let compared = !heat.exact[s] && iteration >= ACCELERATED_FROM;
             if compared {
-                heat.anderson.begin(&[&heat.pressure, &heat.flux[s][0], &heat.contact_temperature]);
+                heat.iterate.anderson.begin(&[
+                    &heat.iterate.pressure,
+                    &heat.flux[s][0],
+                    &heat.iterate.contact_temperature,
+                ]);
             }
             let residual = heat.assemble_fluxes(stage, slip);
             heat.assemble_gap(stage, &self.work.gap);
@@ -158,12 +162,13 @@ impl Line {
                 // The matrix of the contact holds the friction coefficient of the linearization point; the difference to that of
                 // each cell is moved to the gap.
                 let known = heat.reference.friction.copysign(self.conditions.signed_friction);
-                let cells = heat.difference.iter_mut().zip(heat.kinetic_coefficient.iter().zip(&heat.pressure));
+                let cells =
+                    heat.iterate.difference.iter_mut().zip(heat.kinetic_coefficient.iter().zip(&heat.iterate.pressure));
                 for (difference, (kinetic_coefficient, pressure)) in cells {
                     *difference = (sign * kinetic_coefficient * stribeck - known) * pressure;
                 }
-                if largest(&heat.difference) > 0.0 {
-                    heat.contacts[s].add_shear_displacement(&heat.difference, &mut heat.gap);
+                if largest(&heat.iterate.difference) > 0.0 {
+                    heat.contacts[s].add_shear_displacement(&heat.iterate.difference, &mut heat.iterate.gap);
                 }
                 self.conditions.signed_friction = known;
             }
@@ -171,7 +176,7 @@ impl Line {
                 Stage::First => &mut self.work.first,
                 Stage::End => &mut self.work.end,
             };
-            heat.contacts[s].stage_into(&heat.gap, tau, &self.conditions, found)?;
+            heat.contacts[s].stage_into(&heat.iterate.gap, tau, &self.conditions, found)?;
             let change = heat.update_pressure(stage, &found.pressure, enough);
             let mut temperature_change: f64 = 0.0;
             if follows {
@@ -181,9 +186,10 @@ impl Line {
                     let contact_temperature = 0.5 * (punch[i] + strip[i]) + reference;
                     temperature_change = maximum(
                         temperature_change,
-                        (contact_temperature - heat.contact_temperature[i]).abs() / contact_temperature.abs().max(1.0),
+                        (contact_temperature - heat.iterate.contact_temperature[i]).abs()
+                            / contact_temperature.abs().max(1.0),
                     );
-                    heat.contact_temperature[i] = contact_temperature;
+                    heat.iterate.contact_temperature[i] = contact_temperature;
                     heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(contact_temperature);
                 }
             }
@@ -200,23 +206,25 @@ impl Line {
                 return Ok(());
             }
             if !active_set_settled {
-                heat.anderson.clear();
+                heat.iterate.anderson.clear();
                 residual_norm = None;
             } else if compared {
-                let most = largest(&heat.pressure);
-                let parts = [&mut heat.pressure[..], &mut heat.flux[s][0], &mut heat.contact_temperature];
-                if heat.anderson.is_clear() {
-                    heat.acceleration_scale = parts.each_ref().map(|part| {
+                let most = largest(&heat.iterate.pressure);
+                let parts =
+                    [&mut heat.iterate.pressure[..], &mut heat.flux[s][0], &mut heat.iterate.contact_temperature];
+                if heat.iterate.anderson.is_clear() {
+                    heat.iterate.acceleration_scale = parts.each_ref().map(|part| {
                         let most = largest(part);
                         if most > 0.0 { most.recip() } else { 0.0 }
                     });
                 }
-                let scale = heat.acceleration_scale;
-                let moved = heat.anderson.accelerate(parts, |i| scale[i / count]).map(|[pressure, ..]| pressure);
+                let scale = heat.iterate.acceleration_scale;
+                let moved =
+                    heat.iterate.anderson.accelerate(parts, |i| scale[i / count]).map(|[pressure, ..]| pressure);
                 residual_norm = moved.map(|moved| if change > 0.0 { moved / (most * change) } else { 1.0 });
                 if follows && moved.is_some() {
-                    heat.temperatures_current = false;
-                    let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.contact_temperature);
+                    heat.iterate.temperatures_current = false;
+                    let cells = heat.kinetic_coefficient.iter_mut().zip(&heat.iterate.contact_temperature);
                     cells.for_each(|(coefficient, temperature)| {
                         *coefficient = self.friction.kinetic_coefficient(*temperature)
                     });
@@ -239,9 +247,9 @@ impl Line {
         let reshaping = (0..2).filter(|&body| operators.reshapes(body));
         for (term, body) in self.conditions.rate.terms.iter_mut().zip(reshaping) {
             let residual = tau * (heat.reference_wear_rates[body][0] - reference[body]);
-            heat.difference.fill(residual);
-            operators.scale_by_relative_rates(body, &heat.pressure, &mut heat.difference);
-            heat.gap.iter_mut().zip(&heat.difference).for_each(|(gap, worn)| *gap += worn);
+            heat.iterate.difference.fill(residual);
+            operators.scale_by_relative_rates(body, &heat.iterate.pressure, &mut heat.iterate.difference);
+            heat.iterate.gap.iter_mut().zip(&heat.iterate.difference).for_each(|(gap, worn)| *gap += worn);
             term.coefficient = Coefficient::Uniform(reference[body]);
         }
     }
@@ -254,7 +262,7 @@ impl Line {
             let uniform = operators.coefficients(
                 moment.speed,
                 heat.kinetic_coefficient[0],
-                heat.contact_temperature[0],
+                heat.iterate.contact_temperature[0],
                 acceleration,
             );
             heat.reference_wear_rates
@@ -263,11 +271,11 @@ impl Line {
                 .for_each(|(reference_wear_rates, own)| reference_wear_rates.fill(own));
             return;
         }
-        for i in 0..heat.contact_temperature.len() {
+        for i in 0..heat.iterate.contact_temperature.len() {
             let own = operators.coefficients(
                 moment.speed,
                 heat.kinetic_coefficient[i],
-                heat.contact_temperature[i],
+                heat.iterate.contact_temperature[i],
                 acceleration,
             );
             (heat.reference_wear_rates[0][i], heat.reference_wear_rates[1][i]) = (own[0], own[1]);
@@ -297,7 +305,7 @@ impl Line {
         }
         if stage == Stage::End {
             self.contact.set_status(heat.contacts[s].status());
-            if !heat.temperatures_current {
+            if !heat.iterate.temperatures_current {
                 heat.update_temperatures(stage);
             }
             heat.distort_by_contact();

@@ -170,7 +170,7 @@ impl Line {
         let operators = &self.operators;
         let Some(state) = &self.state.heat else { return 0.0 };
         let reference = self.mean.state().reference;
-        for (i, contact_temperature) in heat.contact_temperature.iter_mut().enumerate() {
+        for (i, contact_temperature) in heat.iterate.contact_temperature.iter_mut().enumerate() {
             *contact_temperature = 0.5 * (state.temperature[0][i] + state.temperature[1][i]) + reference;
             heat.kinetic_coefficient[i] = self.friction.kinetic_coefficient(*contact_temperature);
         }
@@ -186,35 +186,35 @@ impl Line {
     /// Dominant growth factor of the map from the heat of one step of `step` s to that of the next, by power iteration, and the
     /// cosine between the last flux and its image.
     fn lag(&mut self, heat: &mut ThermalCoupling, step: f64, slip: f64) -> (f64, f64) {
-        let count = heat.gap.len();
+        let count = heat.iterate.gap.len();
         let fades = !self.operators.scene.friction_fade.flat;
         let reference = self.mean.state().reference;
         let (mut product, mut along) = (1.0, 1.0);
         // Start vector not orthogonal to the dominant direction.
-        for (i, flux) in heat.gap.iter_mut().enumerate() {
-            let closed = if heat.closed[i] { 1.0 } else { 0.0 };
+        for (i, flux) in heat.iterate.gap.iter_mut().enumerate() {
+            let closed = if heat.iterate.closed[i] { 1.0 } else { 0.0 };
             *flux = closed * ((0.618_033_988_75 * i as f64).fract() - 0.4);
         }
-        normalise(&mut heat.gap);
+        normalise(&mut heat.iterate.gap);
         for application in 0..APPLICATIONS {
             heat.respond();
-            let gap = &heat.free_response[1];
+            let gap = &heat.iterate.free_response[1];
             let disturbance = Disturbance { gap, normal: 0.0, tilt: 0.0, moment: 0.0, signed_friction: 0.0 };
             let (state, rate) = (&self.work.end, &mut self.work.rate);
             if self.contact.stage_response_into(step, &self.conditions, state, &disturbance, rate).is_err() {
                 return (0.0, 1.0);
             }
-            let returned = &mut heat.sums[0];
+            let returned = &mut heat.iterate.sums[0];
             for i in 0..count {
-                let slip = slip * heat.ratio[i];
+                let slip = slip * heat.parameters.ratio[i];
                 returned[i] = slip * heat.kinetic_coefficient[i] * rate.pressure[i];
                 if fades {
                     let end = 0.5 * (heat.temperature[1][0][i] + heat.temperature[1][1][i]) + reference;
-                    let slope = slope_over(&self.friction, heat.contact_temperature[i], end);
-                    returned[i] += slip * slope * heat.free_response[0][i] * state.pressure[i];
+                    let slope = slope_over(&self.friction, heat.iterate.contact_temperature[i], end);
+                    returned[i] += slip * slope * heat.iterate.free_response[0][i] * state.pressure[i];
                 }
             }
-            along = heat.gap.iter().zip(&*returned).map(|(out, back)| out * back).sum();
+            along = heat.iterate.gap.iter().zip(&*returned).map(|(out, back)| out * back).sum();
             let factor = normalise(returned);
             if factor == 0.0 {
                 return (0.0, 1.0);
@@ -223,7 +223,7 @@ impl Line {
             if application >= APPLICATIONS - OBSERVED {
                 product *= factor;
             }
-            std::mem::swap(&mut heat.gap, &mut heat.sums[0]);
+            std::mem::swap(&mut heat.iterate.gap, &mut heat.iterate.sums[0]);
         }
         (product.powf(1.0 / OBSERVED as f64), along)
     }
@@ -259,21 +259,21 @@ impl ThermalCoupling {
             let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
             self.partitions[1].build(key, influence);
         }
-        self.partitions[1].set_active_set(&self.closed);
+        self.partitions[1].set_active_set(&self.iterate.closed);
     }
 
     /// Heats both bodies over the step by the friction heat of `pressure`.
     fn take_pressure(&mut self, state: Option<&super::state::HeatState>, pressure: &[f64], slip: f64) {
         let Some(state) = state else { return };
-        for (closed, p) in self.closed.iter_mut().zip(pressure) {
+        for (closed, p) in self.iterate.closed.iter_mut().zip(pressure) {
             *closed = *p > 0.0;
         }
-        self.pressure.copy_from_slice(pressure);
+        self.iterate.pressure.copy_from_slice(pressure);
         // Warm start from the saved state, so that a replay is identical to the bit.
         self.flux[1][0].copy_from_slice(&state.flux[0]);
         self.begin(Stage::End, state);
         self.build_end_partition();
-        self.temperatures_current = false;
+        self.iterate.temperatures_current = false;
         self.assemble_fluxes(Stage::End, slip);
         self.update_temperatures(Stage::End);
         let [first, end] = &mut self.flux;
@@ -290,24 +290,29 @@ impl ThermalCoupling {
     fn respond(&mut self) {
         let conducts = self.conducts();
         let influence = self.bodies.each_ref().map(|body| body.as_ref().map(|own| own.influence(Stage::End)));
-        let count = self.gap.len();
-        let [punch, strip] = [&mut self.free_distortion[1], &mut self.sums[1]];
+        let count = self.iterate.gap.len();
+        let [punch, strip] = [&mut self.iterate.free_distortion[1], &mut self.iterate.sums[1]];
         punch.fill(0.0);
-        match (influence, self.half_resistance > 0.0) {
+        match (influence, self.parameters.half_resistance > 0.0) {
             ([Some(_), Some(own)], true) => {
-                let residual = &mut self.difference;
-                residual.iter_mut().zip(&self.gap).for_each(|(residual, flux)| *residual = self.half_resistance * flux);
-                dense::multiply_add(own.temperature.as_slice(), &self.gap, residual);
+                let residual = &mut self.iterate.difference;
+                residual
+                    .iter_mut()
+                    .zip(&self.iterate.gap)
+                    .for_each(|(residual, flux)| *residual = self.parameters.half_resistance * flux);
+                dense::multiply_add(own.temperature.as_slice(), &self.iterate.gap, residual);
                 self.partitions[1].exchange(residual, punch);
             }
-            ([Some(_), Some(_)], false) => punch.iter_mut().zip(&self.gap).for_each(|(own, flux)| *own = 0.5 * flux),
-            ([Some(_), None], _) => punch.copy_from_slice(&self.gap),
+            ([Some(_), Some(_)], false) => {
+                punch.iter_mut().zip(&self.iterate.gap).for_each(|(own, flux)| *own = 0.5 * flux)
+            }
+            ([Some(_), None], _) => punch.copy_from_slice(&self.iterate.gap),
             _ => {}
         }
         for i in 0..count {
-            strip[i] = if conducts[1] { self.gap[i] - punch[i] } else { 0.0 };
+            strip[i] = if conducts[1] { self.iterate.gap[i] - punch[i] } else { 0.0 };
         }
-        let [temperature, moved] = &mut self.free_response;
+        let [temperature, moved] = &mut self.iterate.free_response;
         temperature.fill(0.0);
         moved.fill(0.0);
         for (influence, flux) in influence.into_iter().zip([&*punch, &*strip]) {
@@ -319,7 +324,10 @@ impl ThermalCoupling {
         if conducts == [true, true] {
             temperature.iter_mut().for_each(|t| *t *= 0.5);
         } else {
-            temperature.iter_mut().zip(&self.gap).for_each(|(t, q)| *t += 0.5 * self.half_resistance * q);
+            temperature
+                .iter_mut()
+                .zip(&self.iterate.gap)
+                .for_each(|(t, q)| *t += 0.5 * self.parameters.half_resistance * q);
         }
     }
 }

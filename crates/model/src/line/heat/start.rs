@@ -29,13 +29,13 @@ fn extrapolate_quadratically(start: f64, first: f64, slope: f64, step: f64, last
 impl ThermalCoupling {
     /// Whether the stage is solved directly, without iteration, so that the initial iterate does not matter.
     fn needs_no_start(&self) -> bool {
-        self.is_solved_directly(self.closed.iter().filter(|closed| !**closed).count())
+        self.is_solved_directly(self.iterate.closed.iter().filter(|closed| !**closed).count())
     }
 
     /// Zero initial iterate, independent of history, in case an iteration turns out to be needed after all.
     fn start_from_zero(&mut self, s: usize) {
         self.flux[s][0].fill(0.0);
-        self.pressure.fill(0.0);
+        self.iterate.pressure.fill(0.0);
     }
 
     /// Predicts the punch's flux and the pressure at the first stage.
@@ -45,7 +45,7 @@ impl ThermalCoupling {
         }
         for i in 0..pressure.len() {
             self.flux[0][0][i] = extrapolate_linearly(state.flux[0][i], state.slope[0][i], self.step);
-            self.pressure[i] = extrapolate_linearly(pressure[i], state.pressure_slope[i], self.step).max(0.0);
+            self.iterate.pressure[i] = extrapolate_linearly(pressure[i], state.pressure_slope[i], self.step).max(0.0);
         }
     }
 
@@ -60,7 +60,7 @@ impl ThermalCoupling {
             end[0][i] = extrapolate_quadratically(state.flux[0][i], first[0][i], state.slope[0][i], step, last);
             let expected =
                 extrapolate_quadratically(pressure[0][i], pressure[1][i], state.pressure_slope[i], step, last);
-            self.pressure[i] = expected.max(0.0);
+            self.iterate.pressure[i] = expected.max(0.0);
         }
     }
 }
