@@ -7,13 +7,17 @@
 //!
 //! Theory: docs/theory.md, section 9.5.
 
+mod error;
 mod exchange;
 pub mod jump;
 pub mod map;
 mod newton;
+mod records;
 pub mod solve;
 mod tangent;
 
+pub use error::CycleError;
 pub use jump::{Jump, JumpOptions, Jumps};
-pub use map::{CycleError, CycleMap, Passage, Resolution, StrokePassage};
+pub use map::{CycleMap, Passage, Resolution, StrokePassage};
+pub use records::Totals;
 pub use solve::{Solution, SolveOptions};

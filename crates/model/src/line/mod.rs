@@ -9,6 +9,7 @@
 
 pub mod cycle;
 mod explicit;
+mod gap;
 pub mod heat;
 pub mod hottest;
 pub mod operators;

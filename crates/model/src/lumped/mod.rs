@@ -15,6 +15,7 @@ pub mod point;
 pub mod saved;
 pub mod stage;
 mod stage_body;
+mod stage_partition;
 mod stages;
 pub mod state;
 pub mod step;

@@ -3,7 +3,8 @@
 //! Theory: docs/theory.md, section 4.6.
 
 use super::across::{Across, Sides, Wave};
-use super::depth::{Depth, Points, Shape, Top};
+use super::depth::{Depth, Top};
+use super::galerkin::{Points, Shape};
 use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
 use super::waves::Waves;

@@ -11,7 +11,7 @@
 
 use super::across::Across;
 use super::assembly::{Assembly, Mode};
-use super::depth::Shape;
+use super::galerkin::Shape;
 use super::waves::Waves;
 use super::{AMBIENT, By, COOLING, DISTORTING_MODES, FAR, SUMMED_MODES};
 use crate::line::reduced::{PORTS, ReducedOperators};

@@ -15,7 +15,8 @@
 //! Theory: docs/theory.md, sections 4.6, 4.12.
 
 use super::across::{Across, Sides, Wave};
-use super::depth::{Basis, Depth, Points};
+use super::depth::Depth;
+use super::galerkin::{Basis, Points};
 use crate::slab::principal_root;
 use nalgebra::Complex;
 use numerics::maximum::maximum;

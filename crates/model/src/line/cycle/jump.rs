@@ -19,7 +19,9 @@
 //!
 //! Theory: docs/theory.md, section 9.6.
 
-use super::map::{CycleError, CycleMap, Passage, Totals};
+use super::error::CycleError;
+use super::map::{CycleMap, Passage};
+use super::records::Totals;
 use super::solve::{Equation, SolveOptions};
 use conduction::line::GAMMA;
 use numerics::maximum::maximum;

@@ -2,80 +2,23 @@
 //!
 //! Theory: docs/theory.md, section 9.5.
 
+use super::error::CycleError;
 use super::exchange::Exchange;
+use super::records::{Extremes, Totals};
 use super::tangent::WearJacobian;
+use crate::INPUTS;
 use crate::line::Line;
 #[cfg(doc)]
 use crate::line::hottest::Hottest;
 use crate::line::operators::{LineOperators, StripWear};
 use crate::lumped::conditions::Tunables;
-use crate::{INPUTS, StepFailure};
 use conduction::STEFAN_BOLTZMANN;
 use conduction::line::{GAMMA, Surroundings, ThermalBody};
 use scene::{Body, Scene, Scheme, ThermalBoundary};
-use std::fmt;
 use std::sync::Arc;
 
 /// Tolerance at which the step control of the line level accepts every step.
 const ANY_STEP: f64 = 1e6;
-
-/// Reason for which a cycle cannot be computed.
-#[derive(Clone, PartialEq, Debug)]
-pub enum CycleError {
-    /// The scene has a property that cycles do not support.
-    Unsuitable(String),
-    /// A step of the cycle failed.
-    Step(StepFailure),
-    /// The iteration did not converge.
-    NotConverged {
-        /// Cycles computed.
-        cycles: usize,
-        /// Change of the shape in the last iteration over the elastic displacement under the mean pressure.
-        shape: f64,
-        /// Change of the heat in the last iteration over the heat.
-        heat: f64,
-    },
-    /// The iteration did not converge, and the contact slides close to its critical speed or above, where hot spots grow.
-    Unstable {
-        /// Mean sliding speed, m/s.
-        speed: f64,
-        /// Critical speed of thermoelastic instability, m/s.
-        critical_speed: f64,
-        /// Error at the end of the iteration.
-        reason: Box<CycleError>,
-    },
-}
-
-impl fmt::Display for CycleError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unsuitable(text) => f.write_str(text),
-            Self::Step(failure) => failure.fmt(f),
-            Self::NotConverged { cycles, shape, heat } => write!(
-                f,
-                "no steady cycle found in {cycles} cycles: the last one changed the shape by {shape:.1e} of the elastic \
-                 displacement and the heat by {heat:.1e} of itself"
-            ),
-            Self::Unstable { speed, critical_speed, reason } => {
-                let ratio = speed / critical_speed;
-                let growth = if ratio > 1.0 { ", and hot spots grow within a half-stroke" } else { "" };
-                write!(
-                    f,
-                    "{reason}; the speed {speed:.4} m/s is {ratio:.2} of the critical speed of thermoelastic instability, \
-                     {critical_speed:.4} m/s{growth}"
-                )
-            }
-        }
-    }
-}
-
-impl std::error::Error for CycleError {}
-
-impl From<StepFailure> for CycleError {
-    fn from(failure: StepFailure) -> Self {
-        Self::Step(failure)
-    }
-}
 
 /// Steps of a half-stroke: one interval from its start to `2^-levels` of its duration and one from there to each doubling, each
 /// in `parts` equal steps. The transient after a reversal begins like the square root of time.
@@ -125,44 +68,6 @@ pub struct StrokePassage {
     pub approach: f64,
     /// Time mean of the tilt, rad.
     pub tilt: f64,
-}
-
-/// Totals that increase from cycle to cycle, per depth and punch.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Totals {
-    /// Worn volumes of punch and strip, m2.
-    pub volume: [f64; 2],
-    /// Work of wear, `integral p dw` of both bodies, J/m.
-    pub wear_dissipation: f64,
-    /// Friction heat, J/m.
-    pub dissipated: f64,
-    /// Heat out of the bodies through the punch's top, the strip's base and to the ambient, J/m.
-    pub lost: [f64; 3],
-    /// Heat received by punch and strip, J/m.
-    pub received: [f64; 2],
-}
-
-impl Totals {
-    fn entries(&self) -> [f64; 9] {
-        let Totals { volume, wear_dissipation, dissipated, lost, received } = *self;
-        [volume[0], volume[1], wear_dissipation, dissipated, lost[0], lost[1], lost[2], received[0], received[1]]
-    }
-
-    fn of(e: [f64; 9]) -> Totals {
-        Totals {
-            volume: [e[0], e[1]],
-            wear_dissipation: e[2],
-            dissipated: e[3],
-            lost: [e[4], e[5], e[6]],
-            received: [e[7], e[8]],
-        }
-    }
-
-    /// `self + factor other`.
-    pub fn plus(&self, factor: f64, other: &Totals) -> Totals {
-        let (mine, its) = (self.entries(), other.entries());
-        Totals::of(std::array::from_fn(|i| mine[i] + factor * its[i]))
-    }
 }
 
 /// Results of a computed cycle.
@@ -396,12 +301,12 @@ impl CycleMap {
         self.remember(memory);
         let before = self.totals();
         let count = self.operators().count();
-        let mut watch = Watch::new(count);
+        let mut extremes = Extremes::new(count);
         let mut tangent = WearJacobian::new(count);
         let strokes = self.strokes.clone();
         let mut passed = Vec::with_capacity(2);
         for (velocity, steps) in &strokes {
-            passed.push(self.stroke(*velocity, steps, &mut watch)?);
+            passed.push(self.stroke(*velocity, steps, &mut extremes)?);
             tangent.add(&mut self.line, steps.iter().sum())?;
         }
         let after = self.memory();
@@ -411,15 +316,15 @@ impl CycleMap {
         Ok(Passage {
             change: after.iter().zip(memory).map(|(after, before)| after - before).collect(),
             strokes: [forward, backward],
-            range: watch.range,
-            contact_temperature: [watch.contact[0], watch.contact[1] / self.period(), watch.contact[2]],
-            highest: watch.highest,
+            range: extremes.range,
+            contact_temperature: [extremes.contact[0], extremes.contact[1] / self.period(), extremes.contact[2]],
+            highest: extremes.highest,
             totals,
             tangent,
         })
     }
 
-    fn stroke(&mut self, velocity: f64, steps: &[f64], watch: &mut Watch) -> Result<StrokePassage, CycleError> {
+    fn stroke(&mut self, velocity: f64, steps: &[f64], extremes: &mut Extremes) -> Result<StrokePassage, CycleError> {
         let inputs = inputs(&self.operators().scene, velocity, self.load);
         let count = self.operators().count();
         let warm = self.line.heat.is_some();
@@ -465,7 +370,7 @@ impl CycleMap {
                         add(&mut passage.flux[side], weight / duration, &own.flux[stage][side]);
                     }
                 }
-                watch.see(&heat.temperature, &self.line.operators, step);
+                extremes.record(&heat.temperature, &self.line.operators, step);
             }
         }
         passage.pressure_at[1].copy_from_slice(&self.line.state.pressure);
@@ -476,48 +381,6 @@ impl CycleMap {
         }
         passage.signed_friction = self.line.conditions.signed_friction;
         Ok(passage)
-    }
-}
-
-/// Range of the temperatures over a cycle.
-struct Watch {
-    range: [[Vec<f64>; 2]; 2],
-    /// Minimum, time integral and maximum of the mean contact temperature.
-    contact: [f64; 3],
-    highest: f64,
-    last: Option<f64>,
-}
-
-impl Watch {
-    fn new(count: usize) -> Watch {
-        let all = |value: f64| [vec![value; count], vec![value; count]];
-        Watch {
-            range: [all(f64::INFINITY), all(f64::NEG_INFINITY)],
-            contact: [f64::INFINITY, 0.0, f64::NEG_INFINITY],
-            highest: f64::NEG_INFINITY,
-            last: None,
-        }
-    }
-
-    fn see(&mut self, temperature: &[Vec<f64>; 2], operators: &LineOperators, step: f64) {
-        let widths = operators.cells.widths();
-        let highest = operators.hottest.of(temperature);
-        if highest > self.highest || highest.is_nan() {
-            self.highest = highest;
-        }
-        let width: f64 = widths.iter().sum();
-        let mut mean = 0.0;
-        for (side, values) in temperature.iter().enumerate() {
-            for (i, &t) in values.iter().enumerate() {
-                self.range[0][side][i] = self.range[0][side][i].min(t);
-                self.range[1][side][i] = self.range[1][side][i].max(t);
-                mean += 0.5 * widths[i] / width * t;
-            }
-        }
-        self.contact[0] = self.contact[0].min(mean);
-        self.contact[1] += step * 0.5 * (mean + self.last.unwrap_or(mean));
-        self.contact[2] = self.contact[2].max(mean);
-        self.last = Some(mean);
     }
 }
 

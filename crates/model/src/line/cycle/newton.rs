@@ -14,7 +14,8 @@
 //!
 //! Theory: docs/theory.md, section 9.5.
 
-use super::map::{CycleError, CycleMap, Passage};
+use super::error::CycleError;
+use super::map::{CycleMap, Passage};
 use super::solve::{Equation, Newton, Solution, SolveOptions};
 use crate::line::state::LineState;
 use numerics::krylov::gmres;

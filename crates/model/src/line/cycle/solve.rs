@@ -13,8 +13,9 @@
 //!
 //! Theory: docs/theory.md, section 9.5.
 
+use super::error::CycleError;
 use super::exchange::ExchangeSolver;
-use super::map::{CycleError, CycleMap, Passage};
+use super::map::{CycleMap, Passage};
 use super::tangent::WearJacobian;
 use nalgebra::{DVector, Dyn, LU};
 use numerics::acceleration::Anderson;

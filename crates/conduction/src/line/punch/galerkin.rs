@@ -1,0 +1,323 @@
+//! Galerkin projection of the conduction of one transverse mode through the height: trial functions, their reduced problem and its
+//! decaying shapes.
+//!
+//! Theory: docs/theory.md, sections 4.6, 4.2.
+
+use super::depth::{Depth, Top};
+use nalgebra::DMatrix;
+use numerics::factorization;
+use numerics::grading::towards_face;
+
+/// Rates of the trial functions for a flux into the top, over k/(C h^2).
+const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
+
+/// Points through the height: a quadrature that resolves every trial function, then extra points at which values of the
+/// functions are needed.
+#[derive(Clone, Debug)]
+pub(super) struct Points {
+    position: Vec<f64>,
+    weight: Vec<f64>,
+}
+
+/// Points of every panel of the quadrature.
+const PANEL: usize = 10;
+
+impl Points {
+    /// Points for decays up to `steepest`, with the extra points `extra`.
+    pub fn new(height: f64, steepest: f64, extra: &[f64]) -> Points {
+        let mut edges = towards_face(1.0 / steepest, height, 3.0);
+        edges.extend([0.5, 0.75, 0.9, 1.0].map(|part| part * height));
+        let rule = elasticity::block::lobatto::gauss_legendre(PANEL);
+        let mut points = Points { position: Vec::new(), weight: Vec::new() };
+        for pair in edges.windows(2) {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            for &(node, weight) in &rule {
+                points.position.push(middle + half * node);
+                points.weight.push(half * weight);
+            }
+        }
+        points.position.extend(extra);
+        points
+    }
+
+    /// Integral of left times right over the height.
+    fn product(&self, left: &[f64], right: &[f64]) -> f64 {
+        // Two running sums for vector instructions; the ten points of a panel come in pairs.
+        let mut sum = [0.0; 2];
+        let pairs = self.weight.as_chunks::<2>().0.iter().zip(left.as_chunks::<2>().0).zip(right.as_chunks::<2>().0);
+        for ((weight, left), right) in pairs {
+            sum[0] += weight[0] * left[0] * right[0];
+            sum[1] += weight[1] * left[1] * right[1];
+        }
+        sum[0] + sum[1]
+    }
+}
+
+/// Values and slopes of a function at the points, and its values at contact and top.
+#[derive(Clone, Debug)]
+struct Function {
+    value: Vec<f64>,
+    slope: Vec<f64>,
+    contact: f64,
+    top: f64,
+}
+
+impl Function {
+    fn new(height: f64, points: &Points, evaluate: impl Fn(f64) -> (f64, f64)) -> Function {
+        let (value, slope) = points.position.iter().map(|&z| evaluate(z)).unzip();
+        Function { value, slope, contact: evaluate(0.0).0, top: evaluate(height).0 }
+    }
+
+    fn add(&mut self, factor: f64, other: &Function) {
+        for (mine, its) in self.value.iter_mut().zip(&other.value) {
+            *mine += factor * its;
+        }
+        for (mine, its) in self.slope.iter_mut().zip(&other.slope) {
+            *mine += factor * its;
+        }
+        self.contact += factor * other.contact;
+        self.top += factor * other.top;
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.value.iter_mut().chain(&mut self.slope).for_each(|value| *value *= factor);
+        self.contact *= factor;
+        self.top *= factor;
+    }
+}
+
+/// One decaying shape (Ritz mode) through the height; `C integral Z^2 dz = 1`.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    /// Decay rate of a field with this shape, 1/s.
+    pub rate: f64,
+    /// Contribution of conduction through the height to `rate`, 1/s.
+    pub rate_through_height: f64,
+    /// Z at the contact.
+    pub contact: f64,
+    /// Z at the top.
+    pub top: f64,
+    /// Integral of Z over the height.
+    pub integral: f64,
+    /// Z at the extra points.
+    pub extra: Vec<f64>,
+}
+
+/// Trial functions of one mode, orthonormal in the capacity-weighted product, and the reduced problem they span.
+#[derive(Clone, Debug)]
+pub(super) struct Basis {
+    depth: Depth,
+    decay: f64,
+    functions: Vec<Function>,
+    /// Whether the first function is the uniform temperature.
+    has_uniform: bool,
+    stiffness: DMatrix<f64>,
+    /// Decay rates through the height, ascending, and the coefficients of the shapes in the functions, by columns.
+    rates: Vec<f64>,
+    vectors: DMatrix<f64>,
+}
+
+impl Basis {
+    pub fn new(depth: Depth, decay: f64) -> Basis {
+        let nothing = DMatrix::zeros(0, 0);
+        Basis {
+            depth,
+            decay,
+            functions: Vec::new(),
+            has_uniform: false,
+            stiffness: nothing.clone(),
+            rates: Vec::new(),
+            vectors: nothing,
+        }
+    }
+
+    pub fn count(&self) -> usize {
+        self.functions.len()
+    }
+
+    /// Adds the functions that the mean temperature needs in every body: the uniform one, for exact heat conservation; under
+    /// a top of prescribed temperature those that transmit its changes.
+    pub fn add_means(&mut self, points: &Points) {
+        let h = self.depth.height;
+        if self.depth.top == Top::Held {
+            for part in [1.0, 5.0] {
+                let kappa = part * std::f64::consts::FRAC_PI_2 / h;
+                self.add(
+                    points,
+                    Function::new(h, points, |z| {
+                        let ratio = (kappa * z).cosh() / (kappa * h).cosh();
+                        (1.0 - ratio, -kappa * (kappa * z).sinh() / (kappa * h).cosh())
+                    }),
+                );
+            }
+            return;
+        }
+        self.has_uniform = true;
+        self.add(points, Function::new(h, points, |_| (1.0, 0.0)));
+        if !self.depth.has_steady_state(self.decay) {
+            // Quasi-steady profile of a constant flux while the mean temperature rises linearly.
+            self.add(points, Function::new(h, points, |z| ((1.0 - z / h).powi(2), -2.0 * (1.0 - z / h) / h)));
+        }
+        if self.depth.driven_top {
+            if self.depth.has_steady_state(self.decay) {
+                self.add_from_top(points, self.decay);
+            } else {
+                self.add(points, Function::new(h, points, |z| ((z / h).powi(2), 2.0 * z / (h * h))));
+            }
+            for rate in TOP_RATES {
+                self.add_from_top(points, (self.decay * self.decay + rate / (h * h)).sqrt());
+            }
+        }
+    }
+
+    fn add_from_top(&mut self, points: &Points, kappa: f64) {
+        let field = self.depth.driven_from_top(kappa);
+        self.add(points, Function::new(self.depth.height, points, |z| field.at(z)));
+    }
+
+    /// Adds the response to a contact flux at the real rate `rate`, 1/s; false if it is linearly dependent.
+    pub fn add_response(&mut self, points: &Points, rate: f64) -> bool {
+        let kappa = (self.decay * self.decay + rate / self.depth.diffusivity()).sqrt();
+        let profile = self.depth.profile(kappa);
+        self.add(points, Function::new(self.depth.height, points, profile))
+    }
+
+    /// Adds a function after orthogonalising it (twice is enough); false if it is linearly dependent.
+    fn add(&mut self, points: &Points, mut function: Function) -> bool {
+        let capacity = self.depth.capacity;
+        let before = (capacity * points.product(&function.value, &function.value)).sqrt();
+        for _ in 0..2 {
+            for known in &self.functions {
+                let part = capacity * points.product(&known.value, &function.value);
+                function.add(-part, known);
+            }
+        }
+        let norm = (capacity * points.product(&function.value, &function.value)).sqrt();
+        if norm.is_nan() || norm <= 1e-7 * before {
+            return false;
+        }
+        function.scale(1.0 / norm);
+        self.functions.push(function);
+        self.project(points);
+        true
+    }
+
+    /// Completes the reduced conduction matrix by its last row and solves the eigenvalue problem for the decaying shapes.
+    fn project(&mut self, points: &Points) {
+        let last = self.functions.len() - 1;
+        let stiffness = std::mem::replace(&mut self.stiffness, DMatrix::zeros(0, 0));
+        self.stiffness = stiffness.resize(last + 1, last + 1, 0.0);
+        let transfer = match self.depth.top {
+            Top::Held => 0.0,
+            Top::Transfer(transfer) => transfer,
+        };
+        let newest = &self.functions[last];
+        for (i, other) in self.functions.iter().enumerate() {
+            // The uniform temperature has no slope; this removes its rounding error.
+            let inside = if i == 0 && self.has_uniform { 0.0 } else { points.product(&other.slope, &newest.slope) };
+            let entry = self.depth.conductivity * inside
+                + transfer * other.top * newest.top
+                + self.depth.face * other.contact * newest.contact;
+            self.stiffness[(i, last)] = entry;
+            self.stiffness[(last, i)] = entry;
+        }
+        // Under an insulated top the uniform temperature does not decay.
+        let apart = usize::from(self.has_uniform && transfer == 0.0 && self.depth.face == 0.0);
+        let rest = self.stiffness.view((apart, apart), (last + 1 - apart, last + 1 - apart)).into_owned();
+        if rest.is_empty() {
+            (self.rates, self.vectors) = (vec![0.0], DMatrix::identity(1, 1));
+            return;
+        }
+        let eigen = factorization::symmetric_eigen_or_nan(rest.clone());
+        let mut order: Vec<usize> = (0..last + 1 - apart).collect();
+        order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
+        let slowest = order.first().map(|&i| eigen.eigenvectors.column(i).into_owned());
+        self.rates = vec![0.0; apart];
+        self.rates.extend(order.iter().map(|&i| eigen.eigenvalues[i].max(0.0)));
+        self.vectors = DMatrix::zeros(last + 1, last + 1);
+        if apart == 1 {
+            self.vectors[(0, 0)] = 1.0;
+        }
+        for (column, &i) in order.iter().enumerate() {
+            self.vectors
+                .view_mut((apart, apart + column), (last + 1 - apart, 1))
+                .copy_from(&eigen.eigenvectors.column(i));
+        }
+        // Rounding of the fastest rates perturbs the slowest one: inverse iteration restores its accuracy.
+        if let Some(slowest) = slowest
+            && let Ok(factor) = factorization::cholesky(rest)
+        {
+            let solved = factor.solve(&slowest);
+            self.rates[apart] = slowest.dot(&slowest) / slowest.dot(&solved);
+        }
+    }
+
+    /// Decay rate and value at the contact of every shape, the slowest first.
+    pub fn residues(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let own = self.depth.diffusivity() * self.decay * self.decay;
+        self.rates.iter().enumerate().map(move |(k, rate)| {
+            let contact = self.functions.iter().enumerate().map(|(i, f)| f.contact * self.vectors[(i, k)]).sum();
+            (own + rate, contact)
+        })
+    }
+
+    /// The shapes, the slowest first.
+    pub fn shapes(&self, points: &Points) -> Vec<Shape> {
+        let quadrature = points.weight.len();
+        (self.residues().enumerate())
+            .map(|(k, (rate, contact))| {
+                let mut values = vec![0.0; points.position.len()];
+                let mut top = 0.0;
+                for (i, function) in self.functions.iter().enumerate() {
+                    let part = self.vectors[(i, k)];
+                    top += part * function.top;
+                    for (value, its) in values.iter_mut().zip(&function.value) {
+                        *value += part * its;
+                    }
+                }
+                // Orthogonal to the uniform temperature where that is a shape of its own.
+                let uniform = self.has_uniform && self.depth.top == Top::Transfer(0.0) && self.depth.face == 0.0;
+                let integral = if uniform && k > 0 {
+                    0.0
+                } else {
+                    values.iter().zip(&points.weight).map(|(value, weight)| value * weight).sum()
+                };
+                Shape {
+                    rate,
+                    rate_through_height: self.rates[k],
+                    contact,
+                    top,
+                    integral,
+                    extra: values.split_off(quadrature),
+                }
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slowest_rate_keeps_its_digits() {
+        // A block with a small heat loss through its top: 1/(C h (1/H + h/3k)) to first order.
+        let depth = Depth {
+            height: 0.1,
+            conductivity: 55.0,
+            capacity: 3.6e6,
+            top: Top::Transfer(1e-6),
+            face: 0.0,
+            driven_top: false,
+        };
+        let points = Points::new(0.1, 1e5, &[]);
+        let mut basis = Basis::new(depth, 0.0);
+        basis.add_means(&points);
+        for rate in [0.0, 0.01, 1.0, 1e2, 1e4] {
+            basis.add_response(&points, rate);
+        }
+        let slowest = basis.shapes(&points)[0].rate;
+        let expected = 1e-6 / (3.6e6 * 0.1);
+        assert!((slowest / expected - 1.0).abs() < 1e-8, "{slowest:e} {expected:e}");
+    }
+}
