@@ -40,12 +40,24 @@ mod waves;
 
 use numerics::scalar::Scalar;
 use scene::{Body, Scene};
-use waves::Families;
+use waves::{Families, Least};
 
-/// Speeds of the table, m/s: the lowest, and number per decade; with the number of speeds the table ends at 1e4 m/s.
+/// First speeds of the table, m/s: the lowest, and number per decade; with the number of speeds they end at 1e4 m/s.
 const SLOWEST: f64 = 1e-5;
 const PER_DECADE: f64 = 4.0;
 const SPEEDS: usize = 37;
+
+/// Number of speeds from one comparison of all waves to the next; between, the minimum is followed from neighbour to neighbour.
+const COMPARED: usize = 6;
+
+/// Friction coefficients, over that of the scene, between which the table is refined.
+const REFINED: [f64; 2] = [1.0 / 3.0, 3.0];
+
+/// Relative error of the critical speed above which an interval of the table is halved, length (in the logarithm of the speed) from
+/// which on it is halved in any case, and largest number of halvings.
+const ERROR: f64 = 3e-3;
+const LONG: f64 = 0.3;
+const MOST_HALVINGS: usize = 120;
 
 /// Critical speed as a function of the friction coefficient, by tables built once for a scene.
 #[derive(Clone, PartialEq, Debug)]
@@ -60,21 +72,34 @@ pub struct CriticalSpeed {
 impl CriticalSpeed {
     /// Builds the tables for the scene's geometry and materials.
     pub fn new(scene: &Scene) -> CriticalSpeed {
-        let mut families = Families::of(scene);
+        let families = Families::of(scene);
         if families.is_neutral() {
             return CriticalSpeed { all: Table::default(), modelled: Table::default(), alone: f64::INFINITY };
         }
-        let (mut all, mut modelled) = (Table::default(), Table::default());
+        let mut points: Vec<Point> = Vec::with_capacity(SPEEDS);
         for k in 0..SPEEDS {
-            let [every, own] = families.least(speed_at(k as f64));
-            all.push(every / speed_at(k as f64));
-            modelled.push(own / speed_at(k as f64));
+            let near = if k % COMPARED == 0 { None } else { points.last().map(|point| &point.least) };
+            points.push(Point::new(&families, (SLOWEST * 10f64.powf(k as f64 / PER_DECADE)).ln(), near));
         }
-        CriticalSpeed { all, modelled, alone: families.alone() }
+        let range = REFINED.map(|part| (part * scene.friction_coefficient).ln());
+        let interval = |left: &Point, right: &Point| Interval::new(&families, range, left.clone(), right.clone());
+        let mut intervals: Vec<Interval> = points.windows(2).map(|pair| interval(&pair[0], &pair[1])).collect();
+        for _ in 0..MOST_HALVINGS {
+            let error = |interval: &Interval| interval.error;
+            let largest = intervals.iter().map(error).fold(0.0, f64::max);
+            let worst = intervals.iter().position(|interval| interval.error == largest && largest > ERROR);
+            let Some(worst) = worst else { break };
+            let Interval { left, middle, right, .. } = intervals[worst].clone();
+            intervals[worst] = interval(&left, &middle);
+            intervals.insert(worst + 1, interval(&middle, &right));
+        }
+        let refined = || points.iter().take(1).chain(intervals.iter().flat_map(|own| [&own.middle, &own.right]));
+        let table = |value: fn(&Point) -> f64| Table::new(refined().map(|point| [point.speed, value(point)]));
+        CriticalSpeed { all: table(Point::all), modelled: table(Point::modelled), alone: families.alone() }
     }
 
-    /// Critical speed at this friction coefficient, m/s; 0: nothing grows. Relative error of the table: 2e-3, none for one
-    /// conductor on an insulator.
+    /// Critical speed at this friction coefficient, m/s; 0: nothing grows. Relative error of the table: 5e-3 within a
+    /// factor of three of the scene's friction coefficient, none for one conductor on an insulator.
     pub fn at<S: Scalar>(&self, friction: S) -> S {
         self.all.at(friction)
     }
@@ -102,37 +127,91 @@ impl CriticalSpeed {
     }
 }
 
-/// Logarithms of Z/V, decreasing, at the speeds of the table; empty where nothing can grow.
+/// Least impedances at a speed.
+#[derive(Clone, Debug)]
+struct Point {
+    /// Logarithm of the speed (m/s).
+    speed: f64,
+    least: Least,
+}
+
+impl Point {
+    fn new(families: &Families, speed: f64, near: Option<&Least>) -> Point {
+        Point { speed, least: families.least(speed.exp(), near) }
+    }
+
+    /// Logarithm of Z/V over all waves.
+    fn all(&self) -> f64 {
+        self.least.all.ln() - self.speed
+    }
+
+    /// The same over the waves that a contact line resolves.
+    fn modelled(&self) -> f64 {
+        self.least.modelled.ln() - self.speed
+    }
+}
+
+/// Interval of the table.
+#[derive(Clone, Debug)]
+struct Interval {
+    left: Point,
+    middle: Point,
+    right: Point,
+    /// Estimated relative error of the critical speed by linear interpolation between its ends; at most its length. 0 outside the
+    /// refined range.
+    error: f64,
+}
+
+impl Interval {
+    /// Interval between two points, refined for values of ln(Z/V) in `range`.
+    fn new(families: &Families, range: [f64; 2], left: Point, right: Point) -> Interval {
+        let length = right.speed - left.speed;
+        let matters = |value: fn(&Point) -> f64| value(&left) > range[0] && value(&right) < range[1];
+        if !matters(Point::all) && !matters(Point::modelled) {
+            return Interval { middle: right.clone(), left, right, error: 0.0 };
+        }
+        let middle = Point::new(families, left.speed + 0.5 * length, Some(&left.least));
+        let error = |value: fn(&Point) -> f64| {
+            let [from, between, to] = [&left, &middle, &right].map(value);
+            // Where growth begins within the interval only its length counts.
+            let error = (0.5 * (from + to) - between).abs() / ((from - to) / length).abs();
+            if error < length { error } else { length }
+        };
+        let error = if length > LONG { length } else { error(Point::all).max(error(Point::modelled)) };
+        Interval { left, middle, right, error }
+    }
+}
+
+/// Logarithms of speed and Z/V, the latter decreasing; empty where nothing can grow.
 #[derive(Clone, PartialEq, Debug, Default)]
-struct Table(Vec<f64>);
+struct Table(Vec<[f64; 2]>);
 
 impl Table {
-    /// Appends a value, limited by the previous one: a wave unstable at a lower speed remains unstable at a higher one.
-    fn push(&mut self, value: f64) {
-        let lowest = self.0.last().copied().unwrap_or(f64::INFINITY);
-        self.0.push(value.ln().min(lowest));
+    /// Each value is limited by the previous one: a wave unstable at a lower speed remains unstable at a higher one.
+    fn new(points: impl Iterator<Item = [f64; 2]>) -> Table {
+        let mut lowest = f64::INFINITY;
+        let limited = points.map(|[speed, value]| {
+            lowest = lowest.min(value);
+            [speed, lowest]
+        });
+        Table(limited.collect())
     }
 
     fn at<S: Scalar>(&self, friction: S) -> S {
-        if friction.value() <= 0.0 || self.0.last().is_none_or(|last| !last.is_finite()) {
+        if friction.value() <= 0.0 || self.0.last().is_none_or(|[_, last]| !last.is_finite()) {
             return S::from(0.0);
         }
         let wanted = friction.value().ln();
         // Outside the table the last slope is extrapolated.
-        let first = self.0.partition_point(|value| !value.is_finite());
-        let above = self.0.partition_point(|&value| value > wanted).clamp((first + 1).min(SPEEDS - 1), SPEEDS - 1);
-        let (left, right) = (self.0[above - 1], self.0[above]);
+        let (first, last) = (self.0.partition_point(|[_, value]| !value.is_finite()), self.0.len() - 1);
+        let above = self.0.partition_point(|&[_, value]| value > wanted).clamp((first + 1).min(last), last);
+        let ([slow, left], [fast, right]) = (self.0[above - 1], self.0[above]);
         // Flat piece: a wave that appears at this speed.
         let fall = (left - right).max(1e-9);
-        let decades = 1.0 / (PER_DECADE * fall);
         // V = V_left (stiffness_left/friction)^(d ln V/d ln friction).
         let ratio = friction * (-left).exp();
-        ratio.powf(-decades * std::f64::consts::LN_10) * speed_at((above - 1) as f64)
+        ratio.powf(-(fast - slow) / fall) * slow.exp()
     }
-}
-
-fn speed_at(index: f64) -> f64 {
-    SLOWEST * 10f64.powf(index / PER_DECADE)
 }
 
 /// Body in which the waves that grow first are at rest, the better conductor of those with thermal expansion: a wave at rest in

@@ -312,3 +312,54 @@ fn nothing_grows_where_nothing_is_lifted_or_gives_way() {
         assert!(some.at(friction).is_finite() && some.at(friction) > 0.0, "{friction}");
     }
 }
+
+#[test]
+fn the_table_is_accurate_where_another_wave_takes_over_or_begins() {
+    let mut state = 12345_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    for number in 0..45 {
+        let mut starts = scene::variables::STARTS;
+        let mut set = |name: &str, value: f64| starts[scene::variables::find(name).unwrap() as usize] = value;
+        set("punch.conductivity", 10f64.powf(2.0 * random()));
+        set("strip.conductivity", 10f64.powf(0.5 + 1.5 * random()));
+        set("contact.conductance", 10f64.powf(3.0 + 3.0 * random()));
+        set("strip.height", 10f64.powf(-3.0 + 2.0 * random()));
+        set("punch.height", 10f64.powf(-3.0 + 1.5 * random()));
+        set("contact.faces", f64::from(1 + number % 2));
+        let friction = [0.1, 0.3, 0.6][random().mul_add(3.0, 0.0) as usize];
+        set("contact.friction_coefficient", friction);
+        match number % 3 {
+            0 => {}
+            1 => {
+                set("contact.geometry", 3.0);
+                set("punch.width", 0.3);
+                set("strip.length", 0.3);
+                set("contact.mean_radius", 0.0);
+            }
+            _ => {
+                set("contact.geometry", 2.0);
+                set("punch.width", 0.02);
+            }
+        }
+        let scene = Scene::new(&starts, None).unwrap();
+        let found = CriticalSpeed::new(&scene).at(friction);
+        // By bisection over all waves, from a speed at which none grows.
+        let families = Families::of(&scene);
+        let grows = |speed: f64| families.least(speed, None).all < friction * speed;
+        let (mut low, mut high) = (0.5 * found, 2.0 * found);
+        assert!(!grows(low), "{number}: grows at {low} m/s, {found} m/s from the table");
+        if !grows(high) {
+            // Growing waves may be stable again at a higher speed: the lower one counts.
+            assert!(grows(1.01 * found), "{number}: {found} m/s from the table");
+            high = 1.01 * found;
+        }
+        for _ in 0..20 {
+            let middle = (low * high).sqrt();
+            *(if grows(middle) { &mut high } else { &mut low }) = middle;
+        }
+        assert!((found / low - 1.0).abs() < 5e-3, "{number}: {found} m/s from the table, {low} m/s");
+    }
+}

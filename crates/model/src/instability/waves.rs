@@ -17,8 +17,6 @@ const DEEP: f64 = 4.0;
 /// Ratio of neighbouring wave numbers, up to this number of them; the minimum is refined by a parabola.
 const SPACING: f64 = 1.2;
 const MOST_WAVES: usize = 24;
-/// Number of speeds from one comparison of all waves to the next; between, the minimum is followed from neighbour to neighbour.
-const COMPARED: usize = 6;
 
 /// Admissible motion of a wave.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -41,8 +39,14 @@ pub(super) struct Family {
     pub waves: Vec<Layers>,
     /// Whether intermediate wave numbers are admissible.
     pub continuous: bool,
-    /// Index of the minimum at the previous speed.
-    least: usize,
+}
+
+/// Least Re Z over all waves and over those that a contact line resolves, m/s, and the number of the least wave of each family.
+#[derive(Clone, Debug)]
+pub(super) struct Least {
+    pub all: f64,
+    pub modelled: f64,
+    waves: Vec<usize>,
 }
 
 /// Admissible waves of a scene.
@@ -51,7 +55,6 @@ pub(super) struct Families {
     families: Vec<Family>,
     /// Sliding speed of the fastest point of the contact over that at the mean radius.
     fastest_cell: f64,
-    asked: usize,
 }
 
 impl Families {
@@ -72,7 +75,7 @@ impl Families {
                 for &motion in motions {
                     let waves: Vec<Layers> =
                         numbers.values.iter().map(|&number| Layers::new(scene, far, number)).collect();
-                    families.push(Family { motion, modelled, waves, continuous: numbers.continuous, least: 0 });
+                    families.push(Family { motion, modelled, waves, continuous: numbers.continuous });
                 }
             }
         };
@@ -98,7 +101,7 @@ impl Families {
             Geometry::Annular => 1.0 + 0.5 * scene.width / scene.mean_radius,
             Geometry::Line | Geometry::Periodic => 1.0,
         };
-        Families { families, fastest_cell, asked: 0 }
+        Families { families, fastest_cell }
     }
 
     /// Whether no wave can grow.
@@ -106,20 +109,19 @@ impl Families {
         self.families.iter().flat_map(|family| &family.waves).all(Layers::is_neutral)
     }
 
-    /// Least Re Z at the sliding speed `speed` over all waves and over those that a contact line resolves, m/s; infinite: there
-    /// is no such wave. To be called for ascending speeds.
-    pub fn least(&mut self, speed: f64) -> [f64; 2] {
-        let compare = self.asked.is_multiple_of(COMPARED);
-        self.asked += 1;
-        let (mut all, mut modelled) = (f64::INFINITY, f64::INFINITY);
-        for family in &mut self.families {
-            let value = family.least(speed, compare);
-            all = all.min(value);
+    /// Least Re Z at the sliding speed `speed` (m/s); infinite: there is no such wave. The minimum is followed from that `near`,
+    /// at a speed not far away, or searched among all waves.
+    pub fn least(&self, speed: f64, near: Option<&Least>) -> Least {
+        let mut least = Least { all: f64::INFINITY, modelled: f64::INFINITY, waves: Vec::new() };
+        for (index, family) in self.families.iter().enumerate() {
+            let (value, wave) = family.least(speed, near.map(|near| near.waves[index]));
+            least.waves.push(wave);
+            least.all = least.all.min(value);
             if family.modelled {
-                modelled = modelled.min(value);
+                least.modelled = least.modelled.min(value);
             }
         }
-        [all, modelled]
+        least
     }
 
     /// Least Z of one body by itself at rest, m/s, over the waves that a contact line resolves.
@@ -167,19 +169,12 @@ impl Numbers {
 }
 
 impl Family {
-    /// Least Re Z over the wave numbers at the sliding speed `speed`, m/s. `compare`: over all of them.
-    fn least(&mut self, speed: f64, compare: bool) -> f64 {
+    /// Least Re Z over the wave numbers at the sliding speed `speed`, m/s, and its wave, followed from `near` or searched among all.
+    fn least(&self, speed: f64, near: Option<usize>) -> (f64, usize) {
         let last = self.waves.len() - 1;
         let at = |index: usize| least(&self.waves[index], self.motion, speed);
-        let mut best = (self.least, f64::INFINITY);
-        if compare {
-            for index in 0..=last {
-                let value = at(index);
-                if value < best.1 {
-                    best = (index, value);
-                }
-            }
-        } else {
+        let mut best = (near.unwrap_or(0), f64::INFINITY);
+        if near.is_some() {
             best.1 = at(best.0);
             for upward in [true, false] {
                 while (upward && best.0 < last) || (!upward && best.0 > 0) {
@@ -191,11 +186,17 @@ impl Family {
                     best = (next, value);
                 }
             }
+        } else {
+            for index in 0..=last {
+                let value = at(index);
+                if value < best.1 {
+                    best = (index, value);
+                }
+            }
         }
         let between = self.continuous && best.0 > 0 && best.0 < last && best.1.is_finite();
         let value = if between { parabola([at(best.0 - 1), best.1, at(best.0 + 1)]) } else { best.1 };
-        self.least = best.0;
-        value
+        (value, best.0)
     }
 }
 
