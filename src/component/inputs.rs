@@ -2,7 +2,8 @@
 
 use super::Component;
 use model::INPUTS;
-use scene::variables::{Kind, ValueReference, lookup, reference};
+use scene::message::{self, Number};
+use scene::variables::{ValueReference, lookup, reference, unit_of};
 use scene::{ThermalBoundary, value};
 
 /// Largest magnitude of an input, in its SI unit. Quantities derived from inputs within it (their products, the powers of the
@@ -30,13 +31,7 @@ pub(super) fn needs_check(index: usize, value: f64) -> bool {
 
 /// Name and unit of an input.
 fn name_of(index: usize) -> (&'static str, &'static str) {
-    lookup(index as ValueReference).map_or(("an input", ""), |(row, _)| {
-        let unit = match row.kind {
-            Kind::Real { unit, .. } => unit.name,
-            _ => "",
-        };
-        (row.name, unit)
-    })
+    lookup(index as ValueReference).map_or(("an input", ""), |(row, _)| (row.name, unit_of(row)))
 }
 
 impl Component {
@@ -56,7 +51,8 @@ impl Component {
             for (when, number) in [("", value), (" at the end of the step", value + slope * step)] {
                 let within = number.abs() <= LARGEST_INPUT;
                 if !within {
-                    return Err(format!("{name} = {number} {unit}{when} is beyond {LARGEST_INPUT:e} {unit}"));
+                    let [number, limit] = message::apart([number, number.signum() * LARGEST_INPUT], unit);
+                    return Err(format!("{name} = {number}{when} is beyond {limit}"));
                 }
             }
         }
@@ -72,7 +68,9 @@ impl Component {
                 return Err(format!(
                     "ambient_temperature_offset = {offset} K makes an ambient temperature of {} K; ambient_temperature = \
                      {ambient} K, and the sum must be above 0 K",
-                    ambient + offset
+                    Number(ambient + offset),
+                    offset = Number(offset),
+                    ambient = Number(ambient)
                 ));
             }
         }
@@ -88,7 +86,10 @@ impl Component {
             }
             for temperature in at_both(index) {
                 if temperature <= 0.0 {
-                    return Err(format!("{name} = {temperature} K must be above 0 K, because {face} = external"));
+                    return Err(format!(
+                        "{name} = {temperature} K must be above 0 K, because {face} = external",
+                        temperature = Number(temperature)
+                    ));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
 use super::contact::line;
-use scene::variables::{COUNT, Causality, Kind, ValueReference, lookup};
+use scene::variables::{COUNT, Kind, ValueReference, lookup};
 use test_support::{Drive, Random, reference};
 
 const INPUTS: [(&str, f64); 7] = [
@@ -19,7 +19,7 @@ fn outputs() -> Vec<(ValueReference, String)> {
         .filter_map(|reference| {
             let (row, element) = lookup(reference)?;
             let real = matches!(row.kind, Kind::Real { .. });
-            let answers = row.causality == Causality::Output || row.name == "profile.pressure";
+            let answers = row.is_result() || row.name == "profile.pressure";
             (answers && real).then(|| (reference, row.element_name(element)))
         })
         .collect()

@@ -1,6 +1,6 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
-use scene::variables::{COUNT, Causality, Kind, ValueReference, lookup};
+use scene::variables::{COUNT, Kind, ValueReference, lookup};
 use test_support::{Drive, Random, reference};
 
 const INPUTS: [(&str, f64); 7] = [
@@ -18,7 +18,7 @@ fn outputs() -> Vec<(ValueReference, String)> {
         .filter_map(|reference| {
             let (row, element) = lookup(reference)?;
             let real = matches!(row.kind, Kind::Real { .. });
-            (row.causality == Causality::Output && real).then(|| (reference, row.element_name(element)))
+            (row.is_result() && real).then(|| (reference, row.element_name(element)))
         })
         .collect()
 }

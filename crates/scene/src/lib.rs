@@ -2,6 +2,7 @@
 
 mod fade;
 pub mod fnv;
+pub mod message;
 mod rules;
 pub mod slot;
 pub mod variables;
@@ -167,6 +168,7 @@ pub struct Body {
     pub wear_fade: FadeTable,
     pub initial_wear: f64,
     pub wear_limit: f64,
+    /// K; 0: ambient.
     pub initial_temperature: f64,
     pub convection: f64,
     pub convection_forced: f64,
@@ -210,6 +212,7 @@ pub struct Scene {
     pub conductance: f64,
     pub initial_shape: InitialShape,
     pub shear_coupling: bool,
+    /// K; 0: no limit.
     pub temperature_limit: f64,
     pub constraint: Constraint,
     pub pivot_height: f64,
@@ -229,8 +232,13 @@ pub struct Scene {
     pub wear_acceleration: f64,
 }
 
+/// A temperature where it is chosen to act, K; 0 where not.
+fn chosen(acts: bool, temperature: f64) -> f64 {
+    if acts { temperature } else { 0.0 }
+}
+
 macro_rules! body {
-    ($v:expr, $body:literal, $far:literal, $far_temperature:literal) => {
+    ($v:expr, $body:literal, $far:literal, $far_temperature:literal, $at_ambient:literal) => {
         Body {
             height: value!($v, concat!($body, ".height")),
             mechanical: match value!($v, concat!($body, ".body")) as i32 {
@@ -255,13 +263,16 @@ macro_rules! body {
             ),
             initial_wear: value!($v, concat!($body, ".initial_wear")),
             wear_limit: value!($v, concat!($body, ".wear_limit")),
-            initial_temperature: value!($v, concat!($body, ".initial_temperature")),
+            initial_temperature: chosen(
+                value!($v, concat!($body, ".initial_at_ambient")) == 0.0,
+                value!($v, concat!($body, ".initial_temperature")),
+            ),
             convection: value!($v, concat!($body, ".convection")),
             convection_forced: value!($v, concat!($body, ".convection_forced")),
             emissivity: value!($v, concat!($body, ".emissivity")),
             cooled_area: value!($v, concat!($body, ".cooled_area")),
             far_thermal: ThermalBoundary::from_item(value!($v, $far)),
-            far_temperature: value!($v, $far_temperature),
+            far_temperature: chosen(value!($v, $at_ambient) == 0.0, value!($v, $far_temperature)),
         }
     };
 }
@@ -286,8 +297,8 @@ impl Scene {
         let own_tolerance = value!(v, "solver.tolerance");
         let tolerance = if own_tolerance > 0.0 { own_tolerance } else { importer_tolerance.unwrap_or(1e-3) };
         let scene = Scene {
-            punch: body!(v, "punch", "punch.top_thermal", "punch.top_temperature"),
-            strip: body!(v, "strip", "strip.base_thermal", "strip.base_temperature"),
+            punch: body!(v, "punch", "punch.top_thermal", "punch.top_temperature", "punch.top_at_ambient"),
+            strip: body!(v, "strip", "strip.base_thermal", "strip.base_temperature", "strip.base_at_ambient"),
             width: value!(v, "punch.width"),
             depth: value!(v, "depth"),
             count: value!(v, "punch.count"),
@@ -318,7 +329,10 @@ impl Scene {
                 }
             },
             shear_coupling: value!(v, "contact.shear_coupling") != 0.0,
-            temperature_limit: value!(v, "contact.temperature_limit"),
+            temperature_limit: chosen(
+                value!(v, "contact.temperature_limited") != 0.0,
+                value!(v, "contact.temperature_limit"),
+            ),
             constraint: if value!(v, "holder.constraint") == 1.0 {
                 Constraint::Translate
             } else {
@@ -347,6 +361,7 @@ impl Scene {
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
             wear_acceleration: value!(v, "wear_acceleration"),
         };
+        rules::check_chosen(v)?;
         rules::check(&scene)?;
         Ok(scene)
     }

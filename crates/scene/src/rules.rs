@@ -1,6 +1,8 @@
 //! Rules that join parameters. They are checked when initialisation ends, because importers set
 //! parameters in any order.
 
+use super::message::{self, Number, Quantity};
+use super::variables::{STARTS, find};
 use super::{Constraint, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
 
 /// A rule that the parameters break: names the variables, their values and the limit.
@@ -35,6 +37,33 @@ fn broken<T>(text: String) -> Result<T, BrokenRule> {
     Err(BrokenRule(text))
 }
 
+/// Checks that temperatures which differ from the table's start values are also chosen to act.
+pub(super) fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
+    const HELD: f64 = 1.0;
+    let of = |name: &str| find(name).map(|reference| (values[reference as usize], STARTS[reference as usize]));
+    for (name, choice, acts, only_where_held) in [
+        ("punch.initial_temperature", "punch.initial_at_ambient", false, None),
+        ("strip.initial_temperature", "strip.initial_at_ambient", false, None),
+        ("punch.top_temperature", "punch.top_at_ambient", false, Some("punch.top_thermal")),
+        ("strip.base_temperature", "strip.base_at_ambient", false, Some("strip.base_thermal")),
+        ("contact.temperature_limit", "contact.temperature_limited", true, None),
+    ] {
+        let held = only_where_held.and_then(of).is_none_or(|(boundary, _)| boundary == HELD);
+        if let (Some((temperature, start)), Some((choice_made, _))) = (of(name), of(choice))
+            && held
+            && temperature != start
+            && (choice_made != 0.0) != acts
+        {
+            return broken(format!(
+                "{name} = {} has no effect while {choice} = {}; set {choice} = {acts}",
+                Quantity(temperature, "K"),
+                !acts
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn path(scene: &Scene) -> Result<(), BrokenRule> {
     let (width, length, radius) = (scene.width, scene.length, scene.mean_radius);
     if scene.path == Path::Closed && length <= 0.0 {
@@ -48,19 +77,22 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             if radius <= 0.5 * width {
                 return broken(format!(
                     "contact.mean_radius = {radius} m must be above punch.width/2 = {} m in annular geometry",
-                    0.5 * width
+                    Number(0.5 * width),
+                    radius = Number(radius)
                 ));
             }
             let around = 2.0 * std::f64::consts::PI * radius;
             if scene.count * scene.depth > around * (1.0 + ROUNDING) {
                 return broken(format!(
                     "punch.count x depth = {} m is above the circumference 2 pi contact.mean_radius = {around} m",
-                    scene.count * scene.depth
+                    Number(scene.count * scene.depth),
+                    around = Number(around)
                 ));
             }
             if (length - around).abs() > 1e-6 * around {
+                let [length, around] = message::apart([length, around], "m");
                 return broken(format!(
-                    "strip.length = {length} m differs from 2 pi contact.mean_radius = {around} m in annular geometry; 0 takes it"
+                    "strip.length = {length} differs from 2 pi contact.mean_radius = {around} in annular geometry; 0 takes it"
                 ));
             }
         }
@@ -69,7 +101,9 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
                 return broken(format!(
                     "contact.geometry = periodic needs strip.path = closed, punch.count = 1 and punch.width = strip.length; \
                      punch.width = {width} m, strip.length = {length} m, punch.count = {}",
-                    scene.count
+                    scene.count,
+                    width = Number(width),
+                    length = Number(length)
                 ));
             }
             if scene.constraint == Constraint::TranslateAndRotate {
@@ -82,7 +116,8 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             if scene.path == Path::Closed && scene.count * width > length * (1.0 + ROUNDING) {
                 return broken(format!(
                     "punch.count x punch.width = {} m is above strip.length = {length} m",
-                    scene.count * width
+                    Number(scene.count * width),
+                    length = Number(length)
                 ));
             }
         }
@@ -93,7 +128,8 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.path == Path::Straight && length > 0.0 && length < width + scene.nominal_stroke {
         return broken(format!(
             "strip.length = {length} m is below punch.width + nominal.stroke = {} m",
-            width + scene.nominal_stroke
+            Number(width + scene.nominal_stroke),
+            length = Number(length)
         ));
     }
     Ok(())
@@ -105,7 +141,9 @@ fn holder(scene: &Scene) -> Result<(), BrokenRule> {
         if lever >= half_width {
             return broken(format!(
                 "the punch tips over: contact.friction_coefficient x holder.pivot_height = {lever} m must be below \
-                 punch.width/2 = {half_width} m"
+                 punch.width/2 = {half_width} m",
+                lever = Number(lever),
+                half_width = Number(half_width)
             ));
         }
     }
@@ -137,7 +175,8 @@ fn wear(scene: &Scene) -> Result<(), BrokenRule> {
         if body.initial_wear >= body.height {
             return broken(format!(
                 "{name}.initial_wear = {} m must be below {name}.height = {} m",
-                body.initial_wear, body.height
+                Number(body.initial_wear),
+                Number(body.height)
             ));
         }
     }
@@ -170,8 +209,8 @@ fn tables(scene: &Scene) -> Result<(), BrokenRule> {
             return broken(format!(
                 "{name}.temperature[{}] = {} K must be above {name}.temperature[{index}] = {} K",
                 index + 1,
-                table.temperature[index],
-                table.temperature[index - 1]
+                Number(table.temperature[index]),
+                Number(table.temperature[index - 1])
             ));
         }
     }

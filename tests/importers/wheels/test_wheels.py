@@ -60,7 +60,7 @@ def inputs():
 def recording():
     """Names of all real outputs, inputs, and what fmpy gets after every step."""
     description = read_model_description(FMU)
-    outputs = [v for v in description.modelVariables if v.causality == "output" and v.type == "Real"]
+    outputs = [v for v in description.modelVariables if v.causality in ("output", "local") and v.type == "Real" and "[" not in v.name]
     references = {variable.name: variable.valueReference for variable in description.modelVariables}
     instance = instantiate_fmu(extract(str(FMU)), description, "CoSimulation")
     instance.setupExperiment(startTime=0.0)

@@ -20,6 +20,18 @@ macro_rules! emit {
     };
 }
 
+/// Emits the limits reached, as a sum and one by one.
+pub fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)) {
+    let reached = |bit: u8| f64::from(u8::from(limits & bit != 0));
+    emit!(
+        emit,
+        "limit_reached" = f64::from(limits & 7),
+        "wear_limit_reached" = reached(limit::WEAR),
+        "temperature_limit_exceeded" = reached(limit::TEMPERATURE),
+        "validity_exceeded" = reached(limit::VALIDITY),
+    );
+}
+
 impl Lumped {
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
@@ -167,7 +179,7 @@ impl Lumped {
             "heat_flow_ambient" = point.ambient_flow[0] + point.ambient_flow[1],
             "wear_dissipation_power" = wearing,
         );
-        emit(const { reference("limit_reached") }, S::from(f64::from(state.limits & 7)));
+        write_limits(state.limits, |reference, value| emit(reference, S::from(value)));
     }
 
     /// Outputs that depend on the states only.

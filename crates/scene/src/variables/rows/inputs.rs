@@ -40,7 +40,9 @@ pub const ROWS: &[Row] = &[
     )
     .shown("rev/min")
     .input(),
-    real("ambient_temperature_offset", &KELVIN, 10.0, "Optional: added to the parameter ambient_temperature").input(),
+    real("ambient_temperature_offset", &KELVIN, 10.0, "Optional: added to the parameter ambient_temperature")
+        .of_type("TemperatureDifference")
+        .input(),
     real(
         "cooling_velocity",
         &METRE_PER_SECOND,
