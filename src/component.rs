@@ -96,6 +96,7 @@ static GROUPS: [u8; COUNT] = {
         "wear_depth_punch",
         "wear_depth_strip",
         "wear_dissipation_power",
+        "sticking",
         "limit_reached",
         "wear_limit_reached",
         "temperature_limit_exceeded",

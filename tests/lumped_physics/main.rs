@@ -5,6 +5,7 @@ mod balance;
 mod bristle;
 mod derivatives;
 mod faces;
+mod friction_table;
 mod geometry;
 mod hostile;
 mod limits;

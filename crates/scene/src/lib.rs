@@ -2,6 +2,7 @@
 
 mod fade;
 pub mod fnv;
+mod friction_table;
 pub mod message;
 mod rules;
 pub mod slot;
@@ -9,6 +10,7 @@ pub mod variables;
 mod warnings;
 
 pub use fade::FadeTable;
+pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use rules::BrokenRule;
 
 use crate::variables::{COUNT, TOLERANCES, reference};
@@ -206,6 +208,8 @@ pub struct Scene {
     pub friction_fade: FadeTable,
     pub static_friction_ratio: f64,
     pub stribeck_velocity: f64,
+    /// Friction coefficient over sliding speed, in place of the Stribeck formula.
+    pub friction_table: Option<FrictionTable>,
     pub regularization_velocity: f64,
     pub stick_stiffness: f64,
     pub stick_damping: f64,
@@ -230,6 +234,17 @@ pub struct Scene {
     pub scheme: Scheme,
     pub tolerance: f64,
     pub wear_acceleration: f64,
+}
+
+/// The friction table of the values of the variable table, if it has points.
+fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
+    let row = |first: usize| std::array::from_fn(|point| v[first + point]);
+    let points = value!(v, "contact.friction_table.points") as usize;
+    (points > 0).then(|| FrictionTable {
+        points,
+        speed: row(const { reference("contact.friction_table.speed") } as usize),
+        coefficient: row(const { reference("contact.friction_table.coefficient") } as usize),
+    })
 }
 
 /// A temperature where it is chosen to act, K; 0 where not.
@@ -315,6 +330,7 @@ impl Scene {
             ),
             static_friction_ratio: value!(v, "contact.static_friction_ratio"),
             stribeck_velocity: value!(v, "contact.stribeck_velocity"),
+            friction_table: friction_table(v),
             regularization_velocity: value!(v, "contact.regularization_velocity"),
             stick_stiffness: value!(v, "contact.stick_stiffness"),
             stick_damping: value!(v, "contact.stick_damping"),
@@ -361,8 +377,7 @@ impl Scene {
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
             wear_acceleration: value!(v, "wear_acceleration"),
         };
-        rules::check_chosen(v)?;
-        rules::check(&scene)?;
+        rules::check(&scene, v)?;
         Ok(scene)
     }
 

@@ -3,7 +3,7 @@
 
 use super::message::{self, Number, Quantity};
 use super::variables::{STARTS, find};
-use super::{Constraint, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
+use super::{Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
 
 /// A rule that the parameters break: names the variables, their values and the limit.
 #[derive(Clone, PartialEq, Debug)]
@@ -23,7 +23,9 @@ const ROUNDING: f64 = 1e-9;
 /// Fewest cells of a contact line: a uniform, a linear and a quadratic pressure component.
 const FEWEST_CELLS: usize = 3;
 
-pub(super) fn check(scene: &Scene) -> Result<(), BrokenRule> {
+pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+    check_chosen(values)?;
+    friction_table(scene, values)?;
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
@@ -38,7 +40,7 @@ fn broken<T>(text: String) -> Result<T, BrokenRule> {
 }
 
 /// Checks that temperatures which differ from the table's start values are also chosen to act.
-pub(super) fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
+fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
     const HELD: f64 = 1.0;
     let of = |name: &str| find(name).map(|reference| (values[reference as usize], STARTS[reference as usize]));
     for (name, choice, acts, only_where_held) in [
@@ -137,7 +139,8 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
 
 fn holder(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.constraint == Constraint::TranslateAndRotate && scene.geometry == Geometry::Line {
-        let (lever, half_width) = (scene.friction_coefficient * scene.pivot_height, 0.5 * scene.width);
+        let highest = scene.friction_table.map_or(0.0, |table| table.highest()).max(scene.friction_coefficient);
+        let (lever, half_width) = (highest * scene.pivot_height, 0.5 * scene.width);
         if lever >= half_width {
             return broken(format!(
                 "the punch tips over: contact.friction_coefficient x holder.pivot_height = {lever} m must be below \
@@ -213,6 +216,48 @@ fn tables(scene: &Scene) -> Result<(), BrokenRule> {
                 Number(table.temperature[index - 1])
             ));
         }
+    }
+    Ok(())
+}
+
+/// Rules of the table of the friction coefficient over sliding speed.
+fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+    const NAME: &str = "contact.friction_table";
+    let points = scene.friction_table.map_or(0, |table| table.points);
+    for row in ["speed", "coefficient"] {
+        let Some(first) = find(&format!("{NAME}.{row}[1]")).map(|reference| reference as usize) else { continue };
+        if let Some(point) = (points..FRICTION_POINTS).find(|point| values[first + point] != STARTS[first + point]) {
+            return broken(format!(
+                "{NAME}.{row}[{}] = {} has no effect while {NAME}.points = {points}",
+                point + 1,
+                Number(values[first + point])
+            ));
+        }
+    }
+    let Some(table) = &scene.friction_table else { return Ok(()) };
+    if table.points < 2 {
+        return broken(format!("{NAME}.points = {} must be 0 (no table) or at least 2", table.points));
+    }
+    if table.speed[0] != 0.0 {
+        return broken(format!("{NAME}.speed[1] = {} m/s must be 0 m/s", Number(table.speed[0])));
+    }
+    if let Some(index) = table.disorder() {
+        let [speed, before] = message::apart([table.speed[index], table.speed[index - 1]], "m/s");
+        return broken(format!("{NAME}.speed[{}] = {speed} must be above {NAME}.speed[{index}] = {before}", index + 1));
+    }
+    if scene.static_friction_ratio != 1.0 {
+        return broken(format!(
+            "contact.static_friction_ratio = {} and {NAME}.points = {} are both given: set contact.static_friction_ratio = 1 \
+             with a table, whose first coefficient is that at standstill",
+            Number(scene.static_friction_ratio),
+            table.points
+        ));
+    }
+    if scene.friction_coefficient == 0.0 {
+        return broken(format!(
+            "contact.friction_coefficient = 0 with {NAME}.points = {}: it scales the table and must be > 0",
+            table.points
+        ));
     }
     Ok(())
 }

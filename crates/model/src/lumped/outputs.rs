@@ -149,7 +149,7 @@ impl Lumped {
         let kinetic = point.friction_coefficient * point.load * (faces * operators.power_factor);
         // At standstill the Stribeck factor is the static ratio.
         let limit =
-            point.kinetic_coefficient * point.load * (faces * operators.power_factor * scene.static_friction_ratio);
+            point.kinetic_coefficient * point.load * (faces * operators.power_factor * self.friction.static_ratio());
         let carries = if point.pressure.value() > 0.0 { 1.0 } else { 0.0 };
         let wearing = (point.wear_rate[0] + point.wear_rate[1]) * point.pressure * (operators.area * faces);
         let closed = state.punch.depth + self.strip_depth()
@@ -179,6 +179,7 @@ impl Lumped {
             "heat_flow_ambient" = point.ambient_flow[0] + point.ambient_flow[1],
             "wear_dissipation_power" = wearing,
         );
+        emit(const { reference("sticking") }, S::from(f64::from(u8::from(point.sticking))));
         write_limits(state.limits, |reference, value| emit(reference, S::from(value)));
     }
 

@@ -81,6 +81,8 @@ pub struct Point<S = f64> {
     pub kinetic_coefficient: S,
     /// Friction force of all faces, N, signed.
     pub force: S,
+    /// The contact sticks: it is closed, and a bristle is below its sliding limit; without one, the velocity is 0.
+    pub sticking: bool,
     /// Friction heat flux, W/m2.
     pub flux: S,
     /// Heat partition and surface temperatures.
@@ -253,8 +255,10 @@ pub fn evaluate<S: Scalar>(
     let kinetic = mu * load * (faces * operators.power_factor);
     let mut force = kinetic * conditions.sign;
     let mut wearing_speed = conditions.slip;
+    let mut sticking = closed && conditions.velocity.value() == 0.0;
     if let Some(bristle) = bristle {
         let (held, slips) = bristle.force(state.bristle, conditions.velocity.value(), kinetic.value());
+        sticking = closed && !slips;
         let v = conditions.velocity;
         force = if slips {
             kinetic * held.signum()
@@ -310,6 +314,7 @@ pub fn evaluate<S: Scalar>(
         friction_coefficient: mu,
         kinetic_coefficient,
         force,
+        sticking,
         flux,
         partition,
         contact_temperature,

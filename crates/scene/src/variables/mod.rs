@@ -147,6 +147,8 @@ pub struct Row {
     pub type_name: &'static str,
     /// Setting that replaces the value 0, which former versions took for it; empty: none.
     pub instead_of_zero: &'static str,
+    /// Whether a scene file may give the first elements of the array only.
+    pub may_be_shorter: bool,
 }
 
 impl Row {

@@ -60,6 +60,7 @@ const fn real(name: &'static str, unit: &'static Unit, nominal: f64, description
         least_chosen: 0.0,
         type_name: "",
         instead_of_zero: "",
+        may_be_shorter: false,
     }
 }
 
@@ -110,6 +111,11 @@ impl Row {
             }
             _ => panic!("only a Real has a type of this kind"),
         }
+    }
+
+    /// A scene file may give the first elements of the array only.
+    const fn may_be_shorter(self) -> Row {
+        Row { may_be_shorter: true, ..self }
     }
 
     /// 0, below the bounds now, was once accepted for `setting`.

@@ -87,6 +87,15 @@ pub const ROWS: &[Row] = &[
         .local(),
     real("bristle_energy", &JOULE, 1e-3, "Elastic energy in the bristles of all faces: integral of friction_power minus dissipated_energy")
         .local(),
+    discrete(
+        boolean(
+            "sticking",
+            false,
+            "Whether the contact sticks: closed, and the bristle below its sliding limit; without contact.stick_stiffness, \
+             the velocity is 0",
+        )
+        .output(ON_INPUTS),
+    ),
     // Contact.
     real("pressure_mean", &PASCAL, 1e6, "Mean contact pressure").shown("MPa").local(),
     real("pressure_max", &PASCAL, 1e6, "Highest contact pressure").shown("MPa").local(),

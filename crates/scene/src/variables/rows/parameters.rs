@@ -85,6 +85,9 @@ pub static SCHEME: EnumerationType = EnumerationType {
 /// Temperatures of a fade table at start; the factors beside them are 1.
 const FADE_TEMPERATURES: &[f64] = &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
 
+/// Sliding speeds of the friction table at start, m/s.
+const FRICTION_SPEEDS: &[f64] = &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
 /// Start value of temperatures that act only where chosen, K: 20 degC, as of the air.
 const ROOM: f64 = 293.15;
 
@@ -424,6 +427,35 @@ pub const CONTACT: &[Row] = &[
     real("contact.stribeck_velocity", &METRE_PER_SECOND, 0.1, "Velocity v_s of the Stribeck factor")
         .within(1e-6, 1e3)
         .start(0.05),
+    integer(
+        "contact.friction_table.points",
+        0,
+        FRICTION_SPEEDS.len() as i32,
+        0,
+        "Number of points of the table of the friction coefficient over sliding speed, which replaces the Stribeck factor; 0: none",
+    ),
+    real(
+        "contact.friction_table.speed",
+        &METRE_PER_SECOND,
+        10.0,
+        "Sliding speeds of the friction table, increasing, the first 0; those behind the last point are not used",
+    )
+    .of_type("Velocity")
+    .within(0.0, 1e4)
+    .starts(FRICTION_SPEEDS)
+    .may_be_shorter(),
+    real(
+        "contact.friction_table.coefficient",
+        &ONE,
+        0.3,
+        "Friction coefficients at these speeds before fade, where contact.friction_coefficient is as at initialisation; \
+         between them a monotone cubic with continuous slope, constant above the last",
+    )
+    .of_type("CoefficientOfFriction")
+    .within(0.0, 10.0)
+    .array(FRICTION_SPEEDS.len() as u32)
+    .start(0.4)
+    .may_be_shorter(),
     real(
         "contact.regularization_velocity",
         &METRE_PER_SECOND,
