@@ -93,6 +93,8 @@ static GROUPS: [u8; COUNT] = {
         "heat_flow_punch_top",
         "heat_flow_strip_base",
         "heat_flow_ambient",
+        "heat_flow_punch_external",
+        "heat_flow_strip_external",
         "wear_depth_punch",
         "wear_depth_strip",
         "wear_dissipation_power",

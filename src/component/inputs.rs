@@ -59,7 +59,7 @@ impl Component {
         self.check_temperatures(step)
     }
 
-    /// Checks that external temperatures are above 0 K.
+    /// Checks that ambient and external temperatures are above 0 K.
     fn check_temperatures(&self, step: f64) -> Result<(), String> {
         let at_both = |index: usize| [self.values[index], self.values[index] + self.slopes[index] * step];
         let ambient = value!(self.values, "ambient_temperature");
@@ -77,18 +77,25 @@ impl Component {
         const STRIP: usize = reference("strip.external_temperature") as usize;
         const PUNCH: usize = reference("punch.external_temperature") as usize;
         let sides = [
-            (value!(self.values, "strip.base_thermal"), "strip.external_temperature", "strip.base_thermal", STRIP),
-            (value!(self.values, "punch.top_thermal"), "punch.external_temperature", "punch.top_thermal", PUNCH),
+            ("strip", "strip.base_thermal", value!(self.values, "strip.base_thermal"), STRIP),
+            ("punch", "punch.top_thermal", value!(self.values, "punch.top_thermal"), PUNCH),
         ];
-        for (boundary, name, face, index) in sides {
-            if ThermalBoundary::from_item(boundary) != ThermalBoundary::External {
+        let conductances =
+            [value!(self.values, "strip.external_conductance"), value!(self.values, "punch.external_conductance")];
+        for ((body, face, boundary, index), conductance) in sides.into_iter().zip(conductances) {
+            let external = ThermalBoundary::from_item(boundary) == ThermalBoundary::External;
+            if !external && conductance == 0.0 {
                 continue;
             }
             for temperature in at_both(index) {
                 if temperature <= 0.0 {
+                    let because = match external {
+                        true => format!("{face} = external"),
+                        false => format!("{body}.external_conductance = {} W/K", Number(conductance)),
+                    };
                     return Err(format!(
-                        "{name} = {temperature} K must be above 0 K, because {face} = external",
-                        temperature = Number(temperature)
+                        "{body}.external_temperature = {} K must be above 0 K, because {because}",
+                        Number(temperature)
                     ));
                 }
             }

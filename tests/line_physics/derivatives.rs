@@ -54,6 +54,14 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
             ("depth", 0.1),
             ("strip.body", 2.0),
         ]),
+        11 => changes.extend([
+            ("punch.external_conductance", random.between(1.0, 100.0)),
+            ("punch.external_temperature", 310.0),
+            ("strip.external_temperature", 320.0),
+            ("strip.external_conductance", random.between(1.0, 100.0)),
+            ("punch.top_thermal", 2.0 + (2.0 * random.next()).floor()),
+            ("strip.base_thermal", 2.0 + (2.0 * random.next()).floor()),
+        ]),
         10 => changes.extend([
             ("contact.static_friction_ratio", 1.0),
             ("contact.friction_table.points", 4.0),
@@ -115,8 +123,8 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
     let mut random = Random(20_240_229);
     let mut nonzero = vec![false; outputs.len()];
     let (mut failed, mut kinks, mut compared) = (Vec::new(), 0, 0);
-    for case in 0..50 {
-        let special = [case % 8, 8, 9, 10][[40, 42, 46].iter().filter(|&&from| case >= from).count()];
+    for case in 0..54 {
+        let special = [case % 8, 8, 9, 10, 11][[40, 42, 46, 50].iter().filter(|&&from| case >= from).count()];
         let (mut drive, inputs) = scene(&mut random, special);
         // Entries scaled by a typical size of the input, so that they compare.
         let mut entries = vec![[(0.0, 0.0); 7]; outputs.len()];

@@ -9,6 +9,7 @@ mod friction_table;
 mod geometry;
 mod hostile;
 mod limits;
+mod neighbours;
 mod rates;
 mod replay;
 mod slab;

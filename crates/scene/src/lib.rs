@@ -176,6 +176,7 @@ pub struct Body {
     pub convection_forced: f64,
     pub emissivity: f64,
     pub cooled_area: f64,
+    pub external_conductance: f64,
     /// Condition of the face opposite to the contact.
     pub far_thermal: ThermalBoundary,
     /// Temperature there where it is held, K; 0: ambient.
@@ -183,6 +184,16 @@ pub struct Body {
 }
 
 impl Body {
+    /// Whether the temperature of the face opposite to the contact is prescribed.
+    pub fn far_is_prescribed(&self) -> bool {
+        matches!(self.far_thermal, ThermalBoundary::Held | ThermalBoundary::External)
+    }
+
+    /// Whether the input with the temperature of the neighbour acts.
+    pub fn has_neighbour(&self) -> bool {
+        self.far_thermal == ThermalBoundary::External || self.external_conductance > 0.0
+    }
+
     /// Heat capacity by volume, J/(m3 K).
     pub fn capacity(&self) -> f64 {
         self.density * self.specific_heat
@@ -286,6 +297,7 @@ macro_rules! body {
             convection_forced: value!($v, concat!($body, ".convection_forced")),
             emissivity: value!($v, concat!($body, ".emissivity")),
             cooled_area: value!($v, concat!($body, ".cooled_area")),
+            external_conductance: value!($v, concat!($body, ".external_conductance")),
             far_thermal: ThermalBoundary::from_item(value!($v, $far)),
             far_temperature: chosen(value!($v, $at_ambient) == 0.0, value!($v, $far_temperature)),
         }
@@ -399,6 +411,12 @@ impl Scene {
     /// Nominal contact area of one punch and one face, m2.
     pub fn contact_area(&self) -> f64 {
         self.width * self.depth
+    }
+
+    /// Area of the faces opposite to the contact, all faces and punches, m2: punch, strip of a closed path.
+    pub fn far_areas(&self) -> [f64; 2] {
+        let across = if self.geometry == Geometry::Annular { self.width } else { self.depth };
+        [self.contact_area() * self.count * self.faces, self.length * across * self.faces]
     }
 
     /// Fraction of the strip's length covered by all punches of a face; 0 for a straight path.

@@ -29,6 +29,7 @@ pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
+    neighbours(scene)?;
     wear(scene)?;
     shape(scene)?;
     tables(scene)?;
@@ -169,6 +170,30 @@ fn heat(scene: &Scene) -> Result<(), BrokenRule> {
              contact.conductance must be > 0 W/(m2.K)"
                 .into(),
         );
+    }
+    Ok(())
+}
+
+/// Rules of the heat paths to neighbours.
+fn neighbours(scene: &Scene) -> Result<(), BrokenRule> {
+    for (name, face, body) in [("punch", "top", &scene.punch), ("strip", "base", &scene.strip)] {
+        if body.external_conductance == 0.0 {
+            continue;
+        }
+        let given = format!("{name}.external_conductance = {} W/K", Number(body.external_conductance));
+        if body.far_is_prescribed() {
+            return broken(format!(
+                "{given} needs {name}.{face}_thermal = insulated or convecting: the temperature of the face is prescribed"
+            ));
+        }
+        if body.conductivity == 0.0 {
+            return broken(format!("{given} needs {name}.conductivity > 0 W/(m.K); it is 0"));
+        }
+        if name == "strip" && scene.path == Path::Straight {
+            return broken(format!(
+                "{given} needs strip.path = closed: it belongs to the whole strip, and that of a track is open"
+            ));
+        }
     }
     Ok(())
 }

@@ -25,7 +25,7 @@ pub fn of_external(scene: &Scene, temperatures: [f64; 2]) -> Vec<String> {
     [(&scene.strip, "strip"), (&scene.punch, "punch")]
         .iter()
         .zip(temperatures)
-        .filter(|((body, _), kelvin)| body.far_thermal == ThermalBoundary::External && *kelvin < COLDEST)
+        .filter(|((body, _), kelvin)| body.has_neighbour() && *kelvin < COLDEST)
         .map(|((_, name), kelvin)| cold(&format!("{name}.external_temperature"), kelvin))
         .collect()
 }

@@ -85,6 +85,8 @@ pub struct ThermalCoupling {
     pub reference_wear_rates: [Vec<f64>; 2],
     /// Ambient, far-face temperatures and cooling of the bodies during the step under way.
     pub surroundings: [Surroundings; 2],
+    /// Heat paths to the neighbours: flow out of the body at the end of the step under way, W/m2, and the heat of the step, J/m2.
+    pub external: [(f64, f64); 2],
     /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
     unpredicted_rise: [f64; 2],
     /// Thermal distortion: displacement of both surfaces at the end of the step, m into the bodies.
@@ -160,6 +162,7 @@ impl ThermalCoupling {
             kinetic_coefficient: zeros(),
             reference_wear_rates: pair(),
             surroundings: [Surroundings::default(); 2],
+            external: [(0.0, 0.0); 2],
             distortion: zeros(),
             unpredicted_rise: [0.0; 2],
             step: 0.0,
@@ -204,6 +207,7 @@ impl Clone for ThermalCoupling {
             kinetic_coefficient: self.kinetic_coefficient.clone(),
             reference_wear_rates: self.reference_wear_rates.clone(),
             surroundings: self.surroundings,
+            external: self.external,
             distortion: self.distortion.clone(),
             unpredicted_rise: self.unpredicted_rise,
             step: self.step,

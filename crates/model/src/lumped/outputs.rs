@@ -176,6 +176,8 @@ impl Lumped {
             "heat_flow_strip" = surface.strip * (operators.area * faces),
             "heat_flow_punch_top" = point.far_flow[0],
             "heat_flow_strip_base" = point.far_flow[1],
+            "heat_flow_punch_external" = point.external_flow[0],
+            "heat_flow_strip_external" = point.external_flow[1],
             "heat_flow_ambient" = point.ambient_flow[0] + point.ambient_flow[1],
             "wear_dissipation_power" = wearing,
         );
@@ -191,6 +193,9 @@ impl Lumped {
         let punch = self.flows(&operators.punch, &state.punch);
         let strip = self.flows(&operators.strip, &state.strip);
         let stick = scene.stick_stiffness;
+        let external = |body: &BodyOperators, state: &BodyState, far: f64| {
+            point::external_flow(body, far, state.external * body.area * faces)
+        };
         let life = |depth: f64, body: &BodyOperators| {
             if body.wear_limit > 0.0 {
                 (1.0 - (depth + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
@@ -210,6 +215,8 @@ impl Lumped {
             "heat_lost_ambient" = punch.ambient + strip.ambient,
             "heat_lost_punch_top" = punch.far,
             "heat_lost_strip_base" = strip.far,
+            "heat_lost_punch_external" = external(&operators.punch, &state.punch, punch.far),
+            "heat_lost_strip_external" = external(&operators.strip, &state.strip, strip.far),
             "heat_received_punch" = punch.received,
             "heat_received_strip" = strip.received,
             "stored_heat" = punch.stored + strip.stored,

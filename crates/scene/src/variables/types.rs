@@ -58,6 +58,7 @@ pub static TYPES: &[RealType] = &[
     named("Power", &WATT),
     named("ThermalConductivity", &CONDUCTIVITY),
     named("CoefficientOfHeatTransfer", &HEAT_TRANSFER),
+    named("ThermalConductance", &CONDUCTANCE),
     named("SpecificHeatCapacity", &SPECIFIC_HEAT),
     named("Density", &DENSITY),
 ];

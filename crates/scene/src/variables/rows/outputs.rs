@@ -110,8 +110,8 @@ pub const ROWS: &[Row] = &[
         .local(),
     real("heat_flow_punch", &WATT, 1e3, "Friction heat that enters the punches, all faces").shown("kW").local(),
     real("heat_flow_strip", &WATT, 1e3, "Friction heat that enters the strips, all faces").shown("kW").local(),
-    real("heat_flow_punch_top", &WATT, 100.0, "Heat that leaves through the punches' tops, all faces").output(ON_INPUTS),
-    real("heat_flow_strip_base", &WATT, 100.0, "Heat that leaves through the strips' bases, all faces").output(ON_INPUTS),
+    real("heat_flow_punch_top", &WATT, 100.0, "Heat that leaves through the punches' tops, all faces").local(),
+    real("heat_flow_strip_base", &WATT, 100.0, "Heat that leaves through the strips' bases, all faces").local(),
     real(
         "heat_flow_ambient",
         &WATT,
@@ -119,9 +119,31 @@ pub const ROWS: &[Row] = &[
         "Heat that leaves to the ambient air by convection and radiation from the cooled surfaces, all faces",
     )
     .output(ON_INPUTS),
+    real(
+        "heat_flow_punch_external",
+        &WATT,
+        100.0,
+        "Heat that flows out of the punches' tops to their neighbour at punch.external_temperature; part of heat_flow_punch_top",
+    )
+    .output(ON_INPUTS),
+    real(
+        "heat_flow_strip_external",
+        &WATT,
+        100.0,
+        "Heat that flows out of the strips' bases to their neighbour at strip.external_temperature; part of heat_flow_strip_base",
+    )
+    .output(ON_INPUTS),
     real("heat_lost_punch_top", &JOULE, 1e4, "Integral of heat_flow_punch_top").of_type("Heat").shown("kJ").local(),
     real("heat_lost_strip_base", &JOULE, 1e4, "Integral of heat_flow_strip_base").of_type("Heat").shown("kJ").local(),
     real("heat_lost_ambient", &JOULE, 1e4, "Integral of heat_flow_ambient").of_type("Heat").shown("kJ").local(),
+    real("heat_lost_punch_external", &JOULE, 1e4, "Integral of heat_flow_punch_external: over a step, exactly what the neighbour receives")
+        .of_type("Heat")
+        .shown("kJ")
+        .local(),
+    real("heat_lost_strip_external", &JOULE, 1e4, "Integral of heat_flow_strip_external: over a step, exactly what the neighbour receives")
+        .of_type("Heat")
+        .shown("kJ")
+        .local(),
     real("heat_received_punch", &JOULE, 1e4, "Integral of heat_flow_punch").of_type("Heat").shown("kJ").local(),
     real("heat_received_strip", &JOULE, 1e4, "Integral of heat_flow_strip").of_type("Heat").shown("kJ").local(),
     real("punch.mean_temperature", &KELVIN, 400.0, "Mean temperature of the punch").shown("degC").local(),

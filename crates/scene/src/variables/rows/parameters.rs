@@ -310,6 +310,19 @@ macro_rules! body_rows {
             )
             .shown("cm2")
             .within(0.0, 1e4),
+            real(
+                concat!($body, ".external_conductance"),
+                &CONDUCTANCE,
+                10.0,
+                concat!(
+                    "Conductance of the heat path from the face of the ",
+                    $body,
+                    " opposite to the contact (insulated or convecting) to ",
+                    $body,
+                    ".external_temperature, all faces and punches together; 0: none"
+                ),
+            )
+            .within(0.0, 1e9),
         ]
     };
 }
@@ -328,7 +341,7 @@ const fn with<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
     rows
 }
 
-pub const PUNCH: &[Row] = &with::<27>(
+pub const PUNCH: &[Row] = &with::<28>(
     PUNCH_BODY,
     &[
         real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
@@ -356,7 +369,7 @@ pub const PUNCH: &[Row] = &with::<27>(
     ],
 );
 
-pub const STRIP: &[Row] = &with::<28>(
+pub const STRIP: &[Row] = &with::<29>(
     STRIP_BODY,
     &[
         choice("strip.path", &PATH, 2, "Path of the punch on the strip"),
