@@ -332,6 +332,9 @@ mod tests {
             match row.kind {
                 Kind::Real { unit, .. } => {
                     assert_eq!((kind.as_str(), attributes["unit"].as_str()), ("Real", unit.name));
+                    assert_eq!(attributes["declaredType"], row.real_type().unwrap().name);
+                    let absolute = unit.name == "K" && !row.is_difference();
+                    assert!(!absolute || attributes["displayUnit"] == "degC", "{}", row.name);
                     if let Some(start) = start {
                         assert_eq!(start.parse(), Ok(scene.starts[reference]), "{}", row.name);
                     }
@@ -346,6 +349,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_declared_type_is_defined_with_the_unit_of_its_variables() {
+        let elements = elements(&write(&Packaged::stock(), ""));
+        let unit_of = |name: &str| {
+            let at =
+                elements.iter().position(|element| element.0 == "SimpleType" && element.1["name"] == name).unwrap();
+            assert_eq!(elements[at + 1].0, "Real", "{name}");
+            elements[at + 1].1["unit"].clone()
+        };
+        let mut seen = 0;
+        for (kind, attributes) in &elements {
+            if kind == "Real" && attributes.contains_key("declaredType") {
+                assert_eq!(unit_of(&attributes["declaredType"]), attributes["unit"]);
+                seen += 1;
+            }
+        }
+        assert!(seen > 100);
+        assert_eq!(unit_of("Temperature"), "K");
+        let root = &elements[0].1;
+        assert!(root.contains_key("author") && root.contains_key("copyright") && root.contains_key("license"));
+    }
+
+    #[test]
+    fn a_dozen_outputs_are_to_be_connected() {
+        let outputs = TABLE.iter().filter(|row| row.causality == Causality::Output).count();
+        assert!((12..=15).contains(&outputs), "{outputs}");
     }
 
     #[test]
@@ -376,9 +407,9 @@ mod tests {
                 .clone()
         };
         assert_eq!(dependencies(at("Outputs"), "friction_force"), "1 2 3 4 5 6 7");
-        assert_eq!(dependencies(at("Outputs"), "punch.mean_temperature"), "");
-        assert_eq!(dependencies(at("InitialUnknowns"), "dissipated_energy"), "");
-        assert!(dependencies(at("InitialUnknowns"), "punch.mean_temperature").starts_with("1 2 3 4 5 6 7 "));
+        assert_eq!(dependencies(at("Outputs"), "strip.mean_temperature"), "");
+        assert_eq!(dependencies(at("InitialUnknowns"), "wear_depth"), "");
+        assert!(dependencies(at("InitialUnknowns"), "strip.mean_temperature").starts_with("1 2 3 4 5 6 7 "));
     }
 
     #[test]
