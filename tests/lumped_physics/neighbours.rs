@@ -12,6 +12,8 @@ const PATHS: [(&str, f64); 4] = [
     ("strip.external_temperature", 300.0),
     ("punch.external_temperature", 300.0),
 ];
+/// Parameters by name.
+type Changes = &'static [(&'static str, f64)];
 /// Forced convection and radiation on every cooled surface.
 const AIR: [(&str, f64); 4] = [
     ("punch.emissivity", 0.5),
@@ -95,16 +97,16 @@ fn two_capacities_and_a_conductance_exchange_heat_as_in_the_closed_form() {
 
 #[test]
 fn the_balance_closes_with_the_heat_of_the_paths_at_every_level() {
-    let annular = [("contact.geometry", 2.0), ("strip.length", 0.0)];
+    const ANNULAR: Changes = &[("contact.geometry", 2.0), ("strip.length", 0.0)];
     let (plain, cooled) = ((INSULATED, &[][..]), (CONVECTING, &AIR[..]));
     let all = [plain, (INSULATED, &AIR), (CONVECTING, &[]), cooled];
     let both = [plain, cooled];
     // Level, geometry, boundaries, steps and their length, s.
-    let cases: [(f64, &[(&str, f64)], &[_], i32, f64); 5] = [
+    let cases: [(f64, Changes, &[_], i32, f64); 5] = [
         (LUMPED, &[], &all, 40, 0.25),
-        (LUMPED, &annular, &all, 40, 0.25),
+        (LUMPED, ANNULAR, &all, 40, 0.25),
         (LINE, &[], &both, 8, 0.05),
-        (LINE, &annular, &both, 4, 0.05),
+        (LINE, ANNULAR, &both, 4, 0.05),
         (FIELD, &[], &both[..1], 3, 0.05),
     ];
     for (level, geometry, boundaries, steps, length) in cases {

@@ -5,6 +5,7 @@
 use crate::friction_curve::FrictionCurve;
 use numerics::scalar::Scalar;
 use scene::{FadeTable, Scene};
+use std::sync::Arc;
 
 /// Stribeck factor: friction coefficient at a velocity over that without dependence on the velocity.
 #[derive(Clone, PartialEq, Debug)]
@@ -18,14 +19,14 @@ pub enum StribeckFactor {
         /// Stribeck velocity v_s, m/s.
         velocity: f64,
     },
-    /// Measured coefficients over mu_0 at initialisation.
-    Measured(FrictionCurve),
+    /// Measured coefficients over mu_0 at initialisation; shared, so that a copy of the law allocates nothing.
+    Measured(Arc<FrictionCurve>),
 }
 
 impl StribeckFactor {
     fn new(scene: &Scene) -> StribeckFactor {
         match &scene.friction_table {
-            Some(table) => StribeckFactor::Measured(FrictionCurve::new(table, scene.friction_coefficient)),
+            Some(table) => StribeckFactor::Measured(Arc::new(FrictionCurve::new(table, scene.friction_coefficient))),
             None if scene.static_friction_ratio == 1.0 => StribeckFactor::One,
             None => StribeckFactor::Exponential {
                 static_ratio: scene.static_friction_ratio,

@@ -144,15 +144,14 @@ fn cooled_faces(heat: &ReducedBody) -> [&Observation; FACES] {
 }
 
 /// Cooling fluxes of a body at frozen states: the direct feedthrough from flux to face temperature is the static correction of
-/// truncated modes.
+/// truncated modes. The pair is the prescribed temperature of the far face and that of the neighbour.
 fn held_cooling<S: Scalar>(
     body: &BodyOperators,
     heat: &ReducedBody,
     frozen: &FrozenBody,
     reference: f64,
     conditions: &Conditions<S>,
-    far: S,
-    neighbour: S,
+    [far, neighbour]: [S; 2],
     into: S,
 ) -> [S; FACES] {
     let mut flux = [S::from(0.0); FACES];
@@ -231,7 +230,7 @@ pub fn evaluate<S: Scalar>(
     {
         Some(heat) => {
             let none = S::from(0.0);
-            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far, neighbour, none);
+            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], none);
             let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
                 + raised(&heat.contact_temperature, &cooling)
                 + S::from(frozen.contact + extra);
@@ -302,7 +301,7 @@ pub fn evaluate<S: Scalar>(
     let recool = |side: usize, operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], into: S| {
         let (far, neighbour) = (far[side], neighbours[side]);
         match &operators.heat {
-            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, neighbour, into),
+            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], into),
             None => before,
         }
     };
