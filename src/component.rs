@@ -19,6 +19,7 @@ use model::levels::{Model, ModelOperators};
 use model::lumped::conditions::Tunables;
 use model::lumped::limit;
 use model::plan::prepared::Prepared;
+use scene::message::Number;
 use scene::variables::{COUNT, TOLERANCES, ValueReference, lookup, reference};
 use scene::{Scene, value};
 use std::sync::Arc;
@@ -92,10 +93,16 @@ static GROUPS: [u8; COUNT] = {
         "heat_flow_punch_top",
         "heat_flow_strip_base",
         "heat_flow_ambient",
+        "heat_flow_punch_external",
+        "heat_flow_strip_external",
         "wear_depth_punch",
         "wear_depth_strip",
         "wear_dissipation_power",
+        "sticking",
         "limit_reached",
+        "wear_limit_reached",
+        "temperature_limit_exceeded",
+        "validity_exceeded",
     ];
     let mut index = 0;
     while index < contact.len() {
@@ -398,9 +405,10 @@ impl Component {
                     "{} = {value} K is below 0 K after initialisation: sliding_velocity = {} m/s, normal_load = {} N and \
                      cooling_velocity = {} m/s are outside the model's validity",
                     name(),
-                    value!(self.values, "sliding_velocity"),
-                    value!(self.values, "normal_load"),
-                    value!(self.values, "cooling_velocity")
+                    Number(value!(self.values, "sliding_velocity")),
+                    Number(value!(self.values, "normal_load")),
+                    Number(value!(self.values, "cooling_velocity")),
+                    value = Number(value)
                 ));
             }
         }
@@ -419,10 +427,18 @@ impl Component {
             return Ok(());
         }
         if step < SHORTEST_STEP {
-            return Err(format!("the step of {step} s is shorter than {SHORTEST_STEP:e} s and not 0"));
+            return Err(format!(
+                "the step of {step} s is shorter than {shortest_step} s and not 0",
+                step = Number(step),
+                shortest_step = Number(SHORTEST_STEP)
+            ));
         }
         if step > LONGEST_STEP {
-            return Err(format!("the step of {step} s is longer than {LONGEST_STEP:e} s"));
+            return Err(format!(
+                "the step of {step} s is longer than {longest_step} s",
+                step = Number(step),
+                longest_step = Number(LONGEST_STEP)
+            ));
         }
         if self.suspect || self.sloped {
             self.check_inputs(step)?;
@@ -479,12 +495,18 @@ impl Component {
         let inputs = inputs_of(&self.values);
         if fresh & limit::TEMPERATURE != 0 {
             let limit = value!(self.values, "contact.temperature_limit");
-            let text = format_args!("contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)");
+            let text = format_args!(
+                "contact.temperature_limit = {limit} K is exceeded (limit_reached bit 2)",
+                limit = Number(limit)
+            );
             self.messages.add(Subject::Warning, text);
         }
         if fresh & limit::NEGATIVE_LOAD != 0 {
             let load = began[1].min(inputs[1]);
-            let text = format_args!("normal_load = {load} N is below 0 N and counts as 0: the contact is open");
+            let text = format_args!(
+                "normal_load = {load} N is below 0 N and counts as 0: the contact is open",
+                load = Number(load)
+            );
             self.messages.add(Subject::Warning, text);
         }
         if fresh & BOTH_VELOCITIES != 0 {
@@ -492,9 +514,10 @@ impl Component {
             let text = format_args!(
                 "sliding_velocity = {} m/s and angular_velocity = {} rad/s are both given and add up: with \
                  contact.mean_radius = {radius} m the contact slides at {} m/s",
-                began[0],
-                began[2],
-                began[0] + radius * began[2]
+                Number(began[0]),
+                Number(began[2]),
+                Number(began[0] + radius * began[2]),
+                radius = Number(radius)
             );
             self.messages.add(Subject::Warning, text);
         }

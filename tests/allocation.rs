@@ -200,6 +200,8 @@ fn steps_that_an_importer_takes_and_that_have_something_to_say_allocate_nothing(
         ] {
             set(component, name, value);
         }
+        let limited = find("contact.temperature_limited").unwrap();
+        assert_eq!(fmi2SetBoolean(component, &limited, 1, &1), Status::Ok);
         assert_eq!(fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(fmi2EnterInitializationMode(component), Status::Ok);
         assert_eq!(fmi2ExitInitializationMode(component), Status::Ok);

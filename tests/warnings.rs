@@ -114,11 +114,11 @@ fn temperatures_that_look_like_degrees_celsius_are_told() {
     assert_eq!(at_start(&[("ambient_temperature", 150.0)]), SILENT);
     let twenty = ["= 20 K is -253.15 degC", "kelvin"];
     for (name, others) in [
-        ("punch.initial_temperature", vec![]),
-        ("strip.initial_temperature", vec![]),
-        ("contact.temperature_limit", vec![]),
-        ("punch.top_temperature", vec![("punch.top_thermal", HELD)]),
-        ("strip.base_temperature", vec![("strip.base_thermal", HELD)]),
+        ("punch.initial_temperature", vec![("punch.initial_at_ambient", 0.0)]),
+        ("strip.initial_temperature", vec![("strip.initial_at_ambient", 0.0)]),
+        ("contact.temperature_limit", vec![("contact.temperature_limited", 1.0)]),
+        ("punch.top_temperature", vec![("punch.top_thermal", HELD), ("punch.top_at_ambient", 0.0)]),
+        ("strip.base_temperature", vec![("strip.base_thermal", HELD), ("strip.base_at_ambient", 0.0)]),
         ("punch.external_temperature", vec![("punch.top_thermal", EXTERNAL)]),
         ("strip.external_temperature", vec![("strip.base_thermal", EXTERNAL)]),
         ("contact.friction_fade.temperature", vec![("contact.friction_fade.factor", 0.9)]),
@@ -136,8 +136,14 @@ fn temperatures_that_look_like_degrees_celsius_are_told() {
         }
         starts.push((&name, 20.0));
         assert_one(&at_start(&starts), &[&name, twenty[0], twenty[1]]);
-        // Where it has no effect, it is no matter.
-        if !others.is_empty() {
+        if name.ends_with("initial_temperature") || name.ends_with("temperature_limit") {
+            let refused = component(&[(&name, 20.0)]).initialise(None).unwrap_err();
+            let (choice, acts) = others[0];
+            let said =
+                format!("{name} = 20 K has no effect while {choice} = {}; set {choice} = {}", acts == 0.0, acts != 0.0);
+            assert_eq!(refused, said);
+        } else if !others.is_empty() {
+            // Where it has no effect, it is no matter.
             assert_eq!(at_start(&[(&name, 20.0)]), SILENT, "{name}");
         }
         starts.pop();
@@ -188,7 +194,8 @@ fn limits_are_told_where_they_are_reached() {
     for level in [LUMPED, LINE] {
         let at = |name, value, inputs: Values| {
             let rigid = [("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)];
-            let starts = [("solver.fidelity", level), FEW, rigid[0], rigid[1], (name, value)];
+            let limited = ("contact.temperature_limited", 1.0);
+            let starts = [("solver.fidelity", level), FEW, rigid[0], rigid[1], limited, (name, value)];
             in_steps(&starts, inputs, &[], 3)
         };
         let told = at("contact.temperature_limit", 295.0, SLIDING);

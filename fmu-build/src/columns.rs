@@ -40,12 +40,12 @@ impl Column {
     }
 
     /// An optional column for a variable of the table, which must say its unit where it has one; `None` where the variable
-    /// is no number.
+    /// is an item of an enumeration. A Boolean is 0 or 1.
     pub fn of(row: &Row) -> Option<Self> {
         let unit = match row.kind {
             Kind::Real { unit, .. } => unit,
-            Kind::Integer { .. } => &ONE,
-            Kind::Boolean | Kind::Enumeration(_) => return None,
+            Kind::Integer { .. } | Kind::Boolean => &ONE,
+            Kind::Enumeration(_) => return None,
         };
         let (absolute, unit_required) = (!row.is_difference(), unit.name != ONE.name);
         Some(Self { absolute, unit_required, ..Self::optional(row.name, unit) })

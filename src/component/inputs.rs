@@ -2,7 +2,8 @@
 
 use super::Component;
 use model::INPUTS;
-use scene::variables::{Kind, ValueReference, lookup, reference};
+use scene::message::{self, Number};
+use scene::variables::{ValueReference, lookup, reference, unit_of};
 use scene::{ThermalBoundary, value};
 
 /// Largest magnitude of an input, in its SI unit. Quantities derived from inputs within it (their products, the powers of the
@@ -30,13 +31,7 @@ pub(super) fn needs_check(index: usize, value: f64) -> bool {
 
 /// Name and unit of an input.
 fn name_of(index: usize) -> (&'static str, &'static str) {
-    lookup(index as ValueReference).map_or(("an input", ""), |(row, _)| {
-        let unit = match row.kind {
-            Kind::Real { unit, .. } => unit.name,
-            _ => "",
-        };
-        (row.name, unit)
-    })
+    lookup(index as ValueReference).map_or(("an input", ""), |(row, _)| (row.name, unit_of(row)))
 }
 
 impl Component {
@@ -56,14 +51,15 @@ impl Component {
             for (when, number) in [("", value), (" at the end of the step", value + slope * step)] {
                 let within = number.abs() <= LARGEST_INPUT;
                 if !within {
-                    return Err(format!("{name} = {number} {unit}{when} is beyond {LARGEST_INPUT:e} {unit}"));
+                    let [number, limit] = message::apart([number, number.signum() * LARGEST_INPUT], unit);
+                    return Err(format!("{name} = {number}{when} is beyond {limit}"));
                 }
             }
         }
         self.check_temperatures(step)
     }
 
-    /// Checks that external temperatures are above 0 K.
+    /// Checks that ambient and external temperatures are above 0 K.
     fn check_temperatures(&self, step: f64) -> Result<(), String> {
         let at_both = |index: usize| [self.values[index], self.values[index] + self.slopes[index] * step];
         let ambient = value!(self.values, "ambient_temperature");
@@ -72,23 +68,35 @@ impl Component {
                 return Err(format!(
                     "ambient_temperature_offset = {offset} K makes an ambient temperature of {} K; ambient_temperature = \
                      {ambient} K, and the sum must be above 0 K",
-                    ambient + offset
+                    Number(ambient + offset),
+                    offset = Number(offset),
+                    ambient = Number(ambient)
                 ));
             }
         }
         const STRIP: usize = reference("strip.external_temperature") as usize;
         const PUNCH: usize = reference("punch.external_temperature") as usize;
         let sides = [
-            (value!(self.values, "strip.base_thermal"), "strip.external_temperature", "strip.base_thermal", STRIP),
-            (value!(self.values, "punch.top_thermal"), "punch.external_temperature", "punch.top_thermal", PUNCH),
+            ("strip", "strip.base_thermal", value!(self.values, "strip.base_thermal"), STRIP),
+            ("punch", "punch.top_thermal", value!(self.values, "punch.top_thermal"), PUNCH),
         ];
-        for (boundary, name, face, index) in sides {
-            if ThermalBoundary::from_item(boundary) != ThermalBoundary::External {
+        let conductances =
+            [value!(self.values, "strip.external_conductance"), value!(self.values, "punch.external_conductance")];
+        for ((body, face, boundary, index), conductance) in sides.into_iter().zip(conductances) {
+            let external = ThermalBoundary::from_item(boundary) == ThermalBoundary::External;
+            if !external && conductance == 0.0 {
                 continue;
             }
             for temperature in at_both(index) {
                 if temperature <= 0.0 {
-                    return Err(format!("{name} = {temperature} K must be above 0 K, because {face} = external"));
+                    let because = match external {
+                        true => format!("{face} = external"),
+                        false => format!("{body}.external_conductance = {} W/K", Number(conductance)),
+                    };
+                    return Err(format!(
+                        "{body}.external_temperature = {} K must be above 0 K, because {because}",
+                        Number(temperature)
+                    ));
                 }
             }
         }

@@ -6,6 +6,7 @@
 use super::{Component, Subject, inputs_of};
 use model::INPUTS;
 use model::lumped::limit;
+use scene::message::Number;
 use scene::value;
 
 impl Component {
@@ -31,7 +32,13 @@ impl Component {
             "the run exceeds the conditions planned for solver.fidelity = auto: {speed} m/s, {} N and {work} J of friction, \
              planned for nominal.velocity = {velocity} m/s, nominal.load = {load} N and {planned_work} J in nominal.duration = \
              {duration} s; the level is unchanged, and estimated_error is 1 from here on",
-            inputs[1]
+            Number(inputs[1]),
+            speed = Number(speed),
+            work = Number(work),
+            velocity = Number(velocity),
+            load = Number(load),
+            planned_work = Number(planned_work),
+            duration = Number(duration)
         );
         self.messages.add(Subject::Warning, beyond);
     }

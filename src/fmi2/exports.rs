@@ -1,4 +1,5 @@
-//! The functions of FMI 2.0 that a co-simulation slave exports, and no other symbol.
+//! The functions of FMI 2.0, and no other symbol: those of co-simulation here, those of model exchange, which are all
+//! refused, in `model_exchange`.
 //!
 //! Each converts its raw arguments into safe ones and makes one call into the instance. The admissible call
 //! sequences are in [`super::policy`], the implementation in `instance`. The documentation here states where this
@@ -13,6 +14,7 @@
 #![allow(clippy::missing_safety_doc, reason = "one contract, at the top")]
 
 pub(in crate::fmi2) mod arguments;
+mod model_exchange;
 
 use core::ffi::{CStr, c_char};
 use core::ptr;
@@ -26,6 +28,7 @@ use super::types::{
     ValueReference,
 };
 use arguments::{MOST_VARIABLES, Sink, Source};
+pub use model_exchange::*;
 
 /// Exports functions of an instance: `fn NAME [FUNCTION] (arguments) |instance| body`.
 macro_rules! export {
@@ -38,6 +41,7 @@ macro_rules! export {
         }
     )* };
 }
+use export;
 
 /// An input array: values or references read from the importer's memory.
 ///

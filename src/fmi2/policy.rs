@@ -156,6 +156,26 @@ pub enum Function {
     GetBooleanStatus,
     /// `fmi2GetStringStatus`
     GetStringStatus,
+    /// `fmi2EnterEventMode`
+    EnterEventMode,
+    /// `fmi2NewDiscreteStates`
+    NewDiscreteStates,
+    /// `fmi2EnterContinuousTimeMode`
+    EnterContinuousTimeMode,
+    /// `fmi2CompletedIntegratorStep`
+    CompletedIntegratorStep,
+    /// `fmi2SetTime`
+    SetTime,
+    /// `fmi2SetContinuousStates`
+    SetContinuousStates,
+    /// `fmi2GetDerivatives`
+    GetDerivatives,
+    /// `fmi2GetEventIndicators`
+    GetEventIndicators,
+    /// `fmi2GetContinuousStates`
+    GetContinuousStates,
+    /// `fmi2GetNominalsOfContinuousStates`
+    GetNominalsOfContinuousStates,
 }
 
 /// One row of the table of call sequences.
@@ -173,7 +193,7 @@ const fn rule(function: Function, name: &'static str, allowed: Phases) -> Rule {
 }
 
 /// The call sequences, in the order of [`Function`].
-pub const RULES: [Rule; 30] = [
+pub const RULES: [Rule; 40] = [
     rule(Function::SetDebugLogging, "fmi2SetDebugLogging", ANY),
     rule(Function::SetupExperiment, "fmi2SetupExperiment", INSTANTIATED),
     rule(Function::EnterInitializationMode, "fmi2EnterInitializationMode", INSTANTIATED),
@@ -206,6 +226,17 @@ pub const RULES: [Rule; 30] = [
     rule(Function::GetIntegerStatus, "fmi2GetIntegerStatus", STEPPED),
     rule(Function::GetBooleanStatus, "fmi2GetBooleanStatus", STEPPED),
     rule(Function::GetStringStatus, "fmi2GetStringStatus", STEPPED),
+    // Of model exchange: refused in every phase for what they are ([`Fault::ModelExchange`]), not for their order.
+    rule(Function::EnterEventMode, "fmi2EnterEventMode", ANY),
+    rule(Function::NewDiscreteStates, "fmi2NewDiscreteStates", ANY),
+    rule(Function::EnterContinuousTimeMode, "fmi2EnterContinuousTimeMode", ANY),
+    rule(Function::CompletedIntegratorStep, "fmi2CompletedIntegratorStep", ANY),
+    rule(Function::SetTime, "fmi2SetTime", ANY),
+    rule(Function::SetContinuousStates, "fmi2SetContinuousStates", ANY),
+    rule(Function::GetDerivatives, "fmi2GetDerivatives", ANY),
+    rule(Function::GetEventIndicators, "fmi2GetEventIndicators", ANY),
+    rule(Function::GetContinuousStates, "fmi2GetContinuousStates", ANY),
+    rule(Function::GetNominalsOfContinuousStates, "fmi2GetNominalsOfContinuousStates", ANY),
 ];
 
 const _: () = {
@@ -327,6 +358,8 @@ pub enum Fault {
     Value,
     /// A status that this slave does not have.
     Nothing,
+    /// A function of model exchange.
+    ModelExchange,
     /// A directional derivative that does not exist at this point.
     Derivative,
     /// An FMU state that is unknown, damaged, or of another FMU.
@@ -340,12 +373,13 @@ pub enum Fault {
 }
 
 /// Status returned for each fault, and whether it moves the instance to [`Phase::Error`].
-pub const CONSEQUENCES: [(Fault, Status, bool); 10] = [
+pub const CONSEQUENCES: [(Fault, Status, bool); 11] = [
     (Fault::Order, Status::Error, false),
     (Fault::Argument, Status::Error, false),
     (Fault::Reference, Status::Error, false),
     (Fault::Value, Status::Discard, false),
     (Fault::Nothing, Status::Discard, false),
+    (Fault::ModelExchange, Status::Error, false),
     (Fault::Derivative, Status::Error, false),
     (Fault::State, Status::Error, false),
     (Fault::Initialisation, Status::Error, true),

@@ -23,6 +23,12 @@ pub type Boolean = c_int;
 pub type String = *const c_char;
 /// `fmi2Byte`
 pub type Byte = c_char;
+/// `fmi2EventInfo`, of model exchange: never read or written.
+#[repr(C)]
+pub struct EventInfo {
+    opaque: [u8; 0],
+}
+
 /// `fmi2Type`: see [`CO_SIMULATION`].
 pub type Type = c_uint;
 /// `fmi2StatusKind`: see [`DO_STEP_STATUS`] and those that follow it.

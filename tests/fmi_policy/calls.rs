@@ -200,6 +200,16 @@ const CASES: &[Case] = &[
         DISCARD,
         "fmi2PendingStatus",
     ),
+    // Model exchange; `sequences` calls all of them in every phase.
+    (
+        ALL,
+        "derivatives of states",
+        |x| unsafe { fmi2GetDerivatives(x.component, nowhere(), 3) },
+        ERROR,
+        "co-simulation",
+    ),
+    (ALL, "event mode", |x| unsafe { fmi2EnterEventMode(x.component) }, ERROR, "function of model exchange"),
+    (ALL, "discrete states", |x| unsafe { fmi2NewDiscreteStates(x.component, nowhere()) }, ERROR, "co-simulation"),
     // FMU states.
     (ALL, "no place for a state", |x| unsafe { fmi2GetFMUstate(x.component, ptr::null_mut()) }, ERROR, "NULL"),
     (ALL, "a state that never was, to write over", |x| x.save(&mut nowhere()), ERROR, "never came from this FMU"),

@@ -64,6 +64,21 @@ const GRID: &[Row] = &[
     ("fmi2GetIntegerStatus", "ste", DISCARD, |c, _| unsafe { fmi2GetIntegerStatus(c, 0, &mut 0) }),
     ("fmi2GetBooleanStatus", "ste", OK, |c, _| unsafe { fmi2GetBooleanStatus(c, 3, &mut 0) }),
     ("fmi2GetStringStatus", "ste", DISCARD, |c, _| unsafe { fmi2GetStringStatus(c, 1, &mut ptr::null()) }),
+    // Of model exchange: their arguments are never used.
+    ("fmi2EnterEventMode", "", ERROR, |c, _| unsafe { fmi2EnterEventMode(c) }),
+    ("fmi2NewDiscreteStates", "", ERROR, |c, _| unsafe { fmi2NewDiscreteStates(c, ptr::null_mut()) }),
+    ("fmi2EnterContinuousTimeMode", "", ERROR, |c, _| unsafe { fmi2EnterContinuousTimeMode(c) }),
+    ("fmi2CompletedIntegratorStep", "", ERROR, |c, _| unsafe {
+        fmi2CompletedIntegratorStep(c, 1, ptr::null_mut(), ptr::null_mut())
+    }),
+    ("fmi2SetTime", "", ERROR, |c, _| unsafe { fmi2SetTime(c, 0.0) }),
+    ("fmi2SetContinuousStates", "", ERROR, |c, _| unsafe { fmi2SetContinuousStates(c, ptr::null(), 1) }),
+    ("fmi2GetDerivatives", "", ERROR, |c, _| unsafe { fmi2GetDerivatives(c, ptr::null_mut(), 1) }),
+    ("fmi2GetEventIndicators", "", ERROR, |c, _| unsafe { fmi2GetEventIndicators(c, ptr::null_mut(), 1) }),
+    ("fmi2GetContinuousStates", "", ERROR, |c, _| unsafe { fmi2GetContinuousStates(c, ptr::null_mut(), 1) }),
+    ("fmi2GetNominalsOfContinuousStates", "", ERROR, |c, _| unsafe {
+        fmi2GetNominalsOfContinuousStates(c, ptr::null_mut(), usize::MAX)
+    }),
 ];
 
 #[test]

@@ -124,8 +124,8 @@ class Component:
         return values[0] if len(names) == 1 else np.array(values)
 
     def outputs(self):
-        """All Real outputs, in the order of the description."""
-        names = [v.name for v in self.fmu.description.modelVariables if v.causality == "output" and v.type == "Real"]
+        """All Real outputs and scalar locals, in the order of the description."""
+        names = [v.name for v in self.fmu.description.modelVariables if v.causality in ("output", "local") and v.type == "Real" and "[" not in v.name]
         return dict(zip(names, self.get(*names)))
 
     def initialise(self, values=(), start=0.0, stop=None, tolerance=None, **named):

@@ -140,7 +140,7 @@ def test_explicit_wear_is_refused_beyond_its_bound(line):
     np.testing.assert_allclose(below.get(*PRESSURE), default.get(*PRESSURE), atol=2e-2 * LOAD / 6e-4)
     # The bound falls with the wear rate, and the default scheme has none.
     faster = bound_of_the_refusal(line({**explicit, "wear_acceleration": 20.0}), 1e4)
-    assert faster == pytest.approx(bound / 20.0, rel=1e-9)
+    assert faster == pytest.approx(bound / 20.0, rel=2e-5)  # of six digits in the message
     assert line({"solver.cells": 33}).try_step(100.0 * bound) == OK
 
 

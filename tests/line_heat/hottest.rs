@@ -38,6 +38,7 @@ fn the_temperature_limit_is_that_of_the_highest_temperature() {
             ("solver.tolerance", 1e-2),
             ("punch.wear_coefficient", 0.0),
             ("strip.wear_coefficient", 0.0),
+            ("contact.temperature_limited", 1.0),
             ("contact.temperature_limit", limit),
         ]);
         drive.set("sliding_velocity", 10.0).set("normal_load", 5e3).step(0.5);

@@ -87,7 +87,9 @@ fn radiation_forced_convection_and_fade_balance() {
             ("strip.convection_forced", strip),
             ("contact.friction_fade.factor[3]", 0.6),
             // Alike, so that nothing jumps when they touch.
+            ("strip.initial_at_ambient", 0.0),
             ("strip.initial_temperature", 330.0),
+            ("punch.initial_at_ambient", 0.0),
             ("punch.initial_temperature", 330.0),
         ];
         let swing = [("cooling_velocity", 15.0, 10.0), ("ambient_temperature_offset", 0.0, -20.0)];
@@ -113,7 +115,9 @@ fn radiation_forced_convection_fade_and_cooled_area_balance() {
             ("strip.convection_forced", 80.0),
             ("contact.friction_fade.factor[3]", 0.6),
             // Alike, so that nothing jumps when they touch.
+            ("strip.initial_at_ambient", 0.0),
             ("strip.initial_temperature", 330.0),
+            ("punch.initial_at_ambient", 0.0),
             ("punch.initial_temperature", 330.0),
             ("strip.cooled_area", 0.2),
         ],
@@ -185,6 +189,7 @@ fn bodies_start_at_their_own_temperature_or_the_ambient_one() {
     let mut drive = Drive::stock(&[
         ("ambient_temperature", 280.0),
         ("ambient_temperature_offset", 15.0),
+        ("strip.initial_at_ambient", 0.0),
         ("strip.initial_temperature", 400.0),
     ]);
     assert!((drive.get("punch.mean_temperature") - 295.0).abs() < 1e-9);

@@ -1,6 +1,6 @@
 //! Directional derivatives of every output against differences of get after set, on random scenes.
 
-use scene::variables::{COUNT, Causality, Kind, ValueReference, lookup};
+use scene::variables::{COUNT, Kind, ValueReference, lookup};
 use test_support::{Drive, Random, reference};
 
 const INPUTS: [(&str, f64); 7] = [
@@ -18,7 +18,7 @@ fn outputs() -> Vec<(ValueReference, String)> {
         .filter_map(|reference| {
             let (row, element) = lookup(reference)?;
             let real = matches!(row.kind, Kind::Real { .. });
-            (row.causality == Causality::Output && real).then(|| (reference, row.element_name(element)))
+            (row.is_result() && real).then(|| (reference, row.element_name(element)))
         })
         .collect()
 }
@@ -55,6 +55,23 @@ fn scene(random: &mut Random, special: u32) -> (Drive, [f64; 7]) {
         2 => changes.extend([("contact.stick_stiffness", 1e6), ("contact.stick_damping", 1e3)]),
         3 => changes.push(("contact.regularization_velocity", random.between(0.1, 2.0))),
         4 => changes.extend([("strip.path", 1.0), ("contact.geometry", 1.0), ("nominal.stroke", 0.05)]),
+        7 => changes.extend([
+            ("punch.external_conductance", 10_f64.powf(random.between(-1.0, 3.0))),
+            ("strip.external_conductance", 10_f64.powf(random.between(-1.0, 3.0))),
+            ("punch.top_thermal", 2.0 + (2.0 * random.next()).floor()),
+            ("strip.base_thermal", 2.0 + (2.0 * random.next()).floor()),
+        ]),
+        6 => changes.extend([
+            ("contact.static_friction_ratio", 1.0),
+            ("contact.friction_table.points", 4.0),
+            ("contact.friction_table.speed[2]", 1.0),
+            ("contact.friction_table.speed[3]", 4.0),
+            ("contact.friction_table.speed[4]", 15.0),
+            ("contact.friction_table.coefficient[1]", 0.5),
+            ("contact.friction_table.coefficient[2]", 0.45),
+            ("contact.friction_table.coefficient[3]", 0.3),
+            ("contact.friction_table.coefficient[4]", 0.35),
+        ]),
         _ => {}
     }
     let mut drive = Drive::stock(&changes);
@@ -85,8 +102,9 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
     let mut random = Random(20_240_229);
     let mut nonzero = vec![false; outputs.len()];
     let mut failed = Vec::new();
-    for case in 0..60 {
-        let (mut drive, inputs) = scene(&mut random, case % 6);
+    for case in 0..78 {
+        let special = if case < 60 { case % 6 } else { 6 + u32::from(case >= 66) };
+        let (mut drive, inputs) = scene(&mut random, special);
         // Entries scaled by a typical size of the input, so that they compare.
         let mut entries = vec![[(0.0, 0.0); 7]; outputs.len()];
         for (index, (name, size)) in INPUTS.iter().enumerate() {
@@ -135,6 +153,8 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
         "heat_flow_ambient",
         "heat_flow_punch_top",
         "heat_flow_strip_base",
+        "heat_flow_punch_external",
+        "heat_flow_strip_external",
         "wear_dissipation_power",
         "critical_speed",
         "approach",

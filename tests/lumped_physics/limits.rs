@@ -26,7 +26,7 @@ fn life_and_the_wear_limit() {
 
 #[test]
 fn the_temperature_limit_stays_reached() {
-    let mut drive = Drive::stock(&[("contact.temperature_limit", 350.0)]);
+    let mut drive = Drive::stock(&[("contact.temperature_limited", 1.0), ("contact.temperature_limit", 350.0)]);
     drive.set("normal_load", 5e3).set("sliding_velocity", 10.0);
     let mut crossed = 0.0;
     for _ in 0..100 {

@@ -2,20 +2,49 @@
 //!
 //! Theory: docs/theory.md, section 2.2.
 
+use crate::friction_curve::FrictionCurve;
 use numerics::scalar::Scalar;
 use scene::{FadeTable, Scene};
+use std::sync::Arc;
 
-/// mu(T, v) = mu_0 fade(T) [1 + (r - 1) exp(-|v|/v_s)], and s = sign(v) or v/sqrt(v^2 + v_reg^2).
+/// Stribeck factor: friction coefficient at a velocity over that without dependence on the velocity.
+#[derive(Clone, PartialEq, Debug)]
+pub enum StribeckFactor {
+    /// 1 at every velocity.
+    One,
+    /// 1 + (r - 1) exp(-|v|/v_s)
+    Exponential {
+        /// Ratio r of static to kinetic friction.
+        static_ratio: f64,
+        /// Stribeck velocity v_s, m/s.
+        velocity: f64,
+    },
+    /// Measured coefficients over mu_0 at initialisation; shared, so that a copy of the law allocates nothing.
+    Measured(Arc<FrictionCurve>),
+}
+
+impl StribeckFactor {
+    fn new(scene: &Scene) -> StribeckFactor {
+        match &scene.friction_table {
+            Some(table) => StribeckFactor::Measured(Arc::new(FrictionCurve::new(table, scene.friction_coefficient))),
+            None if scene.static_friction_ratio == 1.0 => StribeckFactor::One,
+            None => StribeckFactor::Exponential {
+                static_ratio: scene.static_friction_ratio,
+                velocity: scene.stribeck_velocity,
+            },
+        }
+    }
+}
+
+/// mu(T, v) = mu_0 fade(T) f(v) with the Stribeck factor f, and s = sign(v) or v/sqrt(v^2 + v_reg^2).
 #[derive(Clone, PartialEq, Debug)]
 pub struct FrictionLaw {
     /// Coefficient before fade and Stribeck effect (tunable).
     pub coefficient: f64,
     /// Fade table over the contact temperature.
     pub fade: FadeTable,
-    /// Ratio r of static to kinetic friction.
-    pub static_ratio: f64,
-    /// Stribeck velocity v_s, m/s.
-    pub stribeck_velocity: f64,
+    /// Stribeck factor f.
+    pub stribeck_factor: StribeckFactor,
     /// Regularisation velocity v_reg, m/s; 0: exact sign.
     pub regularization_velocity: f64,
 }
@@ -26,8 +55,7 @@ impl FrictionLaw {
         FrictionLaw {
             coefficient: scene.friction_coefficient,
             fade: scene.friction_fade,
-            static_ratio: scene.static_friction_ratio,
-            stribeck_velocity: scene.stribeck_velocity,
+            stribeck_factor: StribeckFactor::new(scene),
             regularization_velocity: scene.regularization_velocity,
         }
     }
@@ -35,10 +63,22 @@ impl FrictionLaw {
     /// Stribeck factor at the velocity `v` (m/s).
     #[inline]
     pub fn stribeck<S: Scalar>(&self, v: S) -> S {
-        if self.static_ratio == 1.0 {
-            return S::from(1.0);
+        match &self.stribeck_factor {
+            StribeckFactor::One => S::from(1.0),
+            StribeckFactor::Exponential { static_ratio, velocity } => {
+                S::from(1.0) + (v.abs() * (-1.0 / velocity)).exp() * (static_ratio - 1.0)
+            }
+            StribeckFactor::Measured(curve) => curve.at(v.abs()),
         }
-        S::from(1.0) + (v.abs() * (-1.0 / self.stribeck_velocity)).exp() * (self.static_ratio - 1.0)
+    }
+
+    /// Stribeck factor at standstill: ratio of static to kinetic friction.
+    pub fn static_ratio(&self) -> f64 {
+        match &self.stribeck_factor {
+            StribeckFactor::One => 1.0,
+            StribeckFactor::Exponential { static_ratio, .. } => *static_ratio,
+            StribeckFactor::Measured(curve) => curve.at(0.0),
+        }
     }
 
     /// s: sign of the velocity, regularised if the law has a regularisation velocity; 0 at v = 0.

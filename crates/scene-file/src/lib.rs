@@ -253,11 +253,14 @@ impl<'text> Reader<'text> {
         };
         let problems: Vec<(usize, String, String)> = match (row.elements, leaf.value.get_ref()) {
             (0, _) => store(0, &leaf.value).into_iter().collect(),
-            (count, DeValue::Array(elements)) if elements.len() == count as usize => {
+            (count, DeValue::Array(elements))
+                if elements.len() == count as usize || row.may_be_shorter && elements.len() < count as usize =>
+            {
                 (0..count).zip(elements.iter()).filter_map(|(element, value)| store(element, value)).collect()
             }
             (count, DeValue::Array(elements)) => {
-                let reason = format!("has {} elements, but must have {count}", elements.len());
+                let most = if row.may_be_shorter { "at most " } else { "" };
+                let reason = format!("has {} elements, but must have {most}{count}", elements.len());
                 vec![(leaf.value.span().start, key.to_owned(), reason)]
             }
             (count, other) => {

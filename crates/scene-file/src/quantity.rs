@@ -28,7 +28,10 @@ pub fn value(value: &DeValue, row: &Row) -> Result<f64, String> {
     match row.kind {
         Kind::Real { unit, min, max, .. } => {
             let written = Written::of(value, unit, !row.is_difference())?;
-            within(&written, min, max)?;
+            within(&written, min, max).map_err(|reason| match row.instead_of_zero {
+                setting if !setting.is_empty() && written.si() == 0.0 => format!("{reason}; set {setting} instead"),
+                _ => reason,
+            })?;
             let si = written.si();
             if si != 0.0 && si < row.least_chosen {
                 let least = written.shown(row.least_chosen);

@@ -1,6 +1,7 @@
 //! Valid scene files, and the message for every invalid entry.
 
 use super::*;
+use scene::variables::check_parameter;
 
 fn start(scene: &SceneFile, name: &str) -> f64 {
     scene.packaged.starts[find(name).unwrap() as usize]
@@ -38,6 +39,7 @@ fn values_units_items_arrays_and_materials_are_read() {
 
         [strip]
         base_thermal = "held"
+        base_at_ambient = false
         base_temperature = "15 degC"
         "#,
     )
@@ -195,4 +197,18 @@ fn a_bad_name_is_refused() {
 fn a_file_that_is_not_there_is_named() {
     let message = read(Path::new("no/such/scene.toml")).unwrap_err().to_string();
     assert!(message.contains("no/such/scene.toml cannot be read"), "{message}");
+}
+
+#[test]
+fn a_zero_that_meant_something_names_what_is_set_instead() {
+    for (key, instead) in [
+        ("punch.initial_temperature", "punch.initial_at_ambient = true"),
+        ("strip.base_temperature", "strip.base_at_ambient = true"),
+        ("contact.temperature_limit", "contact.temperature_limited = false"),
+    ] {
+        let problems = parse(&format!("name = \"a\"\n{key} = 0.0")).unwrap_err().to_string();
+        assert!(problems.contains(&format!("{key}: 0 is outside")) && problems.contains(instead), "{problems}");
+        let refused = check_parameter(find(key).unwrap(), 0.0).unwrap_err().to_string();
+        assert_eq!(refused, format!("{key}: 0 K is below the minimum 1 K; set {instead} instead"));
+    }
 }

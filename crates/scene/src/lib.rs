@@ -2,12 +2,15 @@
 
 mod fade;
 pub mod fnv;
+mod friction_table;
+pub mod message;
 mod rules;
 pub mod slot;
 pub mod variables;
 mod warnings;
 
 pub use fade::FadeTable;
+pub use friction_table::{FRICTION_POINTS, FrictionTable};
 pub use rules::BrokenRule;
 
 use crate::variables::{COUNT, TOLERANCES, reference};
@@ -167,11 +170,13 @@ pub struct Body {
     pub wear_fade: FadeTable,
     pub initial_wear: f64,
     pub wear_limit: f64,
+    /// K; 0: ambient.
     pub initial_temperature: f64,
     pub convection: f64,
     pub convection_forced: f64,
     pub emissivity: f64,
     pub cooled_area: f64,
+    pub external_conductance: f64,
     /// Condition of the face opposite to the contact.
     pub far_thermal: ThermalBoundary,
     /// Temperature there where it is held, K; 0: ambient.
@@ -179,6 +184,16 @@ pub struct Body {
 }
 
 impl Body {
+    /// Whether the temperature of the face opposite to the contact is prescribed.
+    pub fn far_is_prescribed(&self) -> bool {
+        matches!(self.far_thermal, ThermalBoundary::Held | ThermalBoundary::External)
+    }
+
+    /// Whether the input with the temperature of the neighbour acts.
+    pub fn has_neighbour(&self) -> bool {
+        self.far_thermal == ThermalBoundary::External || self.external_conductance > 0.0
+    }
+
     /// Heat capacity by volume, J/(m3 K).
     pub fn capacity(&self) -> f64 {
         self.density * self.specific_heat
@@ -204,12 +219,15 @@ pub struct Scene {
     pub friction_fade: FadeTable,
     pub static_friction_ratio: f64,
     pub stribeck_velocity: f64,
+    /// Friction coefficient over sliding speed, in place of the Stribeck formula.
+    pub friction_table: Option<FrictionTable>,
     pub regularization_velocity: f64,
     pub stick_stiffness: f64,
     pub stick_damping: f64,
     pub conductance: f64,
     pub initial_shape: InitialShape,
     pub shear_coupling: bool,
+    /// K; 0: no limit.
     pub temperature_limit: f64,
     pub constraint: Constraint,
     pub pivot_height: f64,
@@ -229,8 +247,24 @@ pub struct Scene {
     pub wear_acceleration: f64,
 }
 
+/// The friction table of the values of the variable table, if it has points.
+fn friction_table(v: &[f64; COUNT]) -> Option<FrictionTable> {
+    let row = |first: usize| std::array::from_fn(|point| v[first + point]);
+    let points = value!(v, "contact.friction_table.points") as usize;
+    (points > 0).then(|| FrictionTable {
+        points,
+        speed: row(const { reference("contact.friction_table.speed") } as usize),
+        coefficient: row(const { reference("contact.friction_table.coefficient") } as usize),
+    })
+}
+
+/// A temperature where it is chosen to act, K; 0 where not.
+fn chosen(acts: bool, temperature: f64) -> f64 {
+    if acts { temperature } else { 0.0 }
+}
+
 macro_rules! body {
-    ($v:expr, $body:literal, $far:literal, $far_temperature:literal) => {
+    ($v:expr, $body:literal, $far:literal, $far_temperature:literal, $at_ambient:literal) => {
         Body {
             height: value!($v, concat!($body, ".height")),
             mechanical: match value!($v, concat!($body, ".body")) as i32 {
@@ -255,13 +289,17 @@ macro_rules! body {
             ),
             initial_wear: value!($v, concat!($body, ".initial_wear")),
             wear_limit: value!($v, concat!($body, ".wear_limit")),
-            initial_temperature: value!($v, concat!($body, ".initial_temperature")),
+            initial_temperature: chosen(
+                value!($v, concat!($body, ".initial_at_ambient")) == 0.0,
+                value!($v, concat!($body, ".initial_temperature")),
+            ),
             convection: value!($v, concat!($body, ".convection")),
             convection_forced: value!($v, concat!($body, ".convection_forced")),
             emissivity: value!($v, concat!($body, ".emissivity")),
             cooled_area: value!($v, concat!($body, ".cooled_area")),
+            external_conductance: value!($v, concat!($body, ".external_conductance")),
             far_thermal: ThermalBoundary::from_item(value!($v, $far)),
-            far_temperature: value!($v, $far_temperature),
+            far_temperature: chosen(value!($v, $at_ambient) == 0.0, value!($v, $far_temperature)),
         }
     };
 }
@@ -286,8 +324,8 @@ impl Scene {
         let own_tolerance = value!(v, "solver.tolerance");
         let tolerance = if own_tolerance > 0.0 { own_tolerance } else { importer_tolerance.unwrap_or(1e-3) };
         let scene = Scene {
-            punch: body!(v, "punch", "punch.top_thermal", "punch.top_temperature"),
-            strip: body!(v, "strip", "strip.base_thermal", "strip.base_temperature"),
+            punch: body!(v, "punch", "punch.top_thermal", "punch.top_temperature", "punch.top_at_ambient"),
+            strip: body!(v, "strip", "strip.base_thermal", "strip.base_temperature", "strip.base_at_ambient"),
             width: value!(v, "punch.width"),
             depth: value!(v, "depth"),
             count: value!(v, "punch.count"),
@@ -304,6 +342,7 @@ impl Scene {
             ),
             static_friction_ratio: value!(v, "contact.static_friction_ratio"),
             stribeck_velocity: value!(v, "contact.stribeck_velocity"),
+            friction_table: friction_table(v),
             regularization_velocity: value!(v, "contact.regularization_velocity"),
             stick_stiffness: value!(v, "contact.stick_stiffness"),
             stick_damping: value!(v, "contact.stick_damping"),
@@ -318,7 +357,10 @@ impl Scene {
                 }
             },
             shear_coupling: value!(v, "contact.shear_coupling") != 0.0,
-            temperature_limit: value!(v, "contact.temperature_limit"),
+            temperature_limit: chosen(
+                value!(v, "contact.temperature_limited") != 0.0,
+                value!(v, "contact.temperature_limit"),
+            ),
             constraint: if value!(v, "holder.constraint") == 1.0 {
                 Constraint::Translate
             } else {
@@ -347,7 +389,7 @@ impl Scene {
             tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
             wear_acceleration: value!(v, "wear_acceleration"),
         };
-        rules::check(&scene)?;
+        rules::check(&scene, v)?;
         Ok(scene)
     }
 
@@ -369,6 +411,12 @@ impl Scene {
     /// Nominal contact area of one punch and one face, m2.
     pub fn contact_area(&self) -> f64 {
         self.width * self.depth
+    }
+
+    /// Area of the faces opposite to the contact, all faces and punches, m2: punch, strip of a closed path.
+    pub fn far_areas(&self) -> [f64; 2] {
+        let across = if self.geometry == Geometry::Annular { self.width } else { self.depth };
+        [self.contact_area() * self.count * self.faces, self.length * across * self.faces]
     }
 
     /// Fraction of the strip's length covered by all punches of a face; 0 for a straight path.

@@ -1,7 +1,9 @@
 //! Rules that join parameters. They are checked when initialisation ends, because importers set
 //! parameters in any order.
 
-use super::{Constraint, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
+use super::message::{self, Number, Quantity};
+use super::variables::{STARTS, find};
+use super::{Constraint, FRICTION_POINTS, Fidelity, Geometry, InitialShape, MechanicalBody, Path, Scene, Scheme};
 
 /// A rule that the parameters break: names the variables, their values and the limit.
 #[derive(Clone, PartialEq, Debug)]
@@ -21,10 +23,13 @@ const ROUNDING: f64 = 1e-9;
 /// Fewest cells of a contact line: a uniform, a linear and a quadratic pressure component.
 const FEWEST_CELLS: usize = 3;
 
-pub(super) fn check(scene: &Scene) -> Result<(), BrokenRule> {
+pub(super) fn check(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+    check_chosen(values)?;
+    friction_table(scene, values)?;
     path(scene)?;
     holder(scene)?;
     heat(scene)?;
+    neighbours(scene)?;
     wear(scene)?;
     shape(scene)?;
     tables(scene)?;
@@ -33,6 +38,33 @@ pub(super) fn check(scene: &Scene) -> Result<(), BrokenRule> {
 
 fn broken<T>(text: String) -> Result<T, BrokenRule> {
     Err(BrokenRule(text))
+}
+
+/// Checks that temperatures which differ from the table's start values are also chosen to act.
+fn check_chosen(values: &[f64]) -> Result<(), BrokenRule> {
+    const HELD: f64 = 1.0;
+    let of = |name: &str| find(name).map(|reference| (values[reference as usize], STARTS[reference as usize]));
+    for (name, choice, acts, only_where_held) in [
+        ("punch.initial_temperature", "punch.initial_at_ambient", false, None),
+        ("strip.initial_temperature", "strip.initial_at_ambient", false, None),
+        ("punch.top_temperature", "punch.top_at_ambient", false, Some("punch.top_thermal")),
+        ("strip.base_temperature", "strip.base_at_ambient", false, Some("strip.base_thermal")),
+        ("contact.temperature_limit", "contact.temperature_limited", true, None),
+    ] {
+        let held = only_where_held.and_then(of).is_none_or(|(boundary, _)| boundary == HELD);
+        if let (Some((temperature, start)), Some((choice_made, _))) = (of(name), of(choice))
+            && held
+            && temperature != start
+            && (choice_made != 0.0) != acts
+        {
+            return broken(format!(
+                "{name} = {} has no effect while {choice} = {}; set {choice} = {acts}",
+                Quantity(temperature, "K"),
+                !acts
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn path(scene: &Scene) -> Result<(), BrokenRule> {
@@ -48,19 +80,22 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             if radius <= 0.5 * width {
                 return broken(format!(
                     "contact.mean_radius = {radius} m must be above punch.width/2 = {} m in annular geometry",
-                    0.5 * width
+                    Number(0.5 * width),
+                    radius = Number(radius)
                 ));
             }
             let around = 2.0 * std::f64::consts::PI * radius;
             if scene.count * scene.depth > around * (1.0 + ROUNDING) {
                 return broken(format!(
                     "punch.count x depth = {} m is above the circumference 2 pi contact.mean_radius = {around} m",
-                    scene.count * scene.depth
+                    Number(scene.count * scene.depth),
+                    around = Number(around)
                 ));
             }
             if (length - around).abs() > 1e-6 * around {
+                let [length, around] = message::apart([length, around], "m");
                 return broken(format!(
-                    "strip.length = {length} m differs from 2 pi contact.mean_radius = {around} m in annular geometry; 0 takes it"
+                    "strip.length = {length} differs from 2 pi contact.mean_radius = {around} in annular geometry; 0 takes it"
                 ));
             }
         }
@@ -69,7 +104,9 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
                 return broken(format!(
                     "contact.geometry = periodic needs strip.path = closed, punch.count = 1 and punch.width = strip.length; \
                      punch.width = {width} m, strip.length = {length} m, punch.count = {}",
-                    scene.count
+                    scene.count,
+                    width = Number(width),
+                    length = Number(length)
                 ));
             }
             if scene.constraint == Constraint::TranslateAndRotate {
@@ -82,7 +119,8 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
             if scene.path == Path::Closed && scene.count * width > length * (1.0 + ROUNDING) {
                 return broken(format!(
                     "punch.count x punch.width = {} m is above strip.length = {length} m",
-                    scene.count * width
+                    Number(scene.count * width),
+                    length = Number(length)
                 ));
             }
         }
@@ -93,7 +131,8 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.path == Path::Straight && length > 0.0 && length < width + scene.nominal_stroke {
         return broken(format!(
             "strip.length = {length} m is below punch.width + nominal.stroke = {} m",
-            width + scene.nominal_stroke
+            Number(width + scene.nominal_stroke),
+            length = Number(length)
         ));
     }
     Ok(())
@@ -101,11 +140,14 @@ fn path(scene: &Scene) -> Result<(), BrokenRule> {
 
 fn holder(scene: &Scene) -> Result<(), BrokenRule> {
     if scene.constraint == Constraint::TranslateAndRotate && scene.geometry == Geometry::Line {
-        let (lever, half_width) = (scene.friction_coefficient * scene.pivot_height, 0.5 * scene.width);
+        let highest = scene.friction_table.map_or(0.0, |table| table.highest()).max(scene.friction_coefficient);
+        let (lever, half_width) = (highest * scene.pivot_height, 0.5 * scene.width);
         if lever >= half_width {
             return broken(format!(
                 "the punch tips over: contact.friction_coefficient x holder.pivot_height = {lever} m must be below \
-                 punch.width/2 = {half_width} m"
+                 punch.width/2 = {half_width} m",
+                lever = Number(lever),
+                half_width = Number(half_width)
             ));
         }
     }
@@ -132,12 +174,37 @@ fn heat(scene: &Scene) -> Result<(), BrokenRule> {
     Ok(())
 }
 
+/// Rules of the heat paths to neighbours.
+fn neighbours(scene: &Scene) -> Result<(), BrokenRule> {
+    for (name, face, body) in [("punch", "top", &scene.punch), ("strip", "base", &scene.strip)] {
+        if body.external_conductance == 0.0 {
+            continue;
+        }
+        let given = format!("{name}.external_conductance = {} W/K", Number(body.external_conductance));
+        if body.far_is_prescribed() {
+            return broken(format!(
+                "{given} needs {name}.{face}_thermal = insulated or convecting: the temperature of the face is prescribed"
+            ));
+        }
+        if body.conductivity == 0.0 {
+            return broken(format!("{given} needs {name}.conductivity > 0 W/(m.K); it is 0"));
+        }
+        if name == "strip" && scene.path == Path::Straight {
+            return broken(format!(
+                "{given} needs strip.path = closed: it belongs to the whole strip, and that of a track is open"
+            ));
+        }
+    }
+    Ok(())
+}
+
 fn wear(scene: &Scene) -> Result<(), BrokenRule> {
     for (name, body) in [("punch", &scene.punch), ("strip", &scene.strip)] {
         if body.initial_wear >= body.height {
             return broken(format!(
                 "{name}.initial_wear = {} m must be below {name}.height = {} m",
-                body.initial_wear, body.height
+                Number(body.initial_wear),
+                Number(body.height)
             ));
         }
     }
@@ -170,10 +237,52 @@ fn tables(scene: &Scene) -> Result<(), BrokenRule> {
             return broken(format!(
                 "{name}.temperature[{}] = {} K must be above {name}.temperature[{index}] = {} K",
                 index + 1,
-                table.temperature[index],
-                table.temperature[index - 1]
+                Number(table.temperature[index]),
+                Number(table.temperature[index - 1])
             ));
         }
+    }
+    Ok(())
+}
+
+/// Rules of the table of the friction coefficient over sliding speed.
+fn friction_table(scene: &Scene, values: &[f64]) -> Result<(), BrokenRule> {
+    const NAME: &str = "contact.friction_table";
+    let points = scene.friction_table.map_or(0, |table| table.points);
+    for row in ["speed", "coefficient"] {
+        let Some(first) = find(&format!("{NAME}.{row}[1]")).map(|reference| reference as usize) else { continue };
+        if let Some(point) = (points..FRICTION_POINTS).find(|point| values[first + point] != STARTS[first + point]) {
+            return broken(format!(
+                "{NAME}.{row}[{}] = {} has no effect while {NAME}.points = {points}",
+                point + 1,
+                Number(values[first + point])
+            ));
+        }
+    }
+    let Some(table) = &scene.friction_table else { return Ok(()) };
+    if table.points < 2 {
+        return broken(format!("{NAME}.points = {} must be 0 (no table) or at least 2", table.points));
+    }
+    if table.speed[0] != 0.0 {
+        return broken(format!("{NAME}.speed[1] = {} m/s must be 0 m/s", Number(table.speed[0])));
+    }
+    if let Some(index) = table.disorder() {
+        let [speed, before] = message::apart([table.speed[index], table.speed[index - 1]], "m/s");
+        return broken(format!("{NAME}.speed[{}] = {speed} must be above {NAME}.speed[{index}] = {before}", index + 1));
+    }
+    if scene.static_friction_ratio != 1.0 {
+        return broken(format!(
+            "contact.static_friction_ratio = {} and {NAME}.points = {} are both given: set contact.static_friction_ratio = 1 \
+             with a table, whose first coefficient is that at standstill",
+            Number(scene.static_friction_ratio),
+            table.points
+        ));
+    }
+    if scene.friction_coefficient == 0.0 {
+        return broken(format!(
+            "contact.friction_coefficient = 0 with {NAME}.points = {}: it scales the table and must be > 0",
+            table.points
+        ));
     }
     Ok(())
 }

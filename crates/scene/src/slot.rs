@@ -343,6 +343,7 @@ pub fn guid(name: &str, starts: &[f64; COUNT]) -> String {
             Kind::Real { unit, display, nominal, .. } => {
                 hash.text("Real");
                 hash.text(unit.name);
+                hash.text(row.type_name);
                 hash.text(display);
                 hash.real(nominal);
             }

@@ -1,5 +1,6 @@
 //! Warnings about values that are within their bounds but implausible.
 
+use super::message::Number;
 use super::{Body, FadeTable, Scene, ThermalBoundary};
 
 /// Lowest plausible temperature, K. Contacts of the kinds modelled here are warmer; temperatures in degrees Celsius given as
@@ -24,17 +25,16 @@ pub fn of_external(scene: &Scene, temperatures: [f64; 2]) -> Vec<String> {
     [(&scene.strip, "strip"), (&scene.punch, "punch")]
         .iter()
         .zip(temperatures)
-        .filter(|((body, _), kelvin)| body.far_thermal == ThermalBoundary::External && *kelvin < COLDEST)
+        .filter(|((body, _), kelvin)| body.has_neighbour() && *kelvin < COLDEST)
         .map(|((_, name), kelvin)| cold(&format!("{name}.external_temperature"), kelvin))
         .collect()
 }
 
 /// The warning for a temperature below [`COLDEST`].
 fn cold(name: &str, kelvin: f64) -> String {
-    // The shortest decimal that the sum of two short ones should be.
-    let celsius = (1e6 * (kelvin - 273.15)).round() / 1e6;
+    let [kelvin, celsius, coldest] = [kelvin, kelvin - 273.15, COLDEST].map(Number);
     format!(
-        "{name} = {kelvin} K is {celsius} degC: temperatures are in kelvin; values below {COLDEST} K are implausible"
+        "{name} = {kelvin} K is {celsius} degC: temperatures are in kelvin; values below {coldest} K are implausible"
     )
 }
 

@@ -259,6 +259,7 @@ fn cooling(all: &mut Vec<Problem>) {
                 ("punch.convection", transfer),
                 ("punch.cooled_area", 1e-12),
                 ("punch.top_thermal", CONVECTING),
+                ("punch.initial_at_ambient", 0.0),
                 ("punch.initial_temperature", 400.0),
                 ("nominal.duration", time),
             ];
@@ -283,6 +284,7 @@ fn cooling(all: &mut Vec<Problem>) {
                 ("punch.height", 0.01),
                 ("punch.convection_forced", transfer),
                 ("punch.cooled_area", AREA),
+                ("punch.initial_at_ambient", 0.0),
                 ("punch.initial_temperature", 400.0),
                 ("nominal.duration", time),
             ];

@@ -1,6 +1,7 @@
 //! modelDescription.xml of a scene, made from the variable table.
 
 use scene::slot::Packaged;
+use scene::variables::types::{RealType, TYPES};
 use scene::variables::units::{UNITS, Unit};
 use scene::variables::{
     COUNT, Causality, Depends, EnumerationType, Initial, Kind, OUTPUT_DERIVATIVE_ORDER, Row, TABLE, ValueReference,
@@ -14,6 +15,12 @@ pub const MODEL_IDENTIFIER: &str = "SlidingContact";
 
 /// One-line description of the model.
 pub const SUMMARY: &str = "Wear, heat and friction in a sliding contact of a punch on a strip";
+
+/// Authors, as the licences name them.
+pub const AUTHOR: &str = "The sliding-contact authors";
+
+/// Line of the licences.
+pub const COPYRIGHT: &str = "Copyright (c) 2026 The sliding-contact authors";
 
 /// Categories under which the library logs; it uses no others.
 pub const LOG_CATEGORIES: [(&str, &str); 3] = [
@@ -45,7 +52,9 @@ pub fn write(scene: &Packaged, description: &str) -> String {
             text("modelName", &model_name),
             text("guid", &guid),
             text("description", if description.is_empty() { SUMMARY } else { description }),
+            text("author", AUTHOR),
             text("version", env!("CARGO_PKG_VERSION")),
+            text("copyright", COPYRIGHT),
             text("license", env!("CARGO_PKG_LICENSE")),
             text("generationTool", concat!("fmu-build ", env!("CARGO_PKG_VERSION"))),
             text("variableNamingConvention", "structured"),
@@ -121,8 +130,30 @@ pub fn enumerations() -> Vec<&'static EnumerationType> {
     found
 }
 
+/// The types of the Real variables in use, in the order of their table.
+pub fn real_types() -> impl Iterator<Item = &'static RealType> {
+    let used = |kind: &RealType| TABLE.iter().filter_map(Row::real_type).any(|other| other.name == kind.name);
+    TYPES.iter().filter(move |kind| used(kind))
+}
+
 fn types(xml: &mut Xml) {
     xml.open("TypeDefinitions", &[]);
+    for kind in real_types() {
+        xml.open("SimpleType", &[text("name", kind.name)]);
+        let mut attributes = Vec::new();
+        if !kind.quantity.is_empty() {
+            attributes.push(text("quantity", kind.quantity));
+        }
+        attributes.push(text("unit", kind.unit.name));
+        if !kind.display.is_empty() {
+            attributes.push(text("displayUnit", kind.display));
+        }
+        if kind.is_difference {
+            attributes.push(text("relativeQuantity", "true"));
+        }
+        xml.empty("Real", &attributes);
+        xml.close();
+    }
     for kind in enumerations() {
         xml.open("SimpleType", &[text("name", kind.name), text("description", kind.description)]);
         xml.open("Enumeration", &[]);
@@ -166,6 +197,7 @@ fn type_attributes(row: &Row) -> (&'static str, Vec<Attribute<'static>>) {
     let mut attributes = Vec::new();
     let kind = match row.kind {
         Kind::Real { unit, display, nominal, .. } => {
+            attributes.extend(row.real_type().map(|kind| text("declaredType", kind.name)));
             attributes.push(text("unit", unit.name));
             if !display.is_empty() {
                 attributes.push(text("displayUnit", display));
@@ -300,6 +332,9 @@ mod tests {
             match row.kind {
                 Kind::Real { unit, .. } => {
                     assert_eq!((kind.as_str(), attributes["unit"].as_str()), ("Real", unit.name));
+                    assert_eq!(attributes["declaredType"], row.real_type().unwrap().name);
+                    let absolute = unit.name == "K" && !row.is_difference();
+                    assert!(!absolute || attributes["displayUnit"] == "degC", "{}", row.name);
                     if let Some(start) = start {
                         assert_eq!(start.parse(), Ok(scene.starts[reference]), "{}", row.name);
                     }
@@ -314,6 +349,34 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn every_declared_type_is_defined_with_the_unit_of_its_variables() {
+        let elements = elements(&write(&Packaged::stock(), ""));
+        let unit_of = |name: &str| {
+            let at =
+                elements.iter().position(|element| element.0 == "SimpleType" && element.1["name"] == name).unwrap();
+            assert_eq!(elements[at + 1].0, "Real", "{name}");
+            elements[at + 1].1["unit"].clone()
+        };
+        let mut seen = 0;
+        for (kind, attributes) in &elements {
+            if kind == "Real" && attributes.contains_key("declaredType") {
+                assert_eq!(unit_of(&attributes["declaredType"]), attributes["unit"]);
+                seen += 1;
+            }
+        }
+        assert!(seen > 100);
+        assert_eq!(unit_of("Temperature"), "K");
+        let root = &elements[0].1;
+        assert!(root.contains_key("author") && root.contains_key("copyright") && root.contains_key("license"));
+    }
+
+    #[test]
+    fn a_dozen_outputs_are_to_be_connected() {
+        let outputs = TABLE.iter().filter(|row| row.causality == Causality::Output).count();
+        assert!((12..=15).contains(&outputs), "{outputs}");
     }
 
     #[test]
@@ -344,9 +407,9 @@ mod tests {
                 .clone()
         };
         assert_eq!(dependencies(at("Outputs"), "friction_force"), "1 2 3 4 5 6 7");
-        assert_eq!(dependencies(at("Outputs"), "punch.mean_temperature"), "");
-        assert_eq!(dependencies(at("InitialUnknowns"), "dissipated_energy"), "");
-        assert!(dependencies(at("InitialUnknowns"), "punch.mean_temperature").starts_with("1 2 3 4 5 6 7 "));
+        assert_eq!(dependencies(at("Outputs"), "strip.mean_temperature"), "");
+        assert_eq!(dependencies(at("InitialUnknowns"), "wear_depth"), "");
+        assert!(dependencies(at("InitialUnknowns"), "strip.mean_temperature").starts_with("1 2 3 4 5 6 7 "));
     }
 
     #[test]

@@ -68,7 +68,7 @@ fn variables(starts: &[f64]) -> String {
         (Causality::Input, "Inputs"),
         (Causality::Output, "Outputs"),
         (Causality::Parameter, "Parameters"),
-        (Causality::Local, "Profiles along the contact, to be read but not to be connected"),
+        (Causality::Local, "Further results and profiles along the contact, to be read but not to be connected"),
     ];
     let mut html = String::new();
     for (causality, title) in groups {

@@ -42,13 +42,13 @@ const TERMINALS: [Terminal; 6] = [
     Terminal {
         name: "punch_top",
         description: "Neighbour at the punch's top: temperature in, heat flow out",
-        members: &[("T", "punch.external_temperature"), ("Q_flow", "heat_flow_punch_top")],
+        members: &[("T", "punch.external_temperature"), ("Q_flow", "heat_flow_punch_external")],
         at: (60.0, 100.0),
     },
     Terminal {
         name: "strip_base",
         description: "Neighbour at the strip's base: temperature in, heat flow out",
-        members: &[("T", "strip.external_temperature"), ("Q_flow", "heat_flow_strip_base")],
+        members: &[("T", "strip.external_temperature"), ("Q_flow", "heat_flow_strip_external")],
         at: (0.0, -100.0),
     },
 ];

@@ -8,7 +8,7 @@ use crate::bench;
 use crate::package::{self, Platform};
 use crate::project;
 use anyhow::{Context, Result, bail, ensure};
-use scene::variables::{Causality, Kind, TABLE, find};
+use scene::variables::{Kind, TABLE, find};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -119,7 +119,7 @@ impl Drive {
         fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
         let outputs = TABLE
             .iter()
-            .filter(|row| row.causality == Causality::Output)
+            .filter(|row| row.is_result())
             .filter_map(|row| match row.kind {
                 Kind::Real { unit, .. } => Some((row, unit.name)),
                 _ => None,

@@ -85,8 +85,8 @@ pub fn reference_problem(reference: ValueReference, wanted: Option<Type>, settin
 #[cold]
 pub fn not_an(wanted: Causality, reference: ValueReference) -> Problem {
     let name = variables::lookup(reference).map_or_else(String::new, |(row, element)| row.element_name(element));
-    let wanted = if wanted == Causality::Input { "input" } else { "output" };
-    Problem { fault: Fault::Reference, text: format!("{name} (value reference {reference}) is not an {wanted}") }
+    let wanted = if wanted == Causality::Input { "an input" } else { "an output or a scalar local variable" };
+    Problem { fault: Fault::Reference, text: format!("{name} (value reference {reference}) is not {wanted}") }
 }
 
 /// A status that this slave does not have.

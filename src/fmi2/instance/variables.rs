@@ -7,7 +7,7 @@ use super::problem::{self, Outcome, Problem, argument, reference_problem};
 use crate::fmi2::exports::arguments::{Sink, Source};
 use crate::fmi2::policy::{self, Fault, INPUT_DERIVATIVE_ORDER};
 use crate::fmi2::types::{Integer, Real};
-use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, ValueReference};
+use scene::variables::{self, Causality, OUTPUT_DERIVATIVE_ORDER, Row, ValueReference};
 
 /// Workspace of `fmi2GetDirectionalDerivative`, reused so that repeated calls allocate nothing.
 #[derive(Default)]
@@ -139,7 +139,7 @@ impl Instance {
             if !policy::access(reference).is(policy::Type::Real) {
                 return Err(reference_problem(reference, Some(policy::Type::Real), None));
             }
-            if variables::lookup(reference).is_none_or(|(row, _)| row.causality != Causality::Output) {
+            if variables::lookup(reference).is_none_or(|(row, _)| !row.is_result()) {
                 return Err(problem::not_an(Causality::Output, reference));
             }
             if order != OUTPUT_DERIVATIVE_ORDER {
@@ -173,7 +173,10 @@ impl Instance {
                 if !policy::access(reference).is(policy::Type::Real) {
                     return Err(reference_problem(reference, Some(policy::Type::Real), None));
                 }
-                if variables::lookup(reference).is_none_or(|(row, _)| row.causality != causality) {
+                let fits = |row: &Row| {
+                    if causality == Causality::Input { row.causality == causality } else { row.is_result() }
+                };
+                if variables::lookup(reference).is_none_or(|(row, _)| !fits(row)) {
                     return Err(problem::not_an(causality, reference));
                 }
             }

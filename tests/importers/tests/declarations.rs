@@ -4,7 +4,7 @@
 
 use fmi::fmi2::binding::{self, Fmi2Binding};
 use sliding_contact::fmi2::exports;
-use sliding_contact::fmi2::types::{self, CallbackFunctions, Status};
+use sliding_contact::fmi2::types::{self, CallbackFunctions, EventInfo, Status};
 use std::mem::{align_of, offset_of, size_of};
 
 /// A type that is passed to C as `Standard` is.
@@ -14,6 +14,7 @@ impl<T> PassedAs<T> for T {}
 impl PassedAs<binding::fmi2Status> for Status {}
 impl PassedAs<*mut binding::fmi2Status> for *mut Status {}
 impl PassedAs<*const binding::fmi2CallbackFunctions> for *const CallbackFunctions {}
+impl PassedAs<*mut binding::fmi2EventInfo> for *mut EventInfo {}
 
 /// A function pointer whose arguments and result are passed as those of `Standard`.
 trait CalledAs<Standard> {}
@@ -81,9 +82,19 @@ fn functions_have_the_signatures_of_the_headers() {
         fmi2GetIntegerStatus(_, _, _);
         fmi2GetBooleanStatus(_, _, _);
         fmi2GetStringStatus(_, _, _);
+        fmi2EnterEventMode(_);
+        fmi2NewDiscreteStates(_, _);
+        fmi2EnterContinuousTimeMode(_);
+        fmi2CompletedIntegratorStep(_, _, _, _);
+        fmi2SetTime(_, _);
+        fmi2SetContinuousStates(_, _, _);
+        fmi2GetDerivatives(_, _, _);
+        fmi2GetEventIndicators(_, _, _);
+        fmi2GetContinuousStates(_, _, _);
+        fmi2GetNominalsOfContinuousStates(_, _, _);
     };
-    // Annex A.2 of FMI 2.0.4: what a co-simulation slave exports.
-    assert_eq!(checked.len(), 34);
+    // Annex A.2 of FMI 2.0.4.
+    assert_eq!(checked.len(), 44);
 }
 
 #[test]

@@ -175,10 +175,10 @@ struct Cooled {
     top_area: f64,
 }
 
-/// Whether the far face has forced cooling beyond its constant heat transfer.
+/// Whether the far face has fluxes beyond its constant heat transfer: forced cooling, radiation, a heat path to a neighbour.
 fn driven_top(body: &Body) -> bool {
     let varies = body.convection_forced > 0.0 || body.emissivity > 0.0;
-    body.far_thermal == ThermalBoundary::Convecting && varies
+    body.far_thermal == ThermalBoundary::Convecting && varies || body.external_conductance > 0.0
 }
 
 /// Location of the cooled surface.

@@ -7,6 +7,7 @@ use super::trajectory::InputTrajectory;
 use crate::StepFailure;
 use conduction::line::GAMMA;
 use contact::wear::line::explicit_limit;
+use scene::message::Number;
 
 impl Line {
     /// One explicit Euler step over the piece, rejected beyond its stability limit.
@@ -21,10 +22,12 @@ impl Line {
         let limit = explicit_limit(&mut self.contact, &self.conditions, &self.work.end.pressure);
         if length >= limit {
             return Err(StepFailure(format!(
-                "solver.scheme = explicit is stable only for steps below {limit:e} s here (sliding velocity {} m/s, normal \
-                 load {} N); the step is {length:e} s",
-                path.velocity(0.0),
-                moment.load
+                "solver.scheme = explicit is stable only for steps below {limit} s here (sliding velocity {} m/s, normal \
+                 load {} N); the step is {length} s",
+                Number(path.velocity(0.0)),
+                Number(moment.load),
+                limit = Number(limit),
+                length = Number(length)
             )));
         }
         operators.rates(&moment, self.tunables.wear_acceleration, &self.work.end.pressure, &mut self.work.rates[0]);

@@ -145,6 +145,8 @@ pub struct ThermalCoupling {
     velocity: [f64; 2],
     /// Ambient, far-face temperatures and cooling of the bodies.
     pub surroundings: [Surroundings; 2],
+    /// Heat paths to the neighbours: flow out of the body at the end of the step, W/m2, and the heat of the step, J/m2.
+    pub external: [(f64, f64); 2],
     /// Part of the temperature of the cooled surfaces that the bodies do not predict to the end of the step, at its start, K.
     unpredicted_rise: [f64; 2],
     /// Largest number of iterations of a stage.
@@ -200,6 +202,7 @@ impl ThermalCoupling {
             step: 0.0,
             velocity: [0.0; 2],
             surroundings: [Surroundings::default(); 2],
+            external: [(0.0, 0.0); 2],
             unpredicted_rise: [0.0; 2],
             iterations: 0,
             exact: [false; 2],

@@ -33,6 +33,7 @@ use heat::state::HeatState;
 use numerics::maximum::maximum;
 use operators::LineOperators;
 use scene::Geometry;
+use scene::message::Number;
 use state::LineState;
 use std::sync::Arc;
 use step::Work;
@@ -452,7 +453,11 @@ impl Line {
                 return Err(StepFailure(format!(
                     "the surface temperatures are not resolved: {lowest} to {highest} K, with {carrying} of {count} cells in \
                      contact, at punch.conductivity = {}, strip.conductivity = {} W/(m.K) and solver.tolerance = {}",
-                    scene.punch.conductivity, scene.strip.conductivity, scene.tolerance
+                    Number(scene.punch.conductivity),
+                    Number(scene.strip.conductivity),
+                    Number(scene.tolerance),
+                    lowest = Number(lowest),
+                    highest = Number(highest)
                 )));
             }
             self.state.limits |= lumped::limits_of_temperature(scene, highest);

@@ -6,6 +6,7 @@
 use super::Line;
 use super::operators::LineOperators;
 use super::trajectory::StageConditions;
+use crate::lumped::outputs::write_limits;
 use crate::{INPUTS, Inputs};
 use contact::Normal;
 use contact::wear::line::Disturbance;
@@ -124,7 +125,7 @@ impl Line {
                 (0..pressure.len()).map(|i| operators.weights[i] * pressure[i] * operators.radius_ratio[i]).sum();
             value!(values, "effective_radius") = scene.mean_radius * torque / load;
         }
-        value!(values, "limit_reached") = f64::from(self.limits() & 7);
+        write_limits(self.limits(), |reference, value| values[reference as usize] = value);
         self.write_depths(values);
     }
 

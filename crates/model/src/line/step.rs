@@ -26,6 +26,7 @@ use contact::wear::line::{ContactRate, LineTrack, StageError, WarmStart, Wearing
 use nalgebra::DMatrix;
 use numerics::maximum::maximum;
 use scene::Scheme;
+use scene::message::Number;
 
 /// Error below which the step is doubled: it goes as the square of the step.
 const DOUBLING: f64 = 0.175;
@@ -170,7 +171,9 @@ impl Line {
                 return Err(StepFailure(format!(
                     "no solution of pressure and wear in a step of {step} s (piece of {length} s cut by 2^{FINEST}); \
                      sliding velocity {} m/s",
-                    path.velocity(start)
+                    Number(path.velocity(start)),
+                    step = Number(step),
+                    length = Number(length)
                 )));
             }
         }
@@ -184,14 +187,7 @@ impl Line {
         self.work.budget.spend(|| {
             format!(
                 "{start} s of a piece of {length} s are done on {} cells at solver.tolerance = {}; sliding velocity {} to {} m/s, \
-                 normal load {} to {} N",
-                self.operators.count(),
-                scene.tolerance,
-                path.velocity(0.0),
-                path.velocity(length),
-                path.at(0.0).load,
-                path.at(length).load
-            )
+                 normal load {} to {} N", self.operators.count(), scene.tolerance, Number(path.velocity(0.0)), Number(path.velocity(length)), Number(path.at(0.0).load), Number(path.at(length).load), start = Number(start), length = Number(length))
         })
     }
 
@@ -205,8 +201,8 @@ impl Line {
         let moment = path.at(time);
         StepFailure(format!(
             "{error}; sliding velocity {} m/s, normal load {} N, friction coefficient {}",
-            path.velocity(time),
-            moment.load,
+            Number(path.velocity(time)),
+            Number(moment.load),
             moment.signed_friction.abs()
         ))
     }

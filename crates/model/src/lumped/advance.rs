@@ -13,6 +13,7 @@ use crate::events::edges;
 use crate::step_control::{FINEST, StepController};
 use crate::{INPUTS, Inputs, StepFailure};
 use pulp::NullaryFnOnce;
+use scene::message::Number;
 
 /// Error below which the step is doubled: it falls by about eight when the step is halved.
 const DOUBLING: f64 = 0.3;
@@ -204,10 +205,7 @@ impl Lumped {
                 let [start, end] = [course.at(0.0), course.at(length)];
                 format!(
                     "{done} of 2^{} parts of {length} s are done at solver.tolerance = {tolerance}; sliding velocity {} to {} m/s, \
-                     normal load {} to {} N",
-                    control.level(),
-                    start.velocity, end.velocity, start.load, end.load
-                )
+                     normal load {} to {} N", control.level(), Number(start.velocity), Number(end.velocity), Number(start.load), Number(end.load), length = Number(length))
             })?;
             let (start, step) = (control.start(), control.step());
             if parts > 1 && backup.is_none() {
@@ -272,9 +270,10 @@ impl Lumped {
                 return Err(StepFailure(format!(
                     "no solution of heat, friction and wear in a step of {step} s (communication step cut by 2^{FINEST}); \
                      contact temperature {} K, sliding velocity {} m/s, normal load {} N",
-                    attempt.hottest + self.state.reference,
-                    last.velocity,
-                    last.load
+                    Number(attempt.hottest + self.state.reference),
+                    Number(last.velocity),
+                    Number(last.load),
+                    step = Number(step)
                 )));
             }
         }

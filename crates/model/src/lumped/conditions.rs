@@ -2,6 +2,7 @@
 //!
 //! Theory: docs/theory.md, sections 1.3, 2.2.
 
+use super::air::FAR;
 use super::operators::{BodyOperators, LumpedOperators};
 use crate::Inputs;
 use numerics::scalar::Scalar;
@@ -37,6 +38,8 @@ pub struct Conditions<S = f64> {
     pub punch_far: S,
     /// Prescribed temperature of the strip's base, K above the reference.
     pub strip_far: S,
+    /// Temperatures of the neighbours of punch and strip behind their heat paths, K above the reference; 0 without a path.
+    pub neighbours: [S; 2],
     /// Forced convection's velocity factor (v_c/v0)^0.8.
     pub forced: S,
 }
@@ -55,6 +58,9 @@ impl<S: Scalar> Conditions<S> {
             ThermalBoundary::External => external - S::from(reference),
             ThermalBoundary::Convecting | ThermalBoundary::Insulated => S::from(0.0),
         };
+        let behind = |body: &BodyOperators, external: S| {
+            if body.air[FAR].path > 0.0 { external - S::from(reference) } else { S::from(0.0) }
+        };
         let mut faces = operators.punch.air.iter().chain(&operators.strip.air);
         let cools = faces.any(|face| face.forced > 0.0);
         let forced = if cools {
@@ -72,6 +78,10 @@ impl<S: Scalar> Conditions<S> {
             ambient,
             punch_far: far(&operators.punch, inputs.punch_external_temperature),
             strip_far: far(&operators.strip, inputs.strip_external_temperature),
+            neighbours: [
+                behind(&operators.punch, inputs.punch_external_temperature),
+                behind(&operators.strip, inputs.strip_external_temperature),
+            ],
             forced,
         }
     }

@@ -13,7 +13,7 @@ use super::air::{Air, BESIDE, FAR};
 use super::conditions::Conditions;
 use super::estimate::layer_allowance;
 use super::operators::{BodyOperators, LumpedOperators};
-use super::point::{cooling_flux, cooling_slope, strip_entry};
+use super::point::{air_flux, cooling_slope, strip_entry};
 use super::stage::{BASIS, Observed, QUADRATURE};
 use numerics::maximum::{all_finite, maximum};
 
@@ -99,7 +99,7 @@ impl Surface {
             for i in 0..2 {
                 let t = level[i] + heated[i];
                 surface.slope[i] = cooling_slope(air_law, reference, t, forced[i]);
-                surface.offset[i] = cooling_flux(air_law, reference, t, 0.0, forced[i]) + surface.slope[i] * t;
+                surface.offset[i] = air_flux(air_law, reference, t, 0.0, forced[i]) + surface.slope[i] * t;
             }
             surface.level = sum(level, apply(&air, surface.offset));
         }
@@ -127,7 +127,7 @@ impl Surface {
     /// Largest linearisation error of the cooling at either stage, as the temperature (K) that it causes at the end of the step.
     fn left(&self, air: &Air, strip: &Observed, reference: f64, into: Pair, forced: Pair) -> f64 {
         let (t, flux, gain) = (self.temperature(into), self.flux(into), strip.gain[COOLING][2]);
-        let left = |i: usize| ((cooling_flux(air, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
+        let left = |i: usize| ((air_flux(air, reference, t[i], 0.0, forced[i]) - flux[i]) * gain[i]).abs();
         maximum(left(0), left(1))
     }
 }

@@ -127,6 +127,7 @@ pub fn agree<S: Scalar>(friction: &FrictionLaw, level: S, gain: S) -> S {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use contact::friction::StribeckFactor;
     use scene::FadeTable;
 
     #[test]
@@ -152,8 +153,7 @@ mod tests {
                 [300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0],
                 [1.0, 1.1, 0.9, 0.5, 0.4, 0.4, 0.3, 0.2],
             ),
-            static_ratio: 1.0,
-            stribeck_velocity: 1.0,
+            stribeck_factor: StribeckFactor::One,
             regularization_velocity: 0.0,
         };
         for level in [250.0, 320.0, 480.0, 950.0, 1500.0] {

@@ -30,6 +30,7 @@ use operators::LumpedOperators;
 use point::{Frozen, Point};
 use pulp::Arch;
 use scene::Scene;
+use scene::message::Number;
 use state::LumpedState;
 use std::sync::Arc;
 use step::Propagators;
@@ -84,7 +85,8 @@ pub fn limits_of_wear(scene: &Scene, depths: [f64; 2]) -> Result<u8, StepFailure
         if worn >= body.height {
             return Err(StepFailure(format!(
                 "the {name} is worn through: worn depth {worn} m reaches {name}.height = {} m",
-                body.height
+                Number(body.height),
+                worn = Number(worn)
             )));
         }
         if worn > HIGHEST_VALID_WEAR * body.height {

@@ -269,7 +269,7 @@ fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f6
         heat: None,
         coverage,
         area,
-        air: Air::of(body, cooled_part),
+        air: Air::of(body, cooled_part, area * scene.faces),
         cooled_is_contact: false,
         far: body.far_thermal,
         far_temperature: body.far_temperature,

@@ -20,6 +20,18 @@ macro_rules! emit {
     };
 }
 
+/// Emits the limits reached, as a sum and one by one.
+pub fn write_limits(limits: u8, mut emit: impl FnMut(ValueReference, f64)) {
+    let reached = |bit: u8| f64::from(u8::from(limits & bit != 0));
+    emit!(
+        emit,
+        "limit_reached" = f64::from(limits & 7),
+        "wear_limit_reached" = reached(limit::WEAR),
+        "temperature_limit_exceeded" = reached(limit::TEMPERATURE),
+        "validity_exceeded" = reached(limit::VALIDITY),
+    );
+}
+
 impl Lumped {
     /// Writes the outputs with direct feedthrough (except `friction_slope`), and the worn depths.
     pub fn write_contact(&mut self, inputs: &[f64; INPUTS], values: &mut [f64; COUNT]) {
@@ -137,7 +149,7 @@ impl Lumped {
         let kinetic = point.friction_coefficient * point.load * (faces * operators.power_factor);
         // At standstill the Stribeck factor is the static ratio.
         let limit =
-            point.kinetic_coefficient * point.load * (faces * operators.power_factor * scene.static_friction_ratio);
+            point.kinetic_coefficient * point.load * (faces * operators.power_factor * self.friction.static_ratio());
         let carries = if point.pressure.value() > 0.0 { 1.0 } else { 0.0 };
         let wearing = (point.wear_rate[0] + point.wear_rate[1]) * point.pressure * (operators.area * faces);
         let closed = state.punch.depth + self.strip_depth()
@@ -164,10 +176,13 @@ impl Lumped {
             "heat_flow_strip" = surface.strip * (operators.area * faces),
             "heat_flow_punch_top" = point.far_flow[0],
             "heat_flow_strip_base" = point.far_flow[1],
+            "heat_flow_punch_external" = point.external_flow[0],
+            "heat_flow_strip_external" = point.external_flow[1],
             "heat_flow_ambient" = point.ambient_flow[0] + point.ambient_flow[1],
             "wear_dissipation_power" = wearing,
         );
-        emit(const { reference("limit_reached") }, S::from(f64::from(state.limits & 7)));
+        emit(const { reference("sticking") }, S::from(f64::from(u8::from(point.sticking))));
+        write_limits(state.limits, |reference, value| emit(reference, S::from(value)));
     }
 
     /// Outputs that depend on the states only.
@@ -178,6 +193,9 @@ impl Lumped {
         let punch = self.flows(&operators.punch, &state.punch);
         let strip = self.flows(&operators.strip, &state.strip);
         let stick = scene.stick_stiffness;
+        let external = |body: &BodyOperators, state: &BodyState, far: f64| {
+            point::external_flow(body, far, state.external * body.area * faces)
+        };
         let life = |depth: f64, body: &BodyOperators| {
             if body.wear_limit > 0.0 {
                 (1.0 - (depth + body.initial_wear) / body.wear_limit).clamp(0.0, 1.0)
@@ -197,6 +215,8 @@ impl Lumped {
             "heat_lost_ambient" = punch.ambient + strip.ambient,
             "heat_lost_punch_top" = punch.far,
             "heat_lost_strip_base" = strip.far,
+            "heat_lost_punch_external" = external(&operators.punch, &state.punch, punch.far),
+            "heat_lost_strip_external" = external(&operators.strip, &state.strip, strip.far),
             "heat_received_punch" = punch.received,
             "heat_received_strip" = strip.received,
             "stored_heat" = punch.stored + strip.stored,

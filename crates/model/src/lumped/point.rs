@@ -12,6 +12,7 @@ use conduction::STEFAN_BOLTZMANN;
 use conduction::reduced::{Observation, Port, ReducedBody};
 use contact::friction::FrictionLaw;
 use numerics::scalar::Scalar;
+use scene::ThermalBoundary;
 
 /// Free responses of the observations: sums over the states.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -81,6 +82,8 @@ pub struct Point<S = f64> {
     pub kinetic_coefficient: S,
     /// Friction force of all faces, N, signed.
     pub force: S,
+    /// The contact sticks: it is closed, and a bristle is below its sliding limit; without one, the velocity is 0.
+    pub sticking: bool,
     /// Friction heat flux, W/m2.
     pub flux: S,
     /// Heat partition and surface temperatures.
@@ -91,15 +94,24 @@ pub struct Point<S = f64> {
     pub ambient_flow: [S; 2],
     /// Heat flow out of the far faces, all faces, W: punch, strip.
     pub far_flow: [S; 2],
+    /// Part of it that flows to the neighbours.
+    pub external_flow: [S; 2],
     /// Sliding speed in the wear law, m/s.
     pub wearing_speed: S,
     /// Wear rates of punch and strip under the contact, m/s.
     pub wear_rate: [S; 2],
 }
 
-/// Flux into a cooled face (W/m2 of reference area) at the temperature `t`, K above the reference.
+/// Flux into a face beyond its constant heat transfer (W/m2 of reference area) at the temperature `t`, K above the reference.
 #[inline]
-pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
+pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S, neighbour: S) -> S {
+    let flux = air_flux(air, reference, t, ambient, forced);
+    if air.path > 0.0 { flux + (neighbour - t) * air.path } else { flux }
+}
+
+/// Part of [`cooling_flux`] that comes from the air.
+#[inline]
+pub fn air_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forced: S) -> S {
     let mut flux = (ambient - t) * forced * air.forced;
     if air.emissivity > 0.0 {
         // Below 0 K, which only an iterate can reach, radiation is 0: the flux then decreases with temperature everywhere, and
@@ -116,7 +128,8 @@ pub fn cooling_flux<S: Scalar>(air: &Air, reference: f64, t: S, ambient: S, forc
 /// Derivative of the outgoing cooling flux with respect to the surface temperature, W/(m2 K), for implicit solutions.
 #[inline]
 pub fn cooling_slope(air: &Air, reference: f64, t: f64, forced: f64) -> f64 {
-    forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3)
+    let by_air = forced * air.forced + 4.0 * STEFAN_BOLTZMANN * air.emissivity * (t + reference).max(0.0).powi(3);
+    if air.path > 0.0 { by_air + air.path } else { by_air }
 }
 
 /// Contribution of prescribed temperatures to an observation.
@@ -131,14 +144,14 @@ fn cooled_faces(heat: &ReducedBody) -> [&Observation; FACES] {
 }
 
 /// Cooling fluxes of a body at frozen states: the direct feedthrough from flux to face temperature is the static correction of
-/// truncated modes.
+/// truncated modes. The pair is the prescribed temperature of the far face and that of the neighbour.
 fn held_cooling<S: Scalar>(
     body: &BodyOperators,
     heat: &ReducedBody,
     frozen: &FrozenBody,
     reference: f64,
     conditions: &Conditions<S>,
-    far: S,
+    [far, neighbour]: [S; 2],
     into: S,
 ) -> [S; FACES] {
     let mut flux = [S::from(0.0); FACES];
@@ -162,11 +175,17 @@ fn held_cooling<S: Scalar>(
                 let hottest = t.value().max(conditions.ambient.value());
                 flux[face] =
                     if correction * cooling_slope(air, reference, hottest, conditions.forced.value()) <= CONTRACTING {
-                        cooling_flux(air, reference, t, conditions.ambient, conditions.forced)
+                        cooling_flux(air, reference, t, conditions.ambient, conditions.forced, neighbour)
                     } else {
                         let without = t - flux[face] * correction;
                         let transfer = transfer_coefficient(air, reference, t, conditions.ambient, conditions.forced);
-                        (conditions.ambient - without) * transfer / (transfer * correction + S::from(1.0))
+                        let by_air = (conditions.ambient - without) * transfer;
+                        if air.path > 0.0 {
+                            (by_air + (neighbour - without) * air.path)
+                                / ((transfer + S::from(air.path)) * correction + S::from(1.0))
+                        } else {
+                            by_air / (transfer * correction + S::from(1.0))
+                        }
                     };
             }
         }
@@ -207,9 +226,11 @@ pub fn evaluate<S: Scalar>(
     };
     let pressure = load * (1.0 / operators.area);
     let closed = pressure.value() > 0.0;
-    let body = |operators: &BodyOperators, frozen: &FrozenBody, extra: f64, far: S| match &operators.heat {
+    let body = |operators: &BodyOperators, frozen: &FrozenBody, extra: f64, far: S, neighbour: S| match &operators.heat
+    {
         Some(heat) => {
-            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, far, S::from(0.0));
+            let none = S::from(0.0);
+            let cooling = held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], none);
             let level = prescribed(&heat.contact_temperature, conditions.ambient, far)
                 + raised(&heat.contact_temperature, &cooling)
                 + S::from(frozen.contact + extra);
@@ -218,8 +239,9 @@ pub fn evaluate<S: Scalar>(
         None => (Side { level: conditions.ambient, gain: None }, [S::from(0.0); FACES]),
     };
     let entry = strip_entry(operators, state);
-    let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, conditions.punch_far);
-    let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, conditions.strip_far);
+    let (far, neighbours) = ([conditions.punch_far, conditions.strip_far], conditions.neighbours);
+    let (punch, punch_cooling) = body(&operators.punch, &frozen.punch, 0.0, far[0], neighbours[0]);
+    let (strip, strip_cooling) = body(&operators.strip, &frozen.strip, frozen.flash + entry, far[1], neighbours[1]);
     let sides = (punch, strip);
     let bristle = operators.bristle();
     let faces = scene.faces;
@@ -253,8 +275,10 @@ pub fn evaluate<S: Scalar>(
     let kinetic = mu * load * (faces * operators.power_factor);
     let mut force = kinetic * conditions.sign;
     let mut wearing_speed = conditions.slip;
+    let mut sticking = closed && conditions.velocity.value() == 0.0;
     if let Some(bristle) = bristle {
         let (held, slips) = bristle.force(state.bristle, conditions.velocity.value(), kinetic.value());
+        sticking = closed && !slips;
         let v = conditions.velocity;
         force = if slips {
             kinetic * held.signum()
@@ -274,13 +298,15 @@ pub fn evaluate<S: Scalar>(
     let partition = solve(flux);
     // The contact's heat changes the temperature of the cooled surface; the feedback of its flux on the contact, by another
     // static correction, is neglected.
-    let recool =
-        |operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], far: S, into: S| match &operators.heat {
-            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, far, into),
+    let recool = |side: usize, operators: &BodyOperators, frozen: &FrozenBody, before: [S; FACES], into: S| {
+        let (far, neighbour) = (far[side], neighbours[side]);
+        match &operators.heat {
+            Some(heat) => held_cooling(operators, heat, frozen, state.reference, conditions, [far, neighbour], into),
             None => before,
-        };
-    let punch_cooling = recool(&operators.punch, &frozen.punch, punch_cooling, conditions.punch_far, partition.punch);
-    let strip_cooling = recool(&operators.strip, &frozen.strip, strip_cooling, conditions.strip_far, partition.strip);
+        }
+    };
+    let punch_cooling = recool(0, &operators.punch, &frozen.punch, punch_cooling, partition.punch);
+    let strip_cooling = recool(1, &operators.strip, &frozen.strip, strip_cooling, partition.strip);
     let contact_temperature = mean(&partition);
     let flows = |body: &BodyOperators, frozen: &FrozenBody, into: S, cooling: [S; FACES], far: S| match &body.heat {
         Some(heat) => {
@@ -294,12 +320,22 @@ pub fn evaluate<S: Scalar>(
             (
                 observe(&heat.ambient_flow, frozen.ambient_flow) - cooling[BESIDE] * (body.area * faces),
                 observe(&heat.base_flow, frozen.base_flow),
+                if body.air[FAR].path > 0.0 {
+                    let t = S::from(frozen.cooled[FAR])
+                        + into * heat.base_temperature.direct[Port::Contact as usize]
+                        + raised(&heat.base_temperature, &cooling)
+                        + prescribed(&heat.base_temperature, conditions.ambient, far);
+                    let by_air = air_flux(&body.air[FAR], state.reference, t, conditions.ambient, conditions.forced);
+                    (by_air - cooling[FAR]) * (body.area * faces)
+                } else {
+                    S::from(0.0)
+                },
             )
         }
-        None => (S::from(0.0), S::from(0.0)),
+        None => (S::from(0.0), S::from(0.0), S::from(0.0)),
     };
-    let punch_flows = flows(&operators.punch, &frozen.punch, partition.punch, punch_cooling, conditions.punch_far);
-    let strip_flows = flows(&operators.strip, &frozen.strip, partition.strip, strip_cooling, conditions.strip_far);
+    let punch_flows = flows(&operators.punch, &frozen.punch, partition.punch, punch_cooling, far[0]);
+    let strip_flows = flows(&operators.strip, &frozen.strip, partition.strip, strip_cooling, far[1]);
     let wear = |body: &BodyOperators| {
         body.wear.rate(pressure, wearing_speed, kinetic_coefficient, contact_temperature + reference)
             * (body.wear_factor * tunables.wear_acceleration)
@@ -310,14 +346,25 @@ pub fn evaluate<S: Scalar>(
         friction_coefficient: mu,
         kinetic_coefficient,
         force,
+        sticking,
         flux,
         partition,
         contact_temperature,
         ambient_flow: [punch_flows.0, strip_flows.0],
         far_flow: [punch_flows.1, strip_flows.1],
+        external_flow: [
+            external_flow(&operators.punch, punch_flows.1, punch_flows.2),
+            external_flow(&operators.strip, strip_flows.1, strip_flows.2),
+        ],
         wearing_speed,
         wear_rate: [wear(&operators.punch), wear(&operators.strip)],
     }
+}
+
+/// Heat flow to the neighbour of a body: all of that out of its far face where the input prescribes the temperature there,
+/// otherwise that by the heat path.
+pub fn external_flow<T>(body: &BodyOperators, far: T, path: T) -> T {
+    if body.far == ThermalBoundary::External { far } else { path }
 }
 
 /// Temperature (K above the reference) at which fresh material arrives in unidirectional sliding on a straight path.

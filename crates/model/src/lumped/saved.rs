@@ -10,7 +10,7 @@ impl LumpedState {
         for body in [&self.punch, &self.strip] {
             write_row(&mut out, &body.heat);
             out.extend(body.received);
-            out.extend([body.depth, body.worn]);
+            out.extend([body.external, body.depth, body.worn]);
         }
         write_row(&mut out, &self.flash);
         out.extend([self.position, self.distance, self.dissipated, self.bristle]);
@@ -33,7 +33,7 @@ impl LumpedState {
         let mut state = LumpedState::empty();
         for body in [&mut state.punch, &mut state.strip] {
             read_row(numbers, &mut body.heat)?;
-            for slot in body.received.iter_mut().chain([&mut body.depth, &mut body.worn]) {
+            for slot in body.received.iter_mut().chain([&mut body.external, &mut body.depth, &mut body.worn]) {
                 *slot = *numbers.next()?;
             }
         }

@@ -4,7 +4,7 @@
 
 use super::air::{BESIDE, FACES, FAR, PORTS_OF_FACES};
 use super::operators::BodyOperators;
-use super::point::{cooling_flux, cooling_slope};
+use super::point::{air_flux, cooling_flux, cooling_slope};
 use super::stage::{Observed, Propagator, QUADRATURE};
 use super::state::{BodyState, NewHeat};
 use conduction::reduced::{PORTS, Port};
@@ -126,7 +126,8 @@ impl<'a> StageBody<'a> {
 
     /// Newton step of the cooling fluxes at the current temperatures, linearised in the fluxes of both faces at the same stage;
     /// returns the largest change of temperature by it.
-    pub fn cool(&mut self, reference: f64, ambient: [f64; 2], forced: [f64; 2]) -> f64 {
+    pub fn cool(&mut self, reference: f64, around: &Around) -> f64 {
+        let Around { ambient, forced, neighbour } = around;
         let Some(propagator) = self.propagator else { return 0.0 };
         let mut change: f64 = 0.0;
         for stage in 0..2 {
@@ -139,7 +140,7 @@ impl<'a> StageBody<'a> {
                 }
                 let (air, observed) = (&self.body.air[face], &propagator.cooled[face]);
                 let t = self.cooled[face][stage] + self.add_to(observed, point);
-                let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage]);
+                let wanted = cooling_flux(air, reference, t, ambient[stage], forced[stage], neighbour[stage]);
                 let slope = cooling_slope(air, reference, t, forced[stage]);
                 residual[face] = wanted - self.flux[PORTS_OF_FACES[face]][stage];
                 for (entry, port) in matrix[face].iter_mut().zip(PORTS_OF_FACES) {
@@ -159,8 +160,8 @@ impl<'a> StageBody<'a> {
     }
 
     /// Thermal states and received heat of the ports at the end of the step.
-    pub fn advanced(&self, state: &BodyState, step: f64) -> NewHeat {
-        let mut new = NewHeat { heat: state.heat, received: state.received };
+    pub fn advanced(&self, state: &BodyState, reference: f64, around: &Around, step: f64) -> NewHeat {
+        let mut new = NewHeat { heat: state.heat, received: state.received, external: state.external };
         if let (Some(propagator), Some(heat)) = (self.propagator, &self.body.heat) {
             propagator.advance(&mut new.heat, heat.count, &self.flux, self.active);
             for port in 0..PORTS {
@@ -169,9 +170,27 @@ impl<'a> StageBody<'a> {
                         step * (QUADRATURE[0] * self.flux[port][0] + QUADRATURE[1] * self.flux[port][1]);
                 }
             }
+            let air = &self.body.air[FAR];
+            if air.path > 0.0 {
+                for stage in 0..2 {
+                    let t = self.cooled[FAR][stage] + self.add_to(&propagator.cooled[FAR], 2 * stage);
+                    let by_air = air_flux(air, reference, t, around.ambient[stage], around.forced[stage]);
+                    new.external += step * QUADRATURE[stage] * (by_air - self.flux[PORTS_OF_FACES[FAR]][stage]);
+                }
+            }
         }
         new
     }
+}
+
+/// Conditions around a body at both stages.
+pub struct Around {
+    /// Ambient temperature, K above the reference.
+    pub ambient: [f64; 2],
+    /// Velocity factor of forced convection.
+    pub forced: [f64; 2],
+    /// Temperature of the neighbour behind the heat path, K above the reference.
+    pub neighbour: [f64; 2],
 }
 
 /// Solves a system of two equations.

@@ -15,6 +15,8 @@ pub struct BodyState {
     pub heat: [f64; MAX_STATES],
     /// Time integrals of the fluxes through the ports since initialisation, by port.
     pub received: [f64; 4],
+    /// Heat that has left by the path to the neighbour since initialisation, J/m2 of reference area.
+    pub external: f64,
     /// Worn depth under a contact that stays on its material, m: of the punch, or of the strip on a closed path.
     pub depth: f64,
     /// Worn volume per face over `worn_area`, m.
@@ -23,8 +25,13 @@ pub struct BodyState {
 
 impl BodyState {
     /// The zero state.
-    pub const EMPTY: BodyState =
-        BodyState { heat: [0.0; conduction::reduced::MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
+    pub const EMPTY: BodyState = BodyState {
+        heat: [0.0; conduction::reduced::MAX_STATES],
+        received: [0.0; 4],
+        external: 0.0,
+        depth: 0.0,
+        worn: 0.0,
+    };
 }
 
 /// State of the lumped level.
@@ -74,6 +81,7 @@ pub struct LumpedState {
 pub struct NewHeat {
     pub heat: [f64; MAX_STATES],
     pub received: [f64; 4],
+    pub external: f64,
 }
 
 /// Result of a step from a [`LumpedState`], before it is accepted.
@@ -97,7 +105,16 @@ impl NewState {
     pub fn is_finite(&self) -> bool {
         let NewState { punch, strip, flash, travel, dissipated, distance, worn, end_temperature, end_force } = self;
         // Entries beyond the last state are 0.
-        let numbers = [*travel, *dissipated, *distance, worn[0], worn[1], *end_temperature, *end_force, 0.0];
+        let numbers = [
+            *travel,
+            *dissipated,
+            *distance,
+            worn[0],
+            worn[1],
+            *end_temperature,
+            *end_force,
+            punch.external + strip.external,
+        ];
         all_finite(&punch.heat)
             & all_finite(&strip.heat)
             & all_finite(&punch.received)
@@ -111,6 +128,7 @@ impl NewState {
     pub fn commit(self, operators: &LumpedOperators, state: &mut LumpedState) {
         (state.punch.heat, state.punch.received) = (self.punch.heat, self.punch.received);
         (state.strip.heat, state.strip.received) = (self.strip.heat, self.strip.received);
+        (state.punch.external, state.strip.external) = (self.punch.external, self.strip.external);
         state.flash = self.flash;
         (state.dissipated, state.distance) = (self.dissipated, self.distance);
         state.wear(operators, self.worn, self.travel);
@@ -123,7 +141,8 @@ impl LumpedState {
     pub fn new(operators: &LumpedOperators, ambient: f64) -> LumpedState {
         let reference = ambient;
         let start = |body: &super::operators::BodyOperators| {
-            let mut state = BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], depth: 0.0, worn: 0.0 };
+            let mut state =
+                BodyState { heat: [0.0; MAX_STATES], received: [0.0; 4], external: 0.0, depth: 0.0, worn: 0.0 };
             if let Some(heat) = &body.heat {
                 let initial = if body.initial_temperature > 0.0 { body.initial_temperature } else { ambient };
                 for k in 0..heat.count {

@@ -13,7 +13,7 @@ use super::flash_step::{FlashStep, decays_at_rest};
 use super::operators::{BodyOperators, LumpedOperators};
 use super::point::strip_entry;
 use super::stage::{Propagator, QUADRATURE};
-use super::stage_body::StageBody;
+use super::stage_body::{Around, StageBody};
 use super::stages::Stages;
 use super::state::{LumpedState, NewState};
 use conduction::flash::MAX_FLASH_STATES;
@@ -86,6 +86,8 @@ impl Stepper<'_> {
         let (first, last) = (&conditions[1], &conditions[3]);
         let ambient = [first.ambient, last.ambient];
         let forced = [first.forced, last.forced];
+        let around =
+            [0, 1].map(|side| Around { ambient, forced, neighbour: [first.neighbours[side], last.neighbours[side]] });
         let mut punch = StageBody::new(
             &operators.punch,
             self.propagators.punch.as_ref(),
@@ -111,17 +113,17 @@ impl Stepper<'_> {
         // Far below the resolution of the error estimate across the small resistance of the interface.
         let enough = 1e-6 * scene.tolerance * (1e-3 + state.peak_rise);
         let mut converged = false;
-        for body in [&mut punch, &mut strip] {
+        for (body, around) in [&mut punch, &mut strip].into_iter().zip(&around) {
             if body.cools() {
-                body.cool(state.reference, ambient, forced);
+                body.cool(state.reference, around);
             }
         }
         for _ in 0..40 {
             stages.loads(self, state, &punch, &strip);
             let mut change = stages.solve(self, &mut punch, &mut strip);
-            for body in [&mut punch, &mut strip] {
+            for (body, around) in [&mut punch, &mut strip].into_iter().zip(&around) {
                 if body.cools() {
-                    change = maximum(change, body.cool(state.reference, ambient, forced));
+                    change = maximum(change, body.cool(state.reference, around));
                 }
             }
             if change <= enough {
@@ -154,8 +156,8 @@ impl Stepper<'_> {
         let travel = 0.5 * step * (conditions[0].velocity + conditions[3].velocity);
         let mean = |values: [f64; 2]| QUADRATURE[0] * values[0] + QUADRATURE[1] * values[1];
         let new = NewState {
-            punch: punch.advanced(&state.punch, step),
-            strip: strip.advanced(&state.strip, step),
+            punch: punch.advanced(&state.punch, state.reference, &around[0], step),
+            strip: strip.advanced(&state.strip, state.reference, &around[1], step),
             flash: match operators.flash {
                 Some(_) => self.flash.advanced(&state.flash, strip.flux[0]),
                 None => state.flash,

@@ -44,6 +44,12 @@ const fn row(row: &Row) {
             index += 1;
         }
         assert!(known, "the display unit is not one of the unit's own");
+        match row.real_type() {
+            None => panic!("a Real has a type of its unit"),
+            // A temperature is shown as people say it, a difference never with the offset.
+            Some(kind) if !same(kind.display, "") => assert!(same(kind.display, display), "shown as its type is"),
+            Some(_) => {}
+        }
     }
     let (min, max) = row.bounds();
     if let (Some(min), Some(max)) = (min, max) {

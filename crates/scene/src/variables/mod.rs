@@ -10,9 +10,12 @@
 
 mod check;
 mod rows;
+pub mod types;
 pub mod units;
 
+use crate::message;
 pub use rows::TABLE;
+use types::RealType;
 use units::Unit;
 
 /// Position of one scalar variable in the flattened table; the FMI value reference.
@@ -140,6 +143,12 @@ pub struct Row {
     pub depends: Depends,
     /// Least non-zero value of a parameter for which 0 means an automatic choice; 0: only the bounds apply.
     pub least_chosen: f64,
+    /// Name of the type of a Real; empty: the first of [`types::TYPES`] with its unit.
+    pub type_name: &'static str,
+    /// Setting that replaces the value 0, which former versions took for it; empty: none.
+    pub instead_of_zero: &'static str,
+    /// Whether a scene file may give the first elements of the array only.
+    pub may_be_shorter: bool,
 }
 
 impl Row {
@@ -162,9 +171,22 @@ impl Row {
         if self.elements == 0 { self.name.to_owned() } else { format!("{}[{}]", self.name, index + 1) }
     }
 
+    /// Type of a Real; `None` for other kinds.
+    pub const fn real_type(&self) -> Option<&'static RealType> {
+        match self.kind {
+            Kind::Real { unit, .. } => types::find(self.type_name, unit),
+            _ => None,
+        }
+    }
+
     /// Whether the value is a difference, to which the offset of a display unit must not be applied.
-    pub fn is_difference(&self) -> bool {
-        self.name.ends_with("_offset")
+    pub const fn is_difference(&self) -> bool {
+        matches!(self.real_type(), Some(kind) if kind.is_difference)
+    }
+
+    /// Whether the row is a single number that the FMU calculates, connected or not: everything calculated but the profiles.
+    pub const fn is_result(&self) -> bool {
+        matches!(self.causality, Causality::Output | Causality::Local) && self.elements == 0
     }
 
     /// Inclusive bounds as f64 (enumerations: 1 to the number of items; booleans: 0 to 1).
@@ -292,6 +314,14 @@ impl std::fmt::Display for Refusal {
 
 impl std::error::Error for Refusal {}
 
+/// Unit of a row for messages; empty for anything but a Real.
+pub fn unit_of(row: &Row) -> &'static str {
+    match row.kind {
+        Kind::Real { unit, .. } => unit.name,
+        _ => "",
+    }
+}
+
 /// Checks a parameter's value against its row. Inputs are not checked here: by policy
 /// an invalid value is stored and the next step refuses it.
 ///
@@ -313,11 +343,13 @@ pub fn check_parameter(reference: ValueReference, value: f64) -> Result<(), Refu
         return refuse(format!("{value} is not an item of {}; items: {}", kind.name, items.join(", ")));
     }
     let limited = |side: &str, limit: f64| {
-        let unit = match row.kind {
-            Kind::Real { unit, .. } => unit.name,
-            _ => "",
+        let [value, limit] = message::apart([value, limit], unit_of(row));
+        let instead = if value == "0 K" && !row.instead_of_zero.is_empty() {
+            format!("; set {} instead", row.instead_of_zero)
+        } else {
+            String::new()
         };
-        refuse(format!("{value} {unit} is {side} {limit} {unit}"))
+        refuse(format!("{value} is {side} {limit}{instead}"))
     };
     match row.bounds() {
         (Some(min), _) if value < min => limited("below the minimum", min),

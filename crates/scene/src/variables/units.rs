@@ -62,6 +62,7 @@ pub static UNITS: &[&Unit] = &[
     &WATT,
     &CONDUCTIVITY,
     &HEAT_TRANSFER,
+    &CONDUCTANCE,
     &SPECIFIC_HEAT,
     &DENSITY,
 ];
@@ -88,5 +89,6 @@ pub static JOULE: Unit = unit("J", [1, 2, -2, 0, 0], &[shown("kJ", 1e-3), shown(
 pub static WATT: Unit = unit("W", [1, 2, -3, 0, 0], &[shown("kW", 1e-3)]);
 pub static CONDUCTIVITY: Unit = unit("W/(m.K)", [1, 1, -3, -1, 0], &[]);
 pub static HEAT_TRANSFER: Unit = unit("W/(m2.K)", [1, 0, -3, -1, 0], &[]);
+pub static CONDUCTANCE: Unit = unit("W/K", [1, 2, -3, -1, 0], &[]);
 pub static SPECIFIC_HEAT: Unit = unit("J/(kg.K)", [0, 2, -2, -1, 0], &[]);
 pub static DENSITY: Unit = unit("kg/m3", [1, -3, 0, 0, 0], &[shown("g/cm3", 1e-3)]);

@@ -279,7 +279,15 @@ impl Problem<'_> {
             _ => 1.0,
         };
         let forced = self.velocity().abs().powf(0.8);
-        cooling(body, scene.ambient_temperature, t, 0.0, forced).map(|value| part * value)
+        let [flux, fall] = cooling(body, scene.ambient_temperature, t, 0.0, forced).map(|value| part * value);
+        // Neighbours have the ambient temperature.
+        match body.external_conductance {
+            conductance if face == FAR && conductance > 0.0 => {
+                let path = conductance / scene.far_areas()[side];
+                [flux - path * t, fall + path]
+            }
+            _ => [flux, fall],
+        }
     }
 
     /// Ambient, far-face temperatures and cooling; `cooled` are the temperatures of the cooled faces, punch first.
@@ -291,7 +299,7 @@ impl Problem<'_> {
             let far = if held { body.far_temperature - scene.ambient_temperature } else { 0.0 };
             let by_air = std::array::from_fn(|face| self.cooling(side, face, cooled[FACES * side + face])[0]);
             let around = Surroundings { far, ..Surroundings::default() };
-            around.with_air(by_air, body.far_thermal != ThermalBoundary::Convecting)
+            around.with_air(by_air, body.far_is_prescribed())
         })
     }
 
@@ -302,8 +310,7 @@ impl Problem<'_> {
         let mut temperatures = [0.0; 2 * FACES];
         for (side, body) in self.bodies.iter().enumerate() {
             let Some(body) = body else { continue };
-            let far = [&self.scene().punch, &self.scene().strip][side].far_thermal;
-            let held = far != ThermalBoundary::Convecting;
+            let held = [&self.scene().punch, &self.scene().strip][side].far_is_prescribed();
             let used = &used[FACES * side..FACES * (side + 1)];
             let slope: [f64; FACES] = std::array::from_fn(|face| self.cooling(side, face, used[face])[1]);
             let found_at = body.cooled_temperature(&found.states[side], &found.surroundings[side], &found.flux[side]);

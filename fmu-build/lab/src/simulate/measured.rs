@@ -39,7 +39,7 @@ impl Measured {
 /// # Errors
 /// As [`columns::read`]; a file without a quantity.
 pub fn read(path: &Path) -> Result<columns::Table> {
-    let rows = TABLE.iter().filter(|row| matches!(row.causality, Causality::Input | Causality::Output));
+    let rows = TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result());
     let accepted: Vec<Column> = rows.filter_map(Column::of).collect();
     let table = columns::read(path, &accepted)?;
     if table.names.is_empty() {

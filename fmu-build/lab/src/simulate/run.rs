@@ -95,7 +95,7 @@ impl Recording {
 
 /// Every input and output of the variable table.
 fn channels() -> Vec<Channel> {
-    let rows = TABLE.iter().filter(|row| matches!(row.causality, Causality::Input | Causality::Output));
+    let rows = TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result());
     let channel =
         |name| find(name).map(|reference| Channel { name, unit: unit_of(reference), reference, values: Vec::new() });
     rows.filter_map(|row| channel(row.name)).collect()

@@ -393,11 +393,8 @@ fn variable_transfer(body: &Body, scene: &Scene, speed: f64) -> f64 {
 
 /// Inputs of steady sliding: ambient and external temperatures are the ambient temperature.
 fn inputs(scene: &Scene, velocity: f64, load: f64) -> [f64; INPUTS] {
-    let external = |boundary: ThermalBoundary| match boundary {
-        ThermalBoundary::External => scene.ambient_temperature,
-        _ => 0.0,
-    };
-    [velocity, load, 0.0, 0.0, 0.0, external(scene.strip.far_thermal), external(scene.punch.far_thermal)]
+    let external = |body: &Body| if body.has_neighbour() { scene.ambient_temperature } else { 0.0 };
+    [velocity, load, 0.0, 0.0, 0.0, external(&scene.strip), external(&scene.punch)]
 }
 
 fn add(target: &mut [f64], factor: f64, values: &[f64]) {

@@ -8,7 +8,6 @@ use crate::line::Line;
 use conduction::line::{GAMMA, Stage};
 use numerics::dense;
 use numerics::maximum::maximum;
-use scene::ThermalBoundary;
 
 /// Relative change of the temperature-dependent factor of the friction coefficient beyond which its linearization point is
 /// updated.
@@ -125,8 +124,10 @@ impl Line {
             }
             state.flux[side].copy_from_slice(&heat.flux[1][side]);
             state.temperature[side].copy_from_slice(&heat.temperature[1][side]);
-            let held = [&operators.mean.punch, &operators.mean.strip][side].far != ThermalBoundary::Convecting;
+            let held = [&operators.scene.punch, &operators.scene.strip][side].far_is_prescribed();
             state.cooling[side] = heat.surroundings[side].by_air(held);
+            let (flow, heat) = heat.external[side];
+            state.external[side] = [flow, state.external[side][1] + heat];
         }
         (state.unpredicted_rise, state.last_step) = (heat.unpredicted_rise, step);
         let pressures = self.work.first.pressure.iter().zip(&self.work.end.pressure).zip(&self.state.pressure);

@@ -5,11 +5,13 @@
 
 use crate::line::Line;
 use crate::lumped::conditions::Conditions;
+use crate::lumped::operators::BodyOperators;
+use crate::lumped::point::external_flow;
 use crate::{INPUTS, Inputs};
-use conduction::line::Surroundings;
+use conduction::line::{FAR, Surroundings};
 use numerics::scalar::Dual;
 use scene::variables::{COUNT, reference};
-use scene::{STATIONS, ThermalBoundary, value};
+use scene::{STATIONS, value};
 
 impl Line {
     /// Ambient, far-face temperatures and cooling of both bodies at `inputs`.
@@ -19,11 +21,24 @@ impl Line {
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference, &inputs);
         let cooling = self.state.heat.as_ref().map_or_else(Default::default, |heat| heat.cooling);
         let far = [conditions.punch_far, conditions.strip_far];
-        let bodies = [&self.operators.mean.punch, &self.operators.mean.strip];
+        let bodies = [&self.operators.scene.punch, &self.operators.scene.strip];
         std::array::from_fn(|side| {
             let around = Surroundings { ambient: conditions.ambient, far: far[side], ..Surroundings::default() };
-            around.with_air(cooling[side], bodies[side].far != ThermalBoundary::Convecting)
+            around.with_air(cooling[side], bodies[side].far_is_prescribed())
         })
+    }
+
+    /// Temperatures of the neighbours of punch and strip behind their heat paths, K above the reference.
+    fn neighbours(&self, inputs: &[f64; INPUTS]) -> [f64; 2] {
+        let inputs = Inputs::from_array(*inputs);
+        Conditions::new(&self.operators.mean, &self.tunables, self.mean.state().reference, &inputs).neighbours
+    }
+
+    /// A body, the conductance of its heat path per area of the far face, W/(m2 K), and that area of all faces, m2.
+    fn path(&self, side: usize) -> (&BodyOperators, f64, f64) {
+        let mean = &self.operators.mean;
+        let body = [&mean.punch, &mean.strip][side];
+        (body, body.air[FAR].path, body.area * mean.scene.faces)
     }
 
     /// Temperatures and heat flows.
@@ -37,12 +52,21 @@ impl Line {
         let absolute = self.mean.state().reference;
         let around = self.around(inputs);
         let into = |side: usize| all * state.flux[side].iter().zip(areas).map(|(q, c)| q * c).sum::<f64>();
-        let (mut ambient, mut far) = (0.0, [0.0; 2]);
+        let (mut ambient, mut far, mut external) = (0.0, [0.0; 2], [0.0; 2]);
+        let neighbours = self.neighbours(inputs);
         for side in 0..2 {
             if let Some(own) = &heat.bodies[side] {
                 let [air, face] = own.flows(&state.bodies[side], &around[side], &state.flux[side]);
                 ambient += air - bodies.cooled_length[side] * around[side].cooling;
                 far[side] = all * face;
+                let (body, path, area) = self.path(side);
+                if path > 0.0 {
+                    // The flux of the last step is in the heat flow of the face; it follows the neighbour's temperature instantly.
+                    let t = own.cooled_temperature(&state.bodies[side], &around[side], &state.flux[side])[FAR];
+                    external[side] = area * path * (t - neighbours[side]);
+                    far[side] += external[side] - area * state.external[side][0];
+                }
+                external[side] = external_flow(body, far[side], external[side]);
             }
         }
         value!(values, "contact_temperature") = state.mean(areas) + absolute;
@@ -51,6 +75,8 @@ impl Line {
         value!(values, "heat_flow_strip") = into(1);
         value!(values, "heat_flow_punch_top") = far[0];
         value!(values, "heat_flow_strip_base") = far[1];
+        value!(values, "heat_flow_punch_external") = external[0];
+        value!(values, "heat_flow_strip_external") = external[1];
         value!(values, "heat_flow_ambient") = all * ambient;
     }
 
@@ -73,6 +99,12 @@ impl Line {
         value!(values, "heat_lost_ambient") = (punch.ambient + strip.ambient) * all;
         value!(values, "heat_lost_punch_top") = punch.far * all;
         value!(values, "heat_lost_strip_base") = strip.far * all;
+        let external = |side: usize, far: f64| {
+            let (body, _, area) = self.path(side);
+            external_flow(body, far * all, area * state.external[side][1])
+        };
+        value!(values, "heat_lost_punch_external") = external(0, punch.far);
+        value!(values, "heat_lost_strip_external") = external(1, strip.far);
         if let Some(own) = &heat.bodies[0] {
             value!(values, "punch.mean_temperature") = own.mean_temperature(&state.bodies[0]) + absolute;
         }
@@ -118,7 +150,7 @@ impl Line {
         let conditions = Conditions::new(&self.operators.mean, &self.tunables, reference_temperature, &duals);
         let far = [conditions.punch_far.derivative, conditions.strip_far.derivative];
         let all = self.operators.shared_depth * self.operators.scene.faces;
-        let (mut ambient, mut faces) = (0.0, [0.0; 2]);
+        let (mut ambient, mut faces, mut external) = (0.0, [0.0; 2], [0.0; 2]);
         for (side, around) in self.around(inputs).iter().enumerate() {
             let Some(own) = &heat.bodies[side] else { continue };
             // Heat flows are affine in these temperatures: a difference is the exact derivative.
@@ -131,9 +163,18 @@ impl Line {
             let (now, then) = (of(around), of(&moved));
             ambient += all * (then[0] - now[0]);
             faces[side] = all * (then[1] - now[1]);
+            let (body, path, area) = self.path(side);
+            if path > 0.0 {
+                let of = |around| own.cooled_temperature(&state.bodies[side], around, &state.flux[side])[FAR];
+                external[side] = area * path * (of(&moved) - of(around) - conditions.neighbours[side].derivative);
+                faces[side] += external[side];
+            }
+            external[side] = external_flow(body, faces[side], external[side]);
         }
         value!(derivatives, "heat_flow_ambient") = ambient;
         value!(derivatives, "heat_flow_punch_top") = faces[0];
         value!(derivatives, "heat_flow_strip_base") = faces[1];
+        value!(derivatives, "heat_flow_punch_external") = external[0];
+        value!(derivatives, "heat_flow_strip_external") = external[1];
     }
 }

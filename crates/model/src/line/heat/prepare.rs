@@ -11,7 +11,7 @@ use crate::line::trajectory::InputTrajectory;
 use crate::lumped::conditions::Conditions;
 use crate::lumped::operators::BodyOperators;
 use conduction::line::{BESIDE, FACES, FAR, GAMMA, Stage, Surroundings};
-use scene::{Body, Scheme, ThermalBoundary};
+use scene::{Body, Scheme};
 
 /// Longest extrapolation, in lengths of the last step: step control doubles a step at most. Where the importer increases the step
 /// by more, perhaps from microseconds after a reversal, the rate of the last step is no estimate at the end of the next.
@@ -67,7 +67,7 @@ impl Line {
         ];
         for (side, (mean, body, parts)) in each.into_iter().enumerate() {
             let ambient = middle.ambient;
-            let held = mean.far != ThermalBoundary::Convecting;
+            let held = body.far_is_prescribed();
             let around = Surroundings { ambient, far: far[side], ..Surroundings::default() };
             let mut around = around.with_air(state.cooling[side], held);
             if let Some(own) = &mut heat.bodies[side] {
@@ -77,9 +77,16 @@ impl Line {
                 }
                 if mean.is_cooled_variably() {
                     let [from, to] = [start, start + step].map(conditions);
-                    let law = |face: usize, t: f64, at: &Conditions| match mean.air[face].acts() {
+                    let by_air = |face: usize, t: f64, at: &Conditions| match mean.air[face].is_cooled() {
                         true => cooling(body, reference, t, at.ambient, at.forced).map(|value| parts[face] * value),
                         false => [0.0; 2],
+                    };
+                    let law = |face: usize, t: f64, at: &Conditions| match mean.air[face].path {
+                        0.0 => by_air(face, t, at),
+                        path => {
+                            let [flux, fall] = by_air(face, t, at);
+                            [flux + path * (at.neighbours[side] - t), fall + path]
+                        }
                     };
                     let with = |flux: [f64; FACES]| {
                         let around = around.with_air(flux, held);
@@ -115,6 +122,17 @@ impl Line {
                     heat.unpredicted_rise[side] = ahead.not_extrapolated;
                     ahead.temperature[BESIDE] += drift;
                     let end = balance(begin, ahead.temperature, ahead.rise, |face, t| law(face, t, &to));
+                    if mean.air[FAR].path > 0.0 {
+                        let by_path =
+                            |flux: [f64; FACES], known: [f64; FACES], t: f64, rise: [f64; FACES], at: &Conditions| {
+                                let t = t + rise[0] * (flux[0] - known[0]) + rise[1] * (flux[1] - known[1]);
+                                flux[FAR] - by_air(FAR, t, at)[0]
+                            };
+                        let early = by_path(begin, last, now[FAR], rise[FAR], &from);
+                        let late = by_path(end, begin, ahead.temperature[FAR], ahead.rise[FAR], &to);
+                        let mean = if monolithic { 0.5 * (early + late) } else { late };
+                        heat.external[side] = (-late, -step * mean);
+                    }
                     around = around.with_air(end, held);
                     if monolithic {
                         around.cooling_fall = begin[BESIDE] - end[BESIDE];

@@ -45,6 +45,7 @@ use contact::friction::FrictionLaw;
 use contact::wear::line::{Disturbance, StageError};
 use numerics::dense;
 use numerics::scalar::Dual;
+use scene::message::Number;
 
 /// Number of power iterations, and of the last ones over which the growth factor is averaged.
 const APPLICATIONS: usize = 32;
@@ -96,10 +97,12 @@ impl Line {
                 Err(Refusal::Stage(error)) => return Err(self.failure(path, start, &error)),
                 Err(Refusal::Diverges(limit)) => {
                     return Err(StepFailure(format!(
-                        "solver.scheme = staggered is stable only for steps below {limit:e} s here (sliding velocity {} m/s, \
-                         normal load {} N); the step is {step:e} s",
-                        path.velocity(start + step),
-                        path.at(start + step).load
+                        "solver.scheme = staggered is stable only for steps below {limit} s here (sliding velocity {} m/s, \
+                         normal load {} N); the step is {step} s",
+                        Number(path.velocity(start + step)),
+                        Number(path.at(start + step).load),
+                        limit = Number(limit),
+                        step = Number(step)
                     )));
                 }
             }

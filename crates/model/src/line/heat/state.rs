@@ -32,6 +32,8 @@ pub struct HeatState {
     /// Part of the temperature of the cooled surfaces that bodies do not predict to the end of the step, at the start of the last
     /// step, K.
     pub unpredicted_rise: [f64; 2],
+    /// Heat paths to the neighbours of both bodies: flow out at the end of the last step, W/m2 of the far face, and its integral, J/m2.
+    pub external: [[f64; 2]; 2],
     /// Length of the last step, s (0: none yet).
     pub last_step: f64,
     /// Length of the last step rejected by the growth guard, s, and the number of steps before one as long is tried again.
@@ -127,6 +129,7 @@ impl HeatState {
             dissipated: 0.0,
             cooling: [[0.0; FACES]; 2],
             unpredicted_rise: [0.0; 2],
+            external: [[0.0; 2]; 2],
             last_step: 0.0,
             rejected_by_growth: [0.0; 2],
             start: [[0.0; 4]; 2],
@@ -194,7 +197,8 @@ impl HeatState {
     /// Name of a quantity that is not finite, if any.
     pub fn not_finite(&self) -> Option<&'static str> {
         let [[a, b], [c, d]] = self.cooling;
-        let others = [self.kinetic_coefficient, self.dissipated, a, b, c, d];
+        let [[e, f], [g, h]] = self.external;
+        let others = [self.kinetic_coefficient, self.dissipated, a, b, c, d, e, f, g, h];
         let rows = [
             ("heat in the punch", &self.bodies[0][..]),
             ("heat in the strip", &self.bodies[1]),
@@ -221,6 +225,7 @@ impl HeatState {
             dissipated,
             cooling,
             unpredicted_rise,
+            external,
             last_step,
             rejected_by_growth,
             start,
@@ -232,6 +237,7 @@ impl HeatState {
             .chain([velocity, last, fade, radius_factor, kinetic_coefficient, dissipated, last_step])
             .chain(cooling.iter_mut().flatten())
             .chain(unpredicted_rise)
+            .chain(external.iter_mut().flatten())
             .chain(rejected_by_growth)
             .chain(start.iter_mut().flatten())
     }
@@ -265,7 +271,7 @@ impl HeatState {
         self.distortion.copy_from_slice(&other.distortion);
         (self.kinetic_coefficient, self.dissipated, self.cooling) =
             (other.kinetic_coefficient, other.dissipated, other.cooling);
-        (self.start, self.reference) = (other.start, other.reference);
+        (self.start, self.reference, self.external) = (other.start, other.reference, other.external);
         (self.unpredicted_rise, self.last_step, self.rejected_by_growth) =
             (other.unpredicted_rise, other.last_step, other.rejected_by_growth);
     }

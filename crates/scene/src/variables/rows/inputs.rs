@@ -40,7 +40,9 @@ pub const ROWS: &[Row] = &[
     )
     .shown("rev/min")
     .input(),
-    real("ambient_temperature_offset", &KELVIN, 10.0, "Optional: added to the parameter ambient_temperature").input(),
+    real("ambient_temperature_offset", &KELVIN, 10.0, "Optional: added to the parameter ambient_temperature")
+        .of_type("TemperatureDifference")
+        .input(),
     real(
         "cooling_velocity",
         &METRE_PER_SECOND,
@@ -52,14 +54,16 @@ pub const ROWS: &[Row] = &[
         "strip.external_temperature",
         &KELVIN,
         300.0,
-        "Temperature of the strip's base, used only where strip.base_thermal = external (0 K is then an error)",
+        "Temperature of the strip's neighbour: of its base where strip.base_thermal = external, or behind strip.external_conductance; \
+         used only there (0 K is then an error)",
     )
     .input(),
     real(
         "punch.external_temperature",
         &KELVIN,
         300.0,
-        "Temperature of the punch's top, used only where punch.top_thermal = external (0 K is then an error)",
+        "Temperature of the punch's neighbour: of its top where punch.top_thermal = external, or behind punch.external_conductance; \
+         used only there (0 K is then an error)",
     )
     .input(),
 ];

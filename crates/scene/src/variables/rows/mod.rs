@@ -4,6 +4,7 @@ mod inputs;
 mod outputs;
 mod parameters;
 
+use super::types;
 use super::units::Unit;
 use super::{Causality, Depends, EnumerationType, Initial, Kind, Row, Start, Variability};
 
@@ -52,11 +53,14 @@ const fn real(name: &'static str, unit: &'static Unit, nominal: f64, description
         causality: Causality::Parameter,
         variability: Variability::Fixed,
         initial: Some(Initial::Exact),
-        kind: Kind::Real { unit, display: "", min: None, max: None, nominal },
+        kind: Kind::Real { unit, display: types::display("", unit), min: None, max: None, nominal },
         start: Start::Uniform(0.0),
         elements: 0,
         depends: Depends::OnStates,
         least_chosen: 0.0,
+        type_name: "",
+        instead_of_zero: "",
+        may_be_shorter: false,
     }
 }
 
@@ -96,6 +100,27 @@ impl Row {
     /// 0, or a value from `least` on.
     const fn zero_or_from(self, least: f64) -> Row {
         Row { least_chosen: least, ..self }
+    }
+
+    /// A Real of the type of this name, shown as that is.
+    const fn of_type(self, name: &'static str) -> Row {
+        match self.kind {
+            Kind::Real { unit, min, max, nominal, .. } => {
+                let kind = Kind::Real { unit, display: types::display(name, unit), min, max, nominal };
+                Row { type_name: name, kind, ..self }
+            }
+            _ => panic!("only a Real has a type of this kind"),
+        }
+    }
+
+    /// A scene file may give the first elements of the array only.
+    const fn may_be_shorter(self) -> Row {
+        Row { may_be_shorter: true, ..self }
+    }
+
+    /// 0, below the bounds now, was once accepted for `setting`.
+    const fn instead_of_zero(self, setting: &'static str) -> Row {
+        Row { instead_of_zero: setting, ..self }
     }
 
     const fn start(self, value: f64) -> Row {

@@ -85,6 +85,12 @@ pub static SCHEME: EnumerationType = EnumerationType {
 /// Temperatures of a fade table at start; the factors beside them are 1.
 const FADE_TEMPERATURES: &[f64] = &[300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
 
+/// Sliding speeds of the friction table at start, m/s.
+const FRICTION_SPEEDS: &[f64] = &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
+/// Start value of temperatures that act only where chosen, K: 20 degC, as of the air.
+const ROOM: f64 = 293.15;
+
 /// Start values in which the two bodies differ.
 struct Body {
     height: f64,
@@ -137,10 +143,12 @@ macro_rules! body_rows {
                 .start($start.height),
             choice(concat!($body, ".body"), &MECHANICAL_BODY, $start.body, concat!("Elastic model of the ", $body)),
             real(concat!($body, ".youngs_modulus"), &PASCAL, 1e11, concat!("Young's modulus of the ", $body))
+                .of_type("ModulusOfElasticity")
                 .shown("GPa")
                 .within(1e3, 1e13)
                 .start($start.youngs_modulus),
             real(concat!($body, ".poissons_ratio"), &ONE, 0.3, concat!("Poisson's ratio of the ", $body))
+                .of_type("PoissonNumber")
                 .within(0.0, 0.4999)
                 .start($start.poissons_ratio),
             real(
@@ -242,13 +250,26 @@ macro_rules! body_rows {
             )
             .shown("mm")
             .within(0.0, 1.0),
+            boolean(
+                concat!($body, ".initial_at_ambient"),
+                true,
+                concat!("Whether the ", $body, " has the ambient temperature at initialisation"),
+            ),
             real(
                 concat!($body, ".initial_temperature"),
                 &KELVIN,
                 300.0,
-                concat!("Temperature of the ", $body, " at initialisation; 0: ambient"),
+                concat!(
+                    "Temperature of the ",
+                    $body,
+                    " at initialisation where ",
+                    $body,
+                    ".initial_at_ambient = false"
+                ),
             )
-            .within(0.0, 1e4),
+            .within(1.0, 1e4)
+            .start(ROOM)
+            .instead_of_zero(concat!($body, ".initial_at_ambient = true")),
             real(
                 concat!($body, ".convection"),
                 &HEAT_TRANSFER,
@@ -275,6 +296,7 @@ macro_rules! body_rows {
                 0.5,
                 concat!("Emissivity of the free surfaces of the ", $body, "; 0: no radiation"),
             )
+            .of_type("Emissivity")
             .within(0.0, 1.0),
             real(
                 concat!($body, ".cooled_area"),
@@ -288,6 +310,19 @@ macro_rules! body_rows {
             )
             .shown("cm2")
             .within(0.0, 1e4),
+            real(
+                concat!($body, ".external_conductance"),
+                &CONDUCTANCE,
+                10.0,
+                concat!(
+                    "Conductance of the heat path from the face of the ",
+                    $body,
+                    " opposite to the contact (insulated or convecting) to ",
+                    $body,
+                    ".external_temperature, all faces and punches together; 0: none"
+                ),
+            )
+            .within(0.0, 1e9),
         ]
     };
 }
@@ -306,7 +341,7 @@ const fn with<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
     rows
 }
 
-pub const PUNCH: &[Row] = &with::<25>(
+pub const PUNCH: &[Row] = &with::<28>(
     PUNCH_BODY,
     &[
         real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
@@ -314,8 +349,16 @@ pub const PUNCH: &[Row] = &with::<25>(
             .within(1e-6, 10.0)
             .start(0.095),
         choice("punch.top_thermal", &THERMAL_BOUNDARY, 2, "Thermal condition at the punch's top"),
-        real("punch.top_temperature", &KELVIN, 300.0, "Temperature of the punch's top where it is held; 0: ambient")
-            .within(0.0, 1e4),
+        boolean("punch.top_at_ambient", true, "Whether a held top of the punch has the ambient temperature"),
+        real(
+            "punch.top_temperature",
+            &KELVIN,
+            300.0,
+            "Temperature of the punch's top where it is held and punch.top_at_ambient = false",
+        )
+        .within(1.0, 1e4)
+        .start(ROOM)
+        .instead_of_zero("punch.top_at_ambient = true"),
         integer(
             "punch.count",
             1,
@@ -326,7 +369,7 @@ pub const PUNCH: &[Row] = &with::<25>(
     ],
 );
 
-pub const STRIP: &[Row] = &with::<26>(
+pub const STRIP: &[Row] = &with::<29>(
     STRIP_BODY,
     &[
         choice("strip.path", &PATH, 2, "Path of the punch on the strip"),
@@ -335,8 +378,16 @@ pub const STRIP: &[Row] = &with::<26>(
             .within(0.0, 1e5),
         choice("strip.base", &STRIP_BASE, 1, "Mechanical support of the strip"),
         choice("strip.base_thermal", &THERMAL_BOUNDARY, 3, "Thermal condition at the strip's base"),
-        real("strip.base_temperature", &KELVIN, 300.0, "Temperature of the strip's base where it is held; 0: ambient")
-            .within(0.0, 1e4),
+        boolean("strip.base_at_ambient", true, "Whether a held base of the strip has the ambient temperature"),
+        real(
+            "strip.base_temperature",
+            &KELVIN,
+            300.0,
+            "Temperature of the strip's base where it is held and strip.base_at_ambient = false",
+        )
+        .within(1.0, 1e4)
+        .start(ROOM)
+        .instead_of_zero("strip.base_at_ambient = true"),
     ],
 );
 
@@ -356,6 +407,7 @@ pub const CONTACT: &[Row] = &[
         "Faces in contact: scales force, torque, power, heat flows and volumes; pressure, temperature and depth are per face",
     ),
     real("contact.friction_coefficient", &ONE, 0.3, "Friction coefficient before fade and Stribeck effect")
+        .of_type("CoefficientOfFriction")
         .within(0.0, 10.0)
         .start(0.4)
         .tunable(),
@@ -388,6 +440,35 @@ pub const CONTACT: &[Row] = &[
     real("contact.stribeck_velocity", &METRE_PER_SECOND, 0.1, "Velocity v_s of the Stribeck factor")
         .within(1e-6, 1e3)
         .start(0.05),
+    integer(
+        "contact.friction_table.points",
+        0,
+        FRICTION_SPEEDS.len() as i32,
+        0,
+        "Number of points of the table of the friction coefficient over sliding speed, which replaces the Stribeck factor; 0: none",
+    ),
+    real(
+        "contact.friction_table.speed",
+        &METRE_PER_SECOND,
+        10.0,
+        "Sliding speeds of the friction table, increasing, the first 0; those behind the last point are not used",
+    )
+    .of_type("Velocity")
+    .within(0.0, 1e4)
+    .starts(FRICTION_SPEEDS)
+    .may_be_shorter(),
+    real(
+        "contact.friction_table.coefficient",
+        &ONE,
+        0.3,
+        "Friction coefficients at these speeds before fade, where contact.friction_coefficient is as at initialisation; \
+         between them a monotone cubic with continuous slope, constant above the last",
+    )
+    .of_type("CoefficientOfFriction")
+    .within(0.0, 10.0)
+    .array(FRICTION_SPEEDS.len() as u32)
+    .start(0.4)
+    .may_be_shorter(),
     real(
         "contact.regularization_velocity",
         &METRE_PER_SECOND,
@@ -424,13 +505,16 @@ pub const CONTACT: &[Row] = &[
         .shown("um")
         .within(0.0, 1.0)
         .array(33),
+    boolean("contact.temperature_limited", false, "Whether contact_temperature_max has the limit contact.temperature_limit"),
     real(
         "contact.temperature_limit",
         &KELVIN,
         1000.0,
-        "Limit of contact_temperature_max, above which bit 2 of limit_reached is set; 0: no limit",
+        "Limit of contact_temperature_max, above which temperature_limit_exceeded is set, where contact.temperature_limited = true",
     )
-    .within(0.0, 1e5),
+    .within(1.0, 1e5)
+    .start(1000.0)
+    .instead_of_zero("contact.temperature_limited = false"),
 ];
 
 pub const HOLDER_AND_SOLVER: &[Row] = &[
@@ -446,7 +530,7 @@ pub const HOLDER_AND_SOLVER: &[Row] = &[
     real("ambient_temperature", &KELVIN, 300.0, "Ambient temperature")
         .shown("degC")
         .within(1.0, 1e4)
-        .start(293.15)
+        .start(ROOM)
         .tunable(),
     real("nominal.load", &NEWTON, 1e3, "Nominal normal load per face, used by the plan of solver.fidelity = auto")
         .shown("kN")

@@ -129,7 +129,7 @@ impl Actor {
         let (component, count) = (self.importer.component, arrays.count);
         let orders: Vec<i32> = arrays.integers.iter().map(|order| if count % 2 == 0 { 1 } else { *order }).collect();
         let mut texts = vec![c"text".as_ptr(); arrays.references.len()];
-        let which = self.random.below(11);
+        let which = self.random.below(12);
         // SAFETY of all: an array is NULL, as long as told, or told to be longer than there are variables, which is refused
         // before anything is read.
         unsafe {
@@ -178,6 +178,10 @@ impl Actor {
                 9 => {
                     enter("fmi2CancelStep");
                     fmi2CancelStep(component)
+                }
+                10 => {
+                    enter("fmi2SetContinuousStates");
+                    fmi2SetContinuousStates(component, arrays.reals(), count)
                 }
                 _ => {
                     enter("fmi2GetReal");

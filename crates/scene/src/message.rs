@@ -1,0 +1,118 @@
+//! Numbers and quantities in messages: at most six significant digits, and no unit where it is 1.
+
+use std::fmt;
+
+/// A number with at most six significant digits, without trailing zeros.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = self.0;
+        if value == 0.0 || !value.is_finite() {
+            return write!(f, "{}", if value == 0.0 { 0.0 } else { value });
+        }
+        // Rounding first: it may raise the exponent. Both conversions are exact, so nothing is rounded twice.
+        let mut digits = Digits::default();
+        fmt::Write::write_fmt(&mut digits, format_args!("{value:.5e}"))?;
+        let text = digits.text();
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((text, "0"));
+        let exponent: i32 = exponent.parse().unwrap_or(0);
+        if (-5..6).contains(&exponent) {
+            let rounded: f64 = text.parse().unwrap_or(value);
+            return write!(f, "{rounded}");
+        }
+        let mantissa =
+            if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+        write!(f, "{mantissa}e{exponent}")
+    }
+}
+
+/// Room for the text of one number, so that messages of a step allocate nothing.
+#[derive(Default)]
+struct Digits {
+    bytes: [u8; 24],
+    length: usize,
+}
+
+impl Digits {
+    fn text(&self) -> &str {
+        std::str::from_utf8(&self.bytes[..self.length]).unwrap_or("")
+    }
+}
+
+impl fmt::Write for Digits {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        let end = self.length + text.len();
+        let room = self.bytes.get_mut(self.length..end).ok_or(fmt::Error)?;
+        room.copy_from_slice(text.as_bytes());
+        self.length = end;
+        Ok(())
+    }
+}
+
+/// A number as [`Number`] writes it, and its unit, unless that is 1 or empty.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Quantity<'a>(pub f64, pub &'a str);
+
+impl fmt::Display for Quantity<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Number(self.0).fmt(f)?;
+        unit(f, self.1)
+    }
+}
+
+fn unit(f: &mut impl fmt::Write, unit: &str) -> fmt::Result {
+    if unit.is_empty() || unit == "1" { Ok(()) } else { write!(f, " {unit}") }
+}
+
+/// Texts of two quantities of one unit, with all digits where six do not tell them apart.
+pub fn apart(values: [f64; 2], of: &str) -> [String; 2] {
+    let texts = values.map(|value| Quantity(value, of).to_string());
+    if texts[0] != texts[1] || values[0] == values[1] {
+        return texts;
+    }
+    values.map(|value| {
+        let mut text = value.to_string();
+        let _ = unit(&mut text, of);
+        text
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_at_most_six_digits_and_no_unit_one() {
+        for (value, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (293.15, "293.15"),
+            (0.1 + 0.2, "0.3"),
+            (1234567.0, "1.23457e6"),
+            (999999.7, "1e6"),
+            (-123456.4, "-123456"),
+            (1e12, "1e12"),
+            (1.5e-9, "1.5e-9"),
+            (2.0 / 3.0, "0.666667"),
+            (1e-5, "0.00001"),
+            (5e-324, "4.94066e-324"),
+            (f64::MAX, "1.79769e308"),
+            (f64::NAN, "NaN"),
+            (f64::NEG_INFINITY, "-inf"),
+        ] {
+            assert_eq!(Number(value).to_string(), text);
+        }
+        assert_eq!(Quantity(0.5, "1").to_string(), "0.5");
+        assert_eq!(Quantity(0.5, "").to_string(), "0.5");
+        assert_eq!(Quantity(1.0 / 3.0, "m/s").to_string(), "0.333333 m/s");
+    }
+
+    #[test]
+    fn a_value_and_its_limit_are_told_apart() {
+        assert_eq!(apart([2.0, 1.0], "m"), ["2 m", "1 m"]);
+        assert_eq!(apart([10.000000001, 10.0], "m"), ["10.000000001 m", "10 m"]);
+        assert_eq!(apart([10.000000001, 10.0], "1"), ["10.000000001", "10"]);
+    }
+}
