@@ -75,7 +75,7 @@ class Model:
             if step is not None:
                 arguments += ["--step", repr(step)]
             if at:
-                arguments += ["--at", ",".join(f"{time:.12g}" for time in at)]
+                arguments += ["--at", ",".join(repr(time) for time in at)]
             self.call(arguments)
             profiles = out.with_suffix(".profiles.csv")
             return Run(columns(out), parts(columns(profiles)) if profiles.is_file() else [])
