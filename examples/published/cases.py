@@ -345,7 +345,7 @@ def reciprocating(model: Model) -> Result:
             Curve("backward", x, back, False),
             Curve("half the sum", x, 0.5 * (there + back), False),
         ],
-        (-0.05, 2.05),
+        (-0.05, 2.15),
     )
 
 
