@@ -59,6 +59,8 @@ enum Example {
     PinOnDisk,
     /// A ring on a turning ring, below and above the critical speed of thermoelastic instability.
     HotSpots,
+    /// Cases from the literature: published solutions beside the model's, by `simulate`.
+    Published,
 }
 
 impl Example {
@@ -71,6 +73,7 @@ impl Example {
             Example::ReciprocatingPunch => "reciprocating_punch",
             Example::PinOnDisk => "pin_on_disk",
             Example::HotSpots => "hot_spots",
+            Example::Published => "published",
         }
     }
 
@@ -82,6 +85,7 @@ impl Example {
             Example::ReciprocatingPunch => "reciprocating_punch",
             Example::PinOnDisk => "pin_on_disk",
             Example::HotSpots => "hot_spots",
+            Example::Published => "published/single_stop",
         }
     }
 
@@ -117,6 +121,9 @@ const HOLDERS: [(&str, &[&str]); 2] = [
 pub fn execute(arguments: &Arguments) -> Result<()> {
     let example = arguments.example.unwrap_or(Example::DiscBrake);
     check_options(example, arguments)?;
+    if example == Example::Published {
+        return compare(arguments);
+    }
     if arguments.fmu.is_none() {
         scene::check_scene(example, arguments.scene.as_deref().unwrap_or(example.scene()))?;
     }
@@ -140,7 +147,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             command.arg("--cycle").arg(&cycle).arg("--step").arg(arguments.step.unwrap_or(STEP).to_string())
         }
         Example::VehicleBrake => command.arg("--cycle").arg(&cycle),
-        Example::Clutch | Example::PinOnDisk | Example::HotSpots => &mut command,
+        Example::Clutch | Example::PinOnDisk | Example::HotSpots | Example::Published => &mut command,
         Example::ReciprocatingPunch => {
             let scene = arguments.scene.as_deref().unwrap_or(example.scene());
             command.arg("--steady").args(steady_states(scene, &output)?)
@@ -155,6 +162,30 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
     if !status.success() {
         bail!("the drive did not finish ({status})");
+    }
+    Ok(())
+}
+
+/// Compares the published cases with the model, which this program simulates.
+fn compare(arguments: &Arguments) -> Result<()> {
+    if arguments.scene.is_some() || arguments.fmu.is_some() {
+        bail!("--scene and --fmu do not apply to published: every case has a scene of its own");
+    }
+    let python = python::environment()?;
+    let mut command = Command::new(&python);
+    command
+        .arg(project::root().join("examples/published/drive.py"))
+        .arg("--command")
+        .arg(project::program()?)
+        .arg("--output")
+        .arg(arguments.output.clone().unwrap_or_else(|| Example::Published.output()));
+    keep_caches_apart(&mut command);
+    if arguments.json {
+        command.arg("--json");
+    }
+    let status = follow(command).with_context(|| format!("starting {}", python.display()))?;
+    if !status.success() {
+        bail!("the comparison failed ({status})");
     }
     Ok(())
 }
@@ -229,11 +260,16 @@ fn script(example: Example, python: &Path, fmu: &Path, output: &Path) -> Command
         .arg("--fmu")
         .arg(fmu)
         .arg("--output")
-        .arg(output)
-        // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
+        .arg(output);
+    keep_caches_apart(&mut command);
+    command
+}
+
+/// Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
+fn keep_caches_apart(command: &mut Command) {
+    command
         .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
         .env("PYTHONDONTWRITEBYTECODE", "1");
-    command
 }
 
 #[cfg(test)]

@@ -1,0 +1,364 @@
+"""The cases: for each the published solution, the model's and what is drawn. Sources are in README.md."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import closed_forms as published
+import numpy as np
+from model import Model, Run
+
+AMBIENT = 293.15
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One number: deviation is (model - published) / published, and has to stay within `band`, (lowest, highest)."""
+
+    quantity: str
+    unit: str
+    published: float
+    model: float
+    band: tuple[float, float]
+
+    @property
+    def deviation(self) -> float:
+        return self.model / self.published - 1.0
+
+    @property
+    def holds(self) -> bool:
+        return self.band[0] <= self.deviation <= self.band[1]
+
+
+@dataclass(frozen=True)
+class Curve:
+    label: str
+    x: np.ndarray
+    y: np.ndarray
+    published: bool
+
+
+@dataclass(frozen=True)
+class Result:
+    title: str
+    x: str
+    y: str
+    comparisons: list[Comparison]
+    curves: list[Curve] = field(default_factory=list)
+    limits: tuple[float, float] | None = None  # of the vertical axis
+
+
+@dataclass(frozen=True)
+class Case:
+    compute: Callable[[Model], Result]
+    change: str  # a change of the model that its bands must not survive
+
+
+def rise(run: Run, name: str = "temperature") -> np.ndarray:
+    return run[name] - AMBIENT
+
+
+FLUX, STOP = 1e6, 4.0  # W/m2 at the start, s
+IRON = (54.0, 7200.0 * 460.0)  # W/(m.K), J/(m3.K)
+
+
+def single_stop(model: Model) -> Result:
+    run = model.simulate("single_stop", "inputs.csv")
+    time, conductivity, capacity = run["time"], *IRON
+    effusivity = np.sqrt(conductivity * capacity)
+    disc = published.stop_disc(FLUX, STOP, 0.011, conductivity, conductivity / capacity, time)
+    half_space = published.stop_half_space(FLUX, STOP, effusivity, time)
+    limpert = np.sqrt(5.0 / 18.0) * FLUX * np.sqrt(STOP) / effusivity
+    # As far as heat has not reached the mid plane the disc is a half-space.
+    early = np.searchsorted(time, 0.4)
+    return Result(
+        "Single stop",
+        "time (s)",
+        "rise at the surface (K)",
+        [
+            Comparison("highest rise, disc", "K", disc.max(), rise(run).max(), (-1e-3, 1e-3)),
+            Comparison("rise after 0.4 s, half-space", "K", half_space[early], rise(run)[early], (-2e-3, 2e-3)),
+            Comparison("highest rise, formula for thick discs", "K", limpert, rise(run).max(), (0.01, 0.025)),
+        ],
+        [
+            Curve("disc of 22 mm", time, disc, True),
+            Curve("half-space", time, half_space, True),
+            Curve("model", time, rise(run), False),
+        ],
+    )
+
+
+def repeated_stops(model: Model) -> Result:
+    count, interval, transfer = 15, 60.0, 100.0
+    ramp = 1e-3
+    rows = ["time [s],sliding_velocity [m/s],normal_load [kN]", "0,10,9.625"]
+    for index in range(count):
+        start = index * interval
+        rows += [f"{start + STOP},0,9.625", f"{start + STOP + ramp},0,0", f"{start + interval - ramp},10,0"]
+        rows += [f"{start + interval},10,9.625"] if index + 1 < count else []
+    settings = (f"strip.convection={transfer}", "strip.cooled_area=0.0385", "nominal.duration=60")
+    run = model.simulate("single_stop", "\n".join(rows) + "\n", settings, step=0.2)
+    time, capacity = run["time"], IRON[1] * 0.011
+    stops = np.arange(1, count + 1)
+    after = published.repeated_stops(FLUX * STOP / 2.0 / capacity, transfer * interval / capacity, stops)
+    ends = (stops - 1) * interval + STOP
+    computed = np.interp(ends, time, rise(run, "disc"))
+    return Result(
+        "Fifteen stops, one a minute",
+        "time (s)",
+        "mean rise of the disc (K)",
+        [
+            Comparison("rise after the first stop", "K", after[0], computed[0], (-0.02, 0.0)),
+            Comparison("rise after the fifteenth stop", "K", after[-1], computed[-1], (-0.05, 0.0)),
+        ],
+        [Curve("after a stop", ends, after, True), Curve("model", time, rise(run, "disc"), False)],
+    )
+
+
+def clutch_engagement(model: Model) -> Result:
+    run = model.simulate("clutch_engagement", "inputs.csv")
+    plate, facing = np.sqrt(45.0 * 7800.0 * 460.0), np.sqrt(10.0 * 5500.0 * 460.0)
+    rises = published.stop_half_space(FLUX, 1.0, plate + facing, run["time"])
+    share = run["strip_heat"][-1] / run["heat"][-1]
+    return Result(
+        "Engagement of a clutch",
+        "time (s)",
+        "rise at the interface (K)",
+        [
+            Comparison("highest rise", "K", rises.max(), rise(run).max(), (-1e-3, 1e-3)),
+            Comparison("heat into the plate", "1", plate / (plate + facing), share, (-2e-3, 2e-3)),
+        ],
+        [Curve("two half-spaces", run["time"], rises, True), Curve("model", run["time"], rise(run), False)],
+    )
+
+
+def uniform_wear(model: Model) -> Result:
+    run = model.simulate("uniform_wear", "inputs.csv")
+    inner, outer = 0.075, 0.125
+    pressure = 2.0 / 3.0 * (outer**3 - inner**3) / (outer**2 - inner**2)
+    wear = 0.5 * (inner + outer)
+    distance, radius = 1e-3 * run["distance"], 1e3 * run["radius"]
+    ends = np.array([distance[0], distance[-1]])
+    return Result(
+        "Torque of a facing that runs in",
+        "distance slid (km)",
+        "effective radius (mm)",
+        [
+            Comparison("radius, uniform pressure", "mm", 1e3 * pressure, radius[0], (-1e-4, 1e-4)),
+            Comparison("radius, uniform wear", "mm", 1e3 * wear, radius[-1], (-1e-4, 1e-3)),
+        ],
+        [
+            Curve("uniform pressure", ends, np.full(2, 1e3 * pressure), True),
+            Curve("uniform wear", ends, np.full(2, 1e3 * wear), True),
+            Curve("model", distance, radius, False),
+        ],
+    )
+
+
+def flat_punch_wear(model: Model) -> Result:
+    taus = (0.1, 0.5, 1.0)
+    run = model.simulate("flat_punch_wear", "inputs.csv", at=tuple(100.0 * tau for tau in taus))
+    mean, comparisons, curves = 50e6, [], []
+    fine = np.linspace(-0.985, 0.985, 400)
+    for index, tau in enumerate(taus):
+        x, p = run.profile(index, "x") / 0.01, run.profile(index, "pressure") / mean
+        inside = np.abs(x) < 0.95
+        for name, place in (("centre", 0.0), ("half the half-width", 0.5)):
+            at = int(np.argmin(np.abs(x - place)))
+            exact = float(published.worn_flat_punch(np.array([x[at]]), tau)[0])
+            comparisons.append(Comparison(f"pressure at τ = {tau:g}, {name}", "p/pₘ", exact, p[at], (-2e-3, 2e-3)))
+        curves.append(Curve(f"τ = {tau:g}", fine, published.worn_flat_punch(fine, tau), True))
+        curves.append(Curve("model", x[inside], p[inside], False))
+    return Result("Wear of a flat punch", "x over the half-width", "pressure over its mean", comparisons, curves, (0.5, 2.5))
+
+
+def sliding_punch(model: Model) -> Result:
+    run = model.simulate("sliding_punch", "inputs.csv", at=(1.0,))
+    x, p = run.profile(0, "x") / 0.01, run.profile(0, "pressure") / 50e6
+    fine = np.linspace(-0.985, 0.985, 400)
+    comparisons = []
+    for place in (-0.75, 0.0, 0.75):
+        at = int(np.argmin(np.abs(x - place)))
+        # The station is the mean over its interval.
+        near = np.linspace(x[at] - 1.0 / 32.0, x[at] + 1.0 / 32.0, 101)
+        exact = float(np.trapezoid(published.sliding_punch(near, 0.5, 0.3), near) * 16.0)
+        comparisons.append(Comparison(f"pressure at x = {x[at]:g} a", "p/pₘ", exact, p[at], (-1e-3, 1e-3)))
+    inside = np.abs(x) < 0.95
+    return Result(
+        "Flat punch that slides with friction 0.5",
+        "x over the half-width",
+        "pressure over its mean",
+        comparisons,
+        [Curve("half-plane", fine, published.sliding_punch(fine, 0.5, 0.3), True), Curve("model", x[inside], p[inside], False)],
+    )
+
+
+def flash_temperature(model: Model) -> Result:
+    conductivity, diffusivity, half = 45.0, 45.0 / (7800.0 * 460.0), 1e-3
+    comparisons, means, maxima, peclets = [], [], [], (0.5, 1.0, 2.0, 5.0, 10.0)
+    for peclet in peclets:
+        speed = 2.0 * peclet * diffusivity / half
+        # A band: 1 m deep, so that nothing spreads to its sides.
+        settings = (f"nominal.velocity={speed!r}", f"nominal.duration={2.0 / speed!r}")
+        run = model.simulate("flash_temperature", settings=settings)
+        scale = conductivity / (0.5 * 1e3 / (2e-3 * 1.0) * speed * half)
+        means.append(rise(run)[-1] * scale)
+        maxima.append(rise(run, "highest")[-1] * scale)
+    places = np.linspace(-1.0, 1.0, 2001)
+    exact = [published.band_source(peclet, places) for peclet in peclets]
+    for peclet, field_, mean, top in zip(peclets, exact, means, maxima, strict=True):
+        if peclet in (1.0, 10.0):
+            comparisons.append(Comparison(f"mean at Pe = {peclet:g}", "TK/(ql)", field_.mean(), mean, (-0.01, 0.01)))
+            comparisons.append(Comparison(f"highest at Pe = {peclet:g}", "TK/(ql)", field_.max(), top, (-0.02, 0.01)))
+    fine = np.geomspace(0.5, 10.0, 25)
+    fields = [published.band_source(peclet, places) for peclet in fine]
+    return Result(
+        "Band source on a half-space",
+        "Péclet number V l/(2κ)",
+        "rise × K/(q l)",
+        comparisons,
+        [
+            Curve("highest", fine, np.array([values.max() for values in fields]), True),
+            Curve("model", np.array(peclets), np.array(maxima), False),
+            Curve("mean", fine, np.array([values.mean() for values in fields]), True),
+            Curve("model", np.array(peclets), np.array(means), False),
+        ],
+    )
+
+
+def pin_flash_temperature(model: Model) -> Result:
+    conductivity, diffusivity, half = 45.0, 45.0 / (7800.0 * 460.0), 1e-3
+    peclets, means, maxima = (0.5, 1.0, 2.0, 5.0, 10.0), [], []
+    for peclet in peclets:
+        speed = 2.0 * peclet * diffusivity / half
+        settings = (f"nominal.velocity={speed!r}", f"nominal.duration={0.2 / speed!r}", "depth=2 mm", "nominal.load=2 N")
+        run = model.simulate("flash_temperature", settings=settings)
+        scale = conductivity / (0.5 * 2.0 / 4e-6 * speed * half)
+        means.append(rise(run)[-1] * scale)
+        maxima.append(rise(run, "highest")[-1] * scale)
+    # The circle of the square's area.
+    radius = 2.0 / np.sqrt(np.pi)
+
+    def mean(peclet: published.ArrayLike) -> published.ArrayLike:
+        return radius * published.flash_mean(radius * peclet)
+
+    comparisons = []
+    for index in (1, 4):
+        peclet = peclets[index]
+        comparisons.append(Comparison(f"mean at Pe = {peclet:g}", "TK/(ql)", float(mean(peclet)), means[index], (-0.01, 0.03)))
+        highest = float(published.flash_maximum(peclet))
+        comparisons.append(Comparison(f"highest at Pe = {peclet:g}", "TK/(ql)", highest, maxima[index], (-0.12, -0.05)))
+    fine = np.geomspace(0.5, 10.0, 60)
+    return Result(
+        "Square pin on a plate",
+        "Péclet number V l/(2κ)",
+        "rise × K/(q l)",
+        comparisons,
+        [
+            Curve("highest, on the axis", fine, np.asarray(published.flash_maximum(fine)), True),
+            Curve("model, highest", np.array(peclets), np.array(maxima), False),
+            Curve("mean, circle of equal area", fine, np.asarray(mean(fine)), True),
+            Curve("model, mean", np.array(peclets), np.array(means), False),
+        ],
+    )
+
+
+def hot_spot_growth(model: Model) -> Result:
+    diffusivity, wave = 45.0 / (7800.0 * 460.0), 2.0 * np.pi / 0.01
+    critical = 2.0 * 45.0 * wave * 0.7 / (0.3 * 200e9 * 12e-6)
+    ratios, rates = (1.5, 2.0, 3.0, 4.0, 6.0), []
+    for ratio in ratios:
+        duration = 6.0 / max(abs(float(published.growth(ratio))) * diffusivity * wave**2, 1.0)
+        speed = ratio * critical
+        settings = (f"nominal.velocity={speed!r}", f"nominal.duration={duration!r}")
+        times = tuple(duration * (0.5 + 0.1 * index) for index in range(6))
+        run = model.simulate("hot_spot_growth", settings=settings, at=times, step=duration / 200.0)
+        waves = []
+        for index in range(len(times)):
+            x, p = run.profile(index, "x")[:-1], run.profile(index, "pressure")[:-1]
+            waves.append(np.log(abs(np.sum(p * np.exp(1j * wave * x)))))
+        rates.append(np.polyfit(times, waves, 1)[0] / (diffusivity * wave**2))
+    fine = np.linspace(1.0, 6.5, 100)
+    comparisons = [Comparison("critical speed", "m/s", critical, float(run["critical"][-1]), (-0.01, 0.01))]
+    for ratio, rate in zip(ratios, rates, strict=True):
+        comparisons.append(
+            Comparison(f"growth rate at {ratio:g} times it", "b/(κm²)", float(published.growth(ratio)), rate, (-0.03, 0.03))
+        )
+    return Result(
+        "Growth of hot spots",
+        "speed over the critical speed",
+        "growth rate over κ m²",
+        comparisons,
+        [Curve("half-plane on insulator", fine, published.growth(fine), True), Curve("model", np.array(ratios), np.array(rates), False)],
+    )
+
+
+def disc_critical_speed(model: Model) -> Result:
+    pad = published.Solid(0.53e9, 0.25, 30e-6, 0.5, 0.5 / (1859.0 * 1000.0))
+    disc = published.Solid(125e9, 0.25, 12e-6, 54.0, 54.0 / (7200.0 * 577.8))
+    halves, computed, exact = (4.0, 5.5, 8.0), [], []
+
+    def least(half: float) -> float:
+        waves = [2.0 * np.pi * count / 0.8 for count in range(2, 12)]
+        return min(published.disc_critical_speed(pad, disc, half, 0.4, wave) for wave in waves)
+
+    for half in halves:
+        run = model.simulate("disc_critical_speed", settings=(f"strip.height={half} mm", "solver.fidelity=lumped"))
+        computed.append(float(run["critical"][0]))
+        exact.append(least(1e-3 * half))
+    fine = np.linspace(3.5, 8.5, 11)
+    return Result(
+        "Critical speed of a disc between pads",
+        "half-thickness of the disc (mm)",
+        "critical speed (m/s)",
+        [
+            Comparison(f"critical speed, disc of {2.0 * half:g} mm", "m/s", one, other, (-0.01, 0.01))
+            for half, one, other in zip(halves, exact, computed, strict=True)
+        ],
+        [
+            Curve("layer between half-planes,\nwhole waves round the ring", fine, np.array([least(1e-3 * half) for half in fine]), True),
+            Curve("model", np.array(halves), np.array(computed), False),
+        ],
+    )
+
+
+def reciprocating(model: Model) -> Result:
+    period, count = 0.62837, 120
+    settings = ("punch.wear_coefficient=3.9e-3 mm3/(N.m)", "solver.fidelity=line", "solver.cells=65",
+                "contact.friction_coefficient=0.25", "punch.thermal_expansion=0", "strip.thermal_expansion=0",
+                f"nominal.duration={count * period}")  # fmt: skip
+    forward, backward = (count - 0.75) * period, (count - 0.25) * period
+    run = model.simulate("reciprocating_punch", settings=settings, at=(forward, backward), step=0.0314)
+    x = 1e3 * run.profile(0, "x")
+    there, back = (run.profile(index, "pressure") / (10e3 / (0.06 * 0.01)) for index in (0, 1))
+    comparisons = []
+    for place in (-20.0, 0.0, 20.0):
+        at = int(np.argmin(np.abs(x - place)))
+        comparisons.append(Comparison(f"(p₊ + p₋)/pₘ at x = {x[at]:.0f} mm", "1", 2.0, there[at] + back[at], (-0.01, 0.01)))
+    return Result(
+        "Reciprocating punch, run in",
+        "x (mm)",
+        "pressure over its mean",
+        comparisons,
+        [
+            Curve("half the sum is 1", x, np.ones_like(x), True),
+            Curve("forward", x, there, False),
+            Curve("backward", x, back, False),
+            Curve("half the sum", x, 0.5 * (there + back), False),
+        ],
+        (-0.05, 2.15),
+    )
+
+
+CASES = {
+    "single_stop": Case(single_stop, "strip.conductivity=50"),
+    "repeated_stops": Case(repeated_stops, "strip.density=6800"),
+    "clutch_engagement": Case(clutch_engagement, "punch.conductivity=11"),
+    "uniform_wear": Case(uniform_wear, "punch.wear_velocity_exponent=0.9"),
+    "flat_punch_wear": Case(flat_punch_wear, "punch.poissons_ratio=0.25"),
+    "sliding_punch": Case(sliding_punch, "contact.shear_coupling=false"),
+    "flash_temperature": Case(flash_temperature, "strip.conductivity=42"),
+    "pin_flash_temperature": Case(pin_flash_temperature, "strip.conductivity=42"),
+    "hot_spot_growth": Case(hot_spot_growth, "punch.thermal_expansion=11e-6"),
+    "disc_critical_speed": Case(disc_critical_speed, "strip.thermal_expansion=11e-6"),
+    "reciprocating": Case(reciprocating, "punch.wear_pressure_exponent=0.8"),
+}

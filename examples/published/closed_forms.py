@@ -1,0 +1,165 @@
+"""Published solutions, written down from their sources (README.md) and sharing nothing with the model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import chebyshev, legendre
+
+ArrayLike = np.ndarray | float
+
+
+def stop_half_space(flux: float, duration: float, effusivity: float, time: np.ndarray) -> np.ndarray:
+    """Rise (K) at the surface of a half-space whose flux (W/m2) falls linearly to 0 in `duration` (s)."""
+    return 2.0 * flux / effusivity * np.sqrt(time / np.pi) * (1.0 - 2.0 * time / (3.0 * duration))
+
+
+def stop_disc(
+    flux: float, duration: float, height: float, conductivity: float, diffusivity: float, time: np.ndarray, terms: int = 2000
+) -> np.ndarray:
+    """The same for a disc insulated at the depth `height` (m): series over its modes, Duhamel's integral term by term."""
+    mean = diffusivity / (conductivity * height) * flux * (time - time**2 / (2.0 * duration))
+    n = np.arange(1, terms + 1)
+    rate = diffusivity * (n * np.pi / height) ** 2
+    decay = np.exp(-np.outer(time, rate))
+    modes = (1.0 - decay) * (1.0 + 1.0 / (rate * duration)) - np.outer(time, np.ones(terms)) / duration
+    return mean + 2.0 * flux * height / (conductivity * np.pi**2) * (modes / n**2).sum(axis=1)
+
+
+def repeated_stops(rise: float, exponent: float, count: np.ndarray) -> np.ndarray:
+    """Rise (K) of a uniform disc after every stop: a geometric series in exp(-`exponent`), h A t / (rho c V)."""
+    return rise * (1.0 - np.exp(-exponent * count)) / (1.0 - np.exp(-exponent))
+
+
+def sliding_punch(x: np.ndarray, friction: float, poisson: float) -> np.ndarray:
+    """Pressure over its mean under a rigid flat punch that slides on a half-plane; `x` over the half-width, towards +1."""
+    eta = np.arctan(friction * (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson))) / np.pi
+    return 2.0 * np.cos(np.pi * eta) / (np.pi * np.sqrt(1.0 - x**2)) * ((1.0 + x) / (1.0 - x)) ** (-eta)
+
+
+def worn_flat_punch(x: np.ndarray, tau: float, order: int = 80) -> np.ndarray:
+    """Pressure over its mean under a flat punch on a half-plane after `tau` = k s E*/a of wear.
+
+    Series over the eigenfunctions of the logarithmic kernel, by Galerkin's method in Legendre polynomials; it starts from
+    the pressure of the unworn punch, 2/(pi sqrt(1 - x^2)).
+    """
+    # On T_n/sqrt(1-x^2) the kernel -2/pi ln|x-t| is diagonal: 2 ln 2 (n = 0), 2/n. Legendre's P_i enters through its
+    # integrals against T_n.
+    many = 4 * order
+    nodes = np.cos((np.arange(many) + 0.5) * np.pi / many)
+    polynomials = legendre.legvander(nodes, order)[:, 1:]
+    weighted = polynomials * np.sqrt(1.0 - nodes**2)[:, None]
+    cosines = chebyshev.chebvander(nodes, many - 1)
+    # Expansion of P_i sqrt(1-x^2), which is P_i as a density over the weight 1/sqrt(1-x^2).
+    coefficients = 2.0 / many * cosines.T @ weighted
+    eigenvalues = np.concatenate(([2.0 * np.log(2.0)], 2.0 / np.arange(1, many)))
+    coefficients[0] /= 2.0
+    norms = np.concatenate(([np.pi], np.full(many - 1, np.pi / 2.0)))
+    kernel = coefficients.T @ (coefficients * (eigenvalues * norms)[:, None])
+    mass = 2.0 / (2.0 * np.arange(1, order + 1) + 1.0)
+    scale = 1.0 / np.sqrt(mass)
+    values, vectors = np.linalg.eigh(kernel * np.outer(scale, scale))
+    # Start: moments of 2/(pi sqrt(1-x^2)) with the orthonormal polynomials.
+    start = scale * (2.0 / many) * polynomials.sum(axis=0)
+    decayed = vectors @ (np.exp(-tau / values) * (vectors.T @ start))
+    return 1.0 + legendre.legvander(x, order)[:, 1:] @ (scale * decayed)
+
+
+def band_source(peclet: float, x: np.ndarray, count: int = 800) -> np.ndarray:
+    """T K/(q l) under a band of half-width l that moves towards +1; `x` over l. Jaeger's integral of K0."""
+    integral = source_integral(peclet * np.linspace(-2.0, 2.0, count + 1))
+    at = np.interp(peclet * (x + 1.0), peclet * np.linspace(-2.0, 2.0, count + 1), integral)
+    return (at - np.interp(peclet * (x - 1.0), peclet * np.linspace(-2.0, 2.0, count + 1), integral)) / (np.pi * peclet)
+
+
+def source_integral(u: np.ndarray) -> np.ndarray:
+    """Integral of exp(-s) K0(|s|) from 0 to `u`, by K0(s) = integral of exp(-s cosh t) over t > 0."""
+    t, weight = gauss(0.0, 12.0, 120)
+    cosh = np.cosh(t)
+    rate = np.where(u[:, None] >= 0.0, cosh + 1.0, cosh - 1.0 + 1e-300)
+    reach = np.abs(u)[:, None]
+    part = np.where(rate * reach > 1e-8, -np.expm1(-rate * reach) / rate, reach)
+    return np.sign(u) * (part @ weight)
+
+
+def gauss(low: float, high: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    nodes, weights = legendre.leggauss(count)
+    return low + 0.5 * (high - low) * (nodes + 1.0), 0.5 * (high - low) * weights
+
+
+def flash_maximum(peclet: ArrayLike) -> ArrayLike:
+    """Tian and Kennedy: highest T K/(q l) of a square uniform source of half-side l."""
+    return 2.0 / np.sqrt(np.pi * (1.011 + peclet))
+
+
+def flash_mean(peclet: ArrayLike) -> ArrayLike:
+    """Tian and Kennedy: mean T K/(q r) of a circular uniform source of radius r."""
+    return 1.22 / np.sqrt(np.pi * (0.6575 + peclet))
+
+
+def growth(ratio: ArrayLike) -> ArrayLike:
+    """Growth rate over diffusivity times wave number squared, at `ratio` times the critical speed: Burton's insulated mate."""
+    z = 0.5 * (np.sqrt(1.0 + 8.0 * np.asarray(ratio)) - 1.0)
+    return z**2 - 1.0
+
+
+@dataclass(frozen=True)
+class Solid:
+    modulus: float  # Young's, Pa
+    poisson: float
+    expansion: float  # 1/K
+    conductivity: float  # W/(m.K)
+    diffusivity: float  # m2/s
+
+    def depth_rate(self, wave: float, speed: complex) -> complex:
+        """Decay into the depth of a temperature wave that passes the material at `speed`."""
+        return np.sqrt(wave**2 + 1j * wave * speed / self.diffusivity)
+
+
+def half_plane(solid: Solid, wave: float, speed: complex) -> tuple[complex, complex, float]:
+    """Heat taken up and lift of the free surface, each per temperature; displacement per pressure."""
+    rate = solid.depth_rate(wave, speed)
+    lift = 2.0 * solid.expansion * (1.0 + solid.poisson) / (rate + wave)
+    return solid.conductivity * rate, lift, 2.0 * (1.0 - solid.poisson**2) / (solid.modulus * wave)
+
+
+def bending_layer(solid: Solid, half: float, wave: float, speed: complex) -> tuple[complex, complex, float]:
+    """The same for a layer of half-thickness `half` in its antisymmetric mode."""
+    rate, u = solid.depth_rate(wave, speed), wave * half
+    stiffness = np.sinh(u) * np.cosh(u) - u
+    depth, weight = gauss(0.0, half, 40)
+    shape = np.sinh(rate * depth) / np.sinh(rate * half)
+    integral = weight @ (shape * np.sinh(wave * depth))
+    lift = 2.0 * solid.expansion * (1.0 + solid.poisson) * np.cosh(u) / stiffness * integral
+    compliance = 2.0 * (1.0 - solid.poisson**2) / (solid.modulus * wave) * np.cosh(u) ** 2 / stiffness
+    return solid.conductivity * rate / np.tanh(rate * half), lift, compliance
+
+
+def disc_critical_speed(pad: Solid, disc: Solid, half: float, friction: float, wave: float) -> float:
+    """Speed at which an antisymmetric wave of a disc between two pads neither grows nor decays (Lee and Barber).
+
+    The wave drifts slowly in the disc; drift and speed are those at which the complex condition has a real speed.
+    """
+
+    def speed_of(drift: float, speed: float) -> complex:
+        heat_disc, lift_disc, give_disc = bending_layer(disc, half, wave, drift)
+        heat_pad, lift_pad, give_pad = half_plane(pad, wave, drift - speed)
+        return (give_disc + give_pad) * (heat_disc + heat_pad) / (friction * (lift_disc + lift_pad))
+
+    state = np.array([0.0, 10.0])
+    # The wave almost rests in the disc: fixed point of the speed first, then both unknowns by Newton's method.
+    for _ in range(15):
+        state[1] = 0.5 * (state[1] + speed_of(0.0, state[1]).real)
+
+    def residual(at: np.ndarray) -> np.ndarray:
+        value = speed_of(at[0], at[1])
+        return np.array([value.real - at[1], value.imag])
+
+    for _ in range(60):
+        now = residual(state)
+        steps = 1e-6 * np.maximum(np.abs(state), 1e-3)
+        jacobian = np.column_stack([(residual(state + step * unit) - now) / step for step, unit in zip(steps, np.eye(2))])
+        change = np.linalg.solve(jacobian, now)
+        state = state - change
+        if np.abs(change).max() < 1e-10 * abs(state[1]):
+            return float(state[1])
+    raise ValueError(f"no critical speed found at the wave number {wave:g} 1/m")
