@@ -1,0 +1,365 @@
+//! What must hold in every scene, on random scenes and input histories: balances, symmetry, units, cuts, replays, independence.
+//!
+//! A failure names the number of its scene, from which the same scene is made again.
+
+use scene::variables::{COUNT, Causality, FLAT, Kind, TABLE, lookup};
+use sliding_contact::component::Snapshot;
+use test_support::{Drive, INSULATED, Random, scenes};
+
+/// Communication steps of a run.
+const STEPS: usize = 40;
+
+/// A scene with changes, and the inputs at the start of each communication step: velocity, load and their derivatives.
+struct Case {
+    changes: Vec<(&'static str, f64)>,
+    name: &'static str,
+    step: f64,
+    inputs: Vec<[f64; 4]>,
+}
+
+/// Level of a case.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum Level {
+    Lumped,
+    /// Cells without thermal expansion, and with it.
+    Cold,
+    Hot,
+}
+
+const LEVELS: [Level; 3] = [Level::Lumped, Level::Cold, Level::Hot];
+
+impl Case {
+    /// The scene of this number at a level: a shipped one with random material, laws and inputs around its nominal ones.
+    fn new(number: u64, level: Level) -> Case {
+        let mut random = Random(number.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        let shipped = scenes();
+        let (name, load, velocity) = shipped[number as usize % shipped.len()];
+        let mut changes = vec![
+            ("contact.friction_coefficient", random.between(0.05, 0.6)),
+            ("contact.conductance", 10f64.powf(random.between(3.0, 6.0))),
+            ("punch.conductivity", 10f64.powf(random.between(0.0, 2.0))),
+            ("strip.conductivity", 10f64.powf(random.between(0.5, 2.0))),
+            ("punch.wear_pressure_exponent", random.between(0.5, 2.0)),
+            ("punch.convection", random.between(0.0, 100.0)),
+            ("strip.convection", random.between(0.0, 100.0)),
+            ("solver.tolerance", 1e-3),
+            ("solver.fidelity", if level == Level::Lumped { 2.0 } else { 3.0 }),
+            ("solver.cells", [5.0, 9.0, 17.0][(3.0 * random.next()) as usize]),
+            ("strip.wear_coefficient", if random.next() < 0.5 { 0.0 } else { 1e-15 }),
+        ];
+        if level == Level::Cold {
+            changes.extend([("punch.thermal_expansion", 0.0), ("strip.thermal_expansion", 0.0)]);
+        }
+        let step = random.between(0.005, 0.05);
+        // A third of the histories reverses or stands still for a while, a third lifts off.
+        let kind = (3.0 * random.next()) as usize;
+        let largest = velocity * random.between(0.1, 1.0);
+        let (period, phase) = (random.between(5.0, 40.0), random.between(0.0, 6.0));
+        let at = |k: usize| {
+            let wave = (phase + k as f64 * std::f64::consts::TAU / period).cos();
+            let velocity = if kind == 0 { largest * wave } else { largest * (0.6 + 0.4 * wave) };
+            let load = if kind == 1 { load * (0.4 - 0.6 * wave) } else { load * (0.6 + 0.3 * wave) };
+            [velocity, load]
+        };
+        let inputs = (0..STEPS)
+            .map(|k| {
+                let ([velocity, load], [to, carried]) = (at(k), at(k + 1));
+                [velocity, load, (to - velocity) / step, (carried - load) / step]
+            })
+            .collect();
+        Case { changes, name, step, inputs }
+    }
+
+    fn drive(&self) -> Drive {
+        self.attempt(&[]).unwrap_or_else(|error| panic!("{}: {error}", self.name))
+    }
+
+    fn attempt(&self, more: &[(&'static str, f64)]) -> Result<Drive, String> {
+        Drive::attempt(&test_support::scene(self.name), &[&self.changes[..], more].concat())
+    }
+
+    fn set(&self, drive: &mut Drive, step: usize) {
+        let [velocity, load, acceleration, loading] = self.inputs[step];
+        drive.set("sliding_velocity", velocity).slope("sliding_velocity", acceleration);
+        drive.set("normal_load", load).slope("normal_load", loading);
+    }
+}
+
+/// Runs `check` on cases of every level, in each of which at least half of the communication steps succeed.
+fn on_cases(count: u64, mut check: impl FnMut(&Case, Level, &str)) {
+    for level in LEVELS {
+        for number in 1..=count {
+            let case = Case::new(number, level);
+            check(&case, level, &format!("{level:?} {number} ({})", case.name));
+        }
+    }
+}
+
+/// References of the outputs, and those that are Real.
+fn outputs() -> Vec<u32> {
+    let calculated = |at: &usize| {
+        let row = &TABLE[FLAT[*at].0 as usize];
+        matches!(row.causality, Causality::Output | Causality::Local) && matches!(row.kind, Kind::Real { .. })
+    };
+    (0..COUNT).filter(calculated).map(|at| at as u32).collect()
+}
+
+fn values(drive: &mut Drive, of: &[u32]) -> Vec<f64> {
+    of.iter().map(|&reference| drive.0.get(reference)).collect()
+}
+
+fn name(reference: u32) -> String {
+    lookup(reference).map_or_else(String::new, |(row, element)| row.element_name(element))
+}
+
+/// The first of two lists of outputs that differ in their bits.
+fn first_difference(of: &[u32], one: &[f64], other: &[f64]) -> Option<String> {
+    let at = one.iter().zip(other).position(|(one, other)| one.to_bits() != other.to_bits())?;
+    Some(format!("{} = {:e} and {:e}", name(of[at]), one[at], other[at]))
+}
+
+fn stations(drive: &mut Drive, name: &str) -> Vec<f64> {
+    (1..=33).map(|station| drive.get(&format!("{name}[{station}]"))).collect()
+}
+
+#[test]
+fn heat_is_balanced_worn_volumes_grow_and_pressures_carry_the_load() {
+    let of = outputs();
+    on_cases(12, |case, level, text| {
+        let mut drive = case.drive();
+        let annular = drive.get("contact.geometry") == 2.0;
+        let mut worn = [0.0; 2];
+        for step in 0..STEPS {
+            case.set(&mut drive, step);
+            drive.0.step(case.step).unwrap_or_else(|error| panic!("{text}, step {step}: {error}"));
+            for (&reference, value) in of.iter().zip(values(&mut drive, &of)) {
+                assert!(value.is_finite(), "{text}, step {step}: {} = {value}", name(reference));
+            }
+            assert!(drive.imbalance() < 1e-9, "{text}, step {step}: {:e}", drive.imbalance());
+            for (own, name) in worn.iter_mut().zip(["wear_volume_punch", "wear_volume_strip"]) {
+                let now = drive.get(name);
+                assert!(now >= *own, "{text}, step {step}: {name} from {own:e} to {now:e}");
+                *own = now;
+            }
+            let estimated = drive.get("estimated_error");
+            assert!((0.0..=1.0).contains(&estimated), "{text}, step {step}: estimated_error = {estimated}");
+            if level == Level::Lumped {
+                continue;
+            }
+            let pressure = stations(&mut drive, "profile.pressure");
+            assert!(pressure.iter().all(|p| *p >= 0.0), "{text}, step {step}: {pressure:?}");
+            // The trapezoid sum over the stations is the integral over the cells; of an annulus it lacks the radius.
+            let mean = pressure.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).sum::<f64>() / 32.0;
+            let given = drive.get("pressure_mean");
+            if !annular {
+                assert!((mean - given).abs() <= 1e-10 * given, "{text}, step {step}: {mean:e} {given:e}");
+            }
+        }
+    });
+}
+
+#[test]
+fn sliding_the_other_way_mirrors_the_contact() {
+    on_cases(8, |case, _, text| {
+        // An annulus has an inner and an outer edge, and nothing to mirror.
+        let mut drives = [case.drive(), case.drive()];
+        let annular = drives[0].get("contact.geometry") == 2.0;
+        for step in 0..STEPS {
+            let [velocity, load, acceleration, loading] = case.inputs[step];
+            for (drive, sign) in drives.iter_mut().zip([1.0, -1.0]) {
+                drive.set("sliding_velocity", sign * velocity).slope("sliding_velocity", sign * acceleration);
+                drive.set("normal_load", load).slope("normal_load", loading);
+                drive.0.step(case.step).unwrap_or_else(|error| panic!("{text}, step {step}: {error}"));
+            }
+        }
+        let mut alike = |name: &str, sign: f64| {
+            let [one, other] = drives.each_mut().map(|drive| drive.get(name));
+            assert!((one - sign * other).abs() <= 1e-7 * one.abs() + 1e-12, "{text}: {name} {one:e} {other:e}");
+        };
+        for name in
+            ["contact_temperature", "wear_depth", "dissipated_energy", "contact_temperature_max", "pressure_max"]
+        {
+            alike(name, 1.0);
+        }
+        alike("friction_force", -1.0);
+        if !annular {
+            for station in 1..=33 {
+                let [one, other] = drives.each_mut().map(|drive| stations(drive, "profile.pressure"));
+                let largest = one.iter().fold(0.0, |most: f64, p| most.max(*p));
+                let apart = (one[station - 1] - other[33 - station]).abs();
+                assert!(apart <= 1e-6 * largest, "{text}, station {station}: {apart:e} of {largest:e}");
+            }
+        }
+    });
+}
+
+#[test]
+fn other_units_of_length_time_and_mass_are_the_same_run() {
+    // What contains a constant of nature or of the wear law, 1 MPa, does not scale.
+    let plain: &[(&str, f64)] = &[
+        ("punch.emissivity", 0.0),
+        ("strip.emissivity", 0.0),
+        ("punch.wear_pressure_exponent", 1.0),
+        ("strip.wear_pressure_exponent", 1.0),
+        ("punch.wear_velocity_exponent", 1.0),
+        ("strip.wear_velocity_exponent", 1.0),
+        ("punch.convection_forced", 0.0),
+        ("strip.convection_forced", 0.0),
+    ];
+    let of = outputs();
+    on_cases(8, |case, _, text| {
+        let starts = test_support::changed(&test_support::scene(case.name), &[&case.changes[..], plain].concat());
+        // Units of 1/2 m, 4 s and 1/8 kg.
+        let factor = |reference: u32| -> f64 {
+            let (row, _) = lookup(reference).unwrap();
+            let Kind::Real { unit, .. } = row.kind else { return 1.0 };
+            2f64.powi(i32::from(unit.m) - 2 * i32::from(unit.s) + 3 * i32::from(unit.kg))
+        };
+        let mut scaled = starts;
+        for (index, value) in scaled.iter_mut().enumerate() {
+            *value *= factor(index as u32);
+        }
+        let mut drives = [starts, scaled]
+            .map(|starts| Drive::attempt(&starts, &[]).unwrap_or_else(|error| panic!("{text}: {error}")));
+        let [velocity, load] = ["sliding_velocity", "normal_load"].map(test_support::reference);
+        let second = 0.25;
+        for step in 0..STEPS {
+            let inputs = case.inputs[step];
+            for (drive, own) in drives.iter_mut().zip([false, true]) {
+                let by = |reference: u32, per: f64| if own { factor(reference) / per } else { 1.0 };
+                drive.0.set_input(velocity, inputs[0] * by(velocity, 1.0));
+                drive.0.set_input_derivative(velocity, inputs[2] * by(velocity, second));
+                drive.0.set_input(load, inputs[1] * by(load, 1.0));
+                drive.0.set_input_derivative(load, inputs[3] * by(load, second));
+                let length = if own { second * case.step } else { case.step };
+                drive.0.step(length).unwrap_or_else(|error| panic!("{text}, step {step}: {error}"));
+            }
+        }
+        let [one, mut other] = drives.each_mut().map(|drive| values(drive, &of));
+        for (value, &reference) in other.iter_mut().zip(&of) {
+            *value /= factor(reference);
+        }
+        for ((&reference, one), other) in of.iter().zip(&one).zip(&other) {
+            let apart = (one - other).abs() / one.abs().max(1e-300);
+            if apart > 1e-9 {
+                println!("{text}: {} = {one:e} and {other:e}", name(reference));
+            }
+        }
+    });
+}
+
+#[test]
+fn cutting_a_communication_step_stays_within_the_tolerance() {
+    on_cases(8, |case, _, text| {
+        let mut drives = [case.drive(), case.drive()];
+        for step in 0..STEPS {
+            let [velocity, load, acceleration, loading] = case.inputs[step];
+            for (drive, parts) in drives.iter_mut().zip([1, 3]) {
+                let length = case.step / f64::from(parts);
+                for part in 0..parts {
+                    let time = f64::from(part) * length;
+                    drive
+                        .set("sliding_velocity", velocity + acceleration * time)
+                        .slope("sliding_velocity", acceleration);
+                    drive.set("normal_load", load + loading * time).slope("normal_load", loading);
+                    drive.0.step(length).unwrap_or_else(|error| panic!("{text}, step {step}: {error}"));
+                }
+            }
+        }
+        let ambient = drives[0].get("ambient_temperature");
+        for (name, zero) in [("contact_temperature", ambient), ("wear_depth", 0.0), ("friction_force", 0.0)] {
+            let [one, other] = drives.each_mut().map(|drive| drive.get(name) - zero);
+            // Both runs have the tolerance of 1e-3, of the scale of the run.
+            let scale = one.abs().max(if name == "friction_force" { case.inputs[STEPS - 1][1].abs() } else { 0.0 });
+            assert!((one - other).abs() <= 5e-3 * scale + 1e-15, "{text}: {name} {one:e} {other:e}");
+        }
+    });
+}
+
+#[test]
+fn a_replay_has_the_same_bits() {
+    let of = outputs();
+    on_cases(8, |case, _, text| {
+        let mut drive = case.drive();
+        let mut random = Random(case.inputs.len() as u64 + text.len() as u64);
+        let mut saved = Snapshot::default();
+        let mut step = 0;
+        while step < STEPS {
+            drive.0.snapshot(&mut saved);
+            let ahead = (1 + (5.0 * random.next()) as usize).min(STEPS - step);
+            let run = |drive: &mut Drive| {
+                for k in step..step + ahead {
+                    case.set(drive, k);
+                    drive.0.step(case.step).unwrap_or_else(|error| panic!("{text}, step {k}: {error}"));
+                }
+                values(drive, &of)
+            };
+            let first = run(&mut drive);
+            // What is played back may be another history in between, and another instance.
+            drive.set("sliding_velocity", 0.3).set("normal_load", 1.0);
+            let _ = drive.0.step(0.7 * case.step);
+            drive.0.restore(&saved).unwrap();
+            let again = run(&mut drive);
+            assert_eq!(first_difference(&of, &first, &again), None, "{text}, step {step}");
+            let mut bytes = Vec::new();
+            saved.encode(&mut bytes);
+            let mut other = case.drive();
+            other.0.restore(&Snapshot::decode(&bytes).unwrap()).unwrap();
+            let elsewhere = run(&mut other);
+            assert_eq!(first_difference(&of, &first, &elsewhere), None, "{text}, step {step}, another instance");
+            step += ahead;
+        }
+    });
+}
+
+#[test]
+fn instances_do_not_influence_each_other() {
+    let of = outputs();
+    for level in LEVELS {
+        let cases = [1, 2, 3, 4].map(|number| Case::new(number, level));
+        let alone = cases.each_ref().map(|case| {
+            let mut drive = case.drive();
+            (0..STEPS).for_each(|step| {
+                case.set(&mut drive, step);
+                drive.0.step(case.step).unwrap();
+            });
+            values(&mut drive, &of)
+        });
+        let mut drives = cases.each_ref().map(Case::drive);
+        for step in 0..STEPS {
+            for (drive, case) in drives.iter_mut().zip(&cases) {
+                case.set(drive, step);
+                drive.0.step(case.step).unwrap();
+            }
+        }
+        for ((drive, alone), case) in drives.iter_mut().zip(&alone).zip(&cases) {
+            assert_eq!(first_difference(&of, alone, &values(drive, &of)), None, "{level:?} {}", case.name);
+        }
+    }
+}
+
+#[test]
+fn friction_heat_of_an_isolated_pair_stays_in_it() {
+    for level in LEVELS {
+        for number in 1..=4 {
+            let case = Case::new(number, level);
+            let isolated: &[(&str, f64)] = &[
+                ("punch.convection", 0.0),
+                ("strip.convection", 0.0),
+                ("punch.convection_forced", 0.0),
+                ("strip.convection_forced", 0.0),
+                ("punch.emissivity", 0.0),
+                ("strip.emissivity", 0.0),
+                ("punch.top_thermal", INSULATED),
+                ("strip.base_thermal", INSULATED),
+            ];
+            let mut drive = case.attempt(isolated).unwrap_or_else(|error| panic!("{level:?} {number}: {error}"));
+            for step in 0..STEPS {
+                case.set(&mut drive, step);
+                drive.0.step(case.step).unwrap_or_else(|error| panic!("{level:?} {number}: {error}"));
+            }
+            let [made, stored] = ["dissipated_energy", "stored_heat"].map(|name| drive.get(name));
+            assert!((made / stored - 1.0).abs() < 1e-9, "{level:?} {number} ({}): {made:e} {stored:e}", case.name);
+        }
+    }
+}
