@@ -216,8 +216,12 @@ fn other_units_of_length_time_and_mass_are_the_same_run() {
             2f64.powi(i32::from(unit.m) - 2 * i32::from(unit.s) + 3 * i32::from(unit.kg))
         };
         let mut scaled = starts;
+        let tabulated = starts[test_support::reference("contact.friction_table.points") as usize] > 0.0;
         for (index, value) in scaled.iter_mut().enumerate() {
-            *value *= factor(index as u32);
+            // A friction table without points stays as it is: changes without effect are refused.
+            if tabulated || !name(index as u32).starts_with("contact.friction_table.") {
+                *value *= factor(index as u32);
+            }
         }
         let mut drives = [starts, scaled]
             .map(|starts| Drive::attempt(&starts, &[]).unwrap_or_else(|error| panic!("{text}: {error}")));
@@ -239,12 +243,27 @@ fn other_units_of_length_time_and_mass_are_the_same_run() {
         for (value, &reference) in other.iter_mut().zip(&of) {
             *value /= factor(reference);
         }
-        for ((&reference, one), other) in of.iter().zip(&one).zip(&other) {
-            let apart = (one - other).abs() / one.abs().max(1e-300);
-            if apart > 1e-9 {
-                println!("{text}: {} = {one:e} and {other:e}", name(reference));
-            }
-        }
+        // Both runs solve to a tolerance of 1e-3, and where they end their iterations depends on the units. A heat flow that is the
+        // small difference of large ones is measured against the largest output of its unit.
+        let unit = |reference: u32| match lookup(reference).unwrap().0.kind {
+            Kind::Real { unit, .. } => [unit.m, unit.s, unit.kg],
+            _ => [0; 3],
+        };
+        let largest = |like: u32| {
+            let same = of.iter().zip(&one).filter(|(reference, _)| unit(**reference) == unit(like));
+            same.fold(0.0, |most: f64, (_, value)| most.max(value.abs()))
+        };
+        let apart: Vec<String> = (of.iter().zip(&one).zip(&other))
+            .filter(|((reference, one), other)| {
+                // The table of the critical speed has entries at given speeds in m/s: differences of up to 3.4 % were measured.
+                let allowed =
+                    if name(**reference) == "critical_speed" { 0.05 * one.abs() } else { 1e-5 * largest(**reference) };
+                let difference = (*one - *other).abs();
+                difference.is_nan() || difference > allowed
+            })
+            .map(|((&reference, one), other)| format!("{} = {one:e} and {other:e}", name(reference)))
+            .collect();
+        assert!(apart.is_empty(), "{text}: {apart:#?}");
     });
 }
 
