@@ -1,24 +1,19 @@
 //! `cargo fmu simulate`: a scene driven by given inputs, to a table, files and a figure, beside measurements.
 
 mod figure;
-mod measured;
 mod progress;
-mod quantity;
-mod run;
-mod summary;
-mod trajectory;
 mod write;
 
+use crate::columns::{self, Column};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
-use anyhow::{Context, Result, anyhow, bail};
-use scene::Scene;
+use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
+use anyhow::{Context, Result, bail};
+use progress::Progress;
 use scene::variables::units::SECOND;
 use scene_file::quantity::text;
 use std::fs;
 use std::path::{Path, PathBuf};
-use summary::Summary;
-use trajectory::Trajectory;
 
 /// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
 ///
@@ -100,14 +95,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::assign(&mut file, assignment)?;
     }
     let packaged = &file.packaged;
-    let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))
-        .map_err(|broken| anyhow!("the scene {}: {broken}", packaged.name))?;
-    let trajectory = match &arguments.inputs {
-        Some(path) => Trajectory::of_file(path, &packaged.starts, arguments.step)?,
-        None => Trajectory::nominal(&file, &scene, arguments.step)?,
-    };
+    let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &Column::inputs())).transpose()?;
+    let trajectory = Trajectory::new(&file, inputs, arguments.step)?;
     let record = arguments.measured.as_deref().map(measured::read).transpose()?;
-    let recording = run::run(&file, &trajectory, &arguments.at)?;
+    let (first, last) = trajectory.span();
+    let mut progress = Progress::new(first, last);
+    let recording = run(&file, &trajectory, &arguments.at, &mut |time| {
+        progress.reached(time);
+        true
+    })?;
+    progress.finish();
     let mut files = Vec::new();
     if let Some(path) = arguments.output.as_deref().filter(|_| !recording.times.is_empty()) {
         write::courses(path, &recording)?;
@@ -127,10 +124,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => Vec::new(),
     };
     if let Some(path) = &arguments.plot {
-        let residual = run::energy_residual(&recording);
-        let title =
-            format!("{}, level {}; energy balance closes to {}", packaged.name, recording.level, power(residual));
-        figure::Figure::new(title, &recording, &deviations).write(path)?;
+        figure::write(&Figure::new(&packaged.name, &recording, &deviations), path)?;
         files.push(path.display().to_string());
     }
     let summary = Summary {
@@ -146,14 +140,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", summary.table());
     }
     Ok(())
-}
-
-/// A small number in the mathematical text of matplotlib: `2e-15` as 2 times a power of ten.
-fn power(number: f64) -> String {
-    match format!("{number:.0e}").split_once('e') {
-        Some((digit, exponent)) if number != 0.0 => format!("${digit}\\times 10^{{{exponent}}}$"),
-        _ => "0".into(),
-    }
 }
 
 /// Refuses to write over a file that is read.
