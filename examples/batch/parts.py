@@ -12,11 +12,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-import host
+from sliding_contact import host
 
 FINGERPRINT = b"fingerprint"
 OK = "ok"
-_open = {}  # of this process: its one instance, by FMU and library
+_open = {}  # of this process: its one instance, by FMU
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,6 @@ class Job:
     """Everything that the blocks of one batch share. The paths must mean the same files on every machine."""
 
     fmu: str
-    library: str
     folder: str  # of the parts
     schedule: host.Schedule
     variables: tuple  # names of the design's columns
@@ -69,12 +68,11 @@ def is_complete(job, block, scenes, fingerprint):
 
 def _instance(job, scratch):
     """This process's instance of the job's FMU, opened with the first block."""
-    key = (job.fmu, job.library)
-    if key not in _open:
+    if job.fmu not in _open:
         digest = hashlib.sha256(Path(job.fmu).read_bytes()).hexdigest()[:16]
         folder = host.unpack(job.fmu, Path(scratch) / f"fmu-{digest}")
-        _open[key] = host.Fmu(folder, job.library)
-    return _open[key]
+        _open[job.fmu] = host.Fmu(folder)
+    return _open[job.fmu]
 
 
 def _points(job):
@@ -115,7 +113,7 @@ def run_block(job, first, rows):
             )
         except host.Failure as failure:
             if failure.stage == "library":
-                _open.pop((job.fmu, job.library)).close()
+                _open.pop(job.fmu).close()
                 raise
             status.append(failure.stage)
             reasons.append(failure.reason)
@@ -139,7 +137,7 @@ def units(job, fmu):
 
 def write_part(job, block, columns, fingerprint):
     """Writes a block's file under another name and renames it: the file is complete or absent."""
-    unit = {**units(job, _open[(job.fmu, job.library)]), "scene": "1", "cpu_seconds": "s"}
+    unit = {**units(job, _open[job.fmu]), "scene": "1", "cpu_seconds": "s"}
     fields, arrays = [], []
     for name, values in columns.items():
         # A scene that failed has no results: null, not a number.

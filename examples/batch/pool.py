@@ -36,8 +36,7 @@ def client(address, workers, folder):
                         f"{len(many)} workers of {address} have several threads, {many[0]} for one; an instance takes a "
                         "process of its own: start them with `dask worker --nworkers N --nthreads 1`"
                     )
-                for module in ("host.py", "parts.py"):
-                    own.upload_file(str(parts.Path(__file__).with_name(module)))
+                own.upload_file(str(parts.Path(__file__).with_name("parts.py")))
                 yield own
 
 

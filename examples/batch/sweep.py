@@ -1,6 +1,6 @@
 """A design of experiments with the FMU of a brake: thousands of scenes on Dask, one row each.
 
-    python sweep.py --fmu SlidingContact.disc_brake.fmu --host libfmu_host.so --output results
+    python sweep.py --output results
 
 Run it again after whatever stopped it: finished parts stay, the rest is run. README.md says how to use a cluster.
 """
@@ -17,10 +17,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-import host
 import parts
 import schedules
 from design import Design
+from sliding_contact import fmu, host
 
 HERE = Path(__file__).resolve().parent
 OUTPUTS = (
@@ -40,8 +40,7 @@ WANTED_LOSS = 0.15
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--fmu", type=Path, required=True, help="the FMU of a brake")
-    parser.add_argument("--host", type=Path, required=True, help="the host library, libfmu_host.so")
+    parser.add_argument("--fmu", type=Path, help="the FMU of a brake; default: the stock one of the Python package")
     parser.add_argument("--output", type=Path, required=True, help="folder of the batch; an unfinished one is continued")
     parser.add_argument("--design", type=Path, default=HERE / "brake_design.csv", help="CSV: name, low, high, scale")
     parser.add_argument("--schedule", default="udds", help="udds (default), hwfet, stops, or a CSV file of inputs over time")
@@ -57,6 +56,7 @@ def arguments():
     parser.add_argument("--benchmark", action="store_true", help="only measure: a scene's cost, and what Dask costs")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     options = parser.parse_args()
+    options.fmu = options.fmu or fmu("disc_brake")
     options.scenes = options.scenes or (2_000 if options.benchmark else 10_000)
     for name in ("scenes", "block", "workers"):
         if getattr(options, name) < 1:
@@ -67,9 +67,9 @@ def arguments():
     return options
 
 
-def start_values(fmu):
+def start_values(path):
     """Start values by name, as texts, from the model description."""
-    with zipfile.ZipFile(fmu) as archive:
+    with zipfile.ZipFile(path) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     return {variable.get("name"): variable[0].get("start") for variable in root.iter("ScalarVariable")}
 
@@ -113,7 +113,6 @@ def prepare(options):
         raise ValueError(f"{options.fmu} has no variable {', '.join(unknown)}, which {options.design} varies")
     job = parts.Job(
         fmu=str(options.fmu.resolve()),
-        library=str(options.host.resolve()),
         folder=str(options.output.resolve() / "parts"),
         schedule=schedule,
         variables=tuple(design.names),
@@ -243,8 +242,8 @@ def benchmark(options):
     steps = round(float(job.schedule.times[-1]) / options.step)
     with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
         folder = Path(scratch)
-        with host.Fmu(host.unpack(options.fmu, folder / "fmu"), options.host) as fmu:
-            cpu, wall = fastest_scene(fmu, job)
+        with host.Fmu(host.unpack(options.fmu, folder / "fmu")) as loaded:
+            cpu, wall = fastest_scene(loaded, job)
         walls = {"processes": [], "dask": []}
         cpus = {"processes": [], "dask": []}
         with pool.client(options.scheduler, options.workers, folder) as client:
@@ -303,12 +302,12 @@ def benchmark(options):
         print(f"  The machine is busy: even the fastest scene took {wall / cpu:.1f} times its CPU time.")
 
 
-def fastest_scene(fmu, job):
+def fastest_scene(loaded, job):
     """CPU and wall seconds of the scene as packaged; the best of many, since other work only ever adds."""
     cpu = wall = float("inf")
     for _ in range(40):
         begin, clock = time.perf_counter(), time.thread_time()
-        host.run_schedule(fmu, {}, job.schedule, outputs=OUTPUTS, step=job.step)
+        host.run_schedule(loaded, {}, job.schedule, outputs=OUTPUTS, step=job.step)
         cpu, wall = min(cpu, time.thread_time() - clock), min(wall, time.perf_counter() - begin)
     return cpu, wall
 

@@ -45,6 +45,9 @@ const REQUIREMENTS: [(Tier, &str, &str); 4] = [
 /// Packages of the batch examples: an environment of its own, because a cluster's workers need the same and no more.
 const BATCH: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
 
+/// What the tests of the Python package need beside those.
+const PACKAGE: Requirements = ("package", include_str!("../python/package.txt"));
+
 /// Packages of the peers that the charts compare with.
 const PEERS: Requirements = ("peers", include_str!("../../benches/peers/requirements.txt"));
 
@@ -86,6 +89,15 @@ pub fn environment_for(tier: Tier) -> Result<PathBuf> {
 /// As [`environment`].
 pub fn batch_environment() -> Result<PathBuf> {
     ensure("python-batch", &[BATCH])
+}
+
+/// Makes the environment of the tests of the Python package, `target/python-package-environment`, unless it is there and returns its
+/// Python.
+///
+/// # Errors
+/// As [`environment`].
+pub fn package_environment() -> Result<PathBuf> {
+    ensure("python-package-environment", &[BATCH, PACKAGE])
 }
 
 /// Makes the environment of the peers in benches/peers, `target/python-peers`, unless it is there and returns its Python.
@@ -387,9 +399,9 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         let mut seen_by_batch = std::collections::BTreeSet::new();
         let mut seen_by_peers = std::collections::BTreeSet::new();
-        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PEERS]) {
+        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PACKAGE, PEERS]) {
             let seen = match name {
-                _ if name == BATCH.0 => &mut seen_by_batch,
+                _ if [BATCH.0, PACKAGE.0].contains(&name) => &mut seen_by_batch,
                 _ if name == PEERS.0 => &mut seen_by_peers,
                 _ => &mut seen,
             };

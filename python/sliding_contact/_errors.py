@@ -26,3 +26,7 @@ class StepFailed(Error):
 
 class SceneWarning(UserWarning):
     """Values that are allowed but improbable, or a run that left what the model is valid for."""
+
+
+for _public in (Error, StepFailed, SceneWarning):
+    _public.__module__ = "sliding_contact"

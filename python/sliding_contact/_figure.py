@@ -19,7 +19,7 @@ from matplotlib.lines import Line2D
 
 # Okabe and Ito's palette: told apart by every eye and in print.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.size": 8,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -86,7 +86,7 @@ def figure_of(content: dict[str, Any]) -> Figure:
     lines = -(-len(profiles) // per_row)
     height = ROW * (rows + 1.3 * lines) + 0.3
     figure = plt.figure(figsize=(WIDTH, height), layout="constrained")
-    parts = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
+    parts: Any = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
     grid = parts[0].subplots(rows, 2, squeeze=False, sharex=True).T.flatten()
     for axis, panel in zip(grid, courses):
         draw(axis, panel, wide=True)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import ctypes
 import json
 import os
+import signal
 import sys
 import threading
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Iterator, Optional
 
 import numpy as np
 
@@ -91,6 +93,20 @@ class Answer:
         return np.ctypeslib.as_array(first, shape=(length.value,)).copy()
 
 
+@contextmanager
+def _interrupts(raised: list[BaseException]) -> Iterator[None]:
+    """Collects Ctrl-C during a call, in the main thread: an exception in a callback from C would be lost."""
+    own = threading.current_thread() is threading.main_thread()
+    if not own or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda *_: raised.append(KeyboardInterrupt()))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def ask(
     request: dict[str, Any], run: Optional[Answer] = None, progress: Optional[Callable[[float], object]] = None
 ) -> Answer:
@@ -100,16 +116,15 @@ def ask(
     def report(part: float) -> int:
         # Signal handlers run here, so that Ctrl-C ends a long run.
         try:
-            if progress is not None:
+            if progress is not None and not raised:
                 progress(part)
         except BaseException as error:
             raised.append(error)
         return 1 if raised else 0
 
-    watched = progress is not None or threading.current_thread() is threading.main_thread()
-    function = _Progress(report) if watched else _Progress()
     text = json.dumps(request).encode()
-    answer = Answer(library().native_analyse(text, run.handle if run else None, function))
+    with _interrupts(raised):
+        answer = Answer(library().native_analyse(text, run.handle if run else None, _Progress(report)))
     if raised:
         raise raised[0]
     if answer.status == 1:

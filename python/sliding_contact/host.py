@@ -199,7 +199,7 @@ def run_schedule(
     step: float,
     stop: Optional[float] = None,
     start: float = 0.0,
-    points: Optional[Sequence[float]] = None,
+    points: Union[Sequence[float], np.ndarray, None] = None,
     factors: Optional[Mapping[str, float]] = None,
     tolerance: float = 0.0,
 ) -> np.ndarray:
@@ -212,13 +212,13 @@ def run_schedule(
     Raises `Failure` with the FMU's own words. The next scene finds the instance as good as new.
     """
     stop = float(inputs.times[-1]) if stop is None else float(stop)
-    points = np.ascontiguousarray([stop] if points is None else points, dtype=np.float64)
+    recorded_at = np.ascontiguousarray([stop] if points is None else points, dtype=np.float64)
     values = np.array([float(value) for value in parameters.values()])
     unknown = set(factors or {}) - set(inputs.inputs)
     if unknown:
         raise ValueError(f"factors for inputs that the schedule does not have: {', '.join(sorted(unknown))}")
     scales = np.array([float((factors or {}).get(name, 1.0)) for name in inputs.inputs])
-    recorded = np.empty((points.size, len(outputs)))
+    recorded = np.empty((recorded_at.size, len(outputs)))
     message = ctypes.create_string_buffer(_LONGEST_MESSAGE)
     request = _Request(
         len(parameters),
@@ -237,8 +237,8 @@ def run_schedule(
         tolerance,
         len(outputs),
         _names(outputs),
-        points.size,
-        _doubles(points),
+        recorded_at.size,
+        _doubles(recorded_at),
     )
     status = fmu._library.run_schedule(
         fmu.handle, ctypes.byref(request), _doubles(recorded), message, _LONGEST_MESSAGE

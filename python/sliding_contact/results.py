@@ -65,8 +65,8 @@ class Simulation(Mapping):
     >>> result = Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate()
     >>> result.units["contact_temperature"], result["contact_temperature"].shape == result.time.shape
     ('K', True)
-    >>> round(float(result["contact_temperature [degC]"][0]), 6)
-    20.0
+    >>> round(float(result["sliding_velocity [km/h]"][0]), 2)
+    13.68
     """
 
     def __init__(self, answer: _native.Answer) -> None:

@@ -153,7 +153,8 @@ def fit(model: Model, exponents: Sequence[str] = ("pressure",), confidence: floa
         return {COEFFICIENT: np.exp(point[0]), **dict(zip(names[1:], point[1:]))}
 
     def residuals(point: np.ndarray) -> np.ndarray:
-        return measured - np.log(model.volumes(parameters(point)))
+        difference: np.ndarray = measured - np.log(model.volumes(parameters(point)))
+        return difference
 
     start = np.array([np.log(begin), *([1.0] * len(exponents))])
     # The steps of the differences are far above the tolerance of the FMU's own steps.

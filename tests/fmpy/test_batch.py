@@ -19,11 +19,13 @@ from component import Component
 BATCH = ROOT / "examples" / "batch"
 sys.path.insert(0, str(BATCH))
 
+# `cargo fmu test` puts the Python package on the path.
+pytest.importorskip("sliding_contact")
+
 import design as designs  # noqa: E402
-import host  # noqa: E402
 import schedules  # noqa: E402
 import sensitivity  # noqa: E402
-import wear_law  # noqa: E402
+from sliding_contact import Scene, host, wear_law  # noqa: E402
 
 INPUTS = ("sliding_velocity", "normal_load")
 OUTPUTS = ("wear_depth", "contact_temperature", "friction_force", "dissipated_energy", "limit_reached")
@@ -38,14 +40,13 @@ def needed(variable):
 
 @pytest.fixture(scope="module")
 def brake(fmus):
-    with host.Fmu(fmus("disc_brake").folder, needed("SLIDING_CONTACT_HOST")) as fmu:
+    with host.Fmu(fmus("disc_brake").folder) as fmu:
         yield fmu
 
 
 @pytest.fixture(scope="module")
-def pin(fmus):
-    with host.Fmu(fmus("pin_on_disk").folder, needed("SLIDING_CONTACT_HOST")) as fmu:
-        yield fmu
+def pin():
+    return Scene.load("pin_on_disk")
 
 
 def brake_of(fmus):
@@ -121,13 +122,12 @@ def test_a_scene_that_fails_says_why_and_leaves_no_trace(brake, cycle, stage, ch
 
 
 def test_a_wrong_guid_is_refused_when_opening(fmus, tmp_path):
-    library = needed("SLIDING_CONTACT_HOST")
     folder = host.unpack(file_of("disc_brake"), tmp_path / "fmu")
     description = folder / "modelDescription.xml"
     guid = fmus("disc_brake").description.guid
     description.write_text(description.read_text().replace(guid, "{00000000-0000-0000-0000-000000000000}"))
     with pytest.raises(host.Failure, match="GUID"):
-        host.Fmu(folder, library)
+        host.Fmu(folder)
 
 
 def test_a_larger_design_continues_a_smaller_one():
@@ -206,7 +206,7 @@ def test_records_that_cannot_tell_are_refused(pin):
 
 def sweep(folder, *more):
     command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py")]
-    command += ["--fmu", str(file_of("disc_brake")), "--host", needed("SLIDING_CONTACT_HOST")]
+    command += ["--fmu", str(file_of("disc_brake"))]
     command += ["--output", str(folder), "--workers", "2", "--no-plots", "--json", *more]
     return subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=clean_environment()

@@ -6,7 +6,6 @@ mod results;
 mod tables;
 pub mod worker;
 
-pub use example::library as host_library;
 pub use tables::{Inputs, Table};
 pub use worker::points;
 
@@ -68,7 +67,7 @@ pub struct Arguments {
     /// Seconds between the communication points that the largest values are taken from; the default is the step.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
-    /// Run a script of examples/batch instead, with FMU, host library and Python environment ready: what follows `--`
+    /// Run a script of examples/batch instead, with the Python package and its environment ready: what follows `--`
     /// goes to it.
     #[arg(
         long,

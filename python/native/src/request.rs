@@ -4,7 +4,7 @@ use crate::{Answer, ProgressFunction, Status, c_text};
 use analyses::simulation::{Channel, Figure, Recording, Summary, Trajectory, energy_residual, measured, run};
 use analyses::{cycles, plan, steady};
 use anyhow::{Context, Result, anyhow, bail};
-use scene::variables::units::ONE;
+use scene::variables::units::{ONE, SECOND};
 use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
 use scene_file::columns::{self, Column, Table};
 use scene_file::{SceneFile, nearest, quantity, shipped};
@@ -75,7 +75,7 @@ pub enum Request {
         scenes: PathBuf,
         set: Vec<String>,
     },
-    /// A variable's values in another unit: value = factor * SI value + offset.
+    /// A variable's values in another unit: SI value = zero + slope * value.
     Unit {
         name: String,
         unit: String,
@@ -287,7 +287,7 @@ fn described(file: &SceneFile) -> Result<Value> {
     }))
 }
 
-/// Factor and offset to a unit from the SI one of a variable.
+/// Slope and zero of a unit over the SI one of a variable, or of the time.
 fn conversion(name: &str, symbol: &str) -> Result<Value> {
     let row = row_of(name)?;
     let unit = match row.kind {
@@ -299,7 +299,6 @@ fn conversion(name: &str, symbol: &str) -> Result<Value> {
             .map_err(|wrong| anyhow!("{name} [{symbol}]: {wrong}"))
     };
     let (zero, one) = (at(0.0)?, at(1.0)?);
-    // The SI value is zero + (one - zero) * number.
     let slope = one - zero;
     Ok(json!({ "unit": unit.name, "slope": slope, "zero": zero }))
 }
