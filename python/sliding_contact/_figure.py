@@ -117,24 +117,25 @@ def figure_of(content: dict[str, Any]) -> Figure:
 def steady(state: Any) -> Figure:
     """Pressure and shape of a steady state, without and with heat, and the temperatures of the surfaces."""
     heat = state.heat
-    figure, axes = plt.subplots(1, 3 if heat else 2, figsize=(WIDTH, 2.4), layout="constrained", squeeze=False)
+    figure, axes = plt.subplots(1, 3 if heat else 2, figsize=(WIDTH, 3.0), layout="constrained", squeeze=False)
     x = 1e3 * state.x
     pressure, shape = axes[0, 0], axes[0, 1]
     for index, stroke in enumerate(state.strokes):
-        style = {"color": COLOURS[index], "linestyle": "-" if index == 0 else "--"}
-        name = "backward" if stroke.velocity < 0.0 else "forward"
-        pressure.plot(x, 1e-6 * stroke.pressure, label=name, **style)
+        name = "forward" if stroke.direction == "forward" else "backward"
+        line = "-" if index == 0 else "--"
+        pressure.plot(x, 1e-6 * stroke.pressure, label=name, color=COLOURS[index], linestyle=line)
         if heat:
             own = 1e-6 * heat["strokes"][index]["pressure"]
-            pressure.plot(x[::2], own[::2], label=f"{name}, with heat", **{**MARKER, "color": COLOURS[index]})
+            label = "with heat" if index == 0 else None
+            pressure.plot(x[::3], own[::3], label=label, **{**MARKER, "color": COLOURS[index]})
     pressure.axhline(1e-6 * state.mean_pressure, color="black", linewidth=0.6, label="mean")
     shape.plot(x, 1e6 * state.shape, color=COLOURS[0], label="punch")
     if heat:
-        shape.plot(x, 1e6 * heat["shape"], color=COLOURS[0], linestyle="--", label="punch, with heat")
+        shape.plot(x, 1e6 * heat["shape"], color=COLOURS[1], linestyle="--", label="punch, with heat")
     if state.groove.any():
-        shape.plot(x, 1e6 * state.groove, color=COLOURS[1], label="groove of the strip")
+        shape.plot(x, 1e6 * state.groove, color=COLOURS[2], label="groove of the strip")
     pressure.set_ylabel("pressure (MPa)")
-    shape.set_ylabel("depth of the unloaded surface (µm)")
+    shape.set_ylabel("unloaded surface (µm)")
     if heat:
         temperature = axes[0, 2]
         for index, stroke in enumerate(heat["strokes"]):
@@ -143,12 +144,13 @@ def steady(state: Any) -> Figure:
                 line = "-" if index == 0 else "--"
                 values = stroke[f"temperature_{body}"] - 273.15
                 temperature.plot(x, values, color=COLOURS[side], linestyle=line, label=name)
-        temperature.set_ylabel("temperature of the surface (°C)")
+        temperature.set_ylabel("surface temperature (°C)")
     for axis in axes[0]:
         axis.set_xlabel("x (mm)")
         axis.set_xlim(x[0], x[-1])
-        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
-    figure.suptitle(f"{state.scene}: {state.kind}", fontsize=9)
+        # Above the axes, where no curve is; its width must not narrow them.
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0)).set_in_layout(False)
+    figure.suptitle(f"{state.scene}: {state.kind}\n\n\n\n", fontsize=9)
     return figure
 
 

@@ -330,6 +330,7 @@ def drawn(kind: str, content: Any, path: Union[str, "os.PathLike[str]", None]) -
     if ending not in endings:
         raise Error(f"{path}: .{', .'.join(endings)} are drawn, not .{ending}")
     try:
+        import matplotlib
         import matplotlib.pyplot as plt
     except ImportError as error:
         raise ImportError("figures need matplotlib: pip install 'sliding_contact[plot]'") from error
@@ -343,6 +344,9 @@ def drawn(kind: str, content: Any, path: Union[str, "os.PathLike[str]", None]) -
         else:
             draw = {"simulation": _figure.figure_of, "steady": _figure.steady, "cycles": _figure.cycles}[kind]
             figure = draw(content)
+        interactive = matplotlib.is_interactive()
+    # A notebook's backend turns this on when it is first used, which the end of the context undoes.
+    matplotlib.interactive(interactive)
     if path is not None:
         _figure.save(figure, os.fspath(path), ending)
     return figure

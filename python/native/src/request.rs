@@ -289,14 +289,18 @@ fn described(file: &SceneFile) -> Result<Value> {
 
 /// Slope and zero of a unit over the SI one of a variable, or of the time.
 fn conversion(name: &str, symbol: &str) -> Result<Value> {
-    let row = row_of(name)?;
-    let unit = match row.kind {
-        Kind::Real { unit, .. } => unit,
-        _ => &ONE,
+    let (unit, absolute) = match name {
+        "time" => (&SECOND, true),
+        _ => {
+            let row = row_of(name)?;
+            match row.kind {
+                Kind::Real { unit, .. } => (unit, !row.is_difference()),
+                _ => (&ONE, true),
+            }
+        }
     };
     let at = |number: f64| {
-        quantity::in_si(number, symbol, unit, !row.is_difference())
-            .map_err(|wrong| anyhow!("{name} [{symbol}]: {wrong}"))
+        quantity::in_si(number, symbol, unit, absolute).map_err(|wrong| anyhow!("{name} [{symbol}]: {wrong}"))
     };
     let (zero, one) = (at(0.0)?, at(1.0)?);
     let slope = one - zero;
