@@ -186,7 +186,7 @@ fn python_package() -> Result<Command> {
         .current_dir(project::root())
         .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/python"])
         .env("PYTHONPATH", package::wheel::unpacked(&names.iter().map(String::as_str).collect::<Vec<_>>())?)
-        .env("SLIDING_CONTACT_WHEEL", package::wheel::build(&project::target().join("wheel"), None)?)
+        .env("SLIDING_CONTACT_WHEEL", package::wheel::build(&project::target().join("dist"), None)?)
         .env("SLIDING_CONTACT_COMMAND", project::program()?)
         .env("MPLBACKEND", "Agg")
         .env("MPLCONFIGDIR", project::target().join("python-package-environment").join("matplotlib"))

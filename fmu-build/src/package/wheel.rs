@@ -22,7 +22,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Make a wheel of the Python package: native library, scenes and their FMUs, for any Python from 3.9 on.
 #[derive(clap::Args, Debug)]
 pub struct Arguments {
-    /// Folder to write to [default: target/wheel]
+    /// Folder to write to [default: target/dist]
     #[arg(short, long, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Platform [default: that of this machine]
@@ -35,7 +35,7 @@ pub struct Arguments {
 /// # Errors
 /// As [`build`].
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("wheel"));
+    let folder = arguments.output.clone().unwrap_or_else(|| project::target().join("dist"));
     print_line!("{}", build(&folder, arguments.platform)?.display());
     Ok(())
 }
