@@ -44,6 +44,10 @@ def sensitivities(path, names, results, title):
             variance.barh(
                 offset, index, thickness, color=colour, label=label, xerr=[low, high], error_kw={"elinewidth": 0.8}
             )
+            if result.total_order is not None:
+                total = np.clip(result.total_order[order], 0.0, 1.0)
+                label = "total order (with interactions)" if at == len(results) - 1 else None
+                variance.barh(offset, total, thickness, facecolor="none", edgecolor="black", linewidth=0.7, label=label)
             rank.barh(offset, result.rank_correlation[order], thickness, color=colour, label=label)
         variance.set_yticks(place, [names[at] for at in order])
         variance.set_xlabel("first-order index $S_i$: part of the variance explained [1]\n(bar: 95 % interval)")

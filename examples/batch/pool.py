@@ -41,13 +41,13 @@ def client(address, workers, folder):
 
 
 def on_dask(own, job, blocks, fingerprint, finished):
-    """Runs blocks `(number, first scene, rows)`; calls `finished(scenes, failed, seconds)` after each.
+    """Runs blocks `(first scene, rows)`; calls `finished(scenes, failed, seconds)` after each.
 
-    Returns the reasons of blocks that were given up, by number.
+    Returns the reasons of blocks that were given up, by first scene.
     """
     futures = {
-        own.submit(parts.run_part, job, number, first, rows, fingerprint, pure=False, key=f"part-{number:06d}-{fingerprint[:8]}"): number
-        for number, first, rows in blocks
+        own.submit(parts.run_part, job, first, rows, fingerprint, pure=False, key=f"part-{first:06d}-{fingerprint[:8]}"): first
+        for first, rows in blocks
     }
     given_up = {}
     for future in as_completed(futures):

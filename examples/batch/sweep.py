@@ -19,7 +19,7 @@ import numpy as np
 
 import parts
 import schedules
-from design import Design
+from design import Design, TotalOrderDesign
 from sliding_contact import fmu, host
 
 HERE = Path(__file__).resolve().parent
@@ -46,6 +46,7 @@ def arguments():
     parser.add_argument("--schedule", default="udds", help="udds (default), hwfet, stops, or a CSV file of inputs over time")
     parser.add_argument("--interpolation", choices=host.INTERPOLATIONS, default="hold", help="between the schedule's rows")
     parser.add_argument("--scenes", type=int, default=None, help="default 10,000; with --benchmark 2,000")
+    parser.add_argument("--total-order", action="store_true", help="Saltelli's design and total-order indices, by SALib")
     parser.add_argument("--seed", type=int, default=1, help="of the design")
     parser.add_argument("--block", type=int, default=200, help="scenes per task")
     parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds")
@@ -104,7 +105,8 @@ def prepare(options):
     """Job, design, and the distance that one run of the schedule stands for [m] (`None`: unknown)."""
     import road_load
 
-    design = Design.read(options.design, options.scenes, options.seed)
+    kind = TotalOrderDesign if options.total_order else Design
+    design = kind.read(options.design, options.scenes, options.seed)
     starts = start_values(options.fmu)
     brake = road_load.Brake.of(starts)
     schedule, distance = schedules.of_name(options.schedule, brake, options.interpolation)
@@ -124,9 +126,10 @@ def prepare(options):
     return job, design, distance
 
 
-def cut(rows, size):
-    """Blocks: number, first scene, rows."""
-    return [(number, first, rows[first : first + size]) for number, first in enumerate(range(0, len(rows), size))]
+def cut(rows, size, ranges=None):
+    """Blocks of these ranges of scenes, by default of all: first scene, rows."""
+    ranges = [(0, len(rows))] if ranges is None else ranges
+    return [(first, rows[first : min(first + size, end)]) for begin, end in ranges for first in range(begin, end, size)]
 
 
 def run(options):
@@ -134,31 +137,28 @@ def run(options):
 
     job, design, distance = prepare(options)
     rows = design.rows()
-    blocks = cut(rows, options.block)
-    fingerprint = job.fingerprint(f"{design.fingerprint()} in blocks of {options.block}")
+    fingerprint = job.fingerprint(design.fingerprint())
     Path(job.folder).mkdir(parents=True, exist_ok=True)
     manifest = options.output / "batch.json"
     if manifest.is_file() and json.loads(manifest.read_text(encoding="utf-8"))["fingerprint"] != fingerprint:
-        raise ValueError(
-            f"{options.output} holds a batch of another FMU, design, schedule or block size; name another --output"
-        )
+        raise ValueError(f"{options.output} holds a batch of another FMU, design or schedule; name another --output")
     settings = {name: str(value) for name, value in sorted(vars(options).items()) if name not in ("json", "benchmark")}
     parts.write_json(manifest, {"fingerprint": fingerprint, "settings": settings})
-    missing = [block for block in blocks if not parts.is_complete(job, block[0], len(block[2]), fingerprint)]
-    there = len(rows) - sum(len(block[2]) for block in missing)
+    blocks = cut(rows, options.block, parts.missing(job, len(rows), fingerprint))
+    there = len(rows) - sum(len(block[1]) for block in blocks)
     if there:
         print(f"{there} of {len(rows)} scenes are there already.", file=sys.stderr)
     given_up = {}
-    if missing:
+    if blocks:
         progress = Progress(len(rows), there)
         with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
-            with pool.client(options.scheduler, min(options.workers, len(missing)), scratch) as client:
-                given_up = pool.on_dask(client, job, missing, fingerprint, progress)
+            with pool.client(options.scheduler, min(options.workers, len(blocks)), scratch) as client:
+                given_up = pool.on_dask(client, job, blocks, fingerprint, progress)
         progress.close()
     if given_up:
         first = next(iter(given_up.items()))
-        raise RuntimeError(f"{len(given_up)} blocks were given up, block {first[0]} for one: {first[1]}")
-    summarise(options, job, distance, len(rows) - there)
+        raise RuntimeError(f"{len(given_up)} blocks were given up, that of scene {first[0]} for one: {first[1]}")
+    summarise(options, job, design, distance, len(rows), len(rows) - there)
 
 
 def life_of(table, distance):
@@ -172,12 +172,13 @@ def life_of(table, distance):
     return (life, "runs of the schedule") if distance is None else (life * distance / 1e3, "km")
 
 
-def summarise(options, job, distance, ran):
-    """Table, pictures and summary of a finished batch."""
+def summarise(options, job, design, distance, scenes, ran):
+    """Table, pictures and summary of a finished batch. Scenes of a larger one before are left out."""
     import charts
     import sensitivity
 
     table, unit = parts.read_all(job.folder)
+    table = table[table["scene"] < scenes].reset_index(drop=True)
     good = table[table["status"] == parts.OK]
     reasons = table.loc[table["status"] != parts.OK, "reason"].str.slice(0, 300).value_counts()
     summary = {
@@ -201,13 +202,23 @@ def summarise(options, job, distance, ran):
             low, median, high = np.percentile(values, [10, 50, 90])
             summary["results"][label] = {"unit": own_unit, "p10": low, "median": median, "p90": high}
     # Below, the classes of the sensitivities hold a handful of scenes each.
-    if not options.no_plots and len(good) >= 50:
-        title = f"{Path(job.fmu).stem}, {options.schedule}: {len(good):,} scenes, {summary['failed']} failed"
+    if options.total_order and len(good):
+        x = table[list(job.variables)].to_numpy()
+        columns = {"pad wear": "wear_depth_punch", "peak temperature": "contact_temperature_max.peak", "friction energy": "dissipated_energy"}
+        found = {label: sensitivity.analyse_total_order(design, x, table[name]) for label, name in columns.items()}
+        summary["total_order"] = {
+            label: dict(zip(job.variables, result.total_order.tolist())) for label, result in found.items()
+        }
+    elif not options.no_plots and len(good) >= 50:
         x = good[list(job.variables)].to_numpy()
         found = {label: sensitivity.analyse(x, values) for label, (values, _) in results.items()}
-        summary["sensitivities"] = {
-            label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
-        }
+    else:
+        found = {}
+    summary["sensitivities"] = {
+        label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
+    }
+    if found and not options.no_plots:
+        title = f"{Path(job.fmu).stem}, {options.schedule}: {len(good):,} scenes, {summary['failed']} failed"
         charts.sensitivities(options.output / "sensitivities.png", job.variables, found, title)
         summary["files"].append(str(options.output / "sensitivities.png"))
         if lasting.size:
@@ -215,6 +226,9 @@ def summarise(options, job, distance, ran):
             summary["files"].append(str(options.output / "wear_life.png"))
     parts.write_json(options.output / "summary.json", summary)
     report(options, summary)
+    if not len(good):
+        reason = f", the first for: {table['reason'][0]}" if options.json else "; their reasons are above"
+        raise RuntimeError(f"every one of the {len(table)} scenes failed{reason}")
 
 
 def report(options, summary):
@@ -230,6 +244,9 @@ def report(options, summary):
     for label, indices in summary.get("sensitivities", {}).items():
         strongest = sorted(indices.items(), key=lambda pair: -pair[1])[:3]
         print(f"  {label}: " + ", ".join(f"{name} {100 * index:.0f} %" for name, index in strongest))
+    for label, indices in summary.get("total_order", {}).items():
+        strongest = sorted(indices.items(), key=lambda pair: -pair[1])[:3]
+        print(f"  {label}, with interactions: " + ", ".join(f"{name} {100 * index:.0f} %" for name, index in strongest))
     print(f"  One row per scene in {options.output / 'parts'}; {', '.join(Path(name).name for name in summary['files'])}")
 
 
