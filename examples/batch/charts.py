@@ -85,12 +85,11 @@ def wear_life(path, life, unit, title):
                 f"{label}: {value:,.3g} {unit}" if value < 1000 else f"{label}: {value:,.0f} {unit}",
                 (value, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(3, -2),
+                xytext=(0, 3),
                 textcoords="offset points",
-                va="top",
-                rotation=90,
+                ha="center",
+                va="bottom",
                 fontsize=8,
-                bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
             )
         ticks = matplotlib.ticker.FuncFormatter(lambda value, _place: f"{value:,.4g}" if value < 1e4 else f"{value:,.0f}")
         count.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))

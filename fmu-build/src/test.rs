@@ -96,7 +96,9 @@ fn fast(tally: &mut Tally) {
         let targets = ["fmi_policy", "sources", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
-    for name in ["integration tests", "fuzzing", "packaging", "fmpy tests", "Python package", "cost of a step", "real time"] {
+    for name in
+        ["integration tests", "fuzzing", "packaging", "fmpy tests", "Python package", "cost of a step", "real time"]
+    {
         tally.skip(name, "not requested: --fast");
     }
 }

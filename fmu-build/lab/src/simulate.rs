@@ -37,8 +37,9 @@ pub struct Arguments {
     /// divided into equal steps.
     #[arg(long, value_name = "TIME", value_parser = step, allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv.
-    #[arg(short, long, value_name = "FILE.csv")]
+    /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv. With the ending
+    /// .parquet as Parquet, with the CSV beside it.
+    #[arg(short, long, value_name = "FILE.csv|.parquet")]
     output: Option<PathBuf>,
     /// Draw inputs, outputs, energy balance and, for a contact line, pressure, temperature and worn shape over the contact, as
     /// SVG, PDF or PNG by the file's ending.
@@ -81,11 +82,20 @@ fn step(given: &str) -> Result<f64, String> {
 /// Everything wrong with the arguments, the scene and the files, by file, line, variable and value; a step that fails; a file
 /// that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), "csv")?;
+    let parquet = arguments
+        .output
+        .as_deref()
+        .filter(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet")));
+    if parquet.is_none() {
+        output::check_ending(arguments.output.as_deref(), "csv")?;
+    }
+    // The table of a Parquet file is that of the CSV beside it.
+    let table =
+        arguments.output.as_ref().map(|path| if parquet.is_some() { path.with_extension("csv") } else { path.clone() });
     if let Some(plot) = &arguments.plot {
         figure::format(plot)?;
     }
-    let written = [("--output", &arguments.output), ("--plot", &arguments.plot)];
+    let written = [("--output", &table), ("--output", &arguments.output), ("--plot", &arguments.plot)];
     for (option, path) in written {
         write::check_folder(option, path.as_deref())?;
         refuse_to_replace(option, path.as_deref(), arguments)?;
@@ -106,8 +116,12 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     })?;
     progress.finish();
     let mut files = Vec::new();
-    if let Some(path) = arguments.output.as_deref().filter(|_| !recording.times.is_empty()) {
+    if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
         write::courses(path, &recording)?;
+        if let Some(parquet) = parquet {
+            crate::python::parquet(path, parquet)?;
+            files.push(parquet.display().to_string());
+        }
         files.push(path.display().to_string());
         if !recording.profiles.is_empty() {
             let profiles = write::beside(path);

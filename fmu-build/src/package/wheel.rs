@@ -76,7 +76,10 @@ pub fn unpacked(fmus: &[&str]) -> Result<PathBuf> {
     let mut files = sources()?;
     let library = for_scripts()?;
     let name = library.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    files.insert(format!("{PACKAGE}/{name}"), fs::read(&library).with_context(|| format!("reading {}", library.display()))?);
+    files.insert(
+        format!("{PACKAGE}/{name}"),
+        fs::read(&library).with_context(|| format!("reading {}", library.display()))?,
+    );
     for &name in fmus {
         files.insert(format!("{PACKAGE}/fmus/{name}.fmu"), fmu(name, of_this_machine()?)?);
     }
