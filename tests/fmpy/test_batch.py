@@ -350,6 +350,32 @@ def test_a_batch_is_widened_and_says_what_failed(tmp_path):
         assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
 
 
+def test_the_job_file_runs_a_sweep(tmp_path):
+    """Under a stand-in for Slurm's `srun`, which starts the one task here."""
+    if os.name == "nt":
+        pytest.skip("a job file of a shell")
+    python = Path(needed("SLIDING_CONTACT_BATCH_PYTHON"))
+    stub = tmp_path / "srun"
+    stub.write_text('#!/bin/sh\nexec "$@"\n')
+    stub.chmod(0o755)
+    table = tmp_path / "design.csv"
+    table.write_text("name,low,high,scale\npunch.width,0.08,0.11,linear\n")
+    environment = clean_environment() | {
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+        "ENVIRONMENT": str(python.parents[1]),
+        "OUTPUT": str(tmp_path / "sweep"),
+        "SCRIPT": str(BATCH / "sweep.py"),
+        "SLURM_JOB_ID": "7",
+    }
+    arguments = ["--fmu", str(file_of("disc_brake")), "--design", str(table), "--scenes", "6", "--block", "3"]
+    arguments += ["--schedule", "stops", "--every", "100", "--no-plots", "--json"]
+    job = ["sh", str(BATCH / "sweep.slurm"), *arguments]
+    run = subprocess.run(job, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr
+    assert json.loads(run.stdout)["ran_now"] == 6
+    assert not list((tmp_path / "sweep").glob("scheduler*"))
+
+
 def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
     command = needed("SLIDING_CONTACT_COMMAND")
     inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.parquet"
