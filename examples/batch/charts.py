@@ -44,6 +44,10 @@ def sensitivities(path, names, results, title):
             variance.barh(
                 offset, index, thickness, color=colour, label=label, xerr=[low, high], error_kw={"elinewidth": 0.8}
             )
+            if result.total_order is not None:
+                total = np.clip(result.total_order[order], 0.0, 1.0)
+                label = "total order (with interactions)" if at == len(results) - 1 else None
+                variance.barh(offset, total, thickness, facecolor="none", edgecolor="black", linewidth=0.7, label=label)
             rank.barh(offset, result.rank_correlation[order], thickness, color=colour, label=label)
         variance.set_yticks(place, [names[at] for at in order])
         variance.set_xlabel("first-order index $S_i$: part of the variance explained [1]\n(bar: 95 % interval)")
@@ -81,12 +85,11 @@ def wear_life(path, life, unit, title):
                 f"{label}: {value:,.3g} {unit}" if value < 1000 else f"{label}: {value:,.0f} {unit}",
                 (value, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(3, -2),
+                xytext=(0, 3),
                 textcoords="offset points",
-                va="top",
-                rotation=90,
+                ha="center",
+                va="bottom",
                 fontsize=8,
-                bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
             )
         ticks = matplotlib.ticker.FuncFormatter(lambda value, _place: f"{value:,.4g}" if value < 1e4 else f"{value:,.0f}")
         count.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))

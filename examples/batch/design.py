@@ -83,8 +83,36 @@ class Design:
         """
         exponent = max(1, math.ceil(math.log2(self.scenes)))
         unit = qmc.Sobol(len(self.variables), scramble=True, seed=self.seed).random_base2(exponent)[: self.scenes]
+        return self.spread(unit)
+
+    def spread(self, unit):
+        """Scenes for rows of numbers from 0 to 1."""
         return np.column_stack([variable.spread(column) for variable, column in zip(self.variables, unit.T)])
 
     def fingerprint(self):
-        text = repr((self.variables, self.scenes, self.seed))
+        """Of everything but the number of scenes: a larger design continues a smaller one."""
+        text = repr((type(self).__name__, self.variables, self.seed))
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+class TotalOrderDesign(Design):
+    """Saltelli's design for total-order indices, by SALib: groups of one base point, one for each variable, and another base point.
+
+    Of D variables a group has D + 2 scenes; there is a power of two of groups, the largest that `scenes` has room for.
+    """
+
+    @property
+    def groups(self):
+        size = len(self.variables) + 2
+        if self.scenes < 2 * size:
+            raise ValueError(f"total-order indices of {size - 2} variables need at least {2 * size} scenes, not {self.scenes}")
+        return 2 ** math.floor(math.log2(self.scenes / size))
+
+    def problem(self):
+        """The variables as SALib takes them, as numbers from 0 to 1."""
+        return {"num_vars": len(self.variables), "names": self.names, "bounds": [[0.0, 1.0]] * len(self.variables)}
+
+    def rows(self):
+        from SALib.sample import sobol
+
+        return self.spread(sobol.sample(self.problem(), self.groups, calc_second_order=False, seed=self.seed))

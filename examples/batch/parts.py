@@ -12,11 +12,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-import host
+from sliding_contact import host
 
 FINGERPRINT = b"fingerprint"
 OK = "ok"
-_open = {}  # of this process: its one instance, by FMU and library
+_open = {}  # of this process: its one instance, by FMU
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,6 @@ class Job:
     """Everything that the blocks of one batch share. The paths must mean the same files on every machine."""
 
     fmu: str
-    library: str
     folder: str  # of the parts
     schedule: host.Schedule
     variables: tuple  # names of the design's columns
@@ -49,32 +48,39 @@ class Job:
         return [*self.variables, *self.outputs, *(f"{name}.peak" for name in self.peaks)]
 
 
-def path_of(job, block):
-    return Path(job.folder) / f"part-{block:06d}.parquet"
+def path_of(job, first):
+    """File of the block that begins with the scene `first`."""
+    return Path(job.folder) / f"part-{first:06d}.parquet"
 
 
-def is_complete(job, block, scenes, fingerprint):
-    """Whether the block's file is there, readable, of this batch and of the right length."""
-    path = path_of(job, block)
+def _rows_in(path, fingerprint):
+    """Rows of a part; 0 where it is not there or not readable. One of another batch is refused."""
     try:
         metadata = pq.read_metadata(path)
-    except FileNotFoundError:
-        return False
     except (OSError, pa.ArrowInvalid):
-        return False
+        return 0
     if (metadata.metadata or {}).get(FINGERPRINT) != fingerprint.encode():
         raise ValueError(f"{path} belongs to another batch; name another output folder")
-    return metadata.num_rows == scenes
+    return metadata.num_rows
+
+
+def missing(job, scenes, fingerprint):
+    """Ranges of scenes that no part holds: first scene and the one after the last. Parts may be of any size, from shorter batches too."""
+    there = np.zeros(scenes, dtype=bool)
+    for path in Path(job.folder).glob("part-*.parquet"):
+        first = int(path.stem.removeprefix("part-"))
+        there[first : first + _rows_in(path, fingerprint)] = True
+    edges = np.flatnonzero(np.diff(np.concatenate([[True], there, [True]])))
+    return edges.reshape(-1, 2).tolist()
 
 
 def _instance(job, scratch):
     """This process's instance of the job's FMU, opened with the first block."""
-    key = (job.fmu, job.library)
-    if key not in _open:
+    if job.fmu not in _open:
         digest = hashlib.sha256(Path(job.fmu).read_bytes()).hexdigest()[:16]
         folder = host.unpack(job.fmu, Path(scratch) / f"fmu-{digest}")
-        _open[key] = host.Fmu(folder, job.library)
-    return _open[key]
+        _open[job.fmu] = host.Fmu(folder)
+    return _open[job.fmu]
 
 
 def _points(job):
@@ -115,7 +121,7 @@ def run_block(job, first, rows):
             )
         except host.Failure as failure:
             if failure.stage == "library":
-                _open.pop((job.fmu, job.library)).close()
+                _open.pop(job.fmu).close()
                 raise
             status.append(failure.stage)
             reasons.append(failure.reason)
@@ -137,9 +143,9 @@ def units(job, fmu):
     return {column: "1" if column.endswith(".factor") else fmu.unit(name) for column, name in names.items()}
 
 
-def write_part(job, block, columns, fingerprint):
+def write_part(job, first, columns, fingerprint):
     """Writes a block's file under another name and renames it: the file is complete or absent."""
-    unit = {**units(job, _open[(job.fmu, job.library)]), "scene": "1", "cpu_seconds": "s"}
+    unit = {**units(job, _open[job.fmu]), "scene": "1", "cpu_seconds": "s"}
     fields, arrays = [], []
     for name, values in columns.items():
         # A scene that failed has no results: null, not a number.
@@ -148,7 +154,7 @@ def write_part(job, block, columns, fingerprint):
         fields.append(pa.field(name, array.type, metadata=metadata))
         arrays.append(array)
     schema = pa.schema(fields, metadata={FINGERPRINT: fingerprint.encode()})
-    path = path_of(job, block)
+    path = path_of(job, first)
     partial = path.with_name(f".{path.name}.{platform.node()}.{os.getpid()}")
     try:
         pq.write_table(pa.Table.from_arrays(arrays, schema=schema), partial)
@@ -159,14 +165,14 @@ def write_part(job, block, columns, fingerprint):
         partial.unlink(missing_ok=True)
 
 
-def run_part(job, block, first, rows, fingerprint):
+def run_part(job, first, rows, fingerprint):
     """One task: runs a block and writes its file unless it is there; returns scenes run, failed, and CPU seconds."""
     _refuse_threads()
-    if is_complete(job, block, len(rows), fingerprint):
+    if _rows_in(path_of(job, first), fingerprint) == len(rows):
         # Written by a worker that was lost before it could say so.
         return 0, 0, 0.0
     columns = run_block(job, first, rows)
-    write_part(job, block, columns, fingerprint)
+    write_part(job, first, columns, fingerprint)
     failed = sum(status != OK for status in columns["status"])
     return len(rows), failed, float(np.sum(columns["cpu_seconds"]))
 

@@ -36,19 +36,18 @@ def client(address, workers, folder):
                         f"{len(many)} workers of {address} have several threads, {many[0]} for one; an instance takes a "
                         "process of its own: start them with `dask worker --nworkers N --nthreads 1`"
                     )
-                for module in ("host.py", "parts.py"):
-                    own.upload_file(str(parts.Path(__file__).with_name(module)))
+                own.upload_file(str(parts.Path(__file__).with_name("parts.py")))
                 yield own
 
 
 def on_dask(own, job, blocks, fingerprint, finished):
-    """Runs blocks `(number, first scene, rows)`; calls `finished(scenes, failed, seconds)` after each.
+    """Runs blocks `(first scene, rows)`; calls `finished(scenes, failed, seconds)` after each.
 
-    Returns the reasons of blocks that were given up, by number.
+    Returns the reasons of blocks that were given up, by first scene.
     """
     futures = {
-        own.submit(parts.run_part, job, number, first, rows, fingerprint, pure=False, key=f"part-{number:06d}-{fingerprint[:8]}"): number
-        for number, first, rows in blocks
+        own.submit(parts.run_part, job, first, rows, fingerprint, pure=False, key=f"part-{first:06d}-{fingerprint[:8]}"): first
+        for first, rows in blocks
     }
     given_up = {}
     for future in as_completed(futures):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from host import Schedule
+from sliding_contact.host import Schedule
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "disc_brake"))
 

@@ -1,6 +1,6 @@
 """A design of experiments with the FMU of a brake: thousands of scenes on Dask, one row each.
 
-    python sweep.py --fmu SlidingContact.disc_brake.fmu --host libfmu_host.so --output results
+    python sweep.py --output results
 
 Run it again after whatever stopped it: finished parts stay, the rest is run. README.md says how to use a cluster.
 """
@@ -17,10 +17,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-import host
 import parts
 import schedules
-from design import Design
+from design import Design, TotalOrderDesign
+from sliding_contact import fmu, host
 
 HERE = Path(__file__).resolve().parent
 OUTPUTS = (
@@ -40,13 +40,13 @@ WANTED_LOSS = 0.15
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--fmu", type=Path, required=True, help="the FMU of a brake")
-    parser.add_argument("--host", type=Path, required=True, help="the host library, libfmu_host.so")
+    parser.add_argument("--fmu", type=Path, help="the FMU of a brake; default: the stock one of the Python package")
     parser.add_argument("--output", type=Path, required=True, help="folder of the batch; an unfinished one is continued")
     parser.add_argument("--design", type=Path, default=HERE / "brake_design.csv", help="CSV: name, low, high, scale")
     parser.add_argument("--schedule", default="udds", help="udds (default), hwfet, stops, or a CSV file of inputs over time")
     parser.add_argument("--interpolation", choices=host.INTERPOLATIONS, default="hold", help="between the schedule's rows")
     parser.add_argument("--scenes", type=int, default=None, help="default 10,000; with --benchmark 2,000")
+    parser.add_argument("--total-order", action="store_true", help="Saltelli's design and total-order indices, by SALib")
     parser.add_argument("--seed", type=int, default=1, help="of the design")
     parser.add_argument("--block", type=int, default=200, help="scenes per task")
     parser.add_argument("--step", type=float, default=0.1, help="communication step in seconds")
@@ -57,6 +57,7 @@ def arguments():
     parser.add_argument("--benchmark", action="store_true", help="only measure: a scene's cost, and what Dask costs")
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     options = parser.parse_args()
+    options.fmu = options.fmu or fmu("disc_brake")
     options.scenes = options.scenes or (2_000 if options.benchmark else 10_000)
     for name in ("scenes", "block", "workers"):
         if getattr(options, name) < 1:
@@ -67,9 +68,9 @@ def arguments():
     return options
 
 
-def start_values(fmu):
+def start_values(path):
     """Start values by name, as texts, from the model description."""
-    with zipfile.ZipFile(fmu) as archive:
+    with zipfile.ZipFile(path) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     return {variable.get("name"): variable[0].get("start") for variable in root.iter("ScalarVariable")}
 
@@ -104,7 +105,8 @@ def prepare(options):
     """Job, design, and the distance that one run of the schedule stands for [m] (`None`: unknown)."""
     import road_load
 
-    design = Design.read(options.design, options.scenes, options.seed)
+    kind = TotalOrderDesign if options.total_order else Design
+    design = kind.read(options.design, options.scenes, options.seed)
     starts = start_values(options.fmu)
     brake = road_load.Brake.of(starts)
     schedule, distance = schedules.of_name(options.schedule, brake, options.interpolation)
@@ -113,7 +115,6 @@ def prepare(options):
         raise ValueError(f"{options.fmu} has no variable {', '.join(unknown)}, which {options.design} varies")
     job = parts.Job(
         fmu=str(options.fmu.resolve()),
-        library=str(options.host.resolve()),
         folder=str(options.output.resolve() / "parts"),
         schedule=schedule,
         variables=tuple(design.names),
@@ -125,9 +126,10 @@ def prepare(options):
     return job, design, distance
 
 
-def cut(rows, size):
-    """Blocks: number, first scene, rows."""
-    return [(number, first, rows[first : first + size]) for number, first in enumerate(range(0, len(rows), size))]
+def cut(rows, size, ranges=None):
+    """Blocks of these ranges of scenes, by default of all: first scene, rows."""
+    ranges = [(0, len(rows))] if ranges is None else ranges
+    return [(first, rows[first : min(first + size, end)]) for begin, end in ranges for first in range(begin, end, size)]
 
 
 def run(options):
@@ -135,31 +137,28 @@ def run(options):
 
     job, design, distance = prepare(options)
     rows = design.rows()
-    blocks = cut(rows, options.block)
-    fingerprint = job.fingerprint(f"{design.fingerprint()} in blocks of {options.block}")
+    fingerprint = job.fingerprint(design.fingerprint())
     Path(job.folder).mkdir(parents=True, exist_ok=True)
     manifest = options.output / "batch.json"
     if manifest.is_file() and json.loads(manifest.read_text(encoding="utf-8"))["fingerprint"] != fingerprint:
-        raise ValueError(
-            f"{options.output} holds a batch of another FMU, design, schedule or block size; name another --output"
-        )
+        raise ValueError(f"{options.output} holds a batch of another FMU, design or schedule; name another --output")
     settings = {name: str(value) for name, value in sorted(vars(options).items()) if name not in ("json", "benchmark")}
     parts.write_json(manifest, {"fingerprint": fingerprint, "settings": settings})
-    missing = [block for block in blocks if not parts.is_complete(job, block[0], len(block[2]), fingerprint)]
-    there = len(rows) - sum(len(block[2]) for block in missing)
+    blocks = cut(rows, options.block, parts.missing(job, len(rows), fingerprint))
+    there = len(rows) - sum(len(block[1]) for block in blocks)
     if there:
         print(f"{there} of {len(rows)} scenes are there already.", file=sys.stderr)
     given_up = {}
-    if missing:
+    if blocks:
         progress = Progress(len(rows), there)
         with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
-            with pool.client(options.scheduler, min(options.workers, len(missing)), scratch) as client:
-                given_up = pool.on_dask(client, job, missing, fingerprint, progress)
+            with pool.client(options.scheduler, min(options.workers, len(blocks)), scratch) as client:
+                given_up = pool.on_dask(client, job, blocks, fingerprint, progress)
         progress.close()
     if given_up:
         first = next(iter(given_up.items()))
-        raise RuntimeError(f"{len(given_up)} blocks were given up, block {first[0]} for one: {first[1]}")
-    summarise(options, job, distance, len(rows) - there)
+        raise RuntimeError(f"{len(given_up)} blocks were given up, that of scene {first[0]} for one: {first[1]}")
+    summarise(options, job, design, distance, len(rows), len(rows) - there)
 
 
 def life_of(table, distance):
@@ -173,12 +172,13 @@ def life_of(table, distance):
     return (life, "runs of the schedule") if distance is None else (life * distance / 1e3, "km")
 
 
-def summarise(options, job, distance, ran):
-    """Table, pictures and summary of a finished batch."""
+def summarise(options, job, design, distance, scenes, ran):
+    """Table, pictures and summary of a finished batch. Scenes of a larger one before are left out."""
     import charts
     import sensitivity
 
     table, unit = parts.read_all(job.folder)
+    table = table[table["scene"] < scenes].reset_index(drop=True)
     good = table[table["status"] == parts.OK]
     reasons = table.loc[table["status"] != parts.OK, "reason"].str.slice(0, 300).value_counts()
     summary = {
@@ -202,13 +202,23 @@ def summarise(options, job, distance, ran):
             low, median, high = np.percentile(values, [10, 50, 90])
             summary["results"][label] = {"unit": own_unit, "p10": low, "median": median, "p90": high}
     # Below, the classes of the sensitivities hold a handful of scenes each.
-    if not options.no_plots and len(good) >= 50:
-        title = f"{Path(job.fmu).stem}, {options.schedule}: {len(good):,} scenes, {summary['failed']} failed"
+    if options.total_order and len(good):
+        x = table[list(job.variables)].to_numpy()
+        columns = {"pad wear": "wear_depth_punch", "peak temperature": "contact_temperature_max.peak", "friction energy": "dissipated_energy"}
+        found = {label: sensitivity.analyse_total_order(design, x, table[name]) for label, name in columns.items()}
+        summary["total_order"] = {
+            label: dict(zip(job.variables, result.total_order.tolist())) for label, result in found.items()
+        }
+    elif not options.no_plots and len(good) >= 50:
         x = good[list(job.variables)].to_numpy()
         found = {label: sensitivity.analyse(x, values) for label, (values, _) in results.items()}
-        summary["sensitivities"] = {
-            label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
-        }
+    else:
+        found = {}
+    summary["sensitivities"] = {
+        label: dict(zip(job.variables, result.first_order.tolist())) for label, result in found.items()
+    }
+    if found and not options.no_plots:
+        title = f"{Path(job.fmu).stem}, {options.schedule}: {len(good):,} scenes, {summary['failed']} failed"
         charts.sensitivities(options.output / "sensitivities.png", job.variables, found, title)
         summary["files"].append(str(options.output / "sensitivities.png"))
         if lasting.size:
@@ -216,6 +226,9 @@ def summarise(options, job, distance, ran):
             summary["files"].append(str(options.output / "wear_life.png"))
     parts.write_json(options.output / "summary.json", summary)
     report(options, summary)
+    if not len(good):
+        reason = f", the first for: {table['reason'][0]}" if options.json else "; their reasons are above"
+        raise RuntimeError(f"every one of the {len(table)} scenes failed{reason}")
 
 
 def report(options, summary):
@@ -231,6 +244,9 @@ def report(options, summary):
     for label, indices in summary.get("sensitivities", {}).items():
         strongest = sorted(indices.items(), key=lambda pair: -pair[1])[:3]
         print(f"  {label}: " + ", ".join(f"{name} {100 * index:.0f} %" for name, index in strongest))
+    for label, indices in summary.get("total_order", {}).items():
+        strongest = sorted(indices.items(), key=lambda pair: -pair[1])[:3]
+        print(f"  {label}, with interactions: " + ", ".join(f"{name} {100 * index:.0f} %" for name, index in strongest))
     print(f"  One row per scene in {options.output / 'parts'}; {', '.join(Path(name).name for name in summary['files'])}")
 
 
@@ -243,8 +259,8 @@ def benchmark(options):
     steps = round(float(job.schedule.times[-1]) / options.step)
     with tempfile.TemporaryDirectory(prefix="sliding-contact-") as scratch:
         folder = Path(scratch)
-        with host.Fmu(host.unpack(options.fmu, folder / "fmu"), options.host) as fmu:
-            cpu, wall = fastest_scene(fmu, job)
+        with host.Fmu(host.unpack(options.fmu, folder / "fmu")) as loaded:
+            cpu, wall = fastest_scene(loaded, job)
         walls = {"processes": [], "dask": []}
         cpus = {"processes": [], "dask": []}
         with pool.client(options.scheduler, options.workers, folder) as client:
@@ -303,12 +319,12 @@ def benchmark(options):
         print(f"  The machine is busy: even the fastest scene took {wall / cpu:.1f} times its CPU time.")
 
 
-def fastest_scene(fmu, job):
+def fastest_scene(loaded, job):
     """CPU and wall seconds of the scene as packaged; the best of many, since other work only ever adds."""
     cpu = wall = float("inf")
     for _ in range(40):
         begin, clock = time.perf_counter(), time.thread_time()
-        host.run_schedule(fmu, {}, job.schedule, outputs=OUTPUTS, step=job.step)
+        host.run_schedule(loaded, {}, job.schedule, outputs=OUTPUTS, step=job.step)
         cpu, wall = min(cpu, time.thread_time() - clock), min(wall, time.perf_counter() - begin)
     return cpu, wall
 

@@ -8,7 +8,6 @@
 
 pub mod batch;
 pub mod bench;
-pub mod columns;
 pub mod native;
 pub mod output;
 pub mod package;
@@ -19,3 +18,5 @@ pub mod realtime;
 pub mod run;
 pub mod scenes;
 pub mod test;
+
+pub use scene_file::columns;

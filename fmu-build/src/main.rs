@@ -20,6 +20,7 @@ struct CommandLine {
 #[derive(Subcommand, Debug)]
 enum Command {
     Package(package::Arguments),
+    Wheel(package::wheel::Arguments),
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
         [help, name, ..] if help == "help" && native::has(name) => native::forward(&arguments),
         _ => match CommandLine::parse().command {
             Command::Package(arguments) => package::execute(&arguments),
+            Command::Wheel(arguments) => package::wheel::execute(&arguments),
             Command::Run(arguments) => run::execute(&arguments),
             Command::Test(arguments) => test::execute(&arguments),
             Command::Bench(arguments) => bench::execute(&arguments),

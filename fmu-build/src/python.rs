@@ -45,6 +45,9 @@ const REQUIREMENTS: [(Tier, &str, &str); 4] = [
 /// Packages of the batch examples: an environment of its own, because a cluster's workers need the same and no more.
 const BATCH: Requirements = ("batch", include_str!("../../examples/batch/requirements.txt"));
 
+/// What the tests of the Python package need beside those.
+const PACKAGE: Requirements = ("package", include_str!("../python/package.txt"));
+
 /// Packages of the peers that the charts compare with.
 const PEERS: Requirements = ("peers", include_str!("../../benches/peers/requirements.txt"));
 
@@ -88,12 +91,42 @@ pub fn batch_environment() -> Result<PathBuf> {
     ensure("python-batch", &[BATCH])
 }
 
+/// Makes the environment of the tests of the Python package, `target/python-package-environment`, unless it is there and returns its
+/// Python.
+///
+/// # Errors
+/// As [`environment`].
+pub fn package_environment() -> Result<PathBuf> {
+    ensure("python-package-environment", &[BATCH, PACKAGE])
+}
+
 /// Makes the environment of the peers in benches/peers, `target/python-peers`, unless it is there and returns its Python.
 ///
 /// # Errors
 /// As [`environment`].
 pub fn peers_environment() -> Result<PathBuf> {
     ensure("python-peers", &[PEERS])
+}
+
+/// Writes the table of a CSV file as Parquet, with the pyarrow of the batch examples.
+///
+/// # Errors
+/// Where the environment cannot be made, or a file not be read or written.
+pub fn parquet(csv: &Path, parquet: &Path) -> Result<()> {
+    const PROGRAM: &str = "import sys, pyarrow.csv as csv, pyarrow.parquet as parquet; \
+                           parquet.write_table(csv.read_csv(sys.argv[1]), sys.argv[2])";
+    let python = batch_environment()?;
+    let (csv, parquet) = (csv.as_os_str(), parquet.as_os_str());
+    let output = Command::new(&python)
+        .args(["-c".as_ref(), PROGRAM.as_ref(), csv, parquet])
+        .stdin(Stdio::null())
+        .output()
+        .with_context(|| format!("starting {}", python.display()))?;
+    if !output.status.success() {
+        let told = String::from_utf8_lossy(&output.stderr);
+        bail!("writing {}: {}", parquet.display(), told.trim().lines().last().unwrap_or("Python failed"));
+    }
+    Ok(())
 }
 
 /// Requirements of a tier, including those of the tiers before it.
@@ -387,9 +420,9 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         let mut seen_by_batch = std::collections::BTreeSet::new();
         let mut seen_by_peers = std::collections::BTreeSet::new();
-        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PEERS]) {
+        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PACKAGE, PEERS]) {
             let seen = match name {
-                _ if name == BATCH.0 => &mut seen_by_batch,
+                _ if [BATCH.0, PACKAGE.0].contains(&name) => &mut seen_by_batch,
                 _ if name == PEERS.0 => &mut seen_by_peers,
                 _ => &mut seen,
             };

@@ -1,60 +1,43 @@
-//! Finds scenes by the path of their file or by the name of a built-in one.
+//! Finds scenes by the path of their file or by the name of a shipped one, here a folder in `examples`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use scene::Scene;
-use scene::slot::{LARGEST_TOLERANCE, Packaged};
-use scene_file::{self, SceneFile};
+use anyhow::Result;
+use scene::slot::LARGEST_TOLERANCE;
+pub use scene_file::assign;
+use scene_file::{SceneFile, shipped};
 
 use crate::project;
 
-/// The scene of this name or path; without one the stock scene, the variable table's own start values.
-///
-/// A path is what names an existing file, has a separator or ends in `.toml`; anything else is the name of a folder
-/// in `examples`.
-///
-/// # Errors
-/// Where there is no such scene (the built-in ones are listed), or all that is wrong with its file.
-pub fn load(scene: Option<&str>) -> Result<SceneFile> {
-    let Some(scene) = scene else {
-        return Ok(SceneFile { packaged: Packaged::stock(), description: String::new(), given: Vec::new() });
-    };
-    let path = locate(scene)?;
-    scene_file::read(&path).with_context(|| format!("the scene {}", path.display()))
+/// Folder of the shipped scenes.
+fn folder() -> PathBuf {
+    project::root().join("examples")
 }
 
-/// Gives one variable of a scene another start value: `assignment` is a line of a scene file, `key = value`, in which
-/// text may stand without its quotes (`holder.pivot_height = 30 mm`).
+/// As [`shipped::load`].
 ///
 /// # Errors
-/// Where it is no assignment, or what a scene file with that line would be refused for.
-pub fn assign(scene: &mut SceneFile, assignment: &str) -> Result<()> {
-    let Some((key, value)) = assignment.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
-        bail!("{assignment:?} must be KEY=VALUE, as holder.pivot_height=\"30 mm\"");
-    };
-    let as_it_is =
-        value.parse::<f64>().is_ok() || value.starts_with(['"', '\'', '[']) || ["true", "false"].contains(&value);
-    let value = if as_it_is { value.to_owned() } else { format!("\"{value}\"") };
-    let line = scene_file::parse(&format!("{key} = {value}\nname = {:?}\n", scene.packaged.name))
-        .with_context(|| format!("setting {assignment}"))?;
-    if line.given.is_empty() {
-        bail!("{key} is no variable of the scene");
-    }
-    for &reference in &line.given {
-        scene.packaged.starts[reference as usize] = line.packaged.starts[reference as usize];
-    }
-    scene.given.extend(line.given);
-    scene.given.sort_unstable();
-    scene.given.dedup();
-    Ok(())
+/// As [`shipped::load`].
+pub fn load(scene: Option<&str>) -> Result<SceneFile> {
+    shipped::load(scene, &folder())
+}
+
+/// As [`shipped::locate`].
+///
+/// # Errors
+/// As [`shipped::locate`].
+pub fn locate(scene: &str) -> Result<PathBuf> {
+    shipped::locate(scene, &folder())
+}
+
+/// Names of the shipped scenes, in alphabetical order.
+pub fn names() -> Vec<String> {
+    shipped::names(&folder())
 }
 
 /// Prints the warnings about the values of a scene; nothing where the scene is refused anyway.
 pub fn warn(scene: &SceneFile) {
-    let warnings =
-        Scene::new(&scene.packaged.starts, Some(scene.packaged.experiment.tolerance)).map(|scene| scene.warnings());
-    for text in warnings.unwrap_or_default() {
+    for text in shipped::warnings(scene) {
         eprintln!("warning: {text}");
     }
 }
@@ -70,39 +53,10 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// File of the scene of this name or path.
-///
-/// # Errors
-/// Where there is no such scene.
-pub fn locate(scene: &str) -> Result<PathBuf> {
-    let given = Path::new(scene);
-    if given.is_file() || given.components().count() > 1 || given.extension().is_some_and(|kind| kind == "toml") {
-        return Ok(given.to_owned());
-    }
-    let built_in = project::root().join("examples").join(scene).join("scene.toml");
-    if built_in.is_file() {
-        return Ok(built_in);
-    }
-    bail!("there is no scene {scene:?}; name a scene file or one of {}", names().join(", "))
-}
-
-/// Names of the built-in scenes, in alphabetical order.
-pub fn names() -> Vec<String> {
-    let folders = std::fs::read_dir(project::root().join("examples"));
-    let mut names: Vec<String> = folders
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter(|folder| folder.path().join("scene.toml").is_file())
-        .filter_map(|folder| folder.file_name().into_string().ok())
-        .collect();
-    names.sort();
-    names
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scene::slot::Packaged;
 
     #[test]
     fn every_built_in_scene_loads_under_the_name_of_its_folder() {

@@ -4,7 +4,7 @@ mod platforms;
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{batch, bench, native, package, project, realtime, run, scenes};
+use crate::{bench, native, package, project, realtime, run, scenes};
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -96,7 +96,9 @@ fn fast(tally: &mut Tally) {
         let targets = ["fmi_policy", "sources", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
-    for name in ["integration tests", "fuzzing", "packaging", "fmpy tests", "cost of a step", "real time"] {
+    for name in
+        ["integration tests", "fuzzing", "packaging", "fmpy tests", "Python package", "cost of a step", "real time"]
+    {
         tally.skip(name, "not requested: --fast");
     }
 }
@@ -134,9 +136,9 @@ fn usual(tally: &mut Tally) {
             std::fs::write(file, native::printed(["tables"].into_iter().chain(tolerance))?)?;
         }
         let mut command = Command::new(python);
-        // Requirements of the batch tests: the native host, the example's own environment, and this program.
+        // Requirements of the batch tests: the Python package, the example's own environment, and this program.
         command
-            .env("SLIDING_CONTACT_HOST", batch::host_library()?)
+            .env("PYTHONPATH", package::wheel::unpacked(&[BRAKE])?)
             .env("SLIDING_CONTACT_BATCH_PYTHON", python::batch_environment()?)
             .env("SLIDING_CONTACT_COMMAND", project::program()?);
         command
@@ -147,6 +149,7 @@ fn usual(tally: &mut Tally) {
             .env("PYTHONDONTWRITEBYTECODE", "1");
         step.run(command, Counter::Pytest)
     });
+    tally.step("Python package", |step| step.run(python_package()?, Counter::Pytest));
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         tally.step("cost of a step", |step| {
             for cost in bench::measure(&bench::lumped(None)?)? {
@@ -174,6 +177,23 @@ fn usual(tally: &mut Tally) {
             tally.skip(name, "the FMU that is packaged holds the library for Linux on x86-64 only");
         }
     }
+}
+
+/// Tests of the Python package: its functions, doc strings and notebooks from the package as a folder, and its wheel in an empty
+/// environment.
+fn python_package() -> Result<Command> {
+    let names = scenes::names();
+    let mut command = Command::new(python::package_environment()?);
+    command
+        .current_dir(project::root())
+        .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/python"])
+        .env("PYTHONPATH", package::wheel::unpacked(&names.iter().map(String::as_str).collect::<Vec<_>>())?)
+        .env("SLIDING_CONTACT_WHEEL", package::wheel::build(&project::target().join("dist"), None)?)
+        .env("SLIDING_CONTACT_COMMAND", project::program()?)
+        .env("MPLBACKEND", "Agg")
+        .env("MPLCONFIGDIR", project::target().join("python-package-environment").join("matplotlib"))
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    Ok(command)
 }
 
 /// Formatting and lints change with the toolchain, so they are judged by the one that the project names.

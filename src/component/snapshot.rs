@@ -141,6 +141,9 @@ impl Component {
     }
 }
 
+/// Largest magnitude of a number of a model's state, in its SI unit: what a step makes of it is still finite.
+const LARGEST_STATE: f64 = 1e60;
+
 impl Snapshot {
     /// Appends the bytes of the snapshot to `out`.
     pub fn encode(&self, out: &mut Vec<u8>) {
@@ -222,7 +225,12 @@ impl Snapshot {
         for slot in snapshot.inputs.iter_mut().chain(&mut snapshot.slopes).chain(&mut snapshot.built) {
             *slot = next()?;
         }
-        match next()? {
+        let kind = next()?;
+        // Written this way, NaN is refused too.
+        if !numbers.as_slice().iter().all(|number| number.abs() <= LARGEST_STATE) {
+            return None;
+        }
+        match kind {
             0.0 => {}
             1.0 => snapshot.state = Some(ModelState::Lumped(LumpedState::from_numbers(numbers)?)),
             2.0 => {

@@ -19,11 +19,13 @@ from component import Component
 BATCH = ROOT / "examples" / "batch"
 sys.path.insert(0, str(BATCH))
 
+# `cargo fmu test` puts the Python package on the path.
+pytest.importorskip("sliding_contact")
+
 import design as designs  # noqa: E402
-import host  # noqa: E402
 import schedules  # noqa: E402
 import sensitivity  # noqa: E402
-import wear_law  # noqa: E402
+from sliding_contact import Scene, host, wear_law  # noqa: E402
 
 INPUTS = ("sliding_velocity", "normal_load")
 OUTPUTS = ("wear_depth", "contact_temperature", "friction_force", "dissipated_energy", "limit_reached")
@@ -38,14 +40,13 @@ def needed(variable):
 
 @pytest.fixture(scope="module")
 def brake(fmus):
-    with host.Fmu(fmus("disc_brake").folder, needed("SLIDING_CONTACT_HOST")) as fmu:
+    with host.Fmu(fmus("disc_brake").folder) as fmu:
         yield fmu
 
 
 @pytest.fixture(scope="module")
-def pin(fmus):
-    with host.Fmu(fmus("pin_on_disk").folder, needed("SLIDING_CONTACT_HOST")) as fmu:
-        yield fmu
+def pin():
+    return Scene.load("pin_on_disk")
 
 
 def brake_of(fmus):
@@ -121,25 +122,25 @@ def test_a_scene_that_fails_says_why_and_leaves_no_trace(brake, cycle, stage, ch
 
 
 def test_a_wrong_guid_is_refused_when_opening(fmus, tmp_path):
-    library = needed("SLIDING_CONTACT_HOST")
     folder = host.unpack(file_of("disc_brake"), tmp_path / "fmu")
     description = folder / "modelDescription.xml"
     guid = fmus("disc_brake").description.guid
     description.write_text(description.read_text().replace(guid, "{00000000-0000-0000-0000-000000000000}"))
     with pytest.raises(host.Failure, match="GUID"):
-        host.Fmu(folder, library)
+        host.Fmu(folder)
 
 
 def test_a_larger_design_continues_a_smaller_one():
-    small, large = (designs.Design.read(BATCH / "brake_design.csv", scenes, 3) for scenes in (100, 128))
+    small, large, larger = (designs.Design.read(BATCH / "brake_design.csv", scenes, 3) for scenes in (100, 128, 300))
     rows = large.rows()
-    assert np.array_equal(small.rows(), rows[:100])
+    assert np.array_equal(small.rows(), rows[:100]) and np.array_equal(rows, larger.rows()[:128])
     for variable, column in zip(large.variables, rows.T):
         assert variable.low <= column.min() and column.max() <= variable.high
         # Sobol's sequence: each half of the range holds half of the scenes, exactly.
         middle = np.sqrt(variable.low * variable.high) if variable.scale == "log" else 0.5 * (variable.low + variable.high)
         assert np.count_nonzero(column < middle) == 64
-    assert small.fingerprint() != large.fingerprint()
+    other = designs.Design.read(BATCH / "brake_design.csv", 100, 4)
+    assert small.fingerprint() == large.fingerprint() != other.fingerprint()
     with pytest.raises(ValueError, match="log scale"):
         designs.Variable("x", 0.0, 1.0, "log")
 
@@ -158,6 +159,29 @@ def test_sensitivities_of_a_function_with_known_ones():
     excess = 49.0 / (8192 - 50)
     assert np.all(found.interval[0] <= exact) and np.all(exact <= found.interval[1] + excess)
     assert found.rank_correlation[0] > 0.3 and abs(found.rank_correlation[1]) < 0.05
+
+
+def test_total_order_indices_of_a_function_with_known_ones():
+    # Ishigami and Homma's function as above: x3 matters through its interaction with x1 alone.
+    pytest.importorskip("SALib")
+    variables = tuple(designs.Variable(name, -np.pi, np.pi) for name in ("x1", "x2", "x3"))
+    design, smaller = (designs.TotalOrderDesign(variables, scenes, 1) for scenes in (20_000, 9_000))
+    assert (design.groups, smaller.groups) == (2048, 1024)
+    x = design.rows()
+    assert np.array_equal(smaller.rows(), x[: 5 * smaller.groups])
+    y = np.sin(x[:, 0]) + 7.0 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    part = 0.1 * np.pi**4
+    whole = 49.0 / 8.0 + part / 5.0 + part**2 / 18.0 + 0.5
+    interaction = 8.0 * part**2 / 225.0
+    first = np.array([0.5 * (1.0 + part / 5.0) ** 2, 49.0 / 8.0, 0.0]) / whole
+    total = first + np.array([interaction, 0.0, interaction]) / whole
+    # A failed scene takes its group of five with it.
+    y[7] = np.nan
+    found = sensitivity.analyse_total_order(design, x, y)
+    assert found.first_order == pytest.approx(first, abs=0.02) and found.total_order == pytest.approx(total, abs=0.02)
+    assert np.all(found.total_interval[0] <= total) and np.all(total <= found.total_interval[1])
+    with pytest.raises(ValueError, match="at least 10 scenes"):
+        designs.TotalOrderDesign(variables, 9, 1).rows()
 
 
 def truth():
@@ -206,7 +230,7 @@ def test_records_that_cannot_tell_are_refused(pin):
 
 def sweep(folder, *more):
     command = [needed("SLIDING_CONTACT_BATCH_PYTHON"), str(BATCH / "sweep.py")]
-    command += ["--fmu", str(file_of("disc_brake")), "--host", needed("SLIDING_CONTACT_HOST")]
+    command += ["--fmu", str(file_of("disc_brake"))]
     command += ["--output", str(folder), "--workers", "2", "--no-plots", "--json", *more]
     return subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, env=clean_environment()
@@ -301,6 +325,85 @@ def test_a_batch_that_is_killed_loses_nothing_and_repeats_nothing(fmus, brake, t
     # Another design must not be mixed in.
     other = sweep(broken, *more, "--seed", "2")
     assert other.wait(timeout=60) != 0 and "name another --output" in other.communicate()[1]
+
+
+def test_a_batch_is_widened_and_says_what_failed(tmp_path):
+    table, folder = tmp_path / "design.csv", tmp_path / "wide"
+    table.write_text("name,low,high,scale\npunch.width,0.08,0.11,linear\n")
+    more = ("--design", str(table), "--schedule", "stops", "--step", "0.1", "--every", "100")
+    assert finish(sweep(folder, *more, "--scenes", "10", "--block", "4"))["ran_now"] == 10
+    before = parts_of(folder)
+    first = rows_of(folder)
+    # Another block size too: nothing is done again, and the scenes stay what they were.
+    assert finish(sweep(folder, *more, "--scenes", "23", "--block", "5"))["ran_now"] == 13
+    after = parts_of(folder)
+    assert all(after[name].st_ino == stat.st_ino and after[name].st_mtime_ns == stat.st_mtime_ns for name, stat in before.items())
+    rows = rows_of(folder)
+    assert [row["scene"] for row in rows] == list(range(23)) and rows[:10] == first
+    # And narrowed again.
+    assert finish(sweep(folder, *more, "--scenes", "7"))["scenes"] == 7
+    # Where every scene fails, the status says so and the reason stands on the screen.
+    table.write_text("name,low,high,scale\npunch.width,-0.2,-0.1,linear\n")
+    for arguments in ((), ("--json",)):
+        process = sweep(tmp_path / "failed", *more, "--scenes", "6", *arguments)
+        out, error = process.communicate(timeout=120)
+        assert process.returncode != 0 and "every one of the 6 scenes failed" in error and "punch.width" in out + error
+
+
+def test_the_job_file_runs_a_sweep(tmp_path):
+    """Under a stand-in for Slurm's `srun`, which starts the one task here."""
+    if os.name == "nt":
+        pytest.skip("a job file of a shell")
+    python = Path(needed("SLIDING_CONTACT_BATCH_PYTHON"))
+    stub = tmp_path / "srun"
+    stub.write_text('#!/bin/sh\nexec "$@"\n')
+    stub.chmod(0o755)
+    table = tmp_path / "design.csv"
+    table.write_text("name,low,high,scale\npunch.width,0.08,0.11,linear\n")
+    environment = clean_environment() | {
+        "PATH": f"{tmp_path}:{os.environ['PATH']}",
+        "ENVIRONMENT": str(python.parents[1]),
+        "OUTPUT": str(tmp_path / "sweep"),
+        "SCRIPT": str(BATCH / "sweep.py"),
+        "SLURM_JOB_ID": "7",
+    }
+    arguments = ["--fmu", str(file_of("disc_brake")), "--design", str(table), "--scenes", "6", "--block", "3"]
+    arguments += ["--schedule", "stops", "--every", "100", "--no-plots", "--json"]
+    job = ["sh", str(BATCH / "sweep.slurm"), *arguments]
+    run = subprocess.run(job, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr
+    assert json.loads(run.stdout)["ran_now"] == 6
+    assert not list((tmp_path / "sweep").glob("scheduler*"))
+
+
+def test_a_table_is_widened_and_written_as_parquet(tmp_path, cycle):
+    command = needed("SLIDING_CONTACT_COMMAND")
+    inputs, table, output = tmp_path / "inputs.csv", tmp_path / "design.csv", tmp_path / "out.parquet"
+    inputs.write_text("time,sliding_velocity,normal_load\n0,8,2000\n2,0,2000\n")
+    arguments = [command, "batch", str(table), "--fmu", str(file_of("disc_brake")), "--inputs", str(inputs), "-o", str(output)]
+    environment = {**clean_environment(), "CARGO_MANIFEST_DIR": str(ROOT / "fmu-build")}
+
+    def run(widths):
+        table.write_text("punch.width\n" + "".join(f"{width}\n" for width in widths))
+        done = subprocess.run([*arguments, "--jobs", "1"], capture_output=True, text=True, env=environment)
+        return done.returncode, done.stdout
+
+    status, printed = run([0.08, 0.09, -1])
+    assert status == 0 and "3 run now" in printed and "1 x" in printed and "punch.width: -1 m" in printed
+    with open(tmp_path / "out.csv", newline="") as file:
+        first = list(csv.DictReader(file))
+    status, printed = run([0.08, 0.09, -1, 0.1, 0.11])
+    assert status == 0 and "5 scenes, 1 failed; 2 run now" in printed
+    with open(tmp_path / "out.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert rows[:3] == first and len(rows) == 5
+    # A row that has changed is run again.
+    assert "1 run now" in run([0.08, 0.095, -1, 0.1, 0.11])[1]
+    status, printed = run([-1, -2])
+    assert status != 0 and "1 x" in printed
+    code = "import json, sys, pyarrow.parquet as p; print(json.dumps(p.read_table(sys.argv[1]).to_pydict()['status']))"
+    read = subprocess.run([needed("SLIDING_CONTACT_BATCH_PYTHON"), "-c", code, str(output)], check=True, capture_output=True)
+    assert json.loads(read.stdout) == ["initialisation"] * 2
 
 
 def test_the_command_continues_where_it_was_killed(tmp_path, brake, cycle):

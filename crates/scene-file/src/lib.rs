@@ -23,11 +23,15 @@
 //! dotted names are TOML's own tables. A variable that the file does not set keeps the start value of the table.
 //! Rules that join parameters are not checked here but by the scene itself.
 
+mod assignment;
+pub mod columns;
 pub mod materials;
 pub mod quantity;
+pub mod shipped;
 mod suggest;
 pub mod unit_names;
 
+pub use assignment::assign;
 pub use suggest::nearest;
 
 use std::collections::BTreeMap;

@@ -1,21 +1,14 @@
 """Makes pin_on_disk.csv: synthetic records with known truth, so that a fit can be judged.
 
-    python make_records.py SlidingContact.pin_on_disk.fmu libfmu_host.so > pin_on_disk.csv
+    python make_records.py > pin_on_disk.csv
 
 Conditions around those of ASTM G99 (10 N, 0.1 m/s, 1,000 m, steel on steel), three tests at each load; volumes from the
-FMU with the truth below, times exp(normal noise).
+scene with the truth below, times exp(normal noise).
 """
-
-import sys
-import tempfile
-from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
-import host  # noqa: E402
-import wear_law  # noqa: E402
+from sliding_contact import Scene, wear_law
 
 TRUTH = {wear_law.COEFFICIENT: 1.2e-14, wear_law.EXPONENTS["pressure"]: 1.3}
 SCATTER = 0.10  # of ln(volume): about what repeated tests show
@@ -35,10 +28,9 @@ def noise(seed):
     return np.random.default_rng(seed).normal(0.0, SCATTER, len(LOADS) * len(DISTANCES) * REPETITIONS)
 
 
-def main(fmu, library):
+def main():
     tests = conditions()
-    with tempfile.TemporaryDirectory() as scratch, host.Fmu(host.unpack(fmu, Path(scratch) / "fmu"), library) as own:
-        volumes = wear_law.Model(own, tests).volumes(TRUTH) * np.exp(noise(SEED))
+    volumes = wear_law.Model(Scene.load("pin_on_disk"), tests).volumes(TRUTH) * np.exp(noise(SEED))
     print("# Synthetic: made by make_records.py, which holds the truth. Steel pin on a steel disk, conditions around ASTM G99.")
     print(",".join(wear_law.COLUMNS))
     for load, speed, distance, volume in zip(tests.load, tests.speed, tests.distance, volumes):
@@ -46,4 +38,4 @@ def main(fmu, library):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    main()

@@ -3,16 +3,10 @@
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
-use anyhow::{Context, Result, bail};
+use analyses::cycles::{Course, Options, Station, advance};
+use anyhow::Result;
 use indicatif::{ProgressBar, ProgressStyle};
-use model::line::cycle::map::sliding_scene;
-use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
-use model::line::heat::bodies::is_resolved;
-use model::line::operators::LineOperators;
-use scene::Scene;
-use serde_json::{Value, json};
 use std::path::PathBuf;
-use steady::thermal::nominal_half_strokes;
 
 /// Advance a reciprocating scene over many cycles at nominal load and speed.
 ///
@@ -46,31 +40,6 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// Recorded quantities of a jump.
-struct Station {
-    cycles: f64,
-    length: f64,
-    estimate: f64,
-    accumulated: f64,
-    computed: usize,
-    /// Largest pressure of the forward half-stroke's mean, Pa.
-    highest_pressure: f64,
-    /// Mean worn depths of punch and strip, m.
-    worn: [f64; 2],
-    /// K; of a cold scene the ambient temperature.
-    temperature: f64,
-}
-
-struct Course {
-    name: String,
-    warm: bool,
-    mean_pressure: f64,
-    stations: Vec<Station>,
-    /// Worn depth of the punch in the end, by cell, m.
-    depth: Vec<f64>,
-    x: Vec<f64>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -99,87 +68,23 @@ fn course(arguments: &Arguments) -> Result<Course> {
         scenes::assign(&mut file, assignment)?;
     }
     scenes::warn(&file);
-    let name = file.packaged.name;
-    let mut scene = Scene::new(&file.packaged.starts, Some(file.packaged.experiment.tolerance))?;
-    if scene.nominal_stroke == 0.0 || scene.nominal_velocity == 0.0 {
-        bail!(
-            "the scene {name} is not reciprocating: nominal.stroke = {} m, nominal.velocity = {} m/s",
-            scene.nominal_stroke,
-            scene.nominal_velocity
-        );
-    }
-    if !(arguments.cycles >= 1.0 && arguments.cycles <= 1e15 && arguments.cycles.fract() == 0.0) {
-        bail!("--cycles {}: must be a whole number from 1 to 1e15", arguments.cycles);
-    }
-    if !(arguments.tolerance >= 1e-6 && arguments.tolerance <= 0.1) {
-        bail!("--tolerance {}: must be from 1e-6 to 0.1", arguments.tolerance);
-    }
-    if let Some(cells) = arguments.cells {
-        scene.cells = usize::from(cells);
-    }
-    let half_strokes = nominal_half_strokes(&scene);
-    let period = half_strokes[0].1 + half_strokes[1].1;
-    // The reduced bodies must be accurate over the whole duration.
-    scene.nominal_duration = scene.nominal_duration.max(period * arguments.cycles);
-    let warm = !arguments.cold && is_resolved(&scene);
-    let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
-    let operators = LineOperators::with_heat(&sliding_scene(&scene), warm, steady::run_in)
-        .map_err(|error| anyhow::anyhow!(error))
-        .with_context(|| format!("the scene {name}"))?;
-    let mut map = CycleMap::new(operators, half_strokes, resolution)?;
-    let (x, reference) = (map.operators().cells.centres().to_vec(), map.reference());
-    let width: f64 = map.operators().weights.iter().sum();
-    let punch = map.worn_ranges()[0].clone();
-    let start = map.start();
-    let options = JumpOptions { tolerance: arguments.tolerance, ..JumpOptions::default() };
+    let Arguments { cycles, tolerance, cells, cold, .. } = *arguments;
     let bar = ProgressBar::new(1000).with_style(ProgressStyle::with_template("{bar:30} {msg}")?);
-    let mut stations = Vec::new();
-    let mut depth = vec![0.0; x.len()];
-    let mut jumps = Jumps::new(&mut map, start, options);
-    jumps.carry_to(arguments.cycles, |jump| {
-        bar.set_position((1000.0 * (1.0 + jump.cycles).ln() / (1.0 + arguments.cycles).ln()) as u64);
-        bar.set_message(format!("{} cycles, {} computed", jump.cycles, jump.computed));
-        let pressure = &jump.passage.strokes[0].pressure;
-        depth.copy_from_slice(&jump.memory[punch.clone()]);
-        stations.push(Station {
-            cycles: jump.cycles,
-            length: jump.length,
-            estimate: jump.estimate,
-            accumulated: jump.accumulated,
-            computed: jump.computed,
-            highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
-            worn: jump.totals.volume.map(|volume| volume / width),
-            temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
-        });
-    })?;
+    let course = advance(&file, &Options { cycles, tolerance, cells, cold }, &mut |passed, computed| {
+        bar.set_position((1000.0 * (1.0 + passed).ln() / (1.0 + cycles).ln()) as u64);
+        bar.set_message(format!("{passed} cycles, {computed} computed"));
+    });
     bar.finish_and_clear();
-    let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
-    Ok(Course { name, warm, mean_pressure, stations, depth, x })
+    course
 }
 
-impl Course {
-    fn record(&self) -> Value {
-        let station = |s: &Station| {
-            json!({
-                "cycles": s.cycles,
-                "jump": s.length,
-                "estimate": s.estimate,
-                "accumulated_estimate": s.accumulated,
-                "cycles_computed": s.computed,
-                "pressure_max": s.highest_pressure,
-                "wear_depth_punch": s.worn[0],
-                "wear_depth_strip": s.worn[1],
-                "contact_temperature": if self.warm { json!(s.temperature) } else { Value::Null },
-            })
-        };
-        json!({
-            "scene": self.name,
-            "x": self.x,
-            "wear_profile_punch": self.depth,
-            "jumps": self.stations.iter().map(station).collect::<Vec<_>>(),
-        })
-    }
+/// A scene over its cycles as the command prints and draws it.
+trait Presentation {
+    fn table(&self) -> String;
+    fn figure(&self) -> Figure;
+}
 
+impl Presentation for Course {
     fn table(&self) -> String {
         let mut text = format!(
             "{}{}\n{:>12} {:>12} {:>10} {:>9} {:>10} {:>12} {:>12}",

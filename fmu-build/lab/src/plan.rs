@@ -6,10 +6,8 @@ mod inputs;
 
 use std::path::PathBuf;
 
-use anyhow::{Result, anyhow, bail};
-use model::plan::{self, Plan};
-use scene::{Fidelity, Scene};
-use serde_json::{Value, json};
+use anyhow::{Result, bail};
+use scene::Fidelity;
 
 use crate::output::{self, print_line};
 use crate::scenes;
@@ -104,15 +102,9 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             json: arguments.json,
         });
     }
-    let starts = &file.packaged.starts;
-    let importer = arguments.tolerance.or(Some(file.packaged.experiment.tolerance));
-    let mut scene = Scene::new(starts, importer).map_err(|broken| anyhow!("{broken}"))?;
-    // The plan is printed also where the scene fixes its level.
-    let fixed = scene.fidelity;
-    scene.fidelity = Fidelity::Auto;
-    let planned = plan::make(&scene, steady::run_in).map_err(|text| anyhow!(text))?;
+    let (scene, planned) = analyses::plan::choose(&file, arguments.tolerance)?;
     if arguments.json {
-        print_line!("{:#}", record(&planned.plan));
+        print_line!("{:#}", analyses::plan::record(&planned.plan));
         return Ok(());
     }
     print_line!(
@@ -125,54 +117,8 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     for line in planned.plan.lines() {
         print_line!("{line}");
     }
-    if fixed != Fidelity::Auto {
-        print_line!("The scene itself sets solver.fidelity = {}.", format!("{fixed:?}").to_lowercase());
+    if scene.fidelity != Fidelity::Auto {
+        print_line!("The scene itself sets solver.fidelity = {}.", format!("{:?}", scene.fidelity).to_lowercase());
     }
     Ok(())
-}
-
-fn record(plan: &Plan) -> Value {
-    let effects = plan.effects.iter().map(|effect| {
-        json!({
-            "effect": effect.name,
-            "measure": effect.measure,
-            "number": effect.number,
-            "kept": effect.kept,
-            "error": effect.error,
-        })
-    });
-    let candidates = plan.candidates.iter().map(|candidate| {
-        let [wear, temperature, force] = candidate.errors;
-        json!({
-            "level": candidate.model_level.level(),
-            "cells": candidate.model_level.cells(),
-            "name": candidate.model_level.to_string(),
-            "error_wear_depth": wear,
-            "error_contact_temperature": temperature,
-            "error_friction_force": force,
-            "cost_per_step_microseconds": candidate.cost,
-        })
-    });
-    let groups: serde_json::Map<String, Value> =
-        plan.groups().into_iter().map(|(name, value)| (name.to_owned(), json!(value))).collect();
-    json!({
-        "tolerance": plan.tolerance,
-        "level": plan.model_level.level(),
-        "cells": plan.model_level.cells(),
-        "model_level": plan.model_level.to_string(),
-        "meets_tolerance": plan.meets,
-        "reason": plan.reason,
-        "order": plan.order,
-        "thermal_states": { "punch": plan.states[0], "strip": plan.states[1], "moving_source": plan.states[2] },
-        "estimated_error": plan.estimated_error,
-        "reduction_error": plan.reduction_error,
-        "cost_per_step_microseconds": plan.cost_per_step,
-        "expected_run_seconds": 1e-6 * plan.run_cost,
-        "compared_steps": plan.compared_steps,
-        "compared_part": plan.covered,
-        "planning_seconds": 1e-6 * plan.planning_cost,
-        "effects": effects.collect::<Vec<_>>(),
-        "groups": groups,
-        "candidates": candidates.collect::<Vec<_>>(),
-    })
 }

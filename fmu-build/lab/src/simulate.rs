@@ -1,24 +1,19 @@
 //! `cargo fmu simulate`: a scene driven by given inputs, to a table, files and a figure, beside measurements.
 
 mod figure;
-mod measured;
 mod progress;
-mod quantity;
-mod run;
-mod summary;
-mod trajectory;
 mod write;
 
+use crate::columns::{self, Column};
 use crate::output::{self, print_line, print_text};
 use crate::scenes;
-use anyhow::{Context, Result, anyhow, bail};
-use scene::Scene;
+use analyses::simulation::{Figure, Summary, Trajectory, measured, run};
+use anyhow::{Context, Result, bail};
+use progress::Progress;
 use scene::variables::units::SECOND;
 use scene_file::quantity::text;
 use std::fs;
 use std::path::{Path, PathBuf};
-use summary::Summary;
-use trajectory::Trajectory;
 
 /// Simulate a scene with inputs of your own: table, CSV, figure, and the deviation from a measured record.
 ///
@@ -42,8 +37,9 @@ pub struct Arguments {
     /// divided into equal steps.
     #[arg(long, value_name = "TIME", value_parser = step, allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv.
-    #[arg(short, long, value_name = "FILE.csv")]
+    /// Write every input and output over time, in SI units; for a contact line also the profiles, as FILE.profiles.csv. With the ending
+    /// .parquet as Parquet, with the CSV beside it.
+    #[arg(short, long, value_name = "FILE.csv|.parquet")]
     output: Option<PathBuf>,
     /// Draw inputs, outputs, energy balance and, for a contact line, pressure, temperature and worn shape over the contact, as
     /// SVG, PDF or PNG by the file's ending.
@@ -86,11 +82,20 @@ fn step(given: &str) -> Result<f64, String> {
 /// Everything wrong with the arguments, the scene and the files, by file, line, variable and value; a step that fails; a file
 /// that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), "csv")?;
+    let parquet = arguments
+        .output
+        .as_deref()
+        .filter(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet")));
+    if parquet.is_none() {
+        output::check_ending(arguments.output.as_deref(), "csv")?;
+    }
+    // The table of a Parquet file is that of the CSV beside it.
+    let table =
+        arguments.output.as_ref().map(|path| if parquet.is_some() { path.with_extension("csv") } else { path.clone() });
     if let Some(plot) = &arguments.plot {
         figure::format(plot)?;
     }
-    let written = [("--output", &arguments.output), ("--plot", &arguments.plot)];
+    let written = [("--output", &table), ("--output", &arguments.output), ("--plot", &arguments.plot)];
     for (option, path) in written {
         write::check_folder(option, path.as_deref())?;
         refuse_to_replace(option, path.as_deref(), arguments)?;
@@ -100,17 +105,23 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         scenes::assign(&mut file, assignment)?;
     }
     let packaged = &file.packaged;
-    let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))
-        .map_err(|broken| anyhow!("the scene {}: {broken}", packaged.name))?;
-    let trajectory = match &arguments.inputs {
-        Some(path) => Trajectory::of_file(path, &packaged.starts, arguments.step)?,
-        None => Trajectory::nominal(&file, &scene, arguments.step)?,
-    };
+    let inputs = arguments.inputs.as_deref().map(|path| columns::read(path, &Column::inputs())).transpose()?;
+    let trajectory = Trajectory::new(&file, inputs, arguments.step)?;
     let record = arguments.measured.as_deref().map(measured::read).transpose()?;
-    let recording = run::run(&file, &trajectory, &arguments.at)?;
+    let (first, last) = trajectory.span();
+    let mut progress = Progress::new(first, last);
+    let recording = run(&file, &trajectory, &arguments.at, &mut |time| {
+        progress.reached(time);
+        true
+    })?;
+    progress.finish();
     let mut files = Vec::new();
-    if let Some(path) = arguments.output.as_deref().filter(|_| !recording.times.is_empty()) {
+    if let Some(path) = table.as_deref().filter(|_| !recording.times.is_empty()) {
         write::courses(path, &recording)?;
+        if let Some(parquet) = parquet {
+            crate::python::parquet(path, parquet)?;
+            files.push(parquet.display().to_string());
+        }
         files.push(path.display().to_string());
         if !recording.profiles.is_empty() {
             let profiles = write::beside(path);
@@ -127,10 +138,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         None => Vec::new(),
     };
     if let Some(path) = &arguments.plot {
-        let residual = run::energy_residual(&recording);
-        let title =
-            format!("{}, level {}; energy balance closes to {}", packaged.name, recording.level, power(residual));
-        figure::Figure::new(title, &recording, &deviations).write(path)?;
+        figure::write(&Figure::new(&packaged.name, &recording, &deviations), path)?;
         files.push(path.display().to_string());
     }
     let summary = Summary {
@@ -146,14 +154,6 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_text!("{}", summary.table());
     }
     Ok(())
-}
-
-/// A small number in the mathematical text of matplotlib: `2e-15` as 2 times a power of ten.
-fn power(number: f64) -> String {
-    match format!("{number:.0e}").split_once('e') {
-        Some((digit, exponent)) if number != 0.0 => format!("${digit}\\times 10^{{{exponent}}}$"),
-        _ => "0".into(),
-    }
 }
 
 /// Refuses to write over a file that is read.

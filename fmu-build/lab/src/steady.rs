@@ -5,22 +5,14 @@ mod law;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail};
-use elasticity::Cells;
-use elasticity::discretization::{cells_for, compliances};
-use model::line::profile::Profile;
-use scene::{Constraint, STATIONS, Scene};
-use serde_json::{Value, json};
-use steady::relative_velocity::{RelativeVelocity, assess};
-use steady::states::{Sliding, SteadyKind, SteadyState, SteadyStroke, steady_state};
-use steady::thermal::{HotState, has_hot_state, hot_state};
+use analyses::steady::{Options, Solved, direction, largest, number, solve};
+use anyhow::{Result, bail};
+use scene::Scene;
+use scene_file::SceneFile;
 
 use crate::output::{self, print_line, print_text};
 use crate::plot::{Axis, Figure, Legend, Mark, Panel, Series};
 use crate::scenes;
-
-/// Default number of cells.
-const CELLS: usize = 65;
 
 /// Default number of cells for the law, which computes many states.
 const LAW_CELLS: usize = 33;
@@ -59,19 +51,6 @@ pub struct Arguments {
     output: Option<PathBuf>,
 }
 
-/// A solved scene.
-struct Solved {
-    name: String,
-    scene: Scene,
-    cells: Cells,
-    state: SteadyState,
-    velocity: RelativeVelocity,
-    /// With heat, or the reason why there is none; `None`: nothing is heated, or without heat.
-    hot: Option<Result<HotState, String>>,
-    /// Reason why the state with heat is beyond the model's validity; it is then refused.
-    too_hot: Option<String>,
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -81,7 +60,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.law {
         return write_law(arguments);
     }
-    let solved = solve(arguments)?;
+    let solved = solve(&read(arguments)?, &arguments.options())?;
     if arguments.json {
         print_line!("{:#}", solved.record());
     } else {
@@ -93,55 +72,32 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
             print_line!("drawn in {}", path.display());
         }
     }
-    if let Some(warning) = heat::above_limit(&solved) {
+    if let Some(warning) = analyses::steady::heat::above_limit(&solved) {
         eprintln!("warning: {warning}");
     }
-    match &solved.too_hot {
-        Some(reason) => bail!("the scene {}: {reason}; --cold leaves heat out", solved.name),
-        None => Ok(()),
-    }
+    solved.check()
 }
 
-/// The scene with what the command sets, its name, and the number of cells.
-fn read(arguments: &Arguments) -> Result<(String, Scene, usize)> {
+/// The scene with what the command sets.
+fn read(arguments: &Arguments) -> Result<SceneFile> {
     let mut scene = scenes::load(arguments.scene.as_deref())?;
     for assignment in &arguments.set {
         scenes::assign(&mut scene, assignment)?;
     }
     scenes::warn(&scene);
-    let packaged = scene.packaged;
-    let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;
-    let own = if scene.cells > 0 { scene.cells } else { CELLS };
-    Ok((packaged.name, scene, arguments.cells.map_or(own, usize::from)))
+    Ok(scene)
 }
 
-fn solve(arguments: &Arguments) -> Result<Solved> {
-    let (name, scene, count) = read(arguments)?;
-    let cells = cells_for(&scene, count)?;
-    let mut sliding = Sliding::nominal(&scene);
-    match (arguments.return_speed, &mut sliding) {
-        (None, _) => {}
-        (Some(speed), Sliding::Reciprocating { speeds, .. }) => speeds[1] = speed,
-        (Some(speed), _) => bail!(
-            "--return-speed {speed} m/s: the scene {name} slides in one direction (nominal.stroke = {} m)",
-            scene.nominal_stroke
-        ),
+impl Arguments {
+    fn options(&self) -> Options {
+        Options { cells: self.cells, return_speed: self.return_speed, cold: self.cold }
     }
-    let bodies = compliances(&scene, &cells)?;
-    let state = steady_state(&scene, &cells, &bodies, &sliding).with_context(|| format!("the scene {name}"))?;
-    let velocity = assess(&scene, &cells, &bodies, &state)?;
-    let warm = !arguments.cold && has_hot_state(&scene);
-    let hot = warm.then(|| hot_state(&scene, &cells, &bodies, &sliding).map_err(|error| error.to_string()));
-    let too_hot = hot.as_ref().and_then(|hot| hot.as_ref().ok()).and_then(|hot| heat::beyond_validity(&scene, hot));
-    let hot = match &too_hot {
-        Some(reason) => Some(Err(reason.clone())),
-        None => hot,
-    };
-    Ok(Solved { name, scene, cells, state, velocity, hot, too_hot })
 }
 
 fn write_law(arguments: &Arguments) -> Result<()> {
-    let (name, scene, _) = read(arguments)?;
+    let packaged = read(arguments)?.packaged;
+    let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))?;
+    let name = packaged.name;
     if scene.nominal_stroke == 0.0 {
         bail!("the law is one of reciprocating sliding; the scene {name} is unidirectional (nominal.stroke = 0 m)");
     }
@@ -160,109 +116,13 @@ fn write_law(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn direction(stroke: &SteadyStroke) -> &'static str {
-    if stroke.velocity < 0.0 { "backward" } else { "forward" }
+/// A steady state as the command prints and draws it.
+trait Presentation {
+    fn table(&self) -> String;
+    fn figure(&self) -> Figure;
 }
 
-/// Five figures; by the exponent where they would not be seen.
-fn number(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".to_owned(),
-        size if !(1e-2..1e6).contains(&size) => format!("{value:.3e}"),
-        _ => format!("{value:.4}"),
-    }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-impl Solved {
-    fn kind(&self) -> &'static str {
-        match (self.state.kind, self.state.strokes.len()) {
-            (SteadyKind::RunIn, 1) => "run-in, unidirectional",
-            (SteadyKind::RunIn, _) => "run-in, reciprocating",
-            (SteadyKind::Groove, _) => "steady groove of the wearing strip, unidirectional",
-            (SteadyKind::Elastic, _) => "elastic: even wear of a closed path reshapes nothing",
-        }
-    }
-
-    fn mean_pressure(&self) -> f64 {
-        self.scene.nominal_load / (self.scene.count * self.scene.contact_area())
-    }
-
-    /// Pressure at the -x and +x edge; 0 where it is rounding.
-    fn edges(&self, stroke: &SteadyStroke) -> [f64; 2] {
-        let half_width = self.cells.half_width();
-        [-half_width, half_width].map(|x| {
-            let pressure = self.cells.point_value(&stroke.pressure, x);
-            if pressure > 1e-9 * self.mean_pressure() { pressure } else { 0.0 }
-        })
-    }
-
-    /// The holder by the names of its parameters.
-    fn holder(&self) -> Value {
-        let rotates = self.scene.constraint == Constraint::TranslateAndRotate;
-        let constraint = if rotates { "translate_and_rotate" } else { "translate" };
-        json!({ "constraint": constraint, "pivot_height": self.scene.pivot_height })
-    }
-
-    fn record(&self) -> Value {
-        let profile = Profile::new(&self.cells);
-        let stroke = |stroke: &SteadyStroke| {
-            let mut stations = [0.0; STATIONS];
-            profile.fill(&stroke.pressure, &mut stations);
-            json!({
-                "direction": direction(stroke),
-                "velocity": stroke.velocity,
-                "duration": stroke.duration,
-                "friction": stroke.friction,
-                "pressure": stroke.pressure,
-                "profile_pressure": stations.to_vec(),
-                "pressure_max": largest(&stroke.pressure),
-                "pressure_edges": self.edges(stroke),
-                "approach": stroke.approach,
-                "tilt": stroke.tilt,
-            })
-        };
-        // The profiles' interpolation is for depths from 0.
-        let highest = self.state.shape.iter().copied().fold(f64::INFINITY, f64::min);
-        let depths: Vec<f64> = self.state.shape.iter().map(|depth| depth - highest).collect();
-        let mut shape = [0.0; STATIONS];
-        profile.fill(&depths, &mut shape);
-        let elastic = self.velocity.elastic.as_ref().map(|elastic| {
-            json!({
-                "mean_strain": elastic.mean_strain,
-                "largest_strain": elastic.largest_strain,
-                "reversal": elastic.reversal,
-                "pivot": elastic.pivot,
-                "within_stroke": elastic.within_stroke,
-                "normal_within_stroke": elastic.normal_within_stroke,
-            })
-        });
-        json!({
-            "scene": self.name,
-            "kind": self.kind(),
-            "holder": self.holder(),
-            "stroke": self.scene.nominal_stroke,
-            "load": self.scene.nominal_load,
-            "pressure_mean": self.mean_pressure(),
-            "x": self.cells.centres(),
-            "profile_x": profile.positions().to_vec(),
-            "widths": self.cells.widths(),
-            "strokes": self.state.strokes.iter().map(stroke).collect::<Vec<_>>(),
-            "shape": self.state.shape,
-            "profile_shape": shape.to_vec(),
-            "groove": self.state.groove,
-            "punch_wear_rate": self.state.punch_wear_rate,
-            "volume_rates": self.state.volume_rates,
-            "wear_dissipation_power": self.state.dissipation_power,
-            "friction_power": self.state.friction_power,
-            "relative_velocity": { "wear": self.velocity.wear, "elastic": elastic },
-            "heat": heat::record(self),
-        })
-    }
-
+impl Presentation for Solved {
     fn table(&self) -> String {
         let state = &self.state;
         let mut lines = vec![
@@ -303,21 +163,6 @@ impl Solved {
         let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
         let line = |(name, value): &(String, String)| format!("{}\n", format!("{name:<width$}  {value}").trim_end());
         lines.iter().map(line).collect()
-    }
-
-    fn neglected(&self) -> Vec<(&'static str, f64)> {
-        let mut parts = vec![("wear, normal to it", self.velocity.wear)];
-        if let Some(elastic) = &self.velocity.elastic {
-            parts.extend([
-                ("strain of the strip's surface, mean", elastic.mean_strain),
-                ("strain of the strip's surface, |x| < .9 a", elastic.largest_strain),
-                ("turned over by a reversal, elastic", elastic.reversal),
-                ("turned over by a reversal, pivot", elastic.pivot),
-                ("elastic within a stroke", elastic.within_stroke),
-                ("elastic within a stroke, normal to it", elastic.normal_within_stroke),
-            ]);
-        }
-        parts
     }
 
     fn figure(&self) -> Figure {
@@ -376,6 +221,7 @@ impl Solved {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::Value;
 
     fn arguments(scene: &str) -> Arguments {
         Arguments {
@@ -390,9 +236,13 @@ mod tests {
         }
     }
 
+    fn solved(arguments: &Arguments) -> Result<Solved> {
+        solve(&read(arguments)?, &arguments.options())
+    }
+
     #[test]
     fn the_reciprocating_punch_is_printed_recorded_and_drawn() {
-        let solved = solve(&arguments("reciprocating_punch")).unwrap();
+        let solved = solved(&arguments("reciprocating_punch")).unwrap();
         let table = solved.table();
         for text in ["run-in, reciprocating", "peak pressure, MPa", "  33.3333\n", "jump of the approach"] {
             assert!(table.contains(text), "{text} is missing in\n{table}");
@@ -420,7 +270,7 @@ mod tests {
         for variable in ["convection", "convection_forced", "emissivity"] {
             closed.set.extend(["punch", "strip"].map(|body| format!("{body}.{variable}=0")));
         }
-        let solved = solve(&closed).unwrap();
+        let solved = solved(&closed).unwrap();
         let refused = solved.record()["heat"]["refused"].as_str().unwrap().to_owned();
         assert!(refused.contains("the bodies lose no heat") && solved.table().contains(&refused), "{refused}");
     }
@@ -430,7 +280,7 @@ mod tests {
         let rotating = ["holder.constraint=translate_and_rotate", "holder.pivot_height=30 mm"];
         let mut cold = arguments("reciprocating_punch");
         (cold.set, cold.cold) = (rotating.map(str::to_owned).to_vec(), true);
-        let record = solve(&cold).unwrap().record();
+        let record = solved(&cold).unwrap().record();
         assert_eq!(record["holder"]["constraint"], "translate_and_rotate");
         assert_eq!(record["holder"]["pivot_height"], 0.03);
         // Moment balance about the pivot: the pressure's resultant stands mu H before the middle.
@@ -446,14 +296,14 @@ mod tests {
     fn a_scene_without_a_steady_state_is_refused_with_the_reason() {
         let mut wearing = arguments("reciprocating_punch");
         wearing.return_speed = Some(-1.0);
-        let error = format!("{:#}", solve(&wearing).err().unwrap());
+        let error = format!("{:#}", solved(&wearing).err().unwrap());
         assert!(error.contains("reciprocating_punch") && error.contains("sliding speed = -1"), "{error}");
     }
 
     #[test]
     fn every_built_in_scene_has_a_steady_state_or_says_why_not() {
         for name in scenes::names() {
-            match solve(&arguments(&name)) {
+            match solved(&arguments(&name)) {
                 Ok(solved) => assert!(solved.table().contains(&name)),
                 Err(error) => assert!(format!("{error:#}").contains("no "), "{name}: {error:#}"),
             }

@@ -2,7 +2,6 @@
 
 use crate::{package, project, python};
 use anyhow::{Context, Result, bail};
-use std::path::PathBuf;
 use std::process::Command;
 
 /// A script of examples/batch.
@@ -15,11 +14,11 @@ pub enum Script {
 }
 
 impl Script {
-    /// File, and the scene whose FMU it drives unless its arguments name one.
-    fn file_and_scene(self) -> (&'static str, &'static str) {
+    /// File, and the shipped scenes whose FMUs it drives.
+    fn file_and_fmus(self) -> (&'static str, &'static [&'static str]) {
         match self {
-            Script::Sweep => ("sweep.py", "disc_brake"),
-            Script::Fit => ("fit.py", "pin_on_disk"),
+            Script::Sweep => ("sweep.py", &["disc_brake"]),
+            Script::Fit => ("fit.py", &[]),
         }
     }
 }
@@ -30,7 +29,7 @@ impl Script {
 /// Where something cannot be built or the script fails.
 pub fn run(script: Script, arguments: &[String], json: bool) -> Result<()> {
     let python = python::batch_environment()?;
-    let (file, scene) = script.file_and_scene();
+    let (file, fmus) = script.file_and_fmus();
     let is_given = |name: &str| {
         arguments.iter().any(|argument| {
             argument.strip_prefix(name).is_some_and(|rest| matches!(rest.chars().next(), None | Some('=')))
@@ -38,12 +37,8 @@ pub fn run(script: Script, arguments: &[String], json: bool) -> Result<()> {
     };
     let mut command = Command::new(&python);
     command.arg(project::root().join("examples/batch").join(file));
-    if !is_given("--fmu") {
-        command.arg("--fmu").arg(package::build(Some(scene), &package::Options::default())?);
-    }
-    if !is_given("--host") {
-        command.arg("--host").arg(library()?);
-    }
+    let fmus = if is_given("--fmu") { &[] } else { fmus };
+    command.env("PYTHONPATH", package::wheel::unpacked(fmus)?);
     if !is_given("--output") {
         command.arg("--output").arg(project::target().join("batch").join(file.trim_end_matches(".py")));
     }
@@ -60,22 +55,4 @@ pub fn run(script: Script, arguments: &[String], json: bool) -> Result<()> {
         bail!("{file} did not finish ({status})");
     }
     Ok(())
-}
-
-/// Builds the host library and returns its path.
-///
-/// # Errors
-/// Where the compiler reports an error.
-pub fn library() -> Result<PathBuf> {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
-    command
-        .args(["build", "--package", "fmu-host", "--lib", "--release", "--locked", "--quiet", "--target-dir"])
-        .arg(project::target())
-        .current_dir(project::root());
-    let status = command.status().with_context(|| format!("starting {}", command.get_program().display()))?;
-    if !status.success() {
-        bail!("building the host library failed ({status})");
-    }
-    let name = format!("{}fmu_host{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    Ok(project::target().join("release").join(name))
 }

@@ -6,12 +6,11 @@ mod results;
 mod tables;
 pub mod worker;
 
-pub use example::library as host_library;
 pub use tables::{Inputs, Table};
 pub use worker::points;
 
 use crate::output::{self, print_line};
-use crate::project;
+use crate::{project, python};
 use anyhow::{Context, Result, bail};
 use fmu_host::{Causality, Description, Interpolation, Schedule, Span, Worker};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -20,6 +19,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// Reasons of failures that are printed.
+const REASONS: usize = 10;
 /// Ending of a column that multiplies an input's column of the schedule.
 const FACTOR: &str = ".factor";
 /// Ending of a column with the largest value of an output.
@@ -42,7 +43,7 @@ pub struct Arguments {
     /// header says, as in "sliding_velocity [km/h]".
     #[arg(long, value_name = "FILE", required_unless_present = "example")]
     inputs: Option<PathBuf>,
-    /// CSV file of results.
+    /// File of results: CSV, or Parquet with the CSV beside it. The same command with a longer design runs what is missing.
     #[arg(long, short, value_name = "FILE", required_unless_present = "example")]
     output: Option<PathBuf>,
     /// Scenes that run at the same time, each in a process of its own; the default is one per core.
@@ -68,7 +69,7 @@ pub struct Arguments {
     /// Seconds between the communication points that the largest values are taken from; the default is the step.
     #[arg(long, value_name = "SECONDS")]
     every: Option<f64>,
-    /// Run a script of examples/batch instead, with FMU, host library and Python environment ready: what follows `--`
+    /// Run a script of examples/batch instead, with the Python package and its environment ready: what follows `--`
     /// goes to it.
     #[arg(
         long,
@@ -137,6 +138,8 @@ impl Text {
 struct Summary {
     scenes: usize,
     failed: usize,
+    /// The most frequent reasons, with their numbers of scenes.
+    reasons: Vec<(String, usize)>,
     ran_now: usize,
     seconds: f64,
     jobs: usize,
@@ -162,7 +165,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if jobs == 0 {
         bail!("--jobs must be at least 1");
     }
-    output::check_ending(Some(output), "csv")?;
+    let parquet = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"));
+    if !parquet {
+        output::check_ending(Some(output), "csv")?;
+    }
+    // Rows are appended to a CSV file in any case, which stands beside the other.
+    let rows = &if parquet { output.with_extension("csv") } else { output.clone() };
+    let own = fs::canonicalize(rows).ok();
+    if let Some(read) = [design, inputs].into_iter().find(|read| own.is_some() && fs::canonicalize(read).ok() == own) {
+        bail!("--output {}: its rows would replace {}, which is read", output.display(), read.display());
+    }
     let table = Table::read(design)?;
     let folder = unpack(fmu)?;
     let worker = Worker::open(&folder)?;
@@ -180,14 +192,16 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     check(&job, worker.description())?;
     drop(worker);
     let settings = format!("{:?}", (&job.step, job.interpolation, &job.record, &job.peak, &job.every));
+    // Not of the rows, which are compared one by one: a longer design continues a shorter one.
+    let columns = table.columns.join(",");
     let fingerprint =
-        results::fingerprint(&[&fs::read(fmu)?, &fs::read(design)?, &fs::read(inputs)?, settings.as_bytes()]);
+        results::fingerprint(&[&fs::read(fmu)?, columns.as_bytes(), &fs::read(inputs)?, settings.as_bytes()]);
     let header: Vec<String> = std::iter::once("scene".to_owned())
         .chain(table.columns.iter().chain(&job.record).cloned())
         .chain(job.peak.iter().map(|name| format!("{name}{PEAK}")))
         .chain(["status".to_owned(), "reason".to_owned()])
         .collect();
-    let mut results = Results::open(output, &header, &fingerprint)?;
+    let mut results = Results::open(rows, &header, &fingerprint, &table.rows)?;
     let pending: Vec<usize> = (0..table.rows.len()).filter(|&scene| !results.has(scene)).collect();
     let ran_now = pending.len();
     if ran_now < table.rows.len() {
@@ -207,19 +221,28 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     })?;
     bar.finish_and_clear();
     let seconds = begin.elapsed().as_secs_f64();
-    let failed = results.finish()?;
-    let summary = Summary { scenes: table.rows.len(), failed, ran_now, seconds, jobs, output: output.clone() };
+    let failures = results.finish()?;
+    if parquet {
+        python::parquet(rows, output)?;
+    }
+    let failed = failures.count;
+    let reasons: Vec<(String, usize)> = failures.reasons.into_iter().take(REASONS).collect();
+    let output = output.clone();
+    let summary = Summary { scenes: table.rows.len(), failed, reasons, ran_now, seconds, jobs, output };
     if arguments.json {
         print_line!("{}", serde_json::to_string_pretty(&summary)?);
     } else {
         print_line!(
             "{} scenes, {failed} failed; {ran_now} run now by {jobs} processes in {seconds:.1} s: {}",
             summary.scenes,
-            output.display()
+            summary.output.display()
         );
+        for (reason, count) in &summary.reasons {
+            print_line!("  {count} x {reason}");
+        }
     }
     if failed == summary.scenes {
-        bail!("every one of the {failed} scenes failed; the column reason of {} says why", output.display());
+        bail!("every one of the {failed} scenes failed; the column reason of {} says why", summary.output.display());
     }
     Ok(())
 }

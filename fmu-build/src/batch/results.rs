@@ -36,25 +36,42 @@ impl Row {
     }
 }
 
+/// Rows that failed, and why.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Failures {
+    /// Number of rows.
+    pub count: usize,
+    /// Reasons with their numbers of rows, the most frequent first.
+    pub reasons: Vec<(String, usize)>,
+}
+
 /// Rows that are there, and the file beside the output that holds them until all are.
+///
+/// A finished output has a file `.batch` beside it with the fingerprint of the batch, so that a longer design continues it.
 pub struct Results {
     output: PathBuf,
     partial: PathBuf,
+    batch: PathBuf,
+    fingerprint: String,
     header: Vec<String>,
     file: File,
     rows: BTreeMap<usize, Vec<String>>,
 }
 
 impl Results {
-    /// Continues what an earlier run left beside `output`, or begins.
+    /// Continues what an earlier run left beside or in `output`, or begins. Rows are those of the design where their cells are the same.
     ///
     /// # Errors
     /// Where what is there belongs to another batch, or a file cannot be read or written.
-    pub fn open(output: &Path, header: &[String], fingerprint: &str) -> Result<Self> {
+    pub fn open(output: &Path, header: &[String], fingerprint: &str, design: &[Vec<String>]) -> Result<Self> {
         let output = &project::replaceable(output)?;
-        let mut name = output.as_os_str().to_owned();
-        name.push(".partial");
-        let partial = PathBuf::from(name);
+        let beside = |ending: &str| {
+            let mut name = output.as_os_str().to_owned();
+            name.push(ending);
+            PathBuf::from(name)
+        };
+        let (partial, batch) = (beside(".partial"), beside(".batch"));
+        let is_own = |scene: usize, cells: &[String]| design.get(scene).is_some_and(|own| cells.starts_with(own));
         let context = || format!("opening {}", partial.display());
         let first = format!("# {fingerprint}\n");
         let mut rows = BTreeMap::new();
@@ -71,9 +88,25 @@ impl Results {
                     );
                 };
                 for record in csv::ReaderBuilder::new().has_headers(false).from_reader(rest).records() {
-                    let record = record.with_context(context)?;
-                    let scene = record[0].parse().with_context(context)?;
-                    rows.insert(scene, record.iter().skip(1).map(str::to_owned).collect());
+                    let (scene, cells) = cells(&record.with_context(context)?).with_context(context)?;
+                    if scene < design.len() && !is_own(scene, &cells) {
+                        bail!(
+                            "{} belongs to another design: its scene {scene} differs; remove it, or name another --output",
+                            partial.display()
+                        );
+                    }
+                    rows.insert(scene, cells);
+                }
+                rows.retain(|&scene, _| scene < design.len());
+            }
+        } else if fs::read_to_string(&batch).is_ok_and(|found| found.trim_end() == fingerprint) && output.is_file() {
+            let mut reader = csv::Reader::from_path(output).with_context(context)?;
+            if reader.headers().with_context(context)?.iter().eq(header) {
+                for record in reader.records() {
+                    let (scene, cells) = cells(&record.with_context(context)?).with_context(context)?;
+                    if is_own(scene, &cells) {
+                        rows.insert(scene, cells);
+                    }
                 }
             }
         } else if let Some(folder) = output.parent().filter(|folder| !folder.as_os_str().is_empty()) {
@@ -83,8 +116,14 @@ impl Results {
         file.set_len(whole as u64).with_context(context)?;
         if whole == 0 {
             file.write_all(first.as_bytes()).with_context(context)?;
+            for (&scene, cells) in &rows {
+                file.write_all(&Row { scene, cells: cells.clone() }.text()?).with_context(context)?;
+            }
         }
-        Ok(Self { output: output.to_owned(), partial, header: header.to_vec(), file, rows })
+        // A batch that is under way is known by its partial file alone.
+        let _ = fs::remove_file(&batch);
+        let fingerprint = fingerprint.to_owned();
+        Ok(Self { output: output.to_owned(), partial, batch, fingerprint, header: header.to_vec(), file, rows })
     }
 
     /// Whether the scene's row is there.
@@ -102,11 +141,11 @@ impl Results {
         Ok(())
     }
 
-    /// Writes the output with all rows in order, removes what was kept on the way, and returns how many failed.
+    /// Writes the output with all rows in order, removes what was kept on the way, and returns what failed.
     ///
     /// # Errors
     /// Where it cannot be written.
-    pub fn finish(self) -> Result<usize> {
+    pub fn finish(self) -> Result<Failures> {
         let context = || format!("writing {}", self.output.display());
         let mut name = self.output.as_os_str().to_owned();
         name.push(format!(".{}", std::process::id()));
@@ -119,10 +158,23 @@ impl Results {
         }
         writer.into_inner()?.sync_all().with_context(context)?;
         fs::rename(&whole, &self.output).with_context(context)?;
+        fs::write(&self.batch, format!("{}\n", self.fingerprint)).with_context(context)?;
         fs::remove_file(&self.partial).with_context(context)?;
         let status = self.header.len() - 3;
-        Ok(self.rows.values().filter(|cells| cells[status] != OK).count())
+        let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
+        for cells in self.rows.values().filter(|cells| cells[status] != OK) {
+            *reasons.entry(&cells[status + 1]).or_default() += 1;
+        }
+        let mut reasons: Vec<(String, usize)> =
+            reasons.into_iter().map(|(reason, count)| (reason.to_owned(), count)).collect();
+        reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        Ok(Failures { count: reasons.iter().map(|(_, count)| count).sum(), reasons })
     }
+}
+
+/// Scene and cells of a row.
+fn cells(record: &csv::StringRecord) -> Result<(usize, Vec<String>)> {
+    Ok((record[0].parse()?, record.iter().skip(1).map(str::to_owned).collect()))
 }
 
 /// Fingerprint of a batch, so that rows of different batches are not mixed: FNV-1a over everything, each part with its length.
@@ -153,7 +205,8 @@ mod tests {
         let _ = fs::remove_dir_all(&folder);
         let output = folder.join("out.csv");
         let header = ["scene", "punch.width", "wear_depth", "status", "reason"].map(str::to_owned);
-        let mut results = Results::open(&output, &header, "a").unwrap();
+        let design = vec![vec!["0.1".to_owned()]; 3];
+        let mut results = Results::open(&output, &header, "a", &design).unwrap();
         results.add(&row(2, "")).unwrap();
         results.add(&row(0, "too hot, \"by far\"\nsee above")).unwrap();
         drop(results);
@@ -161,18 +214,39 @@ mod tests {
         let whole = fs::read(&partial).unwrap();
         fs::write(&partial, [whole.as_slice(), b"1,0.1,1."].concat()).unwrap();
 
-        assert!(Results::open(&output, &header, "b").is_err_and(|error| error.to_string().contains("another")));
-        let mut results = Results::open(&output, &header, "a").unwrap();
+        assert!(
+            Results::open(&output, &header, "b", &design).is_err_and(|error| error.to_string().contains("another"))
+        );
+        let other = vec![vec!["0.2".to_owned()]; 3];
+        assert!(
+            Results::open(&output, &header, "a", &other)
+                .is_err_and(|error| error.to_string().contains("scene 2 differs"))
+        );
+        let mut results = Results::open(&output, &header, "a", &design).unwrap();
         assert_eq!([0, 1, 2].map(|scene| results.has(scene)), [true, false, true]);
         assert_eq!(fs::read(&partial).unwrap(), whole);
         results.add(&row(1, "")).unwrap();
-        assert_eq!(results.finish().unwrap(), 1);
+        let failures = results.finish().unwrap();
+        assert_eq!(failures, Failures { count: 1, reasons: vec![("too hot, \"by far\" see above".to_owned(), 1)] });
         assert_eq!(
             fs::read_to_string(&output).unwrap(),
             "scene,punch.width,wear_depth,status,reason\n\
              0,0.1,,stepping,\"too hot, \"\"by far\"\" see above\"\n1,0.1,1.5,ok,\n2,0.1,1.5,ok,\n"
         );
         assert!(!partial.exists());
+
+        // A longer design continues it; a row of another is computed again, as are all after a change of anything else.
+        let mut longer = vec![vec!["0.1".to_owned()]; 5];
+        longer[1][0] = "0.7".to_owned();
+        let known = |fingerprint: &str| {
+            let results = Results::open(&output, &header, fingerprint, &longer).unwrap();
+            let known: Vec<usize> = (0..5).filter(|scene| results.has(*scene)).collect();
+            fs::remove_file(&partial).unwrap();
+            known
+        };
+        assert!(known("b").is_empty());
+        fs::write(folder.join("out.csv.batch"), "a\n").unwrap();
+        assert_eq!(known("a"), [0, 2]);
         fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -1,4 +1,4 @@
-//! Builds the FMU's library: optimised, free of the paths of this machine, for old distributions too.
+//! Builds shared libraries to be shipped: optimised, free of the paths of this machine, for old distributions too.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -15,25 +15,42 @@ use crate::python::{self, Tier};
 /// Cargo's separator of compiler flags in `CARGO_ENCODED_RUSTFLAGS`; it lets paths contain spaces.
 const SEPARATOR: &str = "\u{1f}";
 
-/// Builds the library for a platform and returns its bytes, the scene slot not yet filled.
+/// A library that is shipped.
+pub struct Product {
+    /// Package with the library.
+    package: &'static str,
+    /// Name of the crate.
+    name: &'static str,
+    /// Profile of cargo that it is built with.
+    profile: &'static str,
+}
+
+/// The FMU's library, its scene slot not yet filled.
+pub const FMU: Product = Product { package: "sliding-contact", name: "sliding_contact", profile: "fmu" };
+
+/// The library of the Python package.
+pub const PYTHON: Product =
+    Product { package: "sliding-contact-python", name: "sliding_contact_native", profile: "wheel" };
+
+/// Builds a library for a platform and returns its bytes.
 ///
 /// # Errors
 /// Where the platform cannot be built here, with what would be needed, or the compiler reports an error.
-pub fn build(platform: Platform) -> Result<Vec<u8>> {
+pub fn build(platform: Platform, product: &Product) -> Result<Vec<u8>> {
     let path = match platform {
-        Platform::Linux64 => linux64()?,
-        other => with_toolchain(other)?,
+        Platform::Linux64 => linux64(product)?,
+        other => with_toolchain(other, product)?,
     };
     std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
 }
 
-/// Builds the library that this machine itself can load, the scene slot not yet filled.
+/// Builds a library that this machine itself can load.
 ///
 /// # Errors
 /// As [`build`].
-pub fn for_this_machine() -> Result<Vec<u8>> {
+pub fn for_this_machine(product: &Product) -> Result<Vec<u8>> {
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        return build(Platform::Linux64);
+        return build(Platform::Linux64, product);
     }
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.arg("rustc");
@@ -41,16 +58,16 @@ pub fn for_this_machine() -> Result<Vec<u8>> {
     let version = String::from_utf8(version.stdout)?;
     let target = version.lines().find_map(|line| line.strip_prefix("host: ")).context("rustc -vV names no host")?;
     let folder = project::target().join("system-linker");
-    cargo(command, target, &folder, &sysroot()?)?;
-    let name = format!("{}sliding_contact{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    let path = folder.join(target).join("fmu").join(name);
+    cargo(command, target, &folder, &sysroot()?, product)?;
+    let name = format!("{}{}{}", std::env::consts::DLL_PREFIX, product.name, std::env::consts::DLL_SUFFIX);
+    let path = folder.join(target).join(product.profile).join(name);
     std::fs::read(&path).with_context(|| format!("reading the built library {}", path.display()))
 }
 
 /// With the toolchain in use. The linker is zig's, which links against glibc 2.17 whatever is installed here. Where it
 /// cannot be had, the system's linker is used and the library needs at least the glibc of this machine: a warning
 /// says so.
-fn linux64() -> Result<PathBuf> {
+fn linux64(product: &Product) -> Result<PathBuf> {
     let target = Platform::Linux64.target();
     let (command, written, folder) = match zigbuild() {
         Ok(zigbuild) => {
@@ -59,24 +76,24 @@ fn linux64() -> Result<PathBuf> {
         }
         Err(reason) => {
             eprintln!("warning: {reason:#}");
-            eprintln!("warning: linking with this system's linker; the FMU will not run on older distributions");
+            eprintln!("warning: linking with this system's linker; the library will not run on older distributions");
             let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
             command.arg("rustc");
             // Apart from the other one: cargo does not notice that the linker has changed.
             (command, target.to_owned(), project::target().join("system-linker"))
         }
     };
-    cargo(command, &written, &folder, &sysroot()?)?;
-    Ok(folder.join(target).join("fmu").join(Platform::Linux64.built_name()))
+    cargo(command, &written, &folder, &sysroot()?, product)?;
+    Ok(folder.join(target).join(product.profile).join(Platform::Linux64.built_name(product.name)))
 }
 
 /// With whatever toolchain can build for the platform.
-fn with_toolchain(platform: Platform) -> Result<PathBuf> {
+fn with_toolchain(platform: Platform, product: &Product) -> Result<PathBuf> {
     let toolchain = Toolchain::find(platform).map_err(|missing| anyhow!(missing))?;
     // Apart from the programs of this command, which another compiler may have built.
     let folder = project::target().join("platforms");
-    cargo(toolchain.command(), toolchain.target, &folder, toolchain.sysroot())?;
-    Ok(folder.join(toolchain.target).join("fmu").join(platform.built_name()))
+    cargo(toolchain.command(), toolchain.target, &folder, toolchain.sysroot(), product)?;
+    Ok(folder.join(toolchain.target).join(product.profile).join(platform.built_name(product.name)))
 }
 
 /// cargo-zigbuild of the project's Python environment, ready to build.
@@ -98,9 +115,9 @@ fn zigbuild() -> Result<Command> {
 
 /// Runs the build; cargo itself shows the progress. Only the C library is built: beside a Rust library of the same name cargo does not
 /// optimise at link time, and nothing small would be inlined from the layers below.
-fn cargo(mut command: Command, target: &str, folder: &Path, sysroot: &Path) -> Result<()> {
+fn cargo(mut command: Command, target: &str, folder: &Path, sysroot: &Path, product: &Product) -> Result<()> {
     command
-        .args(["--package", "sliding-contact", "--lib", "--crate-type", "cdylib", "--profile", "fmu"])
+        .args(["--package", product.package, "--lib", "--crate-type", "cdylib", "--profile", product.profile])
         .args(["--locked", "--target", target])
         .arg("--target-dir")
         .arg(folder)

@@ -10,13 +10,14 @@ use anyhow::{Context, Result, bail};
 use super::archive::Files;
 use crate::project;
 
-const FOLDER: &str = "documentation/licenses";
+/// Folder in the FMU.
+pub const FOLDER: &str = "documentation/licenses";
 
-/// Adds the licence files.
+/// Adds the licence files of a package of this workspace and what is compiled into it, below a folder.
 ///
 /// # Errors
 /// Where cargo cannot list the dependencies or one comes without the text of its licence.
-pub fn add(files: &mut Files) -> Result<()> {
+pub fn add(files: &mut Files, package: &str, folder: &str) -> Result<()> {
     let own = ["LICENSE-MIT", "LICENSE-APACHE"];
     let mut index = format!(
         "SlidingContact {}: MIT OR Apache-2.0, at your choice; see {} and {} beside this file.\n\n\
@@ -28,20 +29,20 @@ pub fn add(files: &mut Files) -> Result<()> {
     for name in own {
         let path = project::root().join(name);
         let text = std::fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
-        files.insert(format!("{FOLDER}/{name}"), text);
+        files.insert(format!("{folder}/{name}"), text);
     }
-    for (package, (licence, folder)) in dependencies()? {
+    for (package, (licence, sources)) in dependencies(package)? {
         let _ = writeln!(index, "{package}: {licence}");
-        for (name, text) in texts(&folder).with_context(|| format!("the licence of {package}"))? {
-            files.insert(format!("{FOLDER}/{package}/{name}"), text);
+        for (name, text) in texts(&sources).with_context(|| format!("the licence of {package}"))? {
+            files.insert(format!("{folder}/{package}/{name}"), text);
         }
     }
-    files.insert(format!("{FOLDER}/license.txt"), index.into_bytes());
+    files.insert(format!("{folder}/license.txt"), index.into_bytes());
     Ok(())
 }
 
 /// Packages compiled into the library: `name-version`, licence and source folder.
-fn dependencies() -> Result<BTreeMap<String, (String, PathBuf)>> {
+fn dependencies(root: &str) -> Result<BTreeMap<String, (String, PathBuf)>> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let run = |arguments: &[&str]| -> Result<String> {
         let output = Command::new(&cargo)
@@ -56,7 +57,7 @@ fn dependencies() -> Result<BTreeMap<String, (String, PathBuf)>> {
         Ok(String::from_utf8(output.stdout)?)
     };
     let target = "x86_64-unknown-linux-gnu";
-    let tree = ["tree", "--package", "sliding-contact", "--edges", "normal,no-proc-macro", "--prefix", "none"];
+    let tree = ["tree", "--package", root, "--edges", "normal,no-proc-macro", "--prefix", "none"];
     let listed = run(&[&tree[..], &["--target", target, "--format", "{p}\t{l}"]].concat())?;
     let metadata: serde_json::Value =
         serde_json::from_str(&run(&["metadata", "--format-version", "1", "--filter-platform", target])?)?;
@@ -72,7 +73,7 @@ fn dependencies() -> Result<BTreeMap<String, (String, PathBuf)>> {
         // A package listed before is marked with `(*)`; the workspace's own ones come with their path.
         let mut words = package.split(' ');
         let (Some(name), Some(version)) = (words.next(), words.next()) else { continue };
-        if name == "sliding-contact" {
+        if name == root {
             continue;
         }
         let manifest = folders.get(&format!("{name} {version}")).with_context(|| format!("finding {package}"))?;
@@ -108,7 +109,7 @@ mod tests {
     #[test]
     fn the_model_and_every_library_in_it_have_a_licence() {
         let mut files = Files::new();
-        add(&mut files).unwrap();
+        add(&mut files, "sliding-contact", FOLDER).unwrap();
         let index = String::from_utf8(files[&format!("{FOLDER}/license.txt")].clone()).unwrap();
         assert!(files.contains_key(&format!("{FOLDER}/LICENSE-MIT")));
         for package in ["nalgebra-", "libc-"] {

@@ -12,6 +12,7 @@ mod platform;
 mod reference;
 mod terminals;
 mod toolchain;
+pub mod wheel;
 mod xml;
 
 pub use description::write as model_description;
@@ -126,7 +127,7 @@ fn default_path(scene: &SceneFile, ending: &str) -> PathBuf {
 fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
     let mut files = Files::new();
     for &platform in platforms {
-        let mut library = library::build(platform)?;
+        let mut library = library::build(platform, &library::FMU)?;
         slot::fill(&mut library, &scene.packaged).map_err(|reason| anyhow!(reason))?;
         match platform {
             Platform::Linux64 | Platform::Aarch64Linux => report_glibc(platform, &library)?,
@@ -145,7 +146,7 @@ fn files(scene: &SceneFile, platforms: &[Platform]) -> Result<Files> {
         [("model.png", MODEL_ICON), ("terminalsAndIcons/icon.png", MODEL_ICON), (TERMINAL_ICON_PATH, TERMINAL_ICON)];
     files.extend(pictures.map(|(path, bytes)| (path.to_owned(), bytes.to_vec())));
     files.extend(documentation::PICTURES.map(|(name, bytes)| (format!("documentation/{name}"), bytes.to_vec())));
-    licences::add(&mut files)?;
+    licences::add(&mut files, "sliding-contact", licences::FOLDER)?;
     add_reference(&mut files, &scene.packaged)?;
     Ok(files)
 }
@@ -159,7 +160,7 @@ fn add_reference(files: &mut Files, scene: &slot::Packaged) -> Result<()> {
     let library = match files.get(&path).filter(|_| runs) {
         Some(packaged) => packaged.clone(),
         None => {
-            let mut library = library::for_this_machine()?;
+            let mut library = library::for_this_machine(&library::FMU)?;
             slot::fill(&mut library, scene).map_err(|reason| anyhow!(reason))?;
             library
         }

@@ -39,12 +39,12 @@ impl Platform {
         format!("binaries/{}/{MODEL_IDENTIFIER}.{ending}", self.folder())
     }
 
-    /// Name that cargo gives the built library.
-    pub fn built_name(self) -> &'static str {
+    /// Name that cargo gives the built library of a crate.
+    pub fn built_name(self, name: &str) -> String {
         match self {
-            Platform::Linux64 | Platform::Aarch64Linux => "libsliding_contact.so",
-            Platform::Win64 => "sliding_contact.dll",
-            Platform::Darwin64 => "libsliding_contact.dylib",
+            Platform::Linux64 | Platform::Aarch64Linux => format!("lib{name}.so"),
+            Platform::Win64 => format!("{name}.dll"),
+            Platform::Darwin64 => format!("lib{name}.dylib"),
         }
     }
 

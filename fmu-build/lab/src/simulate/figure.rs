@@ -1,13 +1,8 @@
-//! The figure of a run: what stands in which panel. `figure.py` draws it with the matplotlib of the pinned environment, as the
-//! figures of the examples.
+//! The figure of a run as a file, drawn with the matplotlib of the pinned environment, as the figures of the examples.
 
-use super::measured::Measured;
-use super::progress::rounded;
-use super::quantity::Shown;
-use super::run::{Profiles, Recording};
 use crate::{project, python};
+use analyses::simulation::Figure;
 use anyhow::{Context, Result, anyhow, bail};
-use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,128 +10,32 @@ use std::process::{Command, Stdio};
 /// Formats, by the ending of the file.
 pub const FORMATS: [&str; 3] = ["svg", "pdf", "png"];
 
-/// Points of a curve over time at most, and points over the contact: more cannot be seen.
-const POINTS: usize = 4000;
-const CONTACT_POINTS: usize = 257;
-
-/// Markers of a measured curve at most.
-const MARKERS: usize = 160;
-
-/// Fraction of the largest value of a panel below which a curve is left out: it is the axis.
-const VISIBLE: f64 = 1e-2;
-
-/// Range of a worn depth over its largest value below which its shape is drawn without the mean.
-const FLAT: f64 = 0.2;
-
-/// The same below which the shape is rounding, and not drawn.
-const ROUNDING: f64 = 1e-9;
-
-#[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Series {
-    pub name: String,
-    /// Index of the colour.
-    pub colour: usize,
-    /// Points instead of a line.
-    pub measured: bool,
-    pub x: Vec<f64>,
-    pub y: Vec<f64>,
-}
-
-#[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Panel {
-    pub x: String,
-    pub y: String,
-    pub series: Vec<Series>,
-}
-
-#[derive(Clone, PartialEq, Debug, Serialize)]
-pub struct Figure {
-    pub title: String,
-    /// Panels over the time.
-    pub courses: Vec<Panel>,
-    /// Panels over the contact, one row.
-    pub profiles: Vec<Panel>,
-}
-
-/// A panel over the time: its label, and the variables with their names in the legend.
-type Course = (&'static str, &'static [(&'static str, &'static str)]);
-
-const COURSES: &[Course] = &[
-    ("sliding velocity", &[("sliding_velocity", "")]),
-    ("angular velocity", &[("angular_velocity", "")]),
-    ("normal load", &[("normal_load", "")]),
-    ("ambient temperature offset", &[("ambient_temperature_offset", "")]),
-    ("cooling velocity", &[("cooling_velocity", "")]),
-    ("external temperature", &[("strip.external_temperature", "strip"), ("punch.external_temperature", "punch")]),
-    (
-        "temperature",
-        &[
-            ("contact_temperature_max", "contact, highest"),
-            ("contact_temperature", "contact, mean"),
-            ("punch.mean_temperature", "punch"),
-            ("strip.mean_temperature", "strip"),
-        ],
-    ),
-    ("worn depth", &[("wear_depth_punch", "punch"), ("wear_depth_strip", "strip")]),
-    ("friction force", &[("friction_force", "")]),
-    ("friction coefficient", &[("friction_coefficient", "")]),
-    ("pressure", &[("pressure_max", "highest"), ("pressure_mean", "mean")]),
-    (
-        "energy",
-        &[
-            ("dissipated_energy", "friction heat"),
-            ("stored_heat", "stored"),
-            ("heat_lost_ambient", "lost: air"),
-            ("heat_lost_punch_top", "lost: punch top"),
-            ("heat_lost_strip_base", "lost: strip base"),
-        ],
-    ),
-];
-
-/// Panels that are drawn also where their values are 0 throughout.
-const ALWAYS: [&str; 4] = ["sliding velocity", "normal load", "worn depth", "energy"];
-
-impl Figure {
-    /// Of a run beside a measured record.
-    pub fn new(title: String, recording: &Recording, measured: &[Measured]) -> Self {
-        let mut courses: Vec<Panel> =
-            COURSES.iter().filter_map(|course| panel(course.0, course.1, recording, measured)).collect();
-        let drawn = |name: &str| COURSES.iter().any(|(_, variables)| variables.iter().any(|(own, _)| *own == name));
-        let others = measured.iter().filter(|own| !drawn(&own.name));
-        courses.extend(
-            others
-                .filter_map(|own| panel(&own.name.replace('_', " "), &[(own.name.as_str(), "")], recording, measured)),
-        );
-        Self { title, courses, profiles: profiles(recording) }
+/// Draws into a file.
+///
+/// # Errors
+/// Where the Python environment cannot be made, or the file not be written.
+pub fn write(figure: &Figure, path: &Path) -> Result<()> {
+    let python = python::environment().context("the environment with matplotlib, for --plot")?;
+    let mut child = Command::new(python)
+        .arg(project::root().join("python/sliding_contact/_figure.py"))
+        .arg(path)
+        .arg(format(path)?)
+        // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
+        .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .stdin(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .context("starting Python")?;
+    let text = serde_json::to_vec(figure)?;
+    // A script that ends early has told why on its error stream.
+    let sent = child.stdin.take().map_or(Ok(()), |mut pipe| pipe.write_all(&text));
+    let output = child.wait_with_output()?;
+    if !output.status.success() {
+        let told = String::from_utf8_lossy(&output.stderr);
+        bail!("drawing {}: {}", path.display(), told.trim().lines().last().unwrap_or("Python failed"));
     }
-
-    /// Draws into a file.
-    ///
-    /// # Errors
-    /// Where the Python environment cannot be made, or the file not be written.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        let python = python::environment().context("the environment with matplotlib, for --plot")?;
-        let mut child = Command::new(python)
-            .arg(project::root().join("fmu-build/python/figure.py"))
-            .arg(path)
-            .arg(format(path)?)
-            // Caches of fonts and byte code belong to the target folder, not to the sources or the user's home.
-            .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .stdin(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .context("starting Python")?;
-        let text = serde_json::to_vec(self)?;
-        // A script that ends early has told why on its error stream.
-        let sent = child.stdin.take().map_or(Ok(()), |mut pipe| pipe.write_all(&text));
-        let output = child.wait_with_output()?;
-        if !output.status.success() {
-            let told = String::from_utf8_lossy(&output.stderr);
-            bail!("drawing {}: {}", path.display(), told.trim().lines().last().unwrap_or("Python failed"));
-        }
-        sent.with_context(|| format!("drawing {}", path.display()))
-    }
+    sent.with_context(|| format!("drawing {}", path.display()))
 }
 
 /// Format of a figure's file; SVG where it has no ending.
@@ -150,241 +49,9 @@ pub fn format(path: &Path) -> Result<&'static str> {
     })
 }
 
-/// The panel of some variables over the time; `None` where there is nothing to see.
-fn panel(label: &str, variables: &[(&str, &str)], recording: &Recording, measured: &[Measured]) -> Option<Panel> {
-    let found: Vec<_> = variables
-        .iter()
-        .filter_map(|(name, legend)| {
-            let own = measured.iter().find(|own| own.name == *name);
-            Some((recording.channel(name)?, *legend, own))
-        })
-        .collect();
-    let size = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-    let size_of = |at: usize| {
-        let (channel, _, own) = &found[at];
-        let points = own.map_or(0.0, |own| own.points.iter().fold(0.0_f64, |most, point| most.max(point.1.abs())));
-        size(&channel.values).max(points)
-    };
-    let sizes: Vec<f64> = (0..found.len()).map(size_of).collect();
-    let most = size(&sizes);
-    let (first, _, _) = found.first()?;
-    if most == 0.0 && !ALWAYS.contains(&label) {
-        return None;
-    }
-    let shown = Shown::of(first.name, first.unit, most);
-    let mut series = Vec::new();
-    for (colour, (channel, legend, own)) in found.iter().enumerate() {
-        let visible = colour == 0 || sizes[colour] > VISIBLE * most;
-        // Curves that lie on each other are one.
-        let twin = found[..colour].iter().any(|(before, ..)| before.values == channel.values);
-        if own.is_none() && (!visible || twin) {
-            continue;
-        }
-        let values: Vec<f64> = channel.values.iter().map(|value| shown.value(*value)).collect();
-        let (x, y) = thinned(&recording.times, &values, POINTS);
-        series.push(Series { name: (*legend).to_owned(), colour, measured: false, x, y });
-        if let Some(own) = own {
-            let (x, y): (Vec<f64>, Vec<f64>) =
-                own.points.iter().map(|(time, value)| (*time, shown.value(*value))).unzip();
-            let (x, y) = thinned(&x, &y, MARKERS);
-            series.push(Series { name: String::new(), colour, measured: true, x, y });
-        }
-    }
-    // The label of the axis says what a single curve is.
-    match &mut series[..] {
-        [only] => only.name.clear(),
-        [simulated, measured] if measured.measured && simulated.name.is_empty() => simulated.name = "simulated".into(),
-        _ => {}
-    }
-    Some(Panel { x: "time (s)".into(), y: shown.label(label), series })
-}
-
-/// Panels over the contact; none of a run without profiles.
-fn profiles(recording: &Recording) -> Vec<Panel> {
-    let all = &recording.profiles;
-    if all.is_empty() {
-        return Vec::new();
-    }
-    let along = if recording.radial { "radius less the mean one" } else { "x, along the sliding direction" };
-    let half_width = all[0].x[all[0].x.len() - 1].abs();
-    let position = Shown::of_difference("m", half_width.clamp(1e-3, 0.5));
-    let draw = |label: &str, name: &str, unit: &str, of: &dyn Fn(&Profiles) -> Vec<f64>| {
-        let most = all.iter().flat_map(of).fold(0.0_f64, |most, value| most.max(value.abs()));
-        let shown = Shown::of(name, unit, most);
-        let series = all.iter().enumerate().map(|(colour, own)| {
-            let (x, y) = smooth(&own.x, &of(own), CONTACT_POINTS);
-            Series {
-                name: format!("{} s", rounded(own.time)),
-                colour,
-                measured: false,
-                x: x.iter().map(|x| position.value(*x)).collect(),
-                y: y.iter().map(|y| shown.value(*y)).collect(),
-            }
-        });
-        let series = series.collect();
-        Panel { x: position.label(along), y: shown.label(label), series }
-    };
-    let mut panels = vec![
-        draw("pressure", "profile.pressure", "Pa", &|own| own.pressure.to_vec()),
-        draw("temperature", "profile.temperature", "K", &|own| own.temperature.to_vec()),
-    ];
-    for (body, name) in ["punch", "strip"].into_iter().enumerate() {
-        let range = |own: &Profiles| {
-            let (low, high) = extremes(&own.worn[body]);
-            high - low
-        };
-        let most = all.iter().fold(0.0_f64, |most, own| most.max(extremes(&own.worn[body]).1));
-        if all.iter().all(|own| range(own) <= ROUNDING * most) {
-            continue;
-        }
-        if all.iter().all(|own| range(own) < FLAT * most) {
-            let label = format!("worn depth of the {name} less its mean");
-            panels.push(draw(&label, "wear", "m", &|own| {
-                let mean = own.worn[body].iter().sum::<f64>() / own.worn[body].len() as f64;
-                own.worn[body].iter().map(|depth| depth - mean).collect()
-            }));
-        } else {
-            panels.push(draw(&format!("worn depth of the {name}"), "wear", "m", &|own| own.worn[body].to_vec()));
-        }
-    }
-    panels
-}
-
-fn extremes(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
-}
-
-/// At most about `most` points: of every group the first, the extremes and the last, so that the drawn curve is the same.
-fn thinned(x: &[f64], y: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
-    if x.len() <= most {
-        return (x.to_vec(), y.to_vec());
-    }
-    let group = x.len().div_ceil(most / 4);
-    let mut kept: Vec<usize> = Vec::with_capacity(most + 4);
-    for begin in (0..x.len()).step_by(group) {
-        let end = (begin + group).min(x.len());
-        let by = |one: &usize, other: &usize| y[*one].total_cmp(&y[*other]);
-        let (low, high) = ((begin..end).min_by(by), (begin..end).max_by(by));
-        let mut of_group = [begin, low.unwrap_or(begin), high.unwrap_or(begin), end - 1];
-        of_group.sort_unstable();
-        kept.extend(of_group);
-    }
-    kept.dedup();
-    kept.iter().map(|&row| (x[row], y[row])).unzip()
-}
-
-/// Monotone cubic interpolation (Fritsch and Carlson) at equally spaced positions: a curve through values at few stations that
-/// has no extremes of its own.
-fn smooth(x: &[f64], y: &[f64], count: usize) -> (Vec<f64>, Vec<f64>) {
-    let last = x.len() - 1;
-    let secant: Vec<f64> = (0..last).map(|at| (y[at + 1] - y[at]) / (x[at + 1] - x[at])).collect();
-    let slope = |at: usize| match at {
-        0 => secant[0],
-        _ if at == last => secant[last - 1],
-        _ if secant[at - 1] * secant[at] <= 0.0 => 0.0,
-        // Harmonic mean: within the monotone region.
-        _ => 2.0 * secant[at - 1] * secant[at] / (secant[at - 1] + secant[at]),
-    };
-    let at = |position: f64| {
-        let cell = x.partition_point(|own| *own <= position).clamp(1, last) - 1;
-        let width = x[cell + 1] - x[cell];
-        let t = (position - x[cell]) / width;
-        let (left, right) = (width * slope(cell), width * slope(cell + 1));
-        let rise = y[cell + 1] - y[cell];
-        y[cell] + t * (left + t * ((3.0 * rise - 2.0 * left - right) + t * (left + right - 2.0 * rise)))
-    };
-    let positions = (0..count).map(|step| x[0] + (x[last] - x[0]) * step as f64 / (count - 1) as f64);
-    positions.map(|position| (position, at(position))).unzip()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_smoothed_curve_keeps_its_stations_and_has_no_extremes_of_its_own() {
-        let x: Vec<f64> = (0..33).map(f64::from).collect();
-        let y: Vec<f64> = x.iter().map(|x| if *x < 10.0 { 0.0 } else { (0.3 * x).sin().abs() }).collect();
-        let (positions, values) = smooth(&x, &y, 32 * 8 + 1);
-        for station in 0..33 {
-            assert!((positions[8 * station] - x[station]).abs() < 1e-12);
-            assert!((values[8 * station] - y[station]).abs() < 1e-12);
-        }
-        for (at, value) in values.iter().enumerate() {
-            let cell = (at / 8).min(31);
-            let (low, high) = (y[cell].min(y[cell + 1]), y[cell].max(y[cell + 1]));
-            assert!((low - 1e-12..=high + 1e-12).contains(value), "{at}: {value}");
-        }
-    }
-
-    #[test]
-    fn thinning_keeps_extremes_ends_and_order() {
-        let x: Vec<f64> = (0..100_000).map(f64::from).collect();
-        let mut y: Vec<f64> = x.iter().map(|x| (0.001 * x).sin()).collect();
-        y[54_321] = 7.0;
-        y[77_777] = -7.0;
-        let (times, values) = thinned(&x, &y, POINTS);
-        assert!(times.len() <= POINTS && times.windows(2).all(|pair| pair[0] < pair[1]));
-        assert_eq!((times[0], times[times.len() - 1]), (0.0, 99_999.0));
-        assert!(values.contains(&7.0) && values.contains(&-7.0));
-    }
-
-    /// A short stop of the stock brake on a contact line, with a measured temperature.
-    fn stop(level: &str) -> Figure {
-        let mut file = crate::scenes::load(Some("disc_brake")).unwrap();
-        for assignment in [level, "solver.cells=9", "nominal.duration=1 s"] {
-            crate::scenes::assign(&mut file, assignment).unwrap();
-        }
-        let scene = scene::Scene::new(&file.packaged.starts, None).unwrap();
-        let trajectory = super::super::trajectory::Trajectory::nominal(&file, &scene, None).unwrap();
-        let recording = super::super::run::run(&file, &trajectory, &[]).unwrap();
-        let measured = |name: &str, unit: &'static str, value: f64| Measured {
-            name: name.into(),
-            unit,
-            points: vec![(0.5, value)],
-            outside: 0,
-            root_mean_square: 0.0,
-            largest: 0.0,
-            at: 0.5,
-            range: 0.0,
-        };
-        let measured = [measured("contact_temperature", "K", 300.0), measured("tilt", "rad", 1e-6)];
-        Figure::new("stop".into(), &recording, &measured)
-    }
-
-    #[test]
-    fn panels_have_units_measured_points_and_only_what_can_be_seen() {
-        let figure = stop("solver.fidelity=line");
-        let labels: Vec<&str> = figure.courses.iter().map(|panel| panel.y.as_str()).collect();
-        for label in ["sliding velocity (m/s)", "normal load (N)", "temperature (°C)", "pressure (MPa)", "tilt (µrad)"]
-        {
-            assert!(labels.contains(&label), "{label} is not among {labels:?}");
-        }
-        // Inputs that are 0 throughout.
-        assert!(!labels.iter().any(|label| label.starts_with("angular") || label.starts_with("cooling")), "{labels:?}");
-        let panel = |start: &str| figure.courses.iter().find(|panel| panel.y.starts_with(start)).unwrap();
-        let measured: Vec<&Series> = panel("temperature").series.iter().filter(|series| series.measured).collect();
-        assert!(
-            measured.len() == 1 && measured[0].x == [0.5] && (measured[0].y[0] - 26.85).abs() < 1e-9,
-            "{measured:?}"
-        );
-        assert_eq!(panel("tilt").series[0].name, "simulated");
-        assert!(panel("normal load").series[0].name.is_empty());
-        // Heat through the base of the disc is nothing.
-        let energies: Vec<&str> = panel("energy").series.iter().map(|series| series.name.as_str()).collect();
-        assert!(energies.contains(&"friction heat") && energies.contains(&"stored"), "{energies:?}");
-        assert!(!energies.contains(&"lost: strip base"), "{energies:?}");
-        let profiles: Vec<&str> = figure.profiles.iter().map(|panel| panel.y.as_str()).collect();
-        assert_eq!(profiles, ["pressure (MPa)", "temperature (°C)", "worn depth of the punch (nm)"]);
-        for panel in &figure.profiles {
-            let names: Vec<&str> = panel.series.iter().map(|series| series.name.as_str()).collect();
-            assert_eq!(names, ["0 s", "0.5 s", "1 s"]);
-            assert_eq!(panel.x, "x, along the sliding direction (mm)");
-            assert!(panel.series.iter().all(|series| series.x[0] == -47.5 && series.x[CONTACT_POINTS - 1] == 47.5));
-        }
-        let lumped = stop("solver.fidelity=lumped");
-        assert!(lumped.profiles.is_empty());
-    }
 
     #[test]
     fn an_ending_of_no_figure_is_refused() {

@@ -1,6 +1,7 @@
 //! Progress of a run on the error stream: nothing in the first second; then a bar on a terminal, elsewhere a line every ten
 //! seconds.
 
+use analyses::simulation::quantity::rounded;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, stderr};
 use std::time::{Duration, Instant};
@@ -55,9 +56,4 @@ impl Progress {
             bar.finish_and_clear();
         }
     }
-}
-
-/// Without the rounding of a sum of steps.
-pub fn rounded(time: f64) -> f64 {
-    (time * 1e6).round() / 1e6
 }

@@ -1,6 +1,6 @@
 //! Files of a run: every variable over the time, and the profiles.
 
-use super::run::Recording;
+use analyses::simulation::Recording;
 use anyhow::{Context, Result, bail};
 use std::fmt::Write as _;
 use std::fs::File;

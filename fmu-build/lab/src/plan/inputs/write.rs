@@ -3,18 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use analyses::plan::inputs::{Setting, level};
 use anyhow::{Context, Result, bail};
 use toml_edit::{DocumentMut, Item, Table, Value};
-use verification::applications::trial::Setting;
-
-/// Value of `solver.fidelity`, and of `solver.cells` on a line.
-pub fn level(setting: Setting) -> (&'static str, Option<usize>) {
-    match setting {
-        Setting::Auto => ("auto", None),
-        Setting::Lumped => ("lumped", None),
-        Setting::Line(cells) => ("line", Some(cells)),
-    }
-}
 
 /// Puts a level and its tolerance into a scene file.
 ///

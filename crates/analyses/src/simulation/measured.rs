@@ -1,9 +1,9 @@
 //! A measured record beside the simulated one, and how far they are apart.
 
 use super::run::Recording;
-use crate::columns::{self, Column};
 use anyhow::{Result, bail};
 use scene::variables::{Causality, TABLE};
+use scene_file::columns::{self, Column};
 use serde::Serialize;
 use std::path::Path;
 use verification::applications::trial::largest;
@@ -39,13 +39,27 @@ impl Measured {
 /// # Errors
 /// As [`columns::read`]; a file without a quantity.
 pub fn read(path: &Path) -> Result<columns::Table> {
+    check(columns::read(path, &accepted())?)
+}
+
+/// As [`read`], from the content of a file.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(content: &str, path: &Path) -> Result<columns::Table> {
+    check(columns::parse(content.as_bytes(), path, &accepted())?)
+}
+
+fn accepted() -> Vec<Column> {
     let rows = TABLE.iter().filter(|row| row.causality == Causality::Input || row.is_result());
-    let accepted: Vec<Column> = rows.filter_map(Column::of).collect();
-    let table = columns::read(path, &accepted)?;
+    rows.filter_map(Column::of).collect()
+}
+
+fn check(table: columns::Table) -> Result<columns::Table> {
     if table.names.is_empty() {
         bail!(
             "{} has the column time only; accepted beside it are inputs and outputs of the FMU, as wear_depth [um]",
-            path.display()
+            table.path.display()
         );
     }
     Ok(table)

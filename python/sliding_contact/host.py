@@ -1,22 +1,26 @@
-"""The native host library from Python: one FMU, one instance, scene after scene.
+"""The native host of FMUs: one FMU, one instance, run after run, for batches.
 
-    fmu = Fmu(folder, library)
-    outputs = run_schedule(fmu, {"punch.width": 0.09}, schedule, outputs=["wear_depth"])
+    fmu = Fmu(unpack("disc_brake.fmu", "unpacked"))
+    outputs = run_schedule(fmu, {"punch.width": 0.09}, schedule, outputs=["wear_depth"], step=0.1)
 
 All stepping happens inside the library, so a call costs what the FMU costs and nothing per step. The interpreter's lock
-is released during a call, but an `Fmu` is one instance: use one process for each, never threads.
+is released during a call, but an `Fmu` is one instance: one thread at a time, and one process for each where FMUs of others are run.
 """
+
+from __future__ import annotations
 
 import ctypes
 import os
 import shutil
-import sys
 import tempfile
 import zipfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
+
+from . import _native
 
 INTERFACE_VERSION = 1
 INTERPOLATIONS = ("hold", "sample", "linear")
@@ -27,12 +31,12 @@ _LONGEST_MESSAGE = 8192
 class Failure(RuntimeError):
     """A scene or a library that failed; `stage` says where: one of `STAGES`."""
 
-    def __init__(self, stage, reason):
+    def __init__(self, stage: str, reason: str) -> None:
         super().__init__(reason)
         self.stage = stage
         self.reason = reason
 
-    def __reduce__(self):
+    def __reduce__(self) -> Any:
         return Failure, (self.stage, self.reason)
 
 
@@ -69,12 +73,12 @@ class Schedule:
     beginning of each step; "linear" is linear over each step too, through the inputs' derivatives.
     """
 
-    inputs: tuple  # names, one for each column of values
+    inputs: tuple[str, ...]  # names, one for each column of values
     times: np.ndarray  # s, increasing
     values: np.ndarray  # one row for each time
     interpolation: str = "hold"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         values = np.ascontiguousarray(self.values, dtype=np.float64)
         times = np.ascontiguousarray(self.times, dtype=np.float64)
         if times.ndim != 1 or values.shape != (times.size, len(self.inputs)):
@@ -88,12 +92,7 @@ class Schedule:
         object.__setattr__(self, "values", values)
 
 
-def library_name():
-    """File name of the host library on this platform."""
-    return {"win32": "fmu_host.dll", "darwin": "libfmu_host.dylib"}.get(sys.platform, "libfmu_host.so")
-
-
-def unpack(fmu, folder):
+def unpack(fmu: Union[str, "os.PathLike[str]"], folder: Union[str, "os.PathLike[str]"]) -> Path:
     """Unpacks an .fmu into `folder` unless that has been done, also by a process that does it at the same time."""
     folder = Path(folder)
     if folder.is_dir():
@@ -112,13 +111,13 @@ def unpack(fmu, folder):
     return folder
 
 
-def _load(path):
-    library = ctypes.CDLL(str(path))
+def _load(path: Optional[Union[str, "os.PathLike[str]"]]) -> ctypes.CDLL:
+    library = _native.library() if path is None else ctypes.CDLL(str(path))
     library.host_interface_version.restype = ctypes.c_uint32
     library.host_interface_version.argtypes = []
     version = library.host_interface_version()
     if version != INTERFACE_VERSION:
-        raise RuntimeError(f"{path} has the interface version {version}, this script needs {INTERFACE_VERSION}")
+        raise RuntimeError(f"{path} has the interface version {version}, this package needs {INTERFACE_VERSION}")
     library.host_open.restype = ctypes.c_void_p
     library.host_open.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t]
     library.host_close.restype = None
@@ -137,10 +136,12 @@ def _load(path):
 
 
 class Fmu:
-    """An unpacked FMU loaded by the host library, with one instance. Closed by `close` or as a context manager."""
+    """An unpacked FMU loaded by the package's own library or another one, with one instance. Closed by `close` or as a context manager."""
 
-    def __init__(self, folder, library):
-        self._handle = None
+    def __init__(
+        self, folder: Union[str, "os.PathLike[str]"], library: Optional[Union[str, "os.PathLike[str]"]] = None
+    ) -> None:
+        self._handle: Optional[int] = None
         self._library = _load(library)
         self._process = os.getpid()
         message = ctypes.create_string_buffer(_LONGEST_MESSAGE)
@@ -148,29 +149,30 @@ class Fmu:
         if not self._handle:
             raise Failure("library", message.value.decode(errors="replace"))
 
-    def close(self):
+    def close(self) -> None:
         if self._handle:
             self._library.host_close(self._handle)
             self._handle = None
 
-    def __enter__(self):
+    def __enter__(self) -> "Fmu":
         return self
 
-    def __exit__(self, *_error):
+    def __exit__(self, *_error: object) -> None:
         self.close()
 
-    def __del__(self):
-        self.close()
+    def __del__(self) -> None:
+        if getattr(self, "_handle", None):
+            self.close()
 
     @property
-    def handle(self):
+    def handle(self) -> int:
         if not self._handle:
             raise RuntimeError("the FMU is closed")
         if os.getpid() != self._process:
             raise RuntimeError("an instance belongs to the process that opened it; open one in every process")
         return self._handle
 
-    def unit(self, name):
+    def unit(self, name: str) -> str:
         """Unit of a variable; "1" where it has none."""
         message = ctypes.create_string_buffer(_LONGEST_MESSAGE)
         status = self._library.host_unit(self.handle, name.encode(), message, _LONGEST_MESSAGE)
@@ -180,15 +182,27 @@ class Fmu:
         return text
 
 
-def _names(names):
+def _names(names: Any) -> Any:
     return (ctypes.c_char_p * len(names))(*(name.encode() for name in names))
 
 
-def _doubles(values):
+def _doubles(values: np.ndarray) -> Any:
     return values.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
 
 
-def run_schedule(fmu, parameters, inputs, *, outputs, step, stop=None, start=0.0, points=None, factors=None, tolerance=0.0):
+def run_schedule(
+    fmu: Fmu,
+    parameters: Mapping[str, float],
+    inputs: Schedule,
+    *,
+    outputs: Sequence[str],
+    step: float,
+    stop: Optional[float] = None,
+    start: float = 0.0,
+    points: Union[Sequence[float], np.ndarray, None] = None,
+    factors: Optional[Mapping[str, float]] = None,
+    tolerance: float = 0.0,
+) -> np.ndarray:
     """Runs one scene and returns what was recorded: one row for each of `points`, one column for each of `outputs`.
 
     `parameters`: values by name, the rest keeps the FMU's own; `inputs`: a `Schedule`, by default up to its last row;
@@ -198,13 +212,13 @@ def run_schedule(fmu, parameters, inputs, *, outputs, step, stop=None, start=0.0
     Raises `Failure` with the FMU's own words. The next scene finds the instance as good as new.
     """
     stop = float(inputs.times[-1]) if stop is None else float(stop)
-    points = np.ascontiguousarray([stop] if points is None else points, dtype=np.float64)
+    recorded_at = np.ascontiguousarray([stop] if points is None else points, dtype=np.float64)
     values = np.array([float(value) for value in parameters.values()])
     unknown = set(factors or {}) - set(inputs.inputs)
     if unknown:
         raise ValueError(f"factors for inputs that the schedule does not have: {', '.join(sorted(unknown))}")
     scales = np.array([float((factors or {}).get(name, 1.0)) for name in inputs.inputs])
-    recorded = np.empty((points.size, len(outputs)))
+    recorded = np.empty((recorded_at.size, len(outputs)))
     message = ctypes.create_string_buffer(_LONGEST_MESSAGE)
     request = _Request(
         len(parameters),
@@ -223,8 +237,8 @@ def run_schedule(fmu, parameters, inputs, *, outputs, step, stop=None, start=0.0
         tolerance,
         len(outputs),
         _names(outputs),
-        points.size,
-        _doubles(points),
+        recorded_at.size,
+        _doubles(recorded_at),
     )
     status = fmu._library.run_schedule(
         fmu.handle, ctypes.byref(request), _doubles(recorded), message, _LONGEST_MESSAGE

@@ -1,6 +1,5 @@
 //! Drives the component along a trajectory and records every input and output.
 
-use super::progress::Progress;
 use super::trajectory::{Trajectory, unit_of};
 use anyhow::{Result, anyhow, bail};
 use model::levels::ModelOperators;
@@ -37,6 +36,9 @@ pub struct Profiles {
     /// Worn depths of punch and strip, m.
     pub worn: [[f64; STATIONS]; 2],
 }
+
+/// Called with the time that a run has reached, s; the run is ended where it returns false.
+pub type Progress<'a> = &'a mut dyn FnMut(f64) -> bool;
 
 /// A run, complete or up to its failure.
 #[derive(Clone, PartialEq, Debug)]
@@ -120,8 +122,8 @@ fn profiles(time: f64, component: &mut Component) -> Profiles {
 ///
 /// # Errors
 /// A scene that is refused; times `at` outside of the trajectory or for a level without profiles; too many points. A step that
-/// fails ends the recording.
-pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64]) -> Result<Recording> {
+/// fails ends the recording, as does `progress`.
+pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64], progress: Progress) -> Result<Recording> {
     let points = trajectory.points(at)?;
     let begin = Instant::now();
     let packaged = &file.packaged;
@@ -156,7 +158,6 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64]) -> Result<Reco
         failure: None,
     };
     let begin = Instant::now();
-    let mut progress = Progress::new(points[0], points[points.len() - 1]);
     for (count, &time) in points.iter().enumerate() {
         let stepped = match count {
             0 => Ok(()),
@@ -170,9 +171,11 @@ pub fn run(file: &SceneFile, trajectory: &Trajectory, at: &[f64]) -> Result<Reco
         if has_profiles && wanted.contains(&time) {
             recording.profiles.push(profiles(time, &mut component));
         }
-        progress.reached(time);
+        if !progress(time) {
+            recording.failure = Some(format!("stopped at {time:?} s"));
+            break;
+        }
     }
-    progress.finish();
     recording.internal_steps = component.work();
     recording.seconds[1] = begin.elapsed().as_secs_f64();
     Ok(recording)

@@ -1,13 +1,13 @@
 //! Inputs over time: of a file, or nominal ones; and the communication points.
 
-use crate::columns::{self, Column};
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use scene::variables::{COUNT, Kind, ValueReference, find, lookup, reference};
 use scene::{Scene, value};
 use scene_file::SceneFile;
+use scene_file::columns::Table;
 use sliding_contact::component::LARGEST_INPUT;
 use std::f64::consts::PI;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Communication steps into which the whole time is divided at least, where no step is given.
 const LEAST_STEPS: f64 = 1000.0;
@@ -37,13 +37,26 @@ pub struct Trajectory {
 }
 
 impl Trajectory {
-    /// The inputs of a file; an input without a column keeps the scene's start value.
+    /// The inputs of a table, or nominal ones.
     ///
     /// # Errors
-    /// As [`columns::read`]; a single row; no velocity; no load where the scene's own is 0.
-    pub fn of_file(path: &Path, starts: &[f64; COUNT], step: Option<f64>) -> Result<Self> {
-        let table = columns::read(path, &Column::inputs())?;
-        let file = path.display();
+    /// A scene that is refused; as [`Trajectory::of_table`] and [`Trajectory::nominal`].
+    pub fn new(file: &SceneFile, inputs: Option<Table>, step: Option<f64>) -> Result<Self> {
+        let packaged = &file.packaged;
+        let scene = Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))
+            .map_err(|broken| anyhow!("the scene {}: {broken}", packaged.name))?;
+        match inputs {
+            Some(table) => Self::of_table(table, &packaged.starts, step),
+            None => Self::nominal(file, &scene, step),
+        }
+    }
+
+    /// The inputs of a table; an input without a column keeps the scene's start value.
+    ///
+    /// # Errors
+    /// A single row; no velocity; no load where the scene's own is 0.
+    fn of_table(table: Table, starts: &[f64; COUNT], step: Option<f64>) -> Result<Self> {
+        let file = table.path.display();
         if table.times.len() < 2 {
             bail!("{file} has one row; a time interval needs at least two");
         }
@@ -76,7 +89,7 @@ impl Trajectory {
         Ok(Self {
             description: format!("{file}, {} rows", table.times.len()),
             step: step.unwrap_or_else(|| round((last - first) / LEAST_STEPS)),
-            file: Some((path.to_owned(), table.lines)),
+            file: Some((table.path, table.lines)),
             times: table.times,
             inputs,
         })
@@ -242,7 +255,7 @@ mod tests {
 
     #[test]
     fn nominal_strokes_are_the_nominal_distance_long() {
-        let file = crate::scenes::load(Some("reciprocating_punch")).unwrap();
+        let file = crate::tests::shipped("reciprocating_punch");
         let mut scene = Scene::new(&file.packaged.starts, None).unwrap();
         scene.nominal_duration = 0.25 * 2.0 * scene.nominal_stroke / scene.nominal_velocity;
         let quarter = Trajectory::nominal(&file, &scene, None).unwrap();

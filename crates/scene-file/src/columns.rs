@@ -3,11 +3,11 @@
 //! A column's header is the name of a quantity, alone (then in its SI unit), with a unit in brackets
 //! (`sliding_velocity [km/h]`) or with a unit spelled behind it (`speed_km_per_h`). Lines that begin with `#` are notes.
 
+use crate::unit_names::canonical;
+use crate::{nearest, quantity};
 use anyhow::{Context, Result, anyhow, bail};
 use scene::variables::units::{ONE, SECOND, Unit};
 use scene::variables::{Causality, Kind, Row, TABLE};
-use scene_file::unit_names::canonical;
-use scene_file::{nearest, quantity};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,7 @@
 //! Results of a run as a table and as JSON.
 
 use super::measured::Measured;
-use super::progress::rounded;
-use super::quantity::{Shown, number};
+use super::quantity::{Shown, number, rounded};
 use super::run::{Channel, Profiles, Recording, energy_residual};
 use serde_json::{Map, Value, json};
 

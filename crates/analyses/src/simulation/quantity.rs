@@ -96,6 +96,11 @@ pub fn number(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
+/// Without the rounding of a sum of steps.
+pub fn rounded(time: f64) -> f64 {
+    (time * 1e6).round() / 1e6
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,29 +1,32 @@
 """Picture of a fit: the tests beside the law, and how well the records determine its parameters."""
 
-import matplotlib
+from __future__ import annotations
 
-matplotlib.use("Agg")
+from typing import Any
 
-import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
-import numpy as np  # noqa: E402
-from scipy import stats  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
+from scipy import stats
 
-from charts import BLUE, GREEN, ORANGE, RED, STYLE  # noqa: E402
-from wear_law import EXPONENTS, Model, Records  # noqa: E402
+from ._figure import COLOURS, WIDTH
+from .wear_law import EXPONENTS, Model, Records
 
-
-def save(path, model, found):
-    with plt.rc_context(STYLE):
-        panels = 2 if len(found.names) > 1 else 1
-        figure, axes = plt.subplots(1, panels, figsize=(4.8 * panels, 4.0), layout="constrained", squeeze=False)
-        law(axes[0, 0], model, found)
-        if panels > 1:
-            region(axes[0, 1], found)
-        figure.savefig(path, dpi=150)
-        plt.close(figure)
+BLUE, RED, GREEN, ORANGE = COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[4]
 
 
-def law(axis, model, found):
+def figure_of(found: Any) -> Figure:
+    panels = 2 if len(found.names) > 1 else 1
+    figure, axes = plt.subplots(1, panels, figsize=(WIDTH, 3.2), layout="constrained", squeeze=False)
+    law(axes[0, 0], found.model, found)
+    if panels > 1:
+        region(axes[0, 1], found)
+    return figure
+
+
+def law(axis: Axes, model: Model, found: Any) -> None:
     """Worn volume over load, one line for every speed and distance of the records."""
     records = model.records
     groups = np.unique(np.column_stack([records.speed, records.distance]), axis=0)
@@ -34,20 +37,20 @@ def law(axis, model, found):
         axis.plot(records.load[own], 1e9 * records.volume[own], "o", ms=4, mfc="none", color=colour)
         load = np.geomspace(records.load.min() / 1.2, 1.2 * records.load.max(), 12)
         along = Records(load, np.full_like(load, speed), np.full_like(load, distance), np.ones_like(load))
-        volume = 1e9 * Model(model.fmu, along).volumes(found.parameters())
+        volume = 1e9 * Model(model.scene, along).volumes(found.parameters())
         axis.plot(load, volume, color=colour, linewidth=1.1, label=f"{distance:,.0f} m at {speed:g} m/s")
     axis.set_xscale("log")
     axis.set_yscale("log")
     loads = np.unique(records.load)
     axis.set_xticks(loads, [f"{load:g}" for load in loads])
-    axis.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
-    axis.set_xlabel("load [N]")
-    axis.set_ylabel("volume worn off the pin [mm$^3$]")
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.set_xlabel("load (N)")
+    axis.set_ylabel("volume worn off the pin (mm³)")
     axis.set_title("tests (circles) and fitted law (lines)", fontsize=9)
     axis.legend(loc="upper left")
 
 
-def region(axis, found):
+def region(axis: Axes, found: Any) -> None:
     """Joint confidence region of the coefficient and the first exponent, and their separate intervals."""
     centre = np.array([np.log(found.values[0]), found.values[1]])
     size = 2.0 * stats.f.ppf(found.confidence, 2, found.degrees_of_freedom)
@@ -70,8 +73,8 @@ def region(axis, found):
         label=f"fit, separate {percent} intervals",
     )
     kind = next(kind for kind, name in EXPONENTS.items() if name == found.names[1])
-    axis.set_xlabel("wear coefficient $k$ [mm$^3$/(N m)]")
-    axis.set_ylabel(f"{kind} exponent [1]")
+    axis.set_xlabel("wear coefficient k (mm³/(N·m))")
+    axis.set_ylabel(f"{kind} exponent")
     axis.set_title("what the records determine", fontsize=9)
     axis.ticklabel_format(axis="x", style="sci", scilimits=(0, 0))
     axis.margins(y=0.25)

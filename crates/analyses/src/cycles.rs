@@ -1,0 +1,141 @@
+//! Reciprocating sliding over many cycles by cycle jumps.
+
+use ::steady::thermal::nominal_half_strokes;
+use anyhow::{Context, Result, anyhow, bail};
+use model::line::cycle::map::sliding_scene;
+use model::line::cycle::{CycleMap, JumpOptions, Jumps, Resolution};
+use model::line::heat::bodies::is_resolved;
+use model::line::operators::LineOperators;
+use scene::Scene;
+use scene_file::SceneFile;
+use serde_json::{Value, json};
+
+/// What is computed.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Number of cycles.
+    pub cycles: f64,
+    /// Largest estimated error of a jump.
+    pub tolerance: f64,
+    /// Cells of the contact line; `None`: the scene's, or 33.
+    pub cells: Option<u16>,
+    /// Without heat.
+    pub cold: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { cycles: 1e6, tolerance: 1e-3, cells: None, cold: false }
+    }
+}
+
+/// Recorded quantities of a jump.
+pub struct Station {
+    pub cycles: f64,
+    pub length: f64,
+    pub estimate: f64,
+    pub accumulated: f64,
+    pub computed: usize,
+    /// Largest pressure of the forward half-stroke's mean, Pa.
+    pub highest_pressure: f64,
+    /// Mean worn depths of punch and strip, m.
+    pub worn: [f64; 2],
+    /// K; of a cold scene the ambient temperature.
+    pub temperature: f64,
+}
+
+/// A scene over its cycles.
+pub struct Course {
+    pub name: String,
+    pub warm: bool,
+    pub mean_pressure: f64,
+    pub stations: Vec<Station>,
+    /// Worn depth of the punch in the end, by cell, m.
+    pub depth: Vec<f64>,
+    pub x: Vec<f64>,
+}
+
+/// Advances a scene; `progress` is called with the cycles passed and those computed.
+///
+/// # Errors
+/// Everything wrong with the scene and the options, one without reciprocating sliding, a cycle without a solution.
+pub fn advance(file: &SceneFile, options: &Options, progress: &mut dyn FnMut(f64, usize)) -> Result<Course> {
+    let name = file.packaged.name.clone();
+    let mut scene = Scene::new(&file.packaged.starts, Some(file.packaged.experiment.tolerance))?;
+    if scene.nominal_stroke == 0.0 || scene.nominal_velocity == 0.0 {
+        bail!(
+            "the scene {name} is not reciprocating: nominal.stroke = {} m, nominal.velocity = {} m/s",
+            scene.nominal_stroke,
+            scene.nominal_velocity
+        );
+    }
+    if !(options.cycles >= 1.0 && options.cycles <= 1e15 && options.cycles.fract() == 0.0) {
+        bail!("--cycles {}: must be a whole number from 1 to 1e15", options.cycles);
+    }
+    if !(options.tolerance >= 1e-6 && options.tolerance <= 0.1) {
+        bail!("--tolerance {}: must be from 1e-6 to 0.1", options.tolerance);
+    }
+    if let Some(cells) = options.cells {
+        scene.cells = usize::from(cells);
+    }
+    let half_strokes = nominal_half_strokes(&scene);
+    let period = half_strokes[0].1 + half_strokes[1].1;
+    // The reduced bodies must be accurate over the whole duration.
+    scene.nominal_duration = scene.nominal_duration.max(period * options.cycles);
+    let warm = !options.cold && is_resolved(&scene);
+    let resolution = if warm { Resolution::WITH_HEAT } else { Resolution::COLD };
+    let operators = LineOperators::with_heat(&sliding_scene(&scene), warm, steady::run_in)
+        .map_err(|error| anyhow!(error))
+        .with_context(|| format!("the scene {name}"))?;
+    let mut map = CycleMap::new(operators, half_strokes, resolution)?;
+    let (x, reference) = (map.operators().cells.centres().to_vec(), map.reference());
+    let width: f64 = map.operators().weights.iter().sum();
+    let punch = map.worn_ranges()[0].clone();
+    let start = map.start();
+    let jump_options = JumpOptions { tolerance: options.tolerance, ..JumpOptions::default() };
+    let mut stations = Vec::new();
+    let mut depth = vec![0.0; x.len()];
+    let mut jumps = Jumps::new(&mut map, start, jump_options);
+    jumps.carry_to(options.cycles, |jump| {
+        progress(jump.cycles, jump.computed);
+        let pressure = &jump.passage.strokes[0].pressure;
+        depth.copy_from_slice(&jump.memory[punch.clone()]);
+        stations.push(Station {
+            cycles: jump.cycles,
+            length: jump.length,
+            estimate: jump.estimate,
+            accumulated: jump.accumulated,
+            computed: jump.computed,
+            highest_pressure: pressure.iter().copied().fold(0.0, f64::max),
+            worn: jump.totals.volume.map(|volume| volume / width),
+            temperature: reference + if warm { jump.passage.contact_temperature[1] } else { 0.0 },
+        });
+    })?;
+    let mean_pressure = scene.nominal_load / (scene.count * scene.contact_area());
+    Ok(Course { name, warm, mean_pressure, stations, depth, x })
+}
+
+impl Course {
+    /// As JSON.
+    pub fn record(&self) -> Value {
+        let station = |s: &Station| {
+            json!({
+                "cycles": s.cycles,
+                "jump": s.length,
+                "estimate": s.estimate,
+                "accumulated_estimate": s.accumulated,
+                "cycles_computed": s.computed,
+                "pressure_max": s.highest_pressure,
+                "wear_depth_punch": s.worn[0],
+                "wear_depth_strip": s.worn[1],
+                "contact_temperature": if self.warm { json!(s.temperature) } else { Value::Null },
+            })
+        };
+        json!({
+            "scene": self.name,
+            "x": self.x,
+            "wear_profile_punch": self.depth,
+            "jumps": self.stations.iter().map(station).collect::<Vec<_>>(),
+        })
+    }
+}

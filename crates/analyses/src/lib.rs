@@ -1,0 +1,19 @@
+//! Analyses of a scene: simulation along inputs, steady state, cycles, plan. `cargo fmu` prints and draws their results, the Python
+//! package returns them; neither computes anything itself.
+
+pub mod cycles;
+pub mod plan;
+pub mod simulation;
+pub mod steady;
+
+#[cfg(test)]
+mod tests {
+    use scene_file::SceneFile;
+    use std::path::Path;
+
+    /// A shipped scene.
+    pub fn shipped(name: &str) -> SceneFile {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        scene_file::shipped::load(Some(name), &folder).unwrap()
+    }
+}

@@ -1,0 +1,13 @@
+//! Simulation of a scene along inputs: trajectory, run, summary, figure, and the deviation from a measured record.
+
+mod figure;
+pub mod measured;
+pub mod quantity;
+mod run;
+mod summary;
+mod trajectory;
+
+pub use figure::{Figure, Panel, Series};
+pub use run::{Channel, Profiles, Progress, Recording, energy_residual, run};
+pub use summary::Summary;
+pub use trajectory::Trajectory;

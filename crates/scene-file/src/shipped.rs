@@ -1,0 +1,58 @@
+//! The scenes that are shipped: a folder with a `scene.toml` in a folder of every name.
+
+use crate::{SceneFile, read};
+use anyhow::{Context, Result, bail};
+use scene::Scene;
+use scene::slot::Packaged;
+use std::path::{Path, PathBuf};
+
+/// The scene of this name or path; without one the stock scene, the variable table's own start values.
+///
+/// # Errors
+/// Where there is no such scene (the shipped ones are listed), or all that is wrong with its file.
+pub fn load(scene: Option<&str>, folder: &Path) -> Result<SceneFile> {
+    let Some(scene) = scene else {
+        return Ok(SceneFile { packaged: Packaged::stock(), description: String::new(), given: Vec::new() });
+    };
+    let path = locate(scene, folder)?;
+    read(&path).with_context(|| format!("the scene {}", path.display()))
+}
+
+/// File of the scene of this name or path.
+///
+/// A path is what names an existing file, has a separator or ends in `.toml`; anything else is the name of a folder
+/// in `folder`.
+///
+/// # Errors
+/// Where there is no such scene.
+pub fn locate(scene: &str, folder: &Path) -> Result<PathBuf> {
+    let given = Path::new(scene);
+    if given.is_file() || given.components().count() > 1 || given.extension().is_some_and(|kind| kind == "toml") {
+        return Ok(given.to_owned());
+    }
+    let shipped = folder.join(scene).join("scene.toml");
+    if shipped.is_file() {
+        return Ok(shipped);
+    }
+    bail!("there is no scene {scene:?}; name a scene file or one of {}", names(folder).join(", "))
+}
+
+/// Names of the shipped scenes, in alphabetical order.
+pub fn names(folder: &Path) -> Vec<String> {
+    let folders = std::fs::read_dir(folder);
+    let mut names: Vec<String> = folders
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter(|folder| folder.path().join("scene.toml").is_file())
+        .filter_map(|folder| folder.file_name().into_string().ok())
+        .collect();
+    names.sort();
+    names
+}
+
+/// Warnings about the values of a scene; none where the scene is refused anyway.
+pub fn warnings(scene: &SceneFile) -> Vec<String> {
+    let known = Scene::new(&scene.packaged.starts, Some(scene.packaged.experiment.tolerance));
+    known.map(|scene| scene.warnings()).unwrap_or_default()
+}

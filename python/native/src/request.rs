@@ -1,0 +1,319 @@
+//! Requests, and how each is answered.
+
+use crate::{Answer, ProgressFunction, Status, c_text};
+use analyses::simulation::{Channel, Figure, Recording, Summary, Trajectory, energy_residual, measured, run};
+use analyses::{cycles, plan, steady};
+use anyhow::{Context, Result, anyhow, bail};
+use scene::variables::units::{ONE, SECOND};
+use scene::variables::{Causality, Kind, Row, TABLE, ValueReference, lookup};
+use scene_file::columns::{self, Column, Table};
+use scene_file::{SceneFile, nearest, quantity, shipped};
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Time between two reports of progress.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// A scene as it is named and changed.
+#[derive(Deserialize)]
+pub struct Selection {
+    /// Name of a shipped scene or path of a file; `None`: the stock scene.
+    scene: Option<String>,
+    /// Folder of the shipped scenes.
+    scenes: PathBuf,
+    /// Assignments, `key=value` each.
+    set: Vec<String>,
+}
+
+impl Selection {
+    fn load(&self) -> Result<SceneFile> {
+        let mut file = shipped::load(self.scene.as_deref(), &self.scenes)?;
+        for assignment in &self.set {
+            scene_file::assign(&mut file, assignment)?;
+        }
+        Ok(file)
+    }
+}
+
+/// A file of quantities over time, or the content of one with the name that messages call it.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub enum Source {
+    File { path: PathBuf },
+    Text { text: String, name: String },
+}
+
+impl Source {
+    fn inputs(&self) -> Result<Table> {
+        match self {
+            Self::File { path } => columns::read(path, &Column::inputs()),
+            Self::Text { text, name } => columns::parse(text.as_bytes(), Path::new(name), &Column::inputs()),
+        }
+    }
+
+    fn measured(&self) -> Result<Table> {
+        match self {
+            Self::File { path } => measured::read(path),
+            Self::Text { text, name } => measured::parse(text, Path::new(name)),
+        }
+    }
+}
+
+/// A request by the name of its analysis.
+#[derive(Deserialize)]
+#[serde(tag = "analysis", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Request {
+    /// Names of the shipped scenes.
+    Names {
+        scenes: PathBuf,
+    },
+    /// Values, units and warnings of a scene.
+    Scene {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+    },
+    /// A variable's values in another unit: SI value = zero + slope * value.
+    Unit {
+        name: String,
+        unit: String,
+    },
+    Simulate {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        inputs: Option<Source>,
+        step: Option<f64>,
+        at: Vec<f64>,
+    },
+    /// Deviations of a run from a measured record.
+    Compare {
+        measured: Source,
+    },
+    /// The figure of a run beside a measured record.
+    Figure {
+        measured: Option<Source>,
+    },
+    Steady {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        cells: Option<u16>,
+        return_speed: Option<f64>,
+        cold: bool,
+    },
+    Cycles {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        cycles: f64,
+        tolerance: f64,
+        cells: Option<u16>,
+        cold: bool,
+    },
+    Plan {
+        scene: Option<String>,
+        scenes: PathBuf,
+        set: Vec<String>,
+        inputs: Option<Source>,
+        tolerance: Option<f64>,
+    },
+}
+
+/// A run that figures and comparisons follow from.
+pub struct Run {
+    scene: String,
+    recording: Recording,
+}
+
+/// Reports of progress to the caller, limited in their number.
+struct Reports {
+    function: Option<ProgressFunction>,
+    last: Instant,
+}
+
+impl Reports {
+    /// Whether to go on.
+    fn part(&mut self, part: f64) -> bool {
+        let Some(function) = self.function.filter(|_| self.last.elapsed() >= PAUSE) else { return true };
+        self.last = Instant::now();
+        function(part.clamp(0.0, 1.0)) == 0
+    }
+}
+
+impl Request {
+    /// Does what is requested; `run`: the simulation that it follows from.
+    ///
+    /// # Errors
+    /// As the analyses.
+    pub fn answer(self, run: Option<&Run>, progress: Option<ProgressFunction>) -> Result<Answer> {
+        let mut reports = Reports { function: progress, last: Instant::now() };
+        let run = || run.context("no simulation is given");
+        let value = match self {
+            Self::Names { scenes } => json!(shipped::names(&scenes)),
+            Self::Unit { name, unit } => conversion(&name, &unit)?,
+            Self::Compare { measured } => {
+                json!(measured::compare(&measured.measured()?, &run()?.recording)?)
+            }
+            Self::Figure { measured } => {
+                let Run { scene, recording } = run()?;
+                let deviations = match measured {
+                    Some(source) => measured::compare(&source.measured()?, recording)?,
+                    None => Vec::new(),
+                };
+                json!(Figure::new(scene, recording, &deviations))
+            }
+            Self::Scene { scene, scenes, set } => described(&Selection { scene, scenes, set }.load()?)?,
+            Self::Simulate { scene, scenes, set, inputs, step, at } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                return simulate(&file, inputs.as_ref(), step, &at, &mut reports);
+            }
+            Self::Steady { scene, scenes, set, cells, return_speed, cold } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                let solved = steady::solve(&file, &steady::Options { cells, return_speed, cold })?;
+                solved.check()?;
+                let warnings: Vec<String> =
+                    shipped::warnings(&file).into_iter().chain(steady::heat::above_limit(&solved)).collect();
+                with_warnings(solved.record(), &warnings)
+            }
+            Self::Cycles { scene, scenes, set, cycles, tolerance, cells, cold } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                let options = cycles::Options { cycles, tolerance, cells, cold };
+                let course = cycles::advance(&file, &options, &mut |passed, _| {
+                    reports.part((1.0 + passed).ln() / (1.0 + cycles).ln());
+                })?;
+                with_warnings(course.record(), &shipped::warnings(&file))
+            }
+            Self::Plan { scene, scenes, set, inputs, tolerance } => {
+                let file = Selection { scene, scenes, set }.load()?;
+                let record = match inputs {
+                    None => plan::record(&plan::choose(&file, tolerance)?.1.plan),
+                    Some(inputs) => {
+                        let packaged = &file.packaged;
+                        let tolerance = plan::inputs::tolerance(&file, tolerance)?;
+                        let drive = plan::inputs::drive(&packaged.name, &packaged.starts, &inputs.inputs()?)?;
+                        let count = plan::inputs::LEVELS.len() as f64;
+                        let levels = plan::inputs::compare(&drive, tolerance, &mut |number, _| {
+                            reports.part(number as f64 / count);
+                        })?;
+                        levels.chosen()?;
+                        plan::inputs::record(&levels)
+                    }
+                };
+                with_warnings(record, &shipped::warnings(&file))
+            }
+        };
+        Ok(Answer { status: Status::Success, text: c_text(&value.to_string()), arrays: Vec::new(), run: None })
+    }
+}
+
+fn with_warnings(mut record: Value, warnings: &[String]) -> Value {
+    record["scene_warnings"] = json!(warnings);
+    record
+}
+
+/// A simulation: summary, and as arrays the times, every variable, and the profiles: times, positions, then pressure, temperature and
+/// both worn depths, row by row.
+fn simulate(
+    file: &SceneFile,
+    inputs: Option<&Source>,
+    step: Option<f64>,
+    at: &[f64],
+    reports: &mut Reports,
+) -> Result<Answer> {
+    if let Some(step) = step.filter(|step| !(step.is_finite() && *step > 0.0)) {
+        bail!("step = {step} s must be above 0 s");
+    }
+    let name = &file.packaged.name;
+    let table = inputs.map(Source::inputs).transpose()?;
+    let trajectory = Trajectory::new(file, table, step)?;
+    let (first, last) = trajectory.span();
+    let recording = run(file, &trajectory, at, &mut |time| reports.part((time - first) / (last - first)))?;
+    let failure = recording.failure.as_ref().map(|reason| format!("the scene {name}: {reason}"));
+    if let Some(reason) = failure.as_ref().filter(|_| recording.times.is_empty()) {
+        bail!("{reason}");
+    }
+    let summary =
+        Summary { scene: name, inputs: &trajectory.description, recording: &recording, measured: &[], files: &[] };
+    let mut record = with_warnings(summary.record(), &shipped::warnings(file));
+    let channel = |channel: &Channel| json!({ "name": channel.name, "unit": channel.unit });
+    record["channels"] = recording.channels.iter().map(channel).collect();
+    record["table"] = json!(summary.table());
+    record["energy_residual"] = json!(energy_residual(&recording));
+    record["failure"] = json!(failure);
+    record["profiles"] = Value::Null;
+    let mut arrays = vec![recording.times.clone()];
+    arrays.extend(recording.channels.iter().map(|channel| channel.values.clone()));
+    let profiles = &recording.profiles;
+    arrays.push(profiles.iter().map(|own| own.time).collect());
+    arrays.push(profiles.iter().flat_map(|own| own.x).collect());
+    arrays.push(profiles.iter().flat_map(|own| own.pressure).collect());
+    arrays.push(profiles.iter().flat_map(|own| own.temperature).collect());
+    arrays.push(profiles.iter().flat_map(|own| own.worn.concat()).collect());
+    let status = if failure.is_some() { Status::StepFailed } else { Status::Success };
+    let run = Run { scene: name.clone(), recording };
+    Ok(Answer { status, text: c_text(&record.to_string()), arrays, run: Some(run) })
+}
+
+/// Name, description, warnings, and values and units of what can be set; of arrays one entry for every element.
+fn described(file: &SceneFile) -> Result<Value> {
+    let packaged = &file.packaged;
+    scene::Scene::new(&packaged.starts, Some(packaged.experiment.tolerance))
+        .map_err(|broken| anyhow!("the scene {}: {broken}", packaged.name))?;
+    let mut variables = Map::new();
+    for number in 0..packaged.starts.len() {
+        let Some((row, element)) = lookup(number as ValueReference) else { continue };
+        if !matches!(row.causality, Causality::Parameter | Causality::Input) {
+            continue;
+        }
+        let value = packaged.starts[number];
+        let (value, unit) = match row.kind {
+            Kind::Real { unit, .. } => (json!(value), unit.name),
+            Kind::Integer { .. } => (json!(value as i64), "1"),
+            Kind::Boolean => (json!(value != 0.0), "1"),
+            Kind::Enumeration(kind) => (json!(kind.items.get(value as usize - 1).map(|item| item.0)), "1"),
+        };
+        let entry = json!({ "value": value, "unit": unit, "description": row.description });
+        variables.insert(row.element_name(element), entry);
+    }
+    Ok(json!({
+        "name": packaged.name,
+        "description": file.description,
+        "tolerance": packaged.experiment.tolerance,
+        "scene_warnings": shipped::warnings(file),
+        "variables": variables,
+    }))
+}
+
+/// Slope and zero of a unit over the SI one of a variable, or of the time.
+fn conversion(name: &str, symbol: &str) -> Result<Value> {
+    let (unit, absolute) = match name {
+        "time" => (&SECOND, true),
+        _ => {
+            let row = row_of(name)?;
+            match row.kind {
+                Kind::Real { unit, .. } => (unit, !row.is_difference()),
+                _ => (&ONE, true),
+            }
+        }
+    };
+    let at = |number: f64| {
+        quantity::in_si(number, symbol, unit, absolute).map_err(|wrong| anyhow!("{name} [{symbol}]: {wrong}"))
+    };
+    let (zero, one) = (at(0.0)?, at(1.0)?);
+    let slope = one - zero;
+    Ok(json!({ "unit": unit.name, "slope": slope, "zero": zero }))
+}
+
+/// The row of a variable or of an array of variables.
+fn row_of(name: &str) -> Result<&'static Row> {
+    if let Some(row) = TABLE.iter().find(|row| row.name == name) {
+        return Ok(row);
+    }
+    match scene::variables::find(name).and_then(lookup) {
+        Some((row, _)) => Ok(row),
+        None => bail!("there is no variable {name:?}{}", nearest(name, TABLE.iter().map(|row| row.name))),
+    }
+}

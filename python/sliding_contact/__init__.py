@@ -1,0 +1,34 @@
+"""Wear and heat of two bodies in sliding contact: scenes, simulation along inputs, steady states, cycles, choice of the level.
+
+Three lines to a figure of a stop, with a pad of 80 mm:
+
+>>> from sliding_contact import Scene
+>>> stop = {"time [s]": [0, 0.3, 4], "sliding_velocity [km/h]": [36, 36, 0], "normal_load [kN]": [0, 8, 8]}
+>>> figure = Scene.load("disc_brake").set({"punch.width": "80 mm"}).simulate(stop).plot()
+
+Values are in SI units unless a name says another one: `result["contact_temperature [degC]"]`.
+"""
+
+from __future__ import annotations
+
+from ._errors import Error, SceneWarning, StepFailed
+from .results import Cycles, Deviation, LevelComparison, Plan, Profiles, Simulation, SteadyState, Stroke
+from .scene import Scene, fmu, scenes
+
+__version__ = "0.1.0"
+__all__ = [
+    "Cycles",
+    "Deviation",
+    "Error",
+    "LevelComparison",
+    "Plan",
+    "Profiles",
+    "Scene",
+    "SceneWarning",
+    "Simulation",
+    "SteadyState",
+    "StepFailed",
+    "Stroke",
+    "fmu",
+    "scenes",
+]

@@ -1,0 +1,32 @@
+"""What the package raises and warns of."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .results import Simulation
+
+
+class Error(ValueError):
+    """What is wrong with a scene, a file or an argument, or why there is no result, in the words of the command line."""
+
+
+class StepFailed(Error):
+    """A step that failed; `result` holds the run before it."""
+
+    def __init__(self, reason: str, result: "Simulation") -> None:
+        super().__init__(reason)
+        self.result = result
+
+    def __reduce__(self) -> Any:
+        # The run belongs to its process.
+        return Error, (str(self),)
+
+
+class SceneWarning(UserWarning):
+    """Values that are allowed but improbable, or a run that left what the model is valid for."""
+
+
+for _public in (Error, StepFailed, SceneWarning):
+    _public.__module__ = "sliding_contact"

@@ -1,0 +1,198 @@
+"""Draws the figure of a simulation: panels over the time in two columns, panels over the contact in a row below.
+
+    python _figure.py FILE FORMAT < figure.json
+
+The panels, with their labels and curves, come as JSON from crates/analyses/src/simulation/figure.rs; nothing is computed here.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import textwrap
+from typing import Any
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+# Okabe and Ito's palette: told apart by every eye and in print.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+STYLE: Any = {
+    "font.size": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.useoffset": False,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "legend.fontsize": 7,
+    "legend.handlelength": 1.4,
+    "legend.columnspacing": 1.0,
+    "legend.borderaxespad": 0.2,
+    # Text stays text, to be found and edited; PDF with fonts that journals accept.
+    "svg.fonttype": "none",
+    "svg.hashsalt": "sliding contact",
+    "pdf.fonttype": 42,
+}
+WIDTH = 180 / 25.4  # inches: the width of a page of most journals
+ROW = 1.55
+MARKER: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 2.6, "markerfacecolor": "none", "markeredgewidth": 0.6}
+
+
+def draw(axis: Axes, panel: dict[str, Any], wide: bool = False) -> None:
+    """Draws a panel; `wide`: the first of several curves below the others, to be seen where they coincide."""
+    curves = [series for series in panel["series"] if not series["measured"]]
+    for series in panel["series"]:
+        colour = COLOURS[series["colour"] % len(COLOURS)]
+        if series["measured"]:
+            axis.plot(series["x"], series["y"], color=colour, **MARKER)
+        else:
+            width = 2.0 if wide and len(curves) > 1 and series is curves[0] else 1.1
+            axis.plot(series["x"], series["y"], color=colour, label=series["name"] or None, linewidth=width)
+    axis.set_xlabel(panel["x"])
+    axis.set_ylabel(panel["y"])
+    ends = [x for series in curves for x in (series["x"][0], series["x"][-1])]
+    axis.set_xlim(min(ends), max(ends))
+    values = [y for series in panel["series"] for y in series["y"]]
+    low, high = min(values), max(values)
+    if high - low <= 1e-3 * max(abs(low), abs(high)):
+        # A constant is not drawn as if it varied.
+        room = 0.1 * max(abs(low), abs(high)) or 1.0
+        axis.set_ylim(low - room, high + room)
+    elif 0.0 <= low < 0.2 * high:
+        axis.set_ylim(bottom=0.0)
+
+
+def legend(axis: Axes, panel: dict[str, Any]) -> None:
+    """Above the axes, where no curve is."""
+    handles, labels = axis.get_legend_handles_labels()
+    if any(series["measured"] for series in panel["series"]):
+        handles.append(Line2D([], [], color="#444444", **MARKER))
+        labels.append("measured")
+    if handles:
+        columns = 2 if len(handles) == 4 else 3
+        axis.legend(handles, labels, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns)
+
+
+def figure_of(content: dict[str, Any]) -> Figure:
+    courses, profiles = content["courses"], content["profiles"]
+    rows = (len(courses) + 1) // 2
+    per_row = 3 if len(profiles) == 3 else 2
+    lines = -(-len(profiles) // per_row)
+    height = ROW * (rows + 1.3 * lines) + 0.3
+    figure = plt.figure(figsize=(WIDTH, height), layout="constrained")
+    parts: Any = figure.subfigures(2, 1, height_ratios=(rows, 1.3 * lines)) if profiles else (figure,)
+    grid = parts[0].subplots(rows, 2, squeeze=False, sharex=True).T.flatten()
+    for axis, panel in zip(grid, courses):
+        draw(axis, panel, wide=True)
+        legend(axis, panel)
+    for axis in grid[len(courses):]:
+        axis.set_visible(False)
+    last = len(courses) - 1
+    for index, axis in enumerate(grid):
+        # One time axis a column.
+        if index not in (rows - 1, last):
+            axis.set_xlabel("")
+        elif index == last and last % rows != rows - 1:
+            axis.tick_params(labelbottom=True)
+    for column in (grid[:rows], grid[rows:]):
+        parts[0].align_ylabels(column)
+    if profiles:
+        axes = parts[1].subplots(lines, per_row, squeeze=False).flatten()
+        for axis, panel in zip(axes, profiles):
+            draw(axis, panel | {"y": textwrap.fill(panel["y"], 20)})
+        for axis in axes[len(profiles):]:
+            axis.set_visible(False)
+        handles, labels = axes[0].get_legend_handles_labels()
+        parts[1].legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 6), title="over the contact, at the time")
+    figure.suptitle(content["title"], fontsize=9)
+    return figure
+
+
+def steady(state: Any) -> Figure:
+    """Pressure and shape of a steady state, without and with heat, and the temperatures of the surfaces."""
+    heat = state.heat
+    figure, axes = plt.subplots(1, 3 if heat else 2, figsize=(WIDTH, 3.0), layout="constrained", squeeze=False)
+    x = 1e3 * state.x
+    pressure, shape = axes[0, 0], axes[0, 1]
+    for index, stroke in enumerate(state.strokes):
+        name = "forward" if stroke.direction == "forward" else "backward"
+        line = "-" if index == 0 else "--"
+        pressure.plot(x, 1e-6 * stroke.pressure, label=name, color=COLOURS[index], linestyle=line)
+        if heat:
+            own = 1e-6 * heat["strokes"][index]["pressure"]
+            label = "with heat" if index == 0 else None
+            pressure.plot(x[::3], own[::3], label=label, **{**MARKER, "color": COLOURS[index]})
+    pressure.axhline(1e-6 * state.mean_pressure, color="black", linewidth=0.6, label="mean")
+    shape.plot(x, 1e6 * state.shape, color=COLOURS[0], label="punch")
+    if heat:
+        shape.plot(x, 1e6 * heat["shape"], color=COLOURS[1], linestyle="--", label="punch, with heat")
+    if state.groove.any():
+        shape.plot(x, 1e6 * state.groove, color=COLOURS[2], label="groove of the strip")
+    pressure.set_ylabel("pressure (MPa)")
+    shape.set_ylabel("unloaded surface (µm)")
+    if heat:
+        temperature = axes[0, 2]
+        for index, stroke in enumerate(heat["strokes"]):
+            for side, body in enumerate(("punch", "strip")):
+                name = body if len(heat["strokes"]) == 1 else f"{body}, {stroke['direction']}"
+                line = "-" if index == 0 else "--"
+                values = stroke[f"temperature_{body}"] - 273.15
+                temperature.plot(x, values, color=COLOURS[side], linestyle=line, label=name)
+        temperature.set_ylabel("surface temperature (°C)")
+    for axis in axes[0]:
+        axis.set_xlabel("x (mm)")
+        axis.set_xlim(x[0], x[-1])
+        # Above the axes, where no curve is; its width must not narrow them.
+        axis.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0)).set_in_layout(False)
+    figure.suptitle(f"{state.scene}: {state.kind}\n\n\n\n", fontsize=9)
+    return figure
+
+
+def cycles(course: Any) -> Figure:
+    """Pressure, wear and temperature over the cycles."""
+    warm = bool((course.contact_temperature == course.contact_temperature).any())
+    figure, axes = plt.subplots(1, 3 if warm else 2, figsize=(WIDTH, 2.2), layout="constrained", squeeze=False)
+    axes[0, 0].plot(course.cycles, 1e-6 * course.pressure_max, color=COLOURS[0])
+    axes[0, 0].set_ylabel("highest mean pressure,\nforward (MPa)")
+    bodies = (("punch", course.wear_depth_punch), ("strip", course.wear_depth_strip))
+    for colour, (name, depth) in zip(COLOURS, bodies):
+        if depth.any():
+            axes[0, 1].plot(course.cycles, 1e6 * depth, color=colour, label=name)
+    axes[0, 1].set_yscale("log")
+    axes[0, 1].set_ylabel("mean worn depth (µm)")
+    axes[0, 1].legend(loc="upper left")
+    if warm:
+        axes[0, 2].plot(course.cycles, course.contact_temperature - 273.15, color=COLOURS[0])
+        axes[0, 2].set_ylabel("mean contact temperature (°C)")
+    for axis in axes[0]:
+        axis.set_xscale("log")
+        axis.set_xlabel("cycles")
+    figure.suptitle(f"{course.scene} over its cycles", fontsize=9)
+    return figure
+
+
+def save(figure: Figure, path: str, kind: str) -> None:
+    """Writes a figure without date, program and version: the same run gives the same bytes."""
+    metadata: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {"Software": None}}[kind]
+    with plt.rc_context(STYLE):
+        figure.savefig(path, format=kind, dpi=200, metadata=metadata)
+
+
+def main() -> None:
+    path, kind = sys.argv[1:3]
+    plt.switch_backend("Agg")
+    with plt.rc_context(STYLE):
+        save(figure_of(json.load(sys.stdin)), path, kind)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"{error}")

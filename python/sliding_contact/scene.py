@@ -1,0 +1,269 @@
+"""Scenes: a contact with its bodies, holder, materials and laws, and what can be computed of it."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import os
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _native
+from ._errors import Error, SceneWarning, StepFailed
+from .results import Cycles, LevelComparison, Plan, Simulation, SteadyState
+
+if TYPE_CHECKING:
+    import pandas
+
+    from .wear_law import Fit, Records
+
+Value = Union[float, int, bool, str, Sequence[Union[float, str]], np.ndarray]
+#: Quantities over time: columns by name with a unit, a table of pandas, or a CSV file.
+Table = Union[Mapping[str, Any], "pandas.DataFrame", str, "os.PathLike[str]"]
+
+
+def scenes() -> list[str]:
+    """Names of the shipped scenes.
+
+    >>> "disc_brake" in scenes()
+    True
+    """
+    return list(_native.ask({"analysis": "names", "scenes": str(_native.SCENES)}).record)
+
+
+def fmu(name: str) -> Path:
+    """Path of the FMU (FMI 2.0 for co-simulation) of a shipped scene, for any importer.
+
+    >>> fmu("disc_brake").name
+    'disc_brake.fmu'
+    """
+    path = _native.FMUS / f"{name}.fmu"
+    if not path.is_file():
+        known = sorted(file.stem for file in _native.FMUS.glob("*.fmu"))
+        raise Error(f"there is no FMU of a scene {name!r}; shipped are {', '.join(known) or 'none'}")
+    return path
+
+
+class Scene:
+    """A scene, loaded by the name of a shipped one or from a file, with values of its variables changed.
+
+    >>> scene = Scene.load("disc_brake").set({"punch.width": "80 mm"}, wear_acceleration=10)
+    >>> scene["punch.width"], scene.unit("punch.width"), scene["punch.width [mm]"]
+    (0.08, 'm', 80.0)
+    """
+
+    def __init__(self, scene: Optional[str] = None, assignments: Iterable[str] = ()) -> None:
+        self._scene = scene
+        self._assignments: list[str] = []
+        self._variables: dict[str, dict[str, Any]] = {}
+        self._read(list(assignments))
+
+    @classmethod
+    def load(cls, scene: Union[str, "os.PathLike[str]", None] = None) -> "Scene":
+        """The scene of a shipped name or of a file; without one the stock scene.
+
+        >>> Scene.load("pin_on_disk").name
+        'pin_on_disk'
+        """
+        return cls(None if scene is None else os.fspath(scene))
+
+    def copy(self) -> "Scene":
+        """A scene of its own with the same values."""
+        return Scene(self._scene, self._assignments)
+
+    def set(self, values: Optional[Mapping[str, Value]] = None, **more: Value) -> "Scene":
+        """Gives variables other values, and returns the scene itself.
+
+        Numbers are in the SI unit, texts have a unit or are the item of an enumeration. What is refused changes nothing.
+
+        >>> brake = Scene.load("disc_brake").set({"normal_load": "12 kN", "solver.fidelity": "line"})
+        >>> brake["normal_load"], brake["solver.fidelity"]
+        (12000.0, 'line')
+        >>> brake.set({"punch.widht": 0.1})
+        Traceback (most recent call last):
+            ...
+        sliding_contact.Error: setting punch.widht=0.1: ...did you mean punch.width?...
+        """
+        given = {**(values or {}), **more}
+        self._read([*self._assignments, *(f"{name}={_literal(value)}" for name, value in given.items())])
+        return self
+
+    def _read(self, assignments: list[str]) -> None:
+        record = _native.ask(self._request("scene", assignments)).record
+        new = set(record["scene_warnings"]) - set(getattr(self, "_warned", ()))
+        self._assignments, self._variables = assignments, record["variables"]
+        self._warned: set[str] = set(record["scene_warnings"])
+        self.name: str = record["name"]
+        self.description: str = record["description"]
+        for text in sorted(new):
+            warnings.warn(text, SceneWarning, stacklevel=4)
+
+    def _request(self, analysis: str, assignments: Optional[list[str]] = None, **more: Any) -> dict[str, Any]:
+        own = list(self._assignments if assignments is None else assignments)
+        return {"analysis": analysis, "scene": self._scene, "scenes": str(_native.SCENES), "set": own, **more}
+
+    def __setitem__(self, name: str, value: Value) -> None:
+        self.set({name: value})
+
+    def __getitem__(self, name: str) -> Any:
+        """Value of a variable: in its SI unit, or in the one that the name has in brackets."""
+        plain, unit = split(name)
+        value = self._known(plain)["value"]
+        return value if unit is None else converted(plain, unit, value)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._variables
+
+    def __repr__(self) -> str:
+        return f"Scene({self.name!r})" + "".join(f".set({text!r})" for text in self._assignments)
+
+    def _known(self, name: str) -> dict[str, Any]:
+        try:
+            return self._variables[name]
+        except KeyError:
+            raise Error(f"{name} is no variable of the scene") from None
+
+    def unit(self, name: str) -> str:
+        """SI unit of a variable; "1" of a number."""
+        return str(self._known(name)["unit"])
+
+    @property
+    def variables(self) -> list[str]:
+        """Names of everything that can be set."""
+        return list(self._variables)
+
+    def simulate(
+        self,
+        inputs: Optional[Table] = None,
+        *,
+        step: Optional[float] = None,
+        at: Sequence[float] = (),
+        progress: Optional[Callable[[float], object]] = None,
+    ) -> Simulation:
+        """Simulates the scene along inputs, linear between their rows; without inputs at nominal load and velocity.
+
+        `inputs`: columns by name with a unit, as a dictionary, a table of pandas or a CSV file; a single number holds for all
+        times. `step`: longest communication step [s]. `at`: times of the profiles over the contact [s]. `progress` is called with the
+        part that is done. Raises `StepFailed`, which holds the run so far, where a step fails.
+
+        >>> stop = {"time [s]": [0, 4], "sliding_velocity [km/h]": [36, 0], "normal_load [kN]": 4}
+        >>> result = Scene.load("disc_brake").simulate(stop)
+        >>> round(float(result["dissipated_energy [kJ]"][-1]), 1)
+        64.0
+        """
+        request = self._request("simulate", inputs=source(inputs, "inputs"), step=step, at=[float(time) for time in at])
+        answer = _native.ask(request, progress=progress)
+        result = Simulation(answer)
+        for time, text in result.warnings:
+            warnings.warn(f"at {time:g} s: {text}", SceneWarning, stacklevel=2)
+        if answer.status == _native.STEP_FAILED:
+            raise StepFailed(result.record["failure"], result)
+        return result
+
+    def steady(
+        self, *, cells: Optional[int] = None, return_speed: Optional[float] = None, cold: bool = False
+    ) -> SteadyState:
+        """The steady state under nominal load and sliding, without time integration; `cold`: without heat.
+
+        >>> punch = Scene.load("reciprocating_punch").steady(cells=33, cold=True)
+        >>> round(float(punch.strokes[0].pressure.max() / punch.mean_pressure), 2)
+        2.0
+        """
+        request = self._request("steady", cells=cells, return_speed=return_speed, cold=cold)
+        return SteadyState(self._warn(_native.ask(request).record))
+
+    def cycles(
+        self, cycles: float, *, tolerance: float = 1e-3, cells: Optional[int] = None, cold: bool = False
+    ) -> Cycles:
+        """Reciprocating sliding over many cycles, in jumps with an error estimate each.
+
+        >>> worn = Scene.load("reciprocating_punch").cycles(1e6, cells=17, tolerance=1e-2, cold=True)
+        >>> round(float(1e6 * worn.wear_depth_punch[-1]), 1)  # micrometres
+        3900.0
+        """
+        request = self._request("cycles", cycles=float(cycles), tolerance=tolerance, cells=cells, cold=cold)
+        return Cycles(self._warn(_native.ask(request).record))
+
+    def plan(self, inputs: Optional[Table] = None, *, tolerance: Optional[float] = None) -> Union[Plan, LevelComparison]:
+        """The level that `solver.fidelity = auto` takes, or with `inputs` the cheapest that meets the tolerance on them.
+
+        >>> plan = Scene.load("reciprocating_punch").plan(tolerance=1e-1)
+        >>> plan.settings["solver.fidelity"] in ("lumped", "line")
+        True
+        """
+        request = self._request("plan", inputs=source(inputs, "inputs"), tolerance=tolerance)
+        record = self._warn(_native.ask(request).record)
+        return Plan(record) if inputs is None else LevelComparison(record)
+
+    def fit(
+        self,
+        records: Union[str, "os.PathLike[str]", "Records"],
+        exponents: Sequence[str] = ("pressure",),
+        confidence: float = 0.95,
+    ) -> "Fit":
+        """Fits the wear law of the punch to worn volumes: coefficient and exponents with confidence intervals; needs scipy.
+
+        `records`: a CSV file with the columns load_N, speed_m_per_s, distance_m, volume_mm3.
+        """
+        from . import wear_law
+
+        own = records if isinstance(records, wear_law.Records) else wear_law.Records.read(records)
+        return wear_law.fit(wear_law.Model(self, own), tuple(exponents), confidence)
+
+    def _warn(self, record: dict[str, Any]) -> dict[str, Any]:
+        for text in record["scene_warnings"]:
+            if text not in self._warned:
+                self._warned.add(text)
+                warnings.warn(text, SceneWarning, stacklevel=3)
+        return record
+
+
+def split(name: str) -> tuple[str, Optional[str]]:
+    """Name and unit of `name [unit]`."""
+    # Elements of arrays have an index right behind the name, units stand apart.
+    at = name.rfind(" [")
+    return (name[:at].rstrip(), name[at + 2 : -1].strip()) if at > 0 and name.endswith("]") else (name, None)
+
+
+def converted(name: str, unit: str, values: Any) -> Any:
+    """SI values of a variable in another unit."""
+    record = _native.ask({"analysis": "unit", "name": name, "unit": unit}).record
+    return (values - record["zero"]) / record["slope"]
+
+
+def _literal(value: Value) -> str:
+    """A value as it stands in a scene file."""
+    if isinstance(value, (bool, np.bool_)):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return "[" + ", ".join(json.dumps(entry) if isinstance(entry, str) else _literal(entry) for entry in value) + "]"
+    return repr(float(value))  # type: ignore[arg-type]
+
+
+def source(table: Optional[Table], name: str) -> Optional[dict[str, Any]]:
+    """A table as the native library takes it: the path of a file, or the same text as in one."""
+    if table is None:
+        return None
+    if isinstance(table, (str, os.PathLike)):
+        return {"path": os.fspath(table)}
+    columns = {str(header): table[header] for header in table.keys()}
+    count = max((len(values) for values in columns.values() if np.ndim(values) == 1), default=1)
+    cells = []
+    for header, values in columns.items():
+        column = [values] * count if np.ndim(values) == 0 else list(values)
+        if len(column) != count:
+            raise Error(f"{name}: the column {header!r} has {len(column)} rows, others have {count}")
+        cells.append([repr(float(cell)) if isinstance(cell, (int, float, np.number)) else str(cell) for cell in column])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*cells))
+    return {"text": text.getvalue(), "name": name}

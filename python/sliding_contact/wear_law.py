@@ -1,0 +1,173 @@
+"""Fits the wear law's coefficient and exponents to pin-on-disk records, through the model.
+
+The law of the pin is
+
+    dw/dt = k p0 v0 (p/p0)^b (|v|/v0)^a,   p0 = 1 MPa, v0 = 1 m/s
+
+and what is measured is the volume lost over a distance at constant load and speed. Every prediction is a run of
+the scene, so whatever it holds (geometry, temperature, a fade of the wear) is part of the fit. Errors of wear measurements
+are relative, so logarithms are fitted: residual = ln(measured / predicted).
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
+
+import numpy as np
+
+from ._errors import Error
+
+try:
+    from scipy import optimize, stats
+except ImportError as missing:
+    raise ImportError("fits need scipy: pip install 'sliding_contact[fit]'") from missing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .scene import Scene
+
+COEFFICIENT = "punch.wear_coefficient"
+EXPONENTS = {"pressure": "punch.wear_pressure_exponent", "velocity": "punch.wear_velocity_exponent"}
+VOLUME = "wear_volume_punch"
+COLUMNS = ("load_N", "speed_m_per_s", "distance_m", "volume_mm3")
+# The contact line, with the same cells for all parameters: a fit needs predictions that are smooth in them, which a level chosen anew for
+# each would not give. With nine cells the
+# volumes are those of the committed records to 1e-3.
+LEVEL: dict[str, Any] = {"solver.fidelity": "line", "solver.cells": 9, "solver.tolerance": 1e-2}
+STEPS = 50  # of each run: load and speed are constant, so the FMU's own step control does the rest
+
+
+@dataclass(frozen=True)
+class Records:
+    """Tests, one entry each."""
+
+    load: np.ndarray  # N
+    speed: np.ndarray  # m/s
+    distance: np.ndarray  # m
+    volume: np.ndarray  # m3, lost by the pin
+
+    @classmethod
+    def read(cls, path: Union[str, "os.PathLike[str]"]) -> "Records":
+        """From a CSV file with the columns of `COLUMNS`; lines that start with # are notes."""
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        if not rows or set(COLUMNS) - set(rows[0]):
+            raise Error(f"{path} must have rows and the columns {', '.join(COLUMNS)}")
+        try:
+            table = np.array([[float(row[name]) for name in COLUMNS] for row in rows])
+        except (TypeError, ValueError) as error:
+            raise Error(f"{path}: {error}") from None
+        if not np.all(np.isfinite(table) & (table > 0.0)):
+            raise Error(f"{path}: load, speed, distance and volume must all be positive")
+        load, speed, distance, volume = table.T
+        return cls(load, speed, distance, 1e-9 * volume)
+
+
+class Model:
+    """A scene as a function from the law's parameters to worn volumes."""
+
+    def __init__(self, scene: "Scene", records: Records) -> None:
+        self.scene = scene
+        self.records = records
+        self.runs = 0
+
+    def volumes(self, parameters: Mapping[str, float]) -> np.ndarray:
+        """Predicted volume of every test [m3] for these parameters by name."""
+        records = self.records
+        volumes = np.empty(records.load.size)
+        scene = self.scene.copy().set({**LEVEL, **parameters})
+        # Tests that differ only by their distance are points of one run.
+        conditions = np.column_stack([records.speed, records.load])
+        for speed, load in np.unique(conditions, axis=0):
+            own = np.flatnonzero(np.all(conditions == (speed, load), axis=1))
+            distances = np.unique(records.distance[own])
+            times = distances / speed
+            inputs = {"time [s]": [0.0, *times], "sliding_velocity [m/s]": speed, "normal_load [N]": load}
+            run = scene.simulate(inputs, step=times[-1] / STEPS)
+            self.runs += 1
+            # Rows of the inputs are communication points.
+            at = run[VOLUME][np.searchsorted(run.time, times)]
+            volumes[own] = at[np.searchsorted(distances, records.distance[own])]
+        return volumes
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Result of a fit."""
+
+    names: tuple[str, ...]  # of the parameters
+    values: np.ndarray
+    intervals: np.ndarray  # rows low, high
+    confidence: float
+    covariance: np.ndarray  # of (ln coefficient, exponents)
+    scatter: float  # standard deviation of ln(measured / predicted)
+    degrees_of_freedom: int
+    runs: int  # of the scene
+    model: Model
+
+    def parameters(self) -> dict[str, float]:
+        """Fitted values by name, for `Scene.set`."""
+        return dict(zip(self.names, (float(value) for value in self.values)))
+
+    def __str__(self) -> str:
+        lines = [f"{self.model.records.load.size} tests, {self.runs} runs, scatter {100 * self.scatter:.1f} %"]
+        for name, value, low, high in zip(self.names, self.values, *self.intervals):
+            unit = self.model.scene.unit(name)
+            unit = "" if unit == "1" else f" {unit}"
+            percent = f"{100 * self.confidence:g} %"
+            lines.append(f"  {name:32} {value:.4g}{unit}, {percent} interval {low:.4g} to {high:.4g}")
+        return "\n".join(lines)
+
+    def plot(self, path: Union[str, "os.PathLike[str]", None] = None) -> "Figure":
+        """Draws the tests beside the law, and how well the records determine its parameters; needs matplotlib."""
+        from .results import drawn
+
+        return drawn("fit", self, path)
+
+
+def fit(model: Model, exponents: Sequence[str] = ("pressure",), confidence: float = 0.95) -> Fit:
+    """Least squares of the logarithms, and confidence intervals from Student's t.
+
+    Raises `Error` where the records cannot tell the parameters apart: an exponent needs tests at more than one load
+    (or speed), and there must be more tests than parameters.
+    """
+    records = model.records
+    unknown = [name for name in exponents if name not in EXPONENTS]
+    if unknown or not 0.0 < confidence < 1.0:
+        raise Error(f"exponents {unknown or list(exponents)} must be among {', '.join(EXPONENTS)}, confidence {confidence} between 0 and 1")
+    names = (COEFFICIENT, *(EXPONENTS[name] for name in exponents))
+    if records.volume.size <= len(names):
+        raise Error(f"{records.volume.size} tests do not determine {len(names)} parameters and their scatter")
+    for name, varied in (("pressure", records.load), ("velocity", records.speed)):
+        if name in exponents and np.unique(varied).size < 2:
+            raise Error(f"the {name} exponent needs tests at more than one {'load' if name == 'pressure' else 'speed'}")
+    measured = np.log(records.volume)
+
+    # The volume is proportional to the coefficient to good approximation: one run tells where to begin.
+    begin = 1e-14
+    begin *= np.exp(np.mean(measured - np.log(model.volumes({COEFFICIENT: begin, **{name: 1.0 for name in names[1:]}}))))
+
+    def parameters(point: np.ndarray) -> dict[str, float]:
+        return {COEFFICIENT: np.exp(point[0]), **dict(zip(names[1:], point[1:]))}
+
+    def residuals(point: np.ndarray) -> np.ndarray:
+        difference: np.ndarray = measured - np.log(model.volumes(parameters(point)))
+        return difference
+
+    start = np.array([np.log(begin), *([1.0] * len(exponents))])
+    # The steps of the differences are far above the tolerance of the FMU's own steps.
+    solved = optimize.least_squares(residuals, start, method="lm", diff_step=1e-5, x_scale="jac")
+    if not solved.success:
+        raise Error(f"the fit did not converge: {solved.message}")
+    freedom = measured.size - len(names)
+    scatter = np.sqrt(2.0 * solved.cost / freedom)
+    covariance = scatter**2 * np.linalg.inv(solved.jac.T @ solved.jac)
+    half = stats.t.ppf(0.5 + 0.5 * confidence, freedom) * np.sqrt(np.diag(covariance))
+    low, high, values = solved.x - half, solved.x + half, solved.x.copy()
+    for array in (low, high, values):
+        array[0] = np.exp(array[0])
+    return Fit(names, values, np.array([low, high]), confidence, covariance, float(scatter), freedom, model.runs, model)

@@ -1,0 +1,274 @@
+"""The functions of the package: what they return, what they refuse, and that they run in parallel."""
+
+import csv
+import json
+import os
+import subprocess
+import threading
+import time
+import warnings
+
+import numpy as np
+import pytest
+
+import sliding_contact
+from conftest import ROOT, STOP, needed
+from sliding_contact import Error, Scene, SceneWarning, StepFailed, fmu, host, scenes
+
+pytestmark = pytest.mark.filterwarnings("ignore::sliding_contact.SceneWarning")
+
+
+def command(folder, *arguments):
+    environment = os.environ | {"CARGO_MANIFEST_DIR": str(ROOT / "fmu-build")}
+    program = needed("SLIDING_CONTACT_COMMAND")
+    return subprocess.run([program, *arguments], cwd=folder, capture_output=True, text=True, env=environment)
+
+
+def rows(text):
+    return text + "\n".join(",".join(str(column[row]) for column in STOP.values()) for row in range(4)) + "\n"
+
+
+@pytest.fixture
+def stop_csv(tmp_path):
+    path = tmp_path / "stop.csv"
+    path.write_text(rows(",".join(STOP) + "\n"))
+    return path
+
+
+def test_results_are_those_of_the_command_to_the_last_bit(tmp_path, stop_csv):
+    line = {"punch.width": "80 mm", "solver.fidelity": "line", "solver.cells": 9}
+    result = Scene.load("disc_brake").set(line).simulate(STOP, at=[1.0, 2.0])
+    settings = [part for name, value in line.items() for part in ("--set", f"{name}={value}")]
+    run = command(tmp_path, "simulate", "disc_brake", "--inputs", str(stop_csv), *settings, "--at", "1,2", "-o", "out.csv")
+    assert run.returncode == 0, run.stderr
+    with open(tmp_path / "out.csv", newline="") as file:
+        header, *table = csv.reader(file)
+    table = np.array(table, dtype=float)
+    assert header == ["time [s]", *(f"{name} [{unit}]" for name, unit in result.units.items())]
+    assert np.array_equal(table[:, 0], result.time)
+    for column, name in zip(table.T[1:], result):
+        assert np.array_equal(column, result[name]), name
+    with open(tmp_path / "out.profiles.csv", newline="") as file:
+        own = np.array(list(csv.reader(file))[1:], dtype=float)
+    profiles = result.profiles
+    assert np.array_equal(profiles.time, [1.0, 2.0]) and profiles.pressure.shape == (2, profiles.x.size)
+    expected = (np.tile(profiles.x, 2), profiles.pressure, profiles.temperature, profiles.wear_punch, profiles.wear_strip)
+    assert all(np.array_equal(column, np.ravel(values)) for column, values in zip(own.T[1:], expected))
+
+
+def test_inputs_are_the_same_as_dictionary_frame_and_file(stop_csv):
+    pandas = pytest.importorskip("pandas")
+    scene = Scene.load("disc_brake")
+    ways = [STOP, {**STOP, "normal_load [kN]": np.array(STOP["normal_load [kN]"])}, pandas.DataFrame(STOP), stop_csv, str(stop_csv)]
+    first, *others = [scene.simulate(inputs)["contact_temperature"] for inputs in ways]
+    assert all(np.array_equal(first, other) for other in others)
+    again = scene.simulate(scene.simulate(STOP).frame("sliding_velocity [m/s]", "normal_load [N]"))
+    assert again["dissipated_energy"][-1] == pytest.approx(scene.simulate(STOP)["dissipated_energy"][-1], rel=1e-3)
+
+
+def test_steady_cycles_and_plan_are_those_of_the_commands(tmp_path, stop_csv):
+    punch = Scene.load("reciprocating_punch")
+    for arguments, record in (
+        (["steady", "reciprocating_punch", "--cells", "17"], punch.steady(cells=17).record),
+        (["cycles", "reciprocating_punch", "--cells", "9", "--cycles", "1000", "--cold"], punch.cycles(1000, cells=9, cold=True).record),
+        (["plan", "reciprocating_punch", "--tolerance", "0.1"], punch.plan(tolerance=0.1).record),
+    ):
+        run = command(tmp_path, *arguments, "--json")
+        assert run.returncode == 0, run.stderr
+        record.pop("scene_warnings")
+        assert json.loads(run.stdout) == record, arguments[0]
+
+
+def test_the_plan_on_inputs_names_settings_of_the_scene():
+    brake = Scene.load("disc_brake")
+    plan = brake.plan(STOP, tolerance=0.1)
+    assert plan.estimated_error <= 0.1 and len(plan.frame()) >= 3
+    brake.set(plan.settings)
+    assert (brake["solver.fidelity"], brake["solver.tolerance"]) == (plan.level, 0.1)
+
+
+def test_results_of_steady_states_and_cycles_are_arrays():
+    state = Scene.load("reciprocating_punch").steady(cells=17)
+    assert [stroke.direction for stroke in state.strokes] == ["forward", "backward"]
+    assert state.heat["strokes"][0]["temperature_punch"].shape == state.x.shape == state.shape.shape == (17,)
+    worn = Scene.load("reciprocating_punch").cycles(1e4, cells=9, tolerance=1e-2, cold=True)
+    assert worn.cycles[-1] == 1e4 and np.all(np.diff(worn.wear_depth_punch) > 0) and np.all(np.isnan(worn.contact_temperature))
+    assert worn.computed < 1e4
+
+
+@pytest.mark.parametrize(
+    "refused, arguments",
+    [
+        (lambda: Scene.load("disc_break"), ["simulate", "disc_break"]),
+        (lambda: Scene.load("nowhere/scene.toml"), ["simulate", "nowhere/scene.toml"]),
+        (lambda: Scene.load("disc_brake").set({"punch.widht": 1}), ["simulate", "disc_brake", "--set", "punch.widht=1"]),
+        (lambda: Scene.load("disc_brake").set({"punch.width": "80 mph"}), ["simulate", "disc_brake", "--set", "punch.width=80 mph"]),
+        (lambda: Scene.load("disc_brake").set({"punch.width": -1}), ["simulate", "disc_brake", "--set", "punch.width=-1"]),
+        (lambda: Scene.load("disc_brake").set({"solver.fidelity": "best"}), ["simulate", "disc_brake", "--set", "solver.fidelity=best"]),
+        (lambda: Scene.load("disc_brake").simulate("none.csv"), ["simulate", "disc_brake", "--inputs", "none.csv"]),
+        (lambda: Scene.load("disc_brake").simulate("bad.csv"), ["simulate", "disc_brake", "--inputs", "bad.csv"]),
+        (lambda: Scene.load("disc_brake").simulate("unit.csv"), ["simulate", "disc_brake", "--inputs", "unit.csv"]),
+        (lambda: Scene.load("disc_brake").simulate(at=[-1.0]), ["simulate", "disc_brake", "--at", "-1"]),
+        (lambda: Scene.load("disc_brake").cycles(10), ["cycles", "disc_brake", "--cycles", "10"]),
+        (lambda: Scene.load("reciprocating_punch").cycles(0.5), ["cycles", "reciprocating_punch", "--cycles", "0.5"]),
+        (lambda: Scene.load("disc_brake").steady(return_speed=1.0), ["steady", "disc_brake", "--return-speed", "1"]),
+        (lambda: Scene.load("disc_brake").simulate().compare("late.csv"), ["simulate", "disc_brake", "--measured", "late.csv"]),
+    ],
+)
+def test_errors_have_the_text_of_the_command_line(tmp_path, monkeypatch, refused, arguments):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bad.csv").write_text("time [s],sliding_velocity [m/s],normal_load [N]\n0,1,2\n1,fast,2\n")
+    (tmp_path / "unit.csv").write_text("time [s],sliding_velocity\n0,1\n1,1\n")
+    (tmp_path / "late.csv").write_text("time [s],contact_temperature [degC]\n1e6,20\n")
+    with pytest.raises(Error) as raised:
+        refused()
+    run = command(tmp_path, *arguments)
+    assert run.returncode != 0
+    assert f"error: {raised.value}" in run.stderr.splitlines(), (str(raised.value), run.stderr)
+
+
+def test_what_only_python_can_get_wrong_is_refused():
+    scene = Scene.load("disc_brake")
+    result = scene.simulate(STOP)
+    for wrong, text in (
+        (lambda: scene.simulate({"time [s]": [0, 1], "sliding_velocity [m/s]": [1, 2, 3]}), "has 2 rows, others have 3"),
+        (lambda: scene.simulate({"time [s]": [0, 1], "speed [m/s]": 1}), 'inputs, line 1, column 2: "speed [m/s]"'),
+        (lambda: scene.simulate({"time [s]": [0, 1], "sliding_velocity [m/s]": [1, "fast"]}), '"fast" is no number'),
+        (lambda: scene.simulate(STOP, step=0.0), "step = 0 s must be above 0 s"),
+        (lambda: result["contact_temprature"], "no input or output 'contact_temprature'"),
+        (lambda: result["contact_temperature [bar]"], "wrong unit"),
+        (lambda: result.profiles, "solver.fidelity"),
+        (lambda: scene["punch.widht"], "no variable"),
+        (lambda: result.plot("stop.jpg"), "stop.jpg: .svg, .pdf, .png are drawn, not .jpg"),
+        (lambda: fmu("disc_break"), "disc_brake"),
+        (lambda: scene.fit("nothing.csv", exponents=["load"]), "nothing.csv"),
+    ):
+        with pytest.raises((Error, OSError)) as raised:
+            wrong()
+        assert text in str(raised.value)
+    before = scene["punch.width"]
+    with pytest.raises(Error):
+        scene.set({"punch.width": 0.08, "punch.height": -1})
+    assert scene["punch.width"] == before, "what is refused changes nothing"
+
+
+def test_a_step_that_fails_keeps_the_run_before_it():
+    fast = {"time [s]": [0, 1, 2], "sliding_velocity [m/s]": [1, 1, 1e5], "normal_load [N]": [1e3, 1e3, 1e9]}
+    with pytest.raises(StepFailed, match="the scene disc_brake: the step from .* failed") as raised:
+        Scene.load("disc_brake").simulate(fast)
+    result = raised.value.result
+    assert 0.5 < result.time[-1] < 2.0 and result["dissipated_energy"][-1] > 0.0
+
+
+def test_values_have_units_both_ways():
+    scene = Scene.load("disc_brake").set({"punch.width": "80 mm", "normal_load": "12 kN", "contact.shear_coupling": False})
+    assert scene["punch.width"] == 0.08 and scene["punch.width [cm]"] == 8.0 and scene["normal_load [kN]"] == 12.0
+    assert scene["contact.shear_coupling"] is False and scene.unit("contact.shear_coupling") == "1"
+    scene["punch.width"] = np.float64(0.09)
+    assert scene["punch.width"] == 0.09 and scene.copy()["punch.width"] == 0.09
+    result = scene.simulate(STOP)
+    assert result["contact_temperature [degC]"] == pytest.approx(result["contact_temperature"] - 273.15)
+    assert result["sliding_velocity [km/h]"].max() == pytest.approx(36.0)
+    assert result["time [min]"][-1] == pytest.approx(5 / 60)
+
+
+def test_a_warning_is_a_warning_of_python():
+    with pytest.warns(SceneWarning, match="thermoelastically unstable"):
+        Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 9}).simulate(STOP)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Scene.load("pin_on_disk").set({"nominal.duration": "10 s"}).simulate()
+
+
+def test_threads_run_in_parallel_and_give_the_same_bits():
+    """The interpreter's lock is released: the main thread counts while others compute."""
+    scene = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 17})
+    expected = scene.simulate(STOP)
+    results = [None] * 4
+    counted, done = 0, threading.Event()
+
+    def work(at):
+        results[at] = scene.simulate(STOP)
+        if all(results):
+            done.set()
+
+    threads = [threading.Thread(target=work, args=(at,)) for at in range(4)]
+    for thread in threads:
+        thread.start()
+    while not done.wait(1e-3) and any(thread.is_alive() for thread in threads):
+        counted += 1
+    for thread in threads:
+        thread.join()
+    # With the lock held there would be a turn or two for every thread.
+    assert counted > 20, counted
+    for result in results:
+        assert all(np.array_equal(result[name], expected[name]) for name in expected)
+
+
+def test_progress_is_reported_and_an_exception_ends_the_run():
+    parts = []
+
+    def interrupt(part):
+        parts.append(part)
+        raise KeyboardInterrupt
+
+    scene = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 33, "nominal.duration": "20000 s"})
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        scene.simulate(progress=interrupt)
+    assert len(parts) == 1 and 0.0 <= parts[0] < 0.5 and time.monotonic() - begin < 30.0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="sends a signal")
+def test_an_interrupt_ends_a_run_of_the_main_thread(tmp_path):
+    code = (
+        "import os, signal, threading; from sliding_contact import Scene\n"
+        "scene = Scene.load('disc_brake').set({'solver.fidelity': 'line', 'solver.cells': 33, 'nominal.duration': '20000 s'})\n"
+        "threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "try:\n    scene.simulate()\nexcept KeyboardInterrupt:\n    print('interrupted')\n"
+    )
+    run = subprocess.run([os.sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert run.stdout == "interrupted\n", run.stderr
+
+
+def test_the_shipped_fmus_run_in_the_host(tmp_path):
+    assert {"clutch", "disc_brake", "pin_on_disk"} <= set(scenes())
+    schedule = host.Schedule(("sliding_velocity", "normal_load"), [0.0, 4.0], [[10.0, 4000.0], [0.0, 4000.0]], "linear")
+    with host.Fmu(host.unpack(fmu("disc_brake"), tmp_path / "fmu")) as own:
+        recorded = host.run_schedule(own, {}, schedule, outputs=["dissipated_energy"], step=0.004)
+    inputs = {"time [s]": [0, 4], "sliding_velocity [m/s]": [10, 0], "normal_load [N]": 4000}
+    native = Scene.load("disc_brake").simulate(inputs, step=0.004)["dissipated_energy"][-1]
+    assert recorded[0, 0] == pytest.approx(native, rel=1e-12)
+    with pytest.raises(host.Failure) as failure:
+        host.Fmu(tmp_path / "nothing")
+    assert failure.value.stage == "library"
+
+
+def test_figures_are_drawn(tmp_path):
+    pytest.importorskip("matplotlib")
+    measured = {"time [s]": [0.5, 2.0], "contact_temperature [degC]": [90, 110]}
+    line = Scene.load("disc_brake").set({"solver.fidelity": "line", "solver.cells": 9}).simulate(STOP)
+    for ending in ("svg", "pdf", "png"):
+        line.plot(tmp_path / f"stop.{ending}", measured=measured)
+    svg = (tmp_path / "stop.svg").read_text()
+    assert "measured" in svg and "contact, highest" in svg and "over the contact, at the time" in svg
+    assert (tmp_path / "stop.pdf").read_bytes().startswith(b"%PDF") and (tmp_path / "stop.png").stat().st_size > 10_000
+    punch = Scene.load("reciprocating_punch")
+    assert len(punch.steady(cells=17).plot(tmp_path / "steady.svg").axes) == 3
+    assert len(punch.cycles(1e3, cells=9, tolerance=1e-2).plot().axes) == 3
+    deviation = line.compare(measured)["contact_temperature"]
+    exact = np.interp(deviation.time, line.time, line["contact_temperature"]) - deviation.measured
+    assert deviation.root_mean_square == pytest.approx(np.sqrt(np.mean(exact**2)))
+
+
+def test_a_simulation_stays_in_its_process():
+    import pickle
+
+    with pytest.raises(TypeError, match="belongs to its process"):
+        pickle.dumps(Scene.load("disc_brake").set({"nominal.duration": "1 s"}).simulate())
+    again = pickle.loads(pickle.dumps(Scene.load("disc_brake").set({"punch.width": 0.08})))
+    assert again["punch.width"] == 0.08
+
+
+def test_the_version_is_that_of_the_sources():
+    assert f'version = "{sliding_contact.__version__}"' in (ROOT / "Cargo.toml").read_text()
