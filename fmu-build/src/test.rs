@@ -93,7 +93,7 @@ fn fast(tally: &mut Tally) {
         Ok(())
     });
     tally.step("policy and sources", |step| {
-        let targets = ["fmi_policy", "sources", "words"].map(|name| ["--test", name]);
+        let targets = ["fmi_policy", "sources", "supply_chain", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
     for name in ["integration tests", "fuzzing", "packaging", "fmpy tests", "cost of a step", "real time"] {
@@ -103,7 +103,7 @@ fn fast(tally: &mut Tally) {
 
 /// Tests of all crates; the whole workspace, so that no selection of crates compiles a dependency anew.
 fn rust_tests(targets: &[&str]) -> Command {
-    let mut command = cargo(&["test", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
+    let mut command = cargo(&["test", "--locked", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
     command.args(targets);
     command
 }
@@ -195,6 +195,7 @@ fn lints(tally: &mut Tally) {
     tally.step("lints", |step| {
         step.check(cargo(&[
             "clippy",
+            "--locked",
             "--release",
             "--workspace",
             "--all-targets",
@@ -246,7 +247,7 @@ fn importers() -> Result<Command> {
     let folder = project::target().join("importers");
     let fmu = package::build(Some(BRAKE), &package::Options::default())?;
     let recording = run::record(&python, &fmu, &folder)?;
-    let mut command = cargo(&["test", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
+    let mut command = cargo(&["test", "--locked", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
     command
         .env("CARGO_TARGET_DIR", folder)
         .env("LIBCLANG_PATH", library)
