@@ -219,6 +219,26 @@ fn dependencies_are_pinned_to_one_version() {
     }
 }
 
+/// Nothing is published from here yet; what a registry would show is there all the same, but for an address of the sources.
+#[test]
+fn manifests_are_complete() {
+    for path in manifests().into_iter().filter(|path| !path.starts_with(root().join("tests"))) {
+        let manifest: toml::Table = toml::from_str(&read(&path)).unwrap();
+        let package = manifest["package"].as_table().unwrap();
+        let wanted = "name description version edition license rust-version readme keywords categories publish";
+        for key in wanted.split(' ') {
+            assert!(package.contains_key(key), "{}: no {key}", path.display());
+        }
+        let workspace = manifest.get("workspace").and_then(toml::Value::as_table);
+        for table in [Some(&manifest), workspace].into_iter().flatten() {
+            for (name, requirement) in table.get("dependencies").and_then(toml::Value::as_table).into_iter().flatten() {
+                let complete = requirement.get("path").is_none() || requirement.get("version").is_some();
+                assert!(complete, "{}: {name} has a path and no version, so it cannot be packaged", path.display());
+            }
+        }
+    }
+}
+
 /// Every test runs with the least version of Rust that the manifests name; a newer toolchain is held to it by a lint.
 #[test]
 fn the_least_version_of_rust_is_the_one_tested() {

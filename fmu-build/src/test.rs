@@ -4,9 +4,9 @@ mod platforms;
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{batch, bench, native, package, project, realtime, run, scenes};
+use crate::{batch, bench, native, package, project, realtime, release, run, scenes};
 use anyhow::{Context, Result, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tally::{Counter, Tally};
 
@@ -143,6 +143,7 @@ fn usual(tally: &mut Tally) {
             .current_dir(project::root())
             .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/fmpy"])
             .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
+            .env("SLIDING_CONTACT_RELEASE", released()?)
             .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
             .env("PYTHONDONTWRITEBYTECODE", "1");
         step.run(command, Counter::Pytest)
@@ -174,6 +175,16 @@ fn usual(tally: &mut Tally) {
             tally.skip(name, "the FMU that is packaged holds the library for Linux on x86-64 only");
         }
     }
+}
+
+/// A release for this machine, in a folder of its own.
+fn released() -> Result<PathBuf> {
+    let folder = project::target().join("fmu").join("release");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).with_context(|| format!("replacing {}", folder.display()))?;
+    }
+    release::build(&folder, &package::Options::default().platforms)?;
+    Ok(folder)
 }
 
 /// Formatting and lints change with the toolchain, so they are judged by the one that the project names.
