@@ -382,3 +382,38 @@ fn friction_heat_of_an_isolated_pair_stays_in_it() {
         }
     }
 }
+
+#[test]
+fn a_damaged_number_of_a_state_is_refused_or_does_no_harm() {
+    let of = outputs();
+    for level in LEVELS {
+        let case = Case::new(4, level);
+        let mut drive = case.drive();
+        for step in 0..5 {
+            case.set(&mut drive, step);
+            drive.0.step(case.step).unwrap();
+        }
+        let (mut saved, mut bytes) = (Snapshot::default(), Vec::new());
+        drive.0.snapshot(&mut saved);
+        saved.encode(&mut bytes);
+        let mut refused = 0;
+        // Numbers of the state stand behind those of the component.
+        let count = bytes.len() / 8;
+        for at in (60..count).step_by(if level == Level::Lumped { 1 } else { 37 }) {
+            for damage in [f64::NAN, f64::NEG_INFINITY, 1e300] {
+                let mut damaged = bytes.clone();
+                damaged[8 * at..8 * at + 8].copy_from_slice(&damage.to_le_bytes());
+                let mut other = case.drive();
+                let taken = Snapshot::decode(&damaged).and_then(|snapshot| other.0.restore(&snapshot));
+                if taken.is_err() {
+                    refused += 1;
+                    continue;
+                }
+                for (&reference, value) in of.iter().zip(values(&mut other, &of)) {
+                    assert!(value.is_finite(), "{level:?}, number {at} = {damage}: {} = {value}", name(reference));
+                }
+            }
+        }
+        assert!(refused > count / 20, "{level:?}: {refused} refused");
+    }
+}

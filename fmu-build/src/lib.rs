@@ -15,6 +15,7 @@ pub mod plot;
 pub mod project;
 pub mod python;
 pub mod realtime;
+pub mod release;
 pub mod run;
 pub mod scenes;
 pub mod test;

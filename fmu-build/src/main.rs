@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use fmu_build::native::Forwarded;
-use fmu_build::{batch, bench, native, output, package, realtime, run, test};
+use fmu_build::{batch, bench, native, output, package, realtime, release, run, test};
 
 /// Wear and heat in a sliding contact: makes, runs and tests the FMU.
 #[derive(Parser, Debug)]
@@ -21,6 +21,7 @@ struct CommandLine {
 enum Command {
     Package(package::Arguments),
     Wheel(package::wheel::Arguments),
+    Release(release::Arguments),
     Run(run::Arguments),
     Test(test::Arguments),
     Bench(bench::Arguments),
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
         _ => match CommandLine::parse().command {
             Command::Package(arguments) => package::execute(&arguments),
             Command::Wheel(arguments) => package::wheel::execute(&arguments),
+            Command::Release(arguments) => release::execute(&arguments),
             Command::Run(arguments) => run::execute(&arguments),
             Command::Test(arguments) => test::execute(&arguments),
             Command::Bench(arguments) => bench::execute(&arguments),

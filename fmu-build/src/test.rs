@@ -4,9 +4,9 @@ mod platforms;
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{bench, native, package, project, realtime, run, scenes};
+use crate::{bench, native, package, project, realtime, release, run, scenes};
 use anyhow::{Context, Result, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tally::{Counter, Tally};
 
@@ -93,7 +93,7 @@ fn fast(tally: &mut Tally) {
         Ok(())
     });
     tally.step("policy and sources", |step| {
-        let targets = ["fmi_policy", "sources", "words"].map(|name| ["--test", name]);
+        let targets = ["fmi_policy", "sources", "supply_chain", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
     for name in
@@ -105,7 +105,7 @@ fn fast(tally: &mut Tally) {
 
 /// Tests of all crates; the whole workspace, so that no selection of crates compiles a dependency anew.
 fn rust_tests(targets: &[&str]) -> Command {
-    let mut command = cargo(&["test", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
+    let mut command = cargo(&["test", "--locked", "--release", "--workspace", "--all-features", "--no-fail-fast"]);
     command.args(targets);
     command
 }
@@ -145,6 +145,7 @@ fn usual(tally: &mut Tally) {
             .current_dir(project::root())
             .args(["-m", "pytest", "-p", "no:cacheprovider", "-r", "s", "--tb", "short", "tests/fmpy"])
             .env("SLIDING_CONTACT_FMU_FOLDER", project::target().join("fmu"))
+            .env("SLIDING_CONTACT_RELEASE", released()?)
             .env("MPLCONFIGDIR", project::target().join("python").join("matplotlib"))
             .env("PYTHONDONTWRITEBYTECODE", "1");
         step.run(command, Counter::Pytest)
@@ -196,6 +197,16 @@ fn python_package() -> Result<Command> {
     Ok(command)
 }
 
+/// A release for this machine, in a folder of its own.
+fn released() -> Result<PathBuf> {
+    let folder = project::target().join("fmu").join("release");
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).with_context(|| format!("replacing {}", folder.display()))?;
+    }
+    release::build(&folder, &package::Options::default().platforms)?;
+    Ok(folder)
+}
+
 /// Formatting and lints change with the toolchain, so they are judged by the one that the project names.
 fn lints(tally: &mut Tally) {
     if let Err(reason) = named_toolchain() {
@@ -215,6 +226,7 @@ fn lints(tally: &mut Tally) {
     tally.step("lints", |step| {
         step.check(cargo(&[
             "clippy",
+            "--locked",
             "--release",
             "--workspace",
             "--all-targets",
@@ -266,7 +278,7 @@ fn importers() -> Result<Command> {
     let folder = project::target().join("importers");
     let fmu = package::build(Some(BRAKE), &package::Options::default())?;
     let recording = run::record(&python, &fmu, &folder)?;
-    let mut command = cargo(&["test", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
+    let mut command = cargo(&["test", "--locked", "--no-fail-fast", "--manifest-path", "tests/importers/Cargo.toml"]);
     command
         .env("CARGO_TARGET_DIR", folder)
         .env("LIBCLANG_PATH", library)

@@ -226,8 +226,8 @@ impl Snapshot {
             *slot = next()?;
         }
         let kind = next()?;
-        // Written this way, NaN is refused too.
-        if !numbers.as_slice().iter().all(|number| number.abs() <= LARGEST_STATE) {
+        // NaN stands for a number that is not known yet; where none may stand, the model refuses it.
+        if numbers.as_slice().iter().any(|number| number.abs() > LARGEST_STATE) {
             return None;
         }
         match kind {

@@ -1,6 +1,8 @@
 //! Analyses of a scene: simulation along inputs, steady state, cycles, plan. `cargo fmu` prints and draws their results, the Python
 //! package returns them; neither computes anything itself.
 
+#![forbid(unsafe_code)]
+
 pub mod cycles;
 pub mod plan;
 pub mod simulation;

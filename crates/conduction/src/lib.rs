@@ -7,6 +7,8 @@
 //!
 //! Theory: docs/theory.md, section 4.1.
 
+#![forbid(unsafe_code)]
+
 pub mod flash;
 pub mod lateral;
 pub mod line;

@@ -2,6 +2,8 @@
 //!
 //! Theory: docs/theory.md, sections 2.1, 6.6.
 
+#![forbid(unsafe_code)]
+
 pub mod complementarity;
 mod factors;
 pub mod friction;

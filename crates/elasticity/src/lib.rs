@@ -6,6 +6,8 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
+#![forbid(unsafe_code)]
+
 pub mod antisymmetric;
 pub mod block;
 mod cells;

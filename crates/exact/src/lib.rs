@@ -5,6 +5,8 @@
 //!
 //! Theory: docs/theory.md, section 10.
 
+#![forbid(unsafe_code)]
+
 mod cyclic;
 mod flat_punch;
 mod galin;

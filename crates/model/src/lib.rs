@@ -2,6 +2,8 @@
 //!
 //! Theory: docs/theory.md, sections 1.3, 8.1.
 
+#![forbid(unsafe_code)]
+
 pub mod budget;
 pub mod events;
 pub mod fastest_growth;

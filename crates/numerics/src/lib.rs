@@ -1,5 +1,7 @@
 //! Numerical tools shared by all parts of the physics.
 
+#![cfg_attr(not(test), forbid(unsafe_code))]
+
 pub mod acceleration;
 pub mod cache;
 pub mod dense;

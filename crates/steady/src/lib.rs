@@ -4,6 +4,8 @@
 //! determines the pressure, and elasticity the shape. Reciprocating sliding has two pressures, one per direction, over one common
 //! shape.
 
+#![forbid(unsafe_code)]
+
 mod box_programme;
 mod cycle;
 mod reciprocating;

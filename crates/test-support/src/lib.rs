@@ -3,6 +3,8 @@
 //! Only integration tests may use it: it links the released form of every layer, whose types are others than those of a layer
 //! that is compiled for its own unit tests.
 
+#![forbid(unsafe_code)]
+
 mod drive;
 mod random;
 

@@ -60,7 +60,7 @@ const HALF_PLANE: f64 = 3.0;
 const PARABOLIC: f64 = 2.0;
 const TABULATED: f64 = 4.0;
 
-/// A rigid punch on a cold strip, sliding one way: the punch alone wears.
+/// A rigid punch on a cold strip, unidirectional: the punch alone wears.
 const WEARING: &[(&str, f64)] = &[
     ("solver.fidelity", 3.0),
     ("punch.width", 2.0 * HALF_WIDTH),

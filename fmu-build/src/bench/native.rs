@@ -246,6 +246,7 @@ impl State<'_> {
     /// # Errors
     /// See [`Instance::initialise`].
     pub fn restore(&self) -> Result<()> {
+        // SAFETY: both handles are alive.
         ok(unsafe { (self.functions.set)(self.instance.handle.as_ptr(), self.handle) }, "fmi2SetFMUstate")
     }
 

@@ -48,8 +48,8 @@ pub struct Arguments {
     /// Write the scene as an SSP parameter set (.ssv) for the stock FMU instead
     #[arg(long, conflicts_with = "platform")]
     ssv: bool,
-    /// Platforms whose library the FMU holds; give it several times, or several with commas
-    #[arg(long, value_delimiter = ',', default_value = "linux64")]
+    /// Platforms whose library the FMU holds; give it several times, or several with commas [default: that of this machine]
+    #[arg(long, value_delimiter = ',')]
     platform: Vec<Platform>,
     /// Only write modelDescription/modelDescription.xml of this source tree anew
     #[arg(long, conflicts_with_all = ["scene", "output", "ssv", "platform"])]
@@ -67,7 +67,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { output: None, platforms: vec![Platform::Linux64] }
+        Options { output: None, platforms: vec![Platform::host().unwrap_or(Platform::Linux64)] }
     }
 }
 
@@ -91,10 +91,23 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         write(&path, parameter_set::write(&scene).as_bytes())?;
         path
     } else {
-        build(scene, &Options { output: arguments.output.clone(), platforms: arguments.platform.clone() })?
+        build(scene, &Options { output: arguments.output.clone(), platforms: platforms(&arguments.platform)? })?
     };
     print_line!("{}", path.display());
     Ok(())
+}
+
+/// The platforms named, else that of this machine, which goes to the error stream.
+fn platforms(named: &[Platform]) -> Result<Vec<Platform>> {
+    if !named.is_empty() {
+        return Ok(named.to_vec());
+    }
+    let (system, processor) = (std::env::consts::OS, std::env::consts::ARCH);
+    let host = Platform::host().with_context(|| {
+        format!("no library is made for {system} on {processor}, this machine; name platforms by --platform")
+    })?;
+    eprintln!("The FMU runs on {}, the platform of this machine; --platform names others.", host.folder());
+    Ok(vec![host])
 }
 
 /// Makes the FMU of a scene (file or built-in name; `None`: stock) and returns its path. Building the library the

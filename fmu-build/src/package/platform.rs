@@ -19,6 +19,18 @@ pub enum Platform {
 }
 
 impl Platform {
+    /// Platform of this machine; [`None`] where there is none for it. A Mac with an ARM processor runs the library for x86-64 in an
+    /// importer for x86-64.
+    pub fn host() -> Option<Self> {
+        match (std::env::consts::OS, std::env::consts::ARCH) {
+            ("linux", "x86_64") => Some(Platform::Linux64),
+            ("linux", "aarch64") => Some(Platform::Aarch64Linux),
+            ("windows", "x86_64") => Some(Platform::Win64),
+            ("macos", _) => Some(Platform::Darwin64),
+            _ => None,
+        }
+    }
+
     /// Name of its folder in the FMU.
     pub fn folder(self) -> &'static str {
         match self {

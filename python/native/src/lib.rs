@@ -81,7 +81,7 @@ pub unsafe extern "C" fn native_analyse(
         if request.is_null() {
             return Answer::refused("request is NULL");
         }
-        // SAFETY: as the caller promises; so below.
+        // SAFETY: the caller's promise about its arguments.
         let text = unsafe { CStr::from_ptr(request) }.to_string_lossy();
         let run = unsafe { run.as_ref() }.and_then(|answer| answer.run.as_ref());
         let parsed: Result<Request, _> = serde_json::from_str(&text);
@@ -101,7 +101,7 @@ pub unsafe extern "C" fn native_analyse(
 /// `answer` came from [`native_analyse`] or is NULL; so below.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn native_status(answer: *const Answer) -> u32 {
-    // SAFETY: as the caller promises; so below.
+    // SAFETY: the caller's promise that it is null or an answer that was not freed.
     unsafe { answer.as_ref() }.map_or(Status::Refused, |answer| answer.status) as u32
 }
 
@@ -111,6 +111,7 @@ pub unsafe extern "C" fn native_status(answer: *const Answer) -> u32 {
 /// As [`native_status`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn native_text(answer: *const Answer) -> *const c_char {
+    // SAFETY: the caller's promise that it is null or an answer that was not freed.
     unsafe { answer.as_ref() }.map_or(ptr::null(), |answer| answer.text.as_ptr())
 }
 
@@ -120,6 +121,7 @@ pub unsafe extern "C" fn native_text(answer: *const Answer) -> *const c_char {
 /// As [`native_status`].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn native_arrays(answer: *const Answer) -> usize {
+    // SAFETY: the caller's promise that it is null or an answer that was not freed.
     unsafe { answer.as_ref() }.map_or(0, |answer| answer.arrays.len())
 }
 
@@ -129,6 +131,7 @@ pub unsafe extern "C" fn native_arrays(answer: *const Answer) -> usize {
 /// As [`native_status`]; `length` is a place for a number or NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn native_array(answer: *const Answer, index: usize, length: *mut usize) -> *const f64 {
+    // SAFETY: the caller's promises about both pointers.
     let array = unsafe { answer.as_ref() }.and_then(|answer| answer.arrays.get(index));
     if let Some(length) = unsafe { length.as_mut() } {
         *length = array.map_or(0, Vec::len);
@@ -144,6 +147,7 @@ pub unsafe extern "C" fn native_array(answer: *const Answer, index: usize, lengt
 pub unsafe extern "C" fn native_free(answer: *mut Answer) {
     if !answer.is_null() {
         // A panic in a destructor cannot be reported.
+        // SAFETY: the caller's promise that it came from native_analyse and is not used any more.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(unsafe { Box::from_raw(answer) })));
     }
 }

@@ -1,8 +1,10 @@
 //! Serialisation of the line level's state.
 
+use super::heat::state::HeatState;
 use super::operators::LineOperators;
 use super::state::LineState;
 use crate::INPUTS;
+use numerics::maximum::all_finite;
 
 impl LineState {
     /// Copies `other` without allocating.
@@ -100,6 +102,12 @@ impl LineState {
             (false, None) => {}
             _ => return None,
         }
-        numbers.next().is_none().then_some(state)
+        let cells = [&state.punch, &state.strip, &state.pressure];
+        let scalars =
+            [state.approach, state.tilt, state.carried, state.position, state.fastest, state.direction, state.error];
+        let finite = cells.iter().all(|values| all_finite(values))
+            && [&scalars[..], &state.volume, &state.scales].iter().all(|values| all_finite(values))
+            && state.heat.as_ref().is_none_or(HeatState::is_finite);
+        (finite && numbers.next().is_none()).then_some(state)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::state::LumpedState;
 use contact::wear::track::Track;
+use numerics::maximum::all_finite;
 
 impl LumpedState {
     /// All numbers of the state, in the order that [`LumpedState::from_numbers`] reads.
@@ -30,6 +31,7 @@ impl LumpedState {
 
     /// The state of these numbers; `None` where they are not those of a state.
     pub fn from_numbers(numbers: &mut std::slice::Iter<'_, f64>) -> Option<LumpedState> {
+        let all = numbers.as_slice();
         let mut state = LumpedState::empty();
         for body in [&mut state.punch, &mut state.strip] {
             read_row(numbers, &mut body.heat)?;
@@ -62,7 +64,8 @@ impl LumpedState {
             track.load(numbers)?;
             state.track = Some(track);
         }
-        Some(state)
+        let read = &all[..all.len() - numbers.as_slice().len()];
+        all_finite(read).then_some(state)
     }
 }
 

@@ -28,22 +28,26 @@ impl Worker {
         }
         let Numbers { references, values } = &request.integers;
         if !references.is_empty() {
+            // SAFETY: see above.
             let status =
                 unsafe { (self.functions.set_integer)(handle, references.as_ptr(), references.len(), values.as_ptr()) };
             self.check(status, STAGE, || "fmi2SetInteger for the parameters".to_owned())?;
         }
         let Numbers { references, values } = &request.booleans;
         if !references.is_empty() {
+            // SAFETY: see above.
             let status =
                 unsafe { (self.functions.set_boolean)(handle, references.as_ptr(), references.len(), values.as_ptr()) };
             self.check(status, STAGE, || "fmi2SetBoolean for the parameters".to_owned())?;
         }
+        // SAFETY: the handle is alive.
         let status = unsafe { (self.functions.enter_initialization_mode)(handle) };
         self.check(status, STAGE, || "fmi2EnterInitializationMode".to_owned())?;
         // Outputs of the first communication point belong to the first inputs.
         let mut first = Follower::new(scene.schedule, scene.interpolation, &request.factors);
         first.advance(start, scene.span.step);
         self.set_inputs(&first, false, request, start)?;
+        // SAFETY: the handle is alive.
         let status = unsafe { (self.functions.exit_initialization_mode)(handle) };
         self.check(status, STAGE, || "fmi2ExitInitializationMode".to_owned())
     }

@@ -282,6 +282,16 @@ impl HeatState {
         out.extend(own.numbers().map(|number| *number));
     }
 
+    /// Whether all numbers but the linearization point, which may not be known yet, are finite.
+    pub fn is_finite(&self) -> bool {
+        let pairs = [&self.bodies, &self.flux, &self.slope, &self.temperature].into_iter().flatten();
+        let scalars = [self.kinetic_coefficient, self.dissipated, self.last_step];
+        pairs.chain([&self.pressure_slope, &self.distortion]).all(|values| all_finite(values))
+            && [&scalars[..], &self.unpredicted_rise, &self.rejected_by_growth].iter().all(|values| all_finite(values))
+            && [&self.cooling, &self.external].into_iter().flatten().all(|values| all_finite(values))
+            && self.start.iter().all(|values| all_finite(values))
+    }
+
     /// Reads what [`HeatState::save`] wrote over a state of the same scene; `None` if there are too few numbers.
     pub fn load<'a>(&mut self, numbers: &mut impl Iterator<Item = &'a f64>) -> Option<()> {
         for slot in self.numbers() {

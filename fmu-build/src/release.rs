@@ -1,0 +1,136 @@
+//! `cargo fmu release`: everything that users take away, in one folder.
+
+mod bill;
+mod notes;
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use sha2::{Digest, Sha256};
+
+use crate::output::print_line;
+use crate::package::{self, Platform};
+use crate::{project, scenes};
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// File of the checksums, as `sha256sum -c` reads them.
+const CHECKSUMS: &str = "SHA256SUMS";
+
+/// Writes the FMUs of all shipped scenes, the bill of materials, release notes and checksums to one folder.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Folder to write to, new or empty [default: target/dist/sliding-contact-VERSION, which is replaced]
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Platforms whose library every FMU holds, with commas [default: all that can be built on this machine]
+    #[arg(long, value_delimiter = ',')]
+    platform: Vec<Platform>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// As [`build`].
+pub fn execute(arguments: &Arguments) -> Result<()> {
+    let folder = match &arguments.output {
+        Some(folder) => folder.clone(),
+        None => {
+            let folder = project::target().join("dist").join(format!("sliding-contact-{VERSION}"));
+            if folder.exists() {
+                fs::remove_dir_all(&folder).with_context(|| format!("replacing {}", folder.display()))?;
+            }
+            folder
+        }
+    };
+    let platforms = if arguments.platform.is_empty() { buildable() } else { arguments.platform.clone() };
+    for name in build(&folder, &platforms)? {
+        print_line!("{}", folder.join(name).display());
+    }
+    Ok(())
+}
+
+/// Platforms that can be built here; the reasons of the others go to the error stream.
+fn buildable() -> Vec<Platform> {
+    let mut found = Vec::new();
+    for &platform in Platform::value_variants() {
+        match package::missing(platform) {
+            None => found.push(platform),
+            Some(reason) => eprintln!("Not in this release: {reason}"),
+        }
+    }
+    found
+}
+
+/// Makes a release in a folder and returns the names of its files.
+///
+/// # Errors
+/// Where the folder holds something, or a file cannot be made or written.
+pub fn build(folder: &Path, platforms: &[Platform]) -> Result<Vec<String>> {
+    let context = || format!("writing {}", folder.display());
+    if folder.is_dir() && fs::read_dir(folder).with_context(context)?.next().is_some() {
+        bail!("{} is not empty; name a new folder, so that it holds the release and nothing else", folder.display());
+    }
+    fs::create_dir_all(folder).with_context(context)?;
+    let all = scenes::names();
+    for scene in std::iter::once(None).chain(all.iter().map(|name| Some(name.as_str()))) {
+        let name = scene.map_or_else(|| "SlidingContact.fmu".into(), |name| format!("SlidingContact.{name}.fmu"));
+        eprintln!("{name}");
+        let options = package::Options { output: Some(folder.join(name)), platforms: platforms.to_vec() };
+        package::build(scene, &options)?;
+    }
+    package::wheel::build(folder, None)?;
+    let changelog = project::root().join("CHANGELOG.md");
+    let text = fs::read_to_string(&changelog).with_context(|| format!("reading {}", changelog.display()))?;
+    fs::write(folder.join("RELEASE_NOTES.md"), notes::cut(&text, VERSION)?).with_context(context)?;
+    fs::write(folder.join("sbom.cdx.json"), bill::write()?).with_context(context)?;
+    let mut names = files(folder)?;
+    fs::write(folder.join(CHECKSUMS), checksums(folder, &names)?).with_context(context)?;
+    names.push(CHECKSUMS.into());
+    Ok(names)
+}
+
+/// Names of the files in a folder, in alphabetical order.
+fn files(folder: &Path) -> Result<Vec<String>> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).with_context(|| format!("reading {}", folder.display()))? {
+        names.push(entry?.file_name().to_string_lossy().into_owned());
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// Lines of SHA-256 in hexadecimal digits, two spaces and the name.
+fn checksums(folder: &Path, names: &[String]) -> Result<String> {
+    let mut text = String::new();
+    for name in names {
+        let path = folder.join(name);
+        let bytes = fs::read(&path).with_context(|| format!("reading {}", path.display()))?;
+        for byte in Sha256::digest(bytes) {
+            write!(text, "{byte:02x}")?;
+        }
+        writeln!(text, "  {name}")?;
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checksums_are_those_of_the_standard() {
+        let folder = std::env::temp_dir().join(format!("release-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("abc"), "abc").unwrap();
+        // FIPS 180-4, example of one block.
+        let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad  abc\n";
+        assert_eq!(checksums(&folder, &files(&folder).unwrap()).unwrap(), expected);
+        let refused = build(&folder, &[]).unwrap_err().to_string();
+        assert!(refused.contains(&folder.display().to_string()) && refused.contains("not empty"), "{refused}");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

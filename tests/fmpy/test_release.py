@@ -1,0 +1,97 @@
+"""Folder of a release: complete, checksums that hold, FMUs without a finding, and a bill of materials of what is linked."""
+
+import json
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from fmpy.validation import validate_fmu
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def folder():
+    given = os.environ.get("SLIDING_CONTACT_RELEASE")
+    if given is None:
+        pytest.fail("SLIDING_CONTACT_RELEASE is not set: make the folder with `cargo fmu release -o FOLDER`")
+    return Path(given)
+
+
+def scenes():
+    return sorted(path.parent.name for path in ROOT.glob("examples/*/scene.toml"))
+
+
+def test_the_folder_is_complete(folder):
+    names = {path.name for path in folder.iterdir()}
+    fmus = {"SlidingContact.fmu"} | {f"SlidingContact.{name}.fmu" for name in scenes()}
+    assert fmus == {name for name in names if name.endswith(".fmu")} and len(fmus) > 4
+    assert len([name for name in names if name.endswith(".whl")]) == 1
+    others = {name for name in names - fmus if not name.endswith(".whl")}
+    assert others == {"RELEASE_NOTES.md", "SHA256SUMS", "sbom.cdx.json"}
+    assert all(path.stat().st_size > 0 for path in folder.iterdir())
+
+
+def test_checksums_hold_for_every_file(folder):
+    checked = subprocess.run(["sha256sum", "--strict", "-c", "SHA256SUMS"], cwd=folder, capture_output=True, text=True)
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+    listed = {line.split("  ", 1)[1] for line in (folder / "SHA256SUMS").read_text().splitlines()}
+    assert listed == {path.name for path in folder.iterdir()} - {"SHA256SUMS"}
+
+
+def test_every_fmu_is_valid(folder):
+    for path in sorted(folder.glob("*.fmu")):
+        assert validate_fmu(str(path)) == [], path.name
+
+
+def test_the_notes_are_those_of_the_version(folder):
+    version = re.search(r'^version = "(.+)"', (ROOT / "Cargo.toml").read_text(), re.M)[1]
+    notes = (folder / "RELEASE_NOTES.md").read_text()
+    assert notes.startswith(f"# Sliding contact {version}")
+    assert "\n## " not in notes and len(notes.splitlines()) > 5
+    body = [line for line in notes.splitlines()[1:] if line]
+    changelog = set((ROOT / "CHANGELOG.md").read_text().splitlines())
+    assert set(body) <= changelog
+
+
+def linked():
+    """Packages linked into the library: walk of cargo's resolved graph from it along normal dependencies."""
+    command = ["cargo", "metadata", "--locked", "--format-version", "1", "--filter-platform", "x86_64-unknown-linux-gnu"]
+    metadata = json.loads(subprocess.run(command, cwd=ROOT, capture_output=True, check=True).stdout)
+    packages = {package["id"]: package for package in metadata["packages"]}
+    nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
+    (start,) = [each for each, package in packages.items() if package["name"] == "sliding-contact"]
+    seen, waiting = {start}, [start]
+    while waiting:
+        for dependency in nodes[waiting.pop()]["deps"]:
+            identity = dependency["pkg"]
+            is_normal = any(kind["kind"] is None for kind in dependency["dep_kinds"])
+            is_macro = any("proc-macro" in target["kind"] for target in packages[identity]["targets"])
+            if is_normal and not is_macro and identity not in seen:
+                seen.add(identity)
+                waiting.append(identity)
+    return {(packages[each]["name"], packages[each]["version"]) for each in seen - {start}}
+
+
+def test_the_bill_lists_what_is_linked(folder):
+    bill = json.loads((folder / "sbom.cdx.json").read_text())
+    assert bill["bomFormat"] == "CycloneDX" and bill["specVersion"] == "1.5"
+    assert bill["metadata"]["component"]["name"] == "sliding-contact"
+    listed = {(each["name"], each["version"]) for each in bill["components"]}
+    assert len(listed) == len(bill["components"])
+    # Features of the whole workspace are in the resolved graph, those of the library alone in the bill: a subset.
+    assert listed <= linked()
+    names = {name for name, _ in listed}
+    for own in ("numerics", "scene", "elasticity", "conduction", "contact", "model", "steady"):
+        assert f"sliding-contact-{own}" in names
+    assert {"faer", "nalgebra", "libm", "libc", "pulp"} <= names
+    assert not names & {"toml", "clap", "sliding-contact-exact", "sliding-contact-verification"}
+    for each in bill["components"]:
+        if not each["name"].startswith("sliding-contact"):
+            (digest,) = each["hashes"]
+            assert digest["alg"] == "SHA-256" and len(digest["content"]) == 64
+        assert each["licenses"] and each["purl"].startswith("pkg:cargo/")
+    known = listed | {("sliding-contact", bill["metadata"]["component"]["version"])}
+    assert {each["ref"] for each in bill["dependencies"]} == {f"{name}@{version}" for name, version in known}
