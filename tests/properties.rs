@@ -255,9 +255,9 @@ fn other_units_of_length_time_and_mass_are_the_same_run() {
         };
         let apart: Vec<String> = (of.iter().zip(&one).zip(&other))
             .filter(|((reference, one), other)| {
-                // The table of the critical speed has entries at given speeds in m/s: differences of up to 3.4 % were measured.
+                // The table of the critical speed has entries at given speeds in m/s.
                 let allowed =
-                    if name(**reference) == "critical_speed" { 0.05 * one.abs() } else { 1e-5 * largest(**reference) };
+                    if name(**reference) == "critical_speed" { 0.01 * one.abs() } else { 1e-5 * largest(**reference) };
                 let difference = (*one - *other).abs();
                 difference.is_nan() || difference > allowed
             })

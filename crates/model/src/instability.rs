@@ -187,14 +187,22 @@ impl Interval {
 struct Table(Vec<[f64; 2]>);
 
 impl Table {
-    /// Each value is limited by the previous one: a wave unstable at a lower speed remains unstable at a higher one.
+    /// Each value is limited by the previous ones: a wave unstable at a lower speed remains unstable at a higher one. Where the values
+    /// fall below this limit again is a point of the table.
     fn new(points: impl Iterator<Item = [f64; 2]>) -> Table {
+        let mut table: Vec<[f64; 2]> = Vec::new();
+        let mut before = [f64::NAN; 2];
         let mut lowest = f64::INFINITY;
-        let limited = points.map(|[speed, value]| {
+        for [speed, value] in points {
+            let [last_speed, last] = before;
+            if last.is_finite() && last > lowest && value < lowest {
+                table.push([last_speed + (speed - last_speed) * (last - lowest) / (last - value), lowest]);
+            }
             lowest = lowest.min(value);
-            [speed, lowest]
-        });
-        Table(limited.collect())
+            table.push([speed, lowest]);
+            before = [speed, value];
+        }
+        Table(table)
     }
 
     fn at<S: Scalar>(&self, friction: S) -> S {
