@@ -54,15 +54,16 @@ pub fn status(result: Result<()>) -> ExitCode {
     }
 }
 
-/// Refuses a file whose ending promises another format than the one of `ending` that is written.
+/// Refuses a file whose ending promises another format than those of `endings`, one of which is written.
 ///
 /// # Errors
 /// With what is accepted.
-pub fn check_ending(path: Option<&Path>, ending: &str) -> Result<()> {
+pub fn check_ending(path: Option<&Path>, endings: &[&str]) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     match path.extension() {
-        Some(given) if !given.eq_ignore_ascii_case(ending) => {
-            bail!("--output {}: .{ending} is written, not .{}", path.display(), given.to_string_lossy())
+        Some(given) if !endings.iter().any(|ending| given.eq_ignore_ascii_case(ending)) => {
+            let written = endings.join(" or .");
+            bail!("--output {}: .{written} is written, not .{}", path.display(), given.to_string_lossy())
         }
         _ => Ok(()),
     }
@@ -90,12 +91,14 @@ mod tests {
 
     #[test]
     fn an_ending_that_promises_another_format_is_refused() {
-        let told = |path: &str| check_ending(Some(Path::new(path)), "csv").map_err(|error| error.to_string());
+        let told =
+            |path: &str| check_ending(Some(Path::new(path)), &["csv", "parquet"]).map_err(|error| error.to_string());
         assert_eq!(told("a/r.csv"), Ok(()));
         assert_eq!(told("r.CSV"), Ok(()));
         assert_eq!(told("r"), Ok(()));
-        assert_eq!(told("r.parquet").unwrap_err(), "--output r.parquet: .csv is written, not .parquet");
-        assert!(check_ending(None, "csv").is_ok());
+        assert_eq!(told("r.parquet"), Ok(()));
+        assert_eq!(told("r.xlsx").unwrap_err(), "--output r.xlsx: .csv or .parquet is written, not .xlsx");
+        assert!(check_ending(None, &["csv"]).is_ok());
     }
 
     #[test]

@@ -171,7 +171,9 @@ fn derivatives_of_every_output_are_those_of_get_after_set() {
             // Rounding of a difference of values.
             let rounding = 1e-11 * drive.0.get(references[output]).abs();
             for (entry, (name, _)) in row.iter().zip(INPUTS) {
-                if (entry.0 - entry.1).abs() > 1e-6 * largest + rounding {
+                // Differences over a point of the table of critical speeds mix the slopes on both sides of it.
+                let relative = if outputs[output].1 == "critical_speed" { 1e-5 } else { 1e-6 };
+                if (entry.0 - entry.1).abs() > relative * largest + rounding {
                     failed
                         .push(format!("case {case}: d {} / d {name}: {entry:?}, largest {largest}", outputs[output].1));
                 }

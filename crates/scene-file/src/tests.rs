@@ -207,7 +207,7 @@ fn a_zero_that_meant_something_names_what_is_set_instead() {
         ("contact.temperature_limit", "contact.temperature_limited = false"),
     ] {
         let problems = parse(&format!("name = \"a\"\n{key} = 0.0")).unwrap_err().to_string();
-        assert!(problems.contains(&format!("{key}: 0 is outside")) && problems.contains(instead), "{problems}");
+        assert!(problems.contains(&format!("{key}: 0 K is outside")) && problems.contains(instead), "{problems}");
         let refused = check_parameter(find(key).unwrap(), 0.0).unwrap_err().to_string();
         assert_eq!(refused, format!("{key}: 0 K is below the minimum 1 K; set {instead} instead"));
     }

@@ -46,7 +46,7 @@ pub struct Arguments {
 /// Everything wrong with the scene, one without reciprocating sliding, a cycle without a solution, a file that cannot be
 /// written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), "svg")?;
+    output::check_ending(arguments.output.as_deref(), &["svg"])?;
     let course = course(arguments)?;
     if arguments.json {
         print_line!("{:#}", course.record());

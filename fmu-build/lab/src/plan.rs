@@ -69,7 +69,7 @@ pub struct Arguments {
 /// # Errors
 /// Where the scene is refused, or a level cannot be built.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), "csv")?;
+    output::check_ending(arguments.output.as_deref(), &["csv"])?;
     if arguments.output.is_some() && !(arguments.campaign || arguments.against_field) {
         bail!("--output holds the table of --campaign or --against-field, and neither is given");
     }

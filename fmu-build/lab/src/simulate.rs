@@ -86,9 +86,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         .output
         .as_deref()
         .filter(|path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet")));
-    if parquet.is_none() {
-        output::check_ending(arguments.output.as_deref(), "csv")?;
-    }
+    output::check_ending(arguments.output.as_deref(), &["csv", "parquet"])?;
     // The table of a Parquet file is that of the CSV beside it.
     let table =
         arguments.output.as_ref().map(|path| if parquet.is_some() { path.with_extension("csv") } else { path.clone() });

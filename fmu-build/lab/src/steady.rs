@@ -56,7 +56,7 @@ pub struct Arguments {
 /// # Errors
 /// Everything wrong with the scene, the reason why it has no steady state, a file that cannot be written.
 pub fn execute(arguments: &Arguments) -> Result<()> {
-    output::check_ending(arguments.output.as_deref(), "svg")?;
+    output::check_ending(arguments.output.as_deref(), &["svg"])?;
     if arguments.law {
         return write_law(arguments);
     }

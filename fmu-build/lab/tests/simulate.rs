@@ -292,7 +292,7 @@ fn a_wrong_argument_is_refused_with_what_is_accepted() {
         (&["disc_brake", "--step", "1e-9"], &["9.300e10 communication steps", "2e6"]),
         (&["disc_brake", "-i", "in.csv", "--at", "3"], &["--at 3.0 s", "0.0 s to 2.5 s"]),
         (&["disc_brake", "-i", "in.csv", "--at", "soon"], &["--at", "soon"]),
-        (&["disc_brake", "-o", "out.parquet"], &[".csv is written, not .parquet"]),
+        (&["disc_brake", "-o", "out.xlsx"], &[".csv or .parquet is written, not .xlsx"]),
         (&["disc_brake", "-o", "none/out.csv"], &["--output none/out.csv", "no folder none"]),
         (&["disc_brake", "-o", "."], &["is a folder"]),
         (&["disc_brake", "-i", "in.csv", "-o", "in.csv"], &["in.csv would replace a file that is read"]),

@@ -166,9 +166,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         bail!("--jobs must be at least 1");
     }
     let parquet = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("parquet"));
-    if !parquet {
-        output::check_ending(Some(output), "csv")?;
-    }
+    output::check_ending(Some(output), &["csv", "parquet"])?;
     // Rows are appended to a CSV file in any case, which stands beside the other.
     let rows = &if parquet { output.with_extension("csv") } else { output.clone() };
     let own = fs::canonicalize(rows).ok();

@@ -82,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         print_line!("{}", path.display());
         return Ok(());
     }
-    output::check_ending(arguments.output.as_deref(), if arguments.ssv { "ssv" } else { "fmu" })?;
+    output::check_ending(arguments.output.as_deref(), if arguments.ssv { &["ssv"] } else { &["fmu"] })?;
     let scene = arguments.scene.as_deref();
     let path = if arguments.ssv {
         let scene = scenes::load(scene)?;
