@@ -74,19 +74,21 @@ def wear_life(path, life, unit, title):
         part.spines["right"].set_visible(True)
         part.plot(life, 100.0 * np.arange(1, life.size + 1) / life.size, color=RED)
         part.set_ylabel("worn out by then [%]", color=RED)
-        part.set_ylim(0, 103)
-        for value, label in ((early, "10 %"), (half, "50 %")):
+        # The labels stand above the highest bar, so that they hide none.
+        count.set_ylim(0, 1.12 * count.get_ylim()[1])
+        part.set_ylim(0, 112)
+        part.set_yticks(range(0, 101, 20))
+        for value, label, side, shift in ((early, "10 %", "right", -3), (half, "50 %", "left", 3)):
             count.axvline(value, color="black", linewidth=0.8, linestyle="--")
             count.annotate(
                 f"{label}: {value:,.3g} {unit}" if value < 1000 else f"{label}: {value:,.0f} {unit}",
                 (value, 1.0),
                 xycoords=("data", "axes fraction"),
-                xytext=(3, -2),
+                xytext=(shift, -2),
                 textcoords="offset points",
                 va="top",
-                rotation=90,
+                ha=side,
                 fontsize=8,
-                bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
             )
         ticks = matplotlib.ticker.FuncFormatter(lambda value, _place: f"{value:,.4g}" if value < 1e4 else f"{value:,.0f}")
         count.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
