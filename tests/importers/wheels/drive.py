@@ -87,13 +87,13 @@ def pathsim_fmi(fmu, step, inputs, names):
     rows = []
     build = FMUWrapper._build_variable_maps
 
-    def build_of_reals(self):
+    def build_of_names(self):
         """It reads every output as a Real, which this FMU, as the standard demands, refuses for the other types."""
         build(self)
-        reals = {v.name for v in self.model_description.modelVariables if v.type == "Real"}
-        self.output_refs = {name: reference for name, reference in self.output_refs.items() if name in reals}
+        references = {v.name: v.valueReference for v in self.model_description.modelVariables}
+        self.output_refs = {name: references[name] for name in names}
 
-    FMUWrapper._build_variable_maps = build_of_reals
+    FMUWrapper._build_variable_maps = build_of_names
 
     class Recorded(CoSimulationFMU):
         """Notes the outputs after every step."""
