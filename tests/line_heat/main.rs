@@ -12,3 +12,4 @@ mod plans;
 mod split;
 mod steps;
 mod stop;
+mod unloading;

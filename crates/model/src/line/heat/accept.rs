@@ -19,17 +19,27 @@ const SMALL: f64 = 0.15;
 /// Safety factor of the bound where the operators are those of another velocity: the response may be larger by this much.
 const ALLOWANCE: f64 = 2.0;
 
+/// Deviation of the fluxes of a body from the straight line through both stages, W/m2, by cells. A smooth flux
+/// deviates by (1/2 - gamma) of its change. That of a cell that opens or closes in between jumps at an unknown time: it keeps its
+/// value up to then, and deviates by all of its change.
+fn flux_defect(closed: [&[bool]; 2], flux: [&Vec<f64>; 2], defect: &mut [f64]) {
+    let status = closed[0].iter().zip(closed[1]);
+    for ((defect, (first, end)), (before, after)) in defect.iter_mut().zip(flux[0].iter().zip(flux[1])).zip(status) {
+        *defect = (end - first) * if before == after { 0.5 - GAMMA } else { 1.0 };
+    }
+}
+
 impl Line {
     /// Inexpensive upper bound of [`Line::heat_error`].
     fn bound_of_heat_error(&mut self, bound: f64) -> f64 {
         let Some(heat) = &mut self.heat else { return 0.0 };
         let cells = &self.operators.cells;
         let (mut moved, mut temperature_error, mut rise): (f64, f64, f64) = (0.0, 0.0, 1.0);
+        let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         for (side, [of_temperature, of_distortion]) in heat.partitions[1].norms().iter().enumerate() {
-            let fluxes = heat.flux[0][side].iter().zip(&heat.flux[1][side]).zip(cells.widths());
-            let room = heat.iterate.difference.iter_mut().zip(&mut heat.iterate.sums[0]);
-            for ((difference, weighted), ((first, end), c)) in room.zip(fluxes) {
-                *difference = end - first;
+            flux_defect(closed, [&heat.flux[0][side], &heat.flux[1][side]], &mut heat.iterate.difference);
+            let room = heat.iterate.difference.iter().zip(&mut heat.iterate.sums[0]);
+            for ((difference, weighted), c) in room.zip(cells.widths()) {
                 *weighted = c * *difference;
             }
             let square = dense::dot(&heat.iterate.difference, &heat.iterate.sums[0]);
@@ -38,9 +48,8 @@ impl Line {
             temperature_error = maximum(temperature_error, of_temperature * change);
             rise = rise.max(largest(&heat.temperature[1][side]));
         }
-        let known = heat.reference.exact;
-        let share = if known { 0.5 - GAMMA } else { ALLOWANCE * (0.5 - GAMMA) };
-        maximum(share * moved / bound, share * temperature_error / (self.operators.scene.tolerance * rise))
+        let allowance = if heat.reference.exact { 1.0 } else { ALLOWANCE };
+        maximum(allowance * moved / bound, allowance * temperature_error / (self.operators.scene.tolerance * rise))
     }
 
     /// Error of temperature and distortion from fluxes that are not linear over the step, in units of the tolerance; `bound` is
@@ -58,12 +67,11 @@ impl Line {
         let mut temperature_error: f64 = 0.0;
         let mut rise: f64 = 1.0;
         heat.iterate.sums[1].fill(0.0);
+        let closed = [0, 1].map(|stage| heat.partitions[stage].closed());
         for side in 0..2 {
             let Some(own) = &heat.bodies[side] else { continue };
             let influence = own.influence(Stage::End);
-            for (i, difference) in heat.iterate.difference.iter_mut().enumerate() {
-                *difference = heat.flux[1][side][i] - heat.flux[0][side][i];
-            }
+            flux_defect(closed, [&heat.flux[0][side], &heat.flux[1][side]], &mut heat.iterate.difference);
             heat.iterate.sums[0].fill(0.0);
             dense::multiply_add(influence.temperature.as_slice(), &heat.iterate.difference, &mut heat.iterate.sums[0]);
             if heat.parameters.expands[side] {
@@ -82,9 +90,8 @@ impl Line {
         for (moved, c) in heat.iterate.sums[1].iter().zip(widths) {
             moved_square += c * (moved - mean) * (moved - mean);
         }
-        let share = 0.5 - GAMMA;
-        let moved = share * (moved_square / width).sqrt();
-        (moved / bound).max(share * temperature_error / (operators.scene.tolerance * rise))
+        let moved = (moved_square / width).sqrt();
+        maximum(moved / bound, temperature_error / (operators.scene.tolerance * rise))
     }
 
     /// Updates the thermal state by the accepted part of `step` s; `velocity` is the sliding velocity at its end, m/s.

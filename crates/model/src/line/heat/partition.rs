@@ -212,6 +212,11 @@ impl HeatPartition {
         }
     }
 
+    /// Which cells exchange heat.
+    pub fn closed(&self) -> &[bool] {
+        &self.closed
+    }
+
     /// Sets the active set of cells that exchange heat, and factors the block of the others.
     pub fn set_active_set(&mut self, closed: &[bool]) {
         if self.known && self.closed == closed {

@@ -1,0 +1,45 @@
+//! A load taken off within milliseconds: all cells open at once, and what flowed from the hotter body to the colder one stops.
+
+use test_support::{Drive, scene};
+
+/// Rise of the contact temperature over the initial one (K) after a long drag and after the load has been taken off, of a badly
+/// conducting lining on 9 cells.
+fn rises(tolerance: f64) -> [f64; 2] {
+    const LOAD: f64 = 4800.0;
+    const RAMP: f64 = 0.023;
+    let changes = [
+        ("solver.fidelity", 3.0),
+        ("solver.cells", 9.0),
+        ("solver.tolerance", tolerance),
+        ("contact.conductance", 15e3),
+        ("contact.friction_coefficient", 0.28),
+        ("punch.width", 0.074),
+        ("depth", 0.026),
+        ("punch.conductivity", 1.6),
+        ("nominal.load", LOAD),
+        ("nominal.velocity", 1.1),
+        ("nominal.duration", 54.0),
+    ];
+    let mut drive = Drive::from_starts(&scene("disc_brake"), &changes);
+    let initial = drive.get("contact_temperature");
+    drive.set("sliding_velocity", 1.1).set("normal_load", LOAD);
+    for _ in 0..12 {
+        drive.step(2.25);
+    }
+    let pressed = drive.get("contact_temperature");
+    drive.set("normal_load", LOAD).slope("normal_load", -LOAD / RAMP);
+    drive.step(RAMP);
+    [pressed - initial, drive.get("contact_temperature") - initial]
+}
+
+#[test]
+fn a_load_taken_off_fast_keeps_the_tolerance() {
+    let exact = rises(1e-5);
+    // The error of a step is relative to the hottest surface, which is up to half as hot again as the mean.
+    for tolerance in [1e-2, 1e-3] {
+        let found = rises(tolerance);
+        let errors = [0, 1].map(|i| (found[i] - exact[i]).abs() / exact[0]);
+        println!("{tolerance:e}: {errors:?} of {exact:?}");
+        assert!(errors.iter().all(|error| *error <= 1.5 * tolerance), "{tolerance:e}: {errors:?}");
+    }
+}
