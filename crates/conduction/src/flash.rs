@@ -306,10 +306,11 @@ fn spline_slopes(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::super::moving_source::Path;
-    use super::super::slab::{Base, CoolingPort, Slab};
+    use super::super::slab::{CoolingPort, Slab};
     use super::*;
+    use scene::FarBoundary;
 
-    fn disc(base: Base) -> Slab {
+    fn disc(base: FarBoundary) -> Slab {
         Slab {
             height: 0.011,
             conductivity: 54.0,
@@ -324,7 +325,7 @@ mod tests {
     #[test]
     fn every_speed_gives_the_exact_resistance() {
         for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
-            for base in [Base::Insulated, Base::Held] {
+            for base in [FarBoundary::Insulated, FarBoundary::Held] {
                 let source = MovingSource::new(disc(base), 0.0275, path);
                 let flash = Flash::new(&source, 1000.0, 1e-3);
                 for exponent in -30..=60 {
@@ -344,7 +345,7 @@ mod tests {
     #[test]
     fn the_cubics_are_the_spline() {
         for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
-            let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
+            let source = MovingSource::new(disc(FarBoundary::Insulated), 0.0275, path);
             let flash = Flash::new(&source, 1000.0, 1e-3);
             let (table, slowest) = (&flash.speed, flash.decays.rate[0]);
             let (mut relative, mut worst): (f64, f64) = (0.0, 0.0);
@@ -366,7 +367,7 @@ mod tests {
     #[test]
     fn at_rest_the_decays_follow_the_exact_response() {
         for path in [Path::Closed(0.74), Path::Endless, Path::Stroke { stroke: 0.03, cell: 0.6 }] {
-            let source = MovingSource::new(disc(Base::Insulated), 0.0275, path);
+            let source = MovingSource::new(disc(FarBoundary::Insulated), 0.0275, path);
             let flash = Flash::new(&source, 1000.0, 1e-3);
             let scale = flash.decays.at(1e-3);
             println!("{path:?}: {:?}", flash.decays);

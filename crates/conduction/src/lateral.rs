@@ -120,8 +120,9 @@ where
 mod tests {
     use super::*;
     use crate::moving_source::{MovingSource, Path};
-    use crate::slab::{Base, CoolingPort, Slab};
+    use crate::slab::{CoolingPort, Slab};
     use exact::special::complementary_error;
+    use scene::FarBoundary;
     use std::f64::consts::PI;
 
     fn erf(x: f64) -> f64 {
@@ -169,7 +170,7 @@ mod tests {
             capacity: 1.0,
             surface_transfer: 0.0,
             volume_transfer: 0.0,
-            base: Base::Held,
+            base: FarBoundary::Held,
             cooling: CoolingPort::Surface,
         };
         MovingSource::new(slab, 1.0, path).spreading(Some(Lateral::new(2.0 * b, 1.0)))

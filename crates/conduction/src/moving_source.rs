@@ -18,8 +18,9 @@
 //! Theory: docs/theory.md, section 4.3.
 
 use super::lateral::{Lateral, spread};
-use super::slab::{Base, Slab};
+use super::slab::Slab;
 use nalgebra::Complex;
+use scene::FarBoundary;
 use std::f64::consts::PI;
 
 /// Part of the heating that a sum represents.
@@ -195,7 +196,7 @@ impl MovingSource {
             }
         }
         let steady = self.lateral.is_none() && velocity > 0.0;
-        if part == Part::Flash && self.path == Path::Endless && self.slab.base == Base::Insulated && steady {
+        if part == Part::Flash && self.path == Path::Endless && self.slab.base == FarBoundary::Insulated && steady {
             // Mean heating left behind: half of it acts under the contact. It is the residue at q = 0 that the principal
             // value of the integral omits.
             sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
@@ -218,7 +219,7 @@ impl MovingSource {
         for &(q, weight, _) in &self.modes {
             sum += weight * self.slab.impedance(Complex::new(0.0, q * velocity), q).re;
         }
-        if self.path == Path::Endless && self.slab.base == Base::Insulated {
+        if self.path == Path::Endless && self.slab.base == FarBoundary::Insulated {
             sum += self.half_length / (self.slab.capacity * self.slab.height * velocity);
         }
         sum
@@ -246,7 +247,7 @@ mod tests {
     use super::*;
 
     /// l = K = kd = 1 on a layer so high that it is a half-plane at these velocities.
-    fn layer(height: f64, base: Base) -> Slab {
+    fn layer(height: f64, base: FarBoundary) -> Slab {
         Slab {
             height,
             conductivity: 1.0,
@@ -262,12 +263,12 @@ mod tests {
     fn jaeger_means_over_peclet() {
         // T k/(q l), mean over the band, Pe = V l/(2 kd).
         for (peclet, mean) in [(0.1, 2.0618), (1.0, 0.79986), (10.0, 0.24132)] {
-            let source = MovingSource::new(layer(1e4, Base::Insulated), 1.0, Path::Endless);
+            let source = MovingSource::new(layer(1e4, FarBoundary::Insulated), 1.0, Path::Endless);
             let computed = source.resistance(2.0 * peclet);
             assert!((computed - mean).abs() < 5e-5, "Pe {peclet}: {computed} instead of {mean}");
         }
         // Fast limit: two thirds of (2/sqrt(pi)) Pe^(-1/2).
-        let source = MovingSource::new(layer(1e3, Base::Insulated), 1.0, Path::Endless);
+        let source = MovingSource::new(layer(1e3, FarBoundary::Insulated), 1.0, Path::Endless);
         let computed = source.resistance(2e6);
         let exact = 4.0 / (3.0 * PI.sqrt()) / 1e3;
         assert!((computed / exact - 1.0).abs() < 2e-3, "{computed} {exact}");
@@ -276,7 +277,9 @@ mod tests {
     #[test]
     fn closed_path_steady_mean_is_the_plain_fourier_sum() {
         // Mean mode excluded; prescribed base temperature, moderate and high velocity, a short and a long path.
-        for (length, base) in [(4.0, Base::Held), (30.0, Base::Insulated), (700.0, Base::Insulated)] {
+        for (length, base) in
+            [(4.0, FarBoundary::Held), (30.0, FarBoundary::Insulated), (700.0, FarBoundary::Insulated)]
+        {
             let slab = layer(0.5, base);
             let source = MovingSource::new(slab, 1.0, Path::Closed(length));
             for velocity in [0.0, 0.3, 20.0, 2000.0] {
@@ -294,7 +297,7 @@ mod tests {
 
     #[test]
     fn a_long_closed_path_is_an_endless_one() {
-        let slab = layer(2.0, Base::Held);
+        let slab = layer(2.0, FarBoundary::Held);
         let closed = MovingSource::new(slab, 1.0, Path::Closed(2000.0));
         let endless = MovingSource::new(slab, 1.0, Path::Endless);
         // The closed path's mean mode, q = 0, is not in the sum: (2a/L) h/K.
@@ -306,7 +309,7 @@ mod tests {
 
     #[test]
     fn a_stroke_splits_into_track_and_flash() {
-        let slab = layer(1.0, Base::Held);
+        let slab = layer(1.0, FarBoundary::Held);
         let whole = MovingSource::new(slab, 1.0, Path::Closed(40.0));
         let split = MovingSource::new(slab, 1.0, Path::Stroke { stroke: 3.0, cell: 40.0 });
         let s = Complex::from(0.7);

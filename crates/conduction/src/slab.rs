@@ -29,17 +29,7 @@ use nalgebra::Complex;
 use numerics::grading::LEAST;
 use numerics::maximum::maximum;
 use projection::{Basis, Eigen, Grid};
-
-/// Boundary condition at the face opposite to the contact.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub enum Base {
-    /// Temperature prescribed.
-    Held,
-    /// Zero heat flux.
-    Insulated,
-    /// Heat transfer coefficient to ambient, W/(m2 K).
-    Convecting(f64),
-}
+use scene::FarBoundary;
 
 /// Location of the cooling beyond the constant heat transfer.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -64,7 +54,7 @@ pub struct Slab {
     /// Heat loss B by volume, W/(m3 K).
     pub volume_transfer: f64,
     /// Boundary condition at z = h.
-    pub base: Base,
+    pub base: FarBoundary,
     /// Location of the variable cooling.
     pub cooling: CoolingPort,
 }
@@ -106,9 +96,9 @@ impl Slab {
             // Small argument: the slab is a heat capacity in series with (or parallel to) its base.
             let own = k * kappa_squared * self.height;
             match self.base {
-                Base::Held => (k / self.height).into(),
-                Base::Insulated => own / (1.0 + kappa_squared * self.height.powi(2) / 3.0),
-                Base::Convecting(transfer) => (own + transfer) / (1.0 + transfer * self.height / k),
+                FarBoundary::Held => (k / self.height).into(),
+                FarBoundary::Insulated => own / (1.0 + kappa_squared * self.height.powi(2) / 3.0),
+                FarBoundary::Convecting(transfer) => (own + transfer) / (1.0 + transfer * self.height / k),
             }
         } else {
             // Beyond 20 decay lengths the base has no effect to rounding.
@@ -118,9 +108,9 @@ impl Slab {
             let decay = (-2.0 * u).exp();
             let (sum, difference) = (1.0 + decay, 1.0 - decay);
             match self.base {
-                Base::Held => sum / difference * kappa * k,
-                Base::Insulated => difference / sum * kappa * k,
-                Base::Convecting(transfer) => {
+                FarBoundary::Held => sum / difference * kappa * k,
+                FarBoundary::Insulated => difference / sum * kappa * k,
+                FarBoundary::Convecting(transfer) => {
                     let beta = transfer / (kappa * k);
                     (difference + beta * sum) / (sum + beta * difference) * kappa * k
                 }
@@ -240,7 +230,7 @@ mod tests {
     use super::*;
     use crate::reduced::Observation;
 
-    fn iron(base: Base) -> Slab {
+    fn iron(base: FarBoundary) -> Slab {
         Slab {
             height: 0.011,
             conductivity: 54.0,
@@ -254,7 +244,9 @@ mod tests {
 
     fn cases() -> Vec<Slab> {
         let mut cases = Vec::new();
-        for base in [Base::Held, Base::Insulated, Base::Convecting(200.0), Base::Convecting(1e6)] {
+        for base in
+            [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(200.0), FarBoundary::Convecting(1e6)]
+        {
             for (surface, volume, cooling) in
                 [(0.0, 0.0, CoolingPort::Surface), (80.0, 0.0, CoolingPort::Surface), (0.0, 4e3, CoolingPort::Sides)]
             {
@@ -305,7 +297,7 @@ mod tests {
             // Uniform temperature everywhere: zero flow.
             let both = |observation: &Observation| {
                 steady(observation, Port::Ambient as usize)
-                    + if slab.base == Base::Held { steady(observation, Port::Base as usize) } else { 0.0 }
+                    + if slab.base == FarBoundary::Held { steady(observation, Port::Base as usize) } else { 0.0 }
             };
             let level = both(&body.contact_temperature);
             assert!((level - 1.0).abs() < 1e-7, "{slab:?}: {level}");
@@ -317,7 +309,7 @@ mod tests {
     #[test]
     fn short_times_are_those_of_the_half_space() {
         // T = 2 q sqrt(t / (pi k rho c)): 84.375 K after 1 s of 1 MW/m2 on a body thick enough.
-        let slab = Slab { height: 0.1, ..iron(Base::Insulated) };
+        let slab = Slab { height: 0.1, ..iron(FarBoundary::Insulated) };
         let body = slab.reduce(1.0, 1e-4);
         let rise = |t: f64| -> f64 {
             let states: f64 = (0..body.count)

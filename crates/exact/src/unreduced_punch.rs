@@ -3,11 +3,11 @@
 //! Theory: docs/theory.md, section 4.8.
 
 use elasticity::Cells;
-use elasticity::block::{Block, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition};
+use elasticity::block::{Block, BlockProperties, Discretization, ThermalBlock, ThermalProperties};
 use faer::Mat;
 use nalgebra::DMatrix;
 use numerics::sdirk::GAMMA;
-use scene::{Scene, ThermalBoundary};
+use scene::Scene;
 
 /// Layers of elements towards the edges beyond those for the pressure: the mean temperature of an edge cell needs elements
 /// that are small against it.
@@ -45,11 +45,7 @@ impl Unreduced {
             conductivity: body.conductivity,
             volumetric_heat_capacity: body.capacity(),
             side_convection: body.convection,
-            top: match body.far_thermal {
-                ThermalBoundary::Held | ThermalBoundary::External => TopCondition::Held,
-                ThermalBoundary::Convecting => TopCondition::Convecting(body.convection),
-                ThermalBoundary::Insulated => TopCondition::Convecting(0.0),
-            },
+            top: body.far_boundary(),
         };
         let mechanical = BlockProperties {
             width,

@@ -71,6 +71,37 @@ impl ThermalBoundary {
     }
 }
 
+/// Condition at the face opposite to the contact as a problem of conduction has it. Temperatures of the surroundings enter as
+/// inputs.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum FarBoundary {
+    /// Temperature prescribed.
+    Held,
+    /// Zero heat flux.
+    Insulated,
+    /// Heat transfer coefficient to ambient, W/(m2 K), > 0.
+    Convecting(f64),
+}
+
+impl FarBoundary {
+    /// Heat transfer coefficient, W/(m2 K); 0 where the temperature is prescribed or no heat flows.
+    pub fn transfer(self) -> f64 {
+        match self {
+            FarBoundary::Convecting(transfer) => transfer,
+            FarBoundary::Held | FarBoundary::Insulated => 0.0,
+        }
+    }
+
+    /// The same with a heat transfer coefficient `factor` (> 0) times as high.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> FarBoundary {
+        match self {
+            FarBoundary::Convecting(transfer) => FarBoundary::Convecting(factor * transfer),
+            other => other,
+        }
+    }
+}
+
 /// Geometry of the contact.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Geometry {
@@ -187,6 +218,15 @@ impl Body {
     /// Whether the temperature of the face opposite to the contact is prescribed.
     pub fn far_is_prescribed(&self) -> bool {
         matches!(self.far_thermal, ThermalBoundary::Held | ThermalBoundary::External)
+    }
+
+    /// Condition at the face opposite to the contact.
+    pub fn far_boundary(&self) -> FarBoundary {
+        match self.far_thermal {
+            ThermalBoundary::Held | ThermalBoundary::External => FarBoundary::Held,
+            ThermalBoundary::Convecting if self.convection > 0.0 => FarBoundary::Convecting(self.convection),
+            ThermalBoundary::Convecting | ThermalBoundary::Insulated => FarBoundary::Insulated,
+        }
     }
 
     /// Whether the input with the temperature of the neighbour acts.

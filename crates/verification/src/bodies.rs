@@ -4,12 +4,13 @@
 
 use super::{Problem, known};
 use conduction::reduced::{Port, ReducedBody};
-use conduction::slab::{Base, CoolingPort, Slab};
+use conduction::slab::{CoolingPort, Slab};
 use exact::reference::root;
+use scene::FarBoundary;
 use std::f64::consts::PI;
 
 /// Slab of grey cast iron.
-fn iron(height: f64, base: Base) -> Slab {
+fn iron(height: f64, base: FarBoundary) -> Slab {
     Slab {
         height,
         conductivity: 54.0,
@@ -53,7 +54,7 @@ fn half_space(all: &mut Vec<Problem>) {
             quantity: "temperature rise, K",
             exact: known(2.0 * 1e6 * (time / (PI * 54.0 * 7200.0 * 460.0)).sqrt()),
             scale: None,
-            compute: Box::new(move || Ok(rise(&iron(0.1, Base::Insulated).reduce(1.0, 1e-4), 1e6, time))),
+            compute: Box::new(move || Ok(rise(&iron(0.1, FarBoundary::Insulated).reduce(1.0, 1e-4), 1e6, time))),
             bound,
             reason,
         });
@@ -62,9 +63,10 @@ fn half_space(all: &mut Vec<Problem>) {
 
 /// Stationary temperature under a constant flux: the resistances h/k and 1/H in series.
 fn steady(all: &mut Vec<Problem>) {
-    for (name, base, transfer) in
-        [("held base", Base::Held, f64::INFINITY), ("base convecting 200 W/(m2.K)", Base::Convecting(200.0), 200.0)]
-    {
+    for (name, base, transfer) in [
+        ("held base", FarBoundary::Held, f64::INFINITY),
+        ("base convecting 200 W/(m2.K)", FarBoundary::Convecting(200.0), 200.0),
+    ] {
         let resistance = 0.011 / 54.0 + transfer.recip();
         all.push(Problem {
             name: format!("steady slab, {name}"),
@@ -85,11 +87,11 @@ fn decay_rates(all: &mut Vec<Problem>) {
     let biot = 2e4 * height / conductivity;
     let convecting = root(0.0, 0.5 * PI, |x| x * x.tan() - biot);
     let cases = [
-        ("insulated, first", Base::Insulated, 1, PI, 1e-6),
-        ("insulated, second", Base::Insulated, 2, 2.0 * PI, 1e-4),
-        ("held, first", Base::Held, 0, 0.5 * PI, 1e-6),
-        ("held, second", Base::Held, 1, 1.5 * PI, 1e-4),
-        ("convecting 20 kW/(m2.K), first", Base::Convecting(2e4), 0, convecting, 1e-6),
+        ("insulated, first", FarBoundary::Insulated, 1, PI, 1e-6),
+        ("insulated, second", FarBoundary::Insulated, 2, 2.0 * PI, 1e-4),
+        ("held, first", FarBoundary::Held, 0, 0.5 * PI, 1e-6),
+        ("held, second", FarBoundary::Held, 1, 1.5 * PI, 1e-4),
+        ("convecting 20 kW/(m2.K), first", FarBoundary::Convecting(2e4), 0, convecting, 1e-6),
     ];
     for (name, base, index, root, bound) in cases {
         all.push(Problem {

@@ -6,9 +6,9 @@ use super::{Problem, known};
 use conduction::lateral::Lateral;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{Stage, Surroundings, ThermalBody};
-use conduction::slab::Base;
 use elasticity::{self, Cells, Material};
 use exact::reference::{ClosedPath, LayerBase, band_maximum, band_mean, square_mean};
+use scene::FarBoundary;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
@@ -20,7 +20,7 @@ fn refused(error: impl std::fmt::Display) -> String {
 }
 
 /// A band of half-width 1 on a layer with K = rho c = 1, so that Pe = V/2.
-fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
+fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
     StripProperties {
         height,
         conductivity: 1.0,
@@ -33,10 +33,10 @@ fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
     }
 }
 
-fn base_of(base: LayerBase) -> Base {
+fn base_of(base: LayerBase) -> FarBoundary {
     match base {
-        LayerBase::Held => Base::Held,
-        LayerBase::Insulated => Base::Insulated,
+        LayerBase::Held => FarBoundary::Held,
+        LayerBase::Insulated => FarBoundary::Insulated,
     }
 }
 
@@ -92,7 +92,7 @@ fn jaeger(all: &mut Vec<Problem>) {
         (100.0, 1.0, 129, SlidingPath::Unidirectional, fast),
     ] {
         moving_band(all, peclet, None, move || {
-            steady(&unit(height, Base::Held, path), cells, 1.0, resolution, 2.0 * peclet)
+            steady(&unit(height, FarBoundary::Held, path), cells, 1.0, resolution, 2.0 * peclet)
         });
     }
     for (height, base) in [(0.4, LayerBase::Held), (2.0, LayerBase::Insulated)] {
@@ -118,7 +118,7 @@ fn squares(all: &mut Vec<Problem>) {
             scale: None,
             compute: Box::new(move || {
                 let lateral = Some(Lateral::new(2.0, 1.0));
-                let properties = StripProperties { lateral, ..unit(height, Base::Held, path) };
+                let properties = StripProperties { lateral, ..unit(height, FarBoundary::Held, path) };
                 let (cells, values) = steady(&properties, cells, 1.0, resolution, 2.0 * peclet)?;
                 Ok(mean(&cells, &values))
             }),
@@ -225,7 +225,7 @@ fn between_nodes(all: &mut Vec<Problem>) {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
                 let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance };
                 let mut body =
-                    StripHeat::new(&unit(HEIGHT, Base::Held, SlidingPath::Unidirectional), &cells, &resolution)
+                    StripHeat::new(&unit(HEIGHT, FarBoundary::Held, SlidingPath::Unidirectional), &cells, &resolution)
                         .map_err(refused)?;
                 let errors = (0..COUNT).map(|k| {
                     let peclet = 1e3f64.powf(k as f64 / (COUNT - 1) as f64);
@@ -267,7 +267,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
                     conductivity,
                     capacity,
                     convection: 0.0,
-                    base: Base::Held,
+                    base: FarBoundary::Held,
                     path: SlidingPath::Closed(path.length),
                     expansion: None,
                     lateral: None,
@@ -292,7 +292,7 @@ fn oscillating(all: &mut Vec<Problem>) {
             scale: None,
             compute: Box::new(move || {
                 let cells = Cells::graded(1.0, 33).map_err(refused)?;
-                let properties = unit(150.0, Base::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
+                let properties = unit(150.0, FarBoundary::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
                 let step = 2.0 * PI / 64.0;
                 let resolution = Resolution { duration: 160.0 * PI, shortest: step, tolerance: 1e-4 };
                 let mut body = StripHeat::new(&properties, &cells, &resolution).map_err(refused)?;
@@ -328,7 +328,7 @@ fn distortion(all: &mut Vec<Problem>) {
                 conductivity: 55.0,
                 capacity: 7800.0 * 460.0,
                 convection: 0.0,
-                base: Base::Held,
+                base: FarBoundary::Held,
                 path: SlidingPath::Stroke { stroke: 0.01, length: 0.0 },
                 expansion: Some(expansion),
                 lateral: None,

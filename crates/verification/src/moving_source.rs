@@ -5,19 +5,20 @@
 use super::{Problem, known};
 use conduction::flash::Flash;
 use conduction::moving_source::{MovingSource, Path};
-use conduction::slab::{Base, CoolingPort, Slab};
+use conduction::slab::{CoolingPort, Slab};
 use exact::reference::{ClosedPath, LayerBase, band_mean};
+use scene::FarBoundary;
 use std::f64::consts::PI;
 
-fn base_of(base: LayerBase) -> Base {
+fn base_of(base: LayerBase) -> FarBoundary {
     match base {
-        LayerBase::Held => Base::Held,
-        LayerBase::Insulated => Base::Insulated,
+        LayerBase::Held => FarBoundary::Held,
+        LayerBase::Insulated => FarBoundary::Insulated,
     }
 }
 
 /// A band of half-width 1 on a layer with k = rho c = 1, so that Pe = V/2.
-fn unit_source(height: f64, base: Base) -> MovingSource {
+fn unit_source(height: f64, base: FarBoundary) -> MovingSource {
     let slab = Slab {
         height,
         conductivity: 1.0,
@@ -47,7 +48,7 @@ fn jaeger(all: &mut Vec<Problem>) {
             quantity,
             exact: known(mean),
             scale: None,
-            compute: Box::new(move || Ok(unit_source(1e4, Base::Insulated).resistance(2.0 * peclet))),
+            compute: Box::new(move || Ok(unit_source(1e4, FarBoundary::Insulated).resistance(2.0 * peclet))),
             bound: 3e-5,
             reason: "five digits of the printed value",
         });
@@ -58,7 +59,7 @@ fn jaeger(all: &mut Vec<Problem>) {
             quantity,
             exact: Box::new(move || Ok(band_mean(peclet, None))),
             scale: None,
-            compute: Box::new(move || Ok(unit_source(1e4, Base::Insulated).resistance(2.0 * peclet))),
+            compute: Box::new(move || Ok(unit_source(1e4, FarBoundary::Insulated).resistance(2.0 * peclet))),
             bound: 1e-6,
             reason: "quadrature over the wave numbers",
         });
@@ -69,7 +70,7 @@ fn jaeger(all: &mut Vec<Problem>) {
         quantity,
         exact: known(4.0 / (3.0 * PI.sqrt()) * 1e-3),
         scale: None,
-        compute: Box::new(|| Ok(unit_source(1e3, Base::Insulated).resistance(2e6))),
+        compute: Box::new(|| Ok(unit_source(1e3, FarBoundary::Insulated).resistance(2e6))),
         bound: 2e-3,
         reason: "the limit itself is off by O(Pe^(-1/2))",
     });
@@ -129,7 +130,7 @@ fn closed_paths(all: &mut Vec<Problem>) {
     }
 }
 
-fn disc(height: f64, base: Base) -> Slab {
+fn disc(height: f64, base: FarBoundary) -> Slab {
     Slab {
         height,
         conductivity: 54.0,

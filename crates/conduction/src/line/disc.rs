@@ -326,9 +326,10 @@ mod tests {
     use crate::lateral::Lateral;
     use crate::line::punch::mate::reduce_mate;
     use crate::moving_source::{MovingSource, Path};
-    use crate::slab::{Base, CoolingPort, Slab};
+    use crate::slab::{CoolingPort, Slab};
     use elasticity::Cells;
     use elasticity::discretization::relative_radii;
+    use scene::FarBoundary;
     use scene::variables::{STARTS, reference};
     use scene::{Scene, ThermalBoundary};
 
@@ -357,7 +358,11 @@ mod tests {
             capacity: scene.strip.capacity(),
             surface_transfer: scene.strip.convection * (1.0 - scene.coverage()),
             volume_transfer: 0.0,
-            base: if scene.strip.far_thermal == ThermalBoundary::Held { Base::Held } else { Base::Insulated },
+            base: if scene.strip.far_thermal == ThermalBoundary::Held {
+                FarBoundary::Held
+            } else {
+                FarBoundary::Insulated
+            },
             cooling: CoolingPort::Surface,
         };
         let source = MovingSource::new(slab, 0.5 * scene.sliding_extent(), Path::Closed(scene.length / scene.count));

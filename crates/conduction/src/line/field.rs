@@ -27,13 +27,11 @@ mod operators;
 
 use super::{Account, CooledAhead, FACES, GAMMA, Stage, SurfaceInfluence, Surroundings, ThermalBody};
 use elasticity::Cells;
-use elasticity::block::{
-    Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties, TopCondition,
-};
+use elasticity::block::{Block, BlockError, BlockProperties, Discretization, ThermalBlock, ThermalProperties};
 use faer::Mat;
 use numerics::cache::KeyedCache;
 use operators::{FieldOperators, FieldWorkspace, Prepared, TALLIES, dot, extrapolate};
-use scene::{Scene, ThermalBoundary};
+use scene::{FarBoundary, Scene};
 use std::cell::RefCell;
 use std::sync::Arc;
 
@@ -77,11 +75,7 @@ pub fn unreduced(scene: &Scene, cells: &Cells) -> Result<Option<FieldHeat>, Bloc
         conductivity: body.conductivity,
         volumetric_heat_capacity: body.capacity(),
         side_convection: body.convection * cooled,
-        top: match body.far_thermal {
-            ThermalBoundary::Held | ThermalBoundary::External => TopCondition::Held,
-            ThermalBoundary::Convecting => TopCondition::Convecting(body.convection),
-            ThermalBoundary::Insulated => TopCondition::Convecting(0.0),
-        },
+        top: body.far_boundary(),
     };
     let block = ThermalBlock::new(properties, discretization)?;
     let distortion = if body.thermal_expansion > 0.0 {
@@ -229,7 +223,7 @@ impl ThermalBody for FieldHeat {
         let rest = received - gained - lost;
         let through_top = step * operators.top_width() * surroundings.mean_far();
         tallies[2] -= through_top;
-        tallies[if operators.properties.top == TopCondition::Convecting(0.0) { 1 } else { 2 }] += rest + through_top;
+        tallies[if operators.properties.top == FarBoundary::Insulated { 1 } else { 2 }] += rest + through_top;
     }
 
     fn temperature_at_frozen_state(
@@ -280,10 +274,10 @@ impl ThermalBody for FieldHeat {
             let outside = surroundings.ambient - origin;
             let far = match (&operators.outflow, operators.properties.top) {
                 (Some((by_field, by_outside)), _) => dot(by_field, field) - by_outside * outside,
-                (None, TopCondition::Convecting(transfer)) => {
+                (None, FarBoundary::Convecting(transfer)) => {
                     dot(&operators.top, field) - transfer * operators.properties.width * outside
                 }
-                (None, TopCondition::Held) => 0.0,
+                (None, FarBoundary::Held | FarBoundary::Insulated) => 0.0,
             };
             [operators.ambient_flow(field, surroundings), far - operators.top_width() * surroundings.far]
         })

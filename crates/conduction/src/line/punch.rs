@@ -42,7 +42,7 @@ mod waves;
 use super::reduced::ReducedHeat;
 use across::{Across, Sides};
 use assembly::Assembly;
-use depth::{Depth, Top};
+use depth::Depth;
 use distortion::Distortion;
 use elasticity::Cells;
 use elasticity::block::BlockError;
@@ -113,11 +113,7 @@ pub fn reduce_with_mean(
         height: body.height,
         conductivity: body.conductivity,
         capacity: body.capacity(),
-        top: match body.far_thermal {
-            ThermalBoundary::Held | ThermalBoundary::External => Top::Held,
-            ThermalBoundary::Convecting => Top::Transfer(body.convection),
-            ThermalBoundary::Insulated => Top::Transfer(0.0),
-        },
+        top: body.far_boundary(),
         face: 0.0,
         driven_top: driven_top(body),
     };

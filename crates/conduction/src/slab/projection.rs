@@ -2,11 +2,12 @@
 //!
 //! Theory: docs/theory.md, section 4.2.
 
-use super::{Base, CoolingPort, Slab};
+use super::{CoolingPort, Slab};
 use crate::reduced::{MAX_STATES, Observation, PORTS, Port, ReducedBody};
 use nalgebra::{Complex, DMatrix, DVector};
 use numerics::factorization;
 use numerics::grading::towards_face;
+use scene::FarBoundary;
 
 /// Gauss points through the height, graded towards both faces down to the shortest decay length.
 pub(super) struct Grid {
@@ -136,7 +137,7 @@ impl<'a> Basis<'a> {
     pub(super) fn stationary(&mut self) {
         let slab = *self.slab;
         let h = slab.height;
-        let held = slab.base == Base::Held;
+        let held = slab.base == FarBoundary::Held;
         if !held {
             self.add(self.function(|_| (1.0, 0.0)));
         }
@@ -164,9 +165,9 @@ impl<'a> Basis<'a> {
         let h = slab.height;
         // Sum of a wave leaving the contact and its reflection; scaled against overflow.
         let reflection = match slab.base {
-            Base::Held => -1.0,
-            Base::Insulated => 1.0,
-            Base::Convecting(transfer) => {
+            FarBoundary::Held => -1.0,
+            FarBoundary::Insulated => 1.0,
+            FarBoundary::Convecting(transfer) => {
                 let beta = transfer / (slab.conductivity * kappa);
                 (1.0 - beta) / (1.0 + beta)
             }
@@ -184,7 +185,7 @@ impl<'a> Basis<'a> {
         let slab = *self.slab;
         let kappa = (shift / slab.diffusivity() + slab.volume_transfer / slab.conductivity).sqrt();
         let h = slab.height;
-        if slab.base == Base::Held {
+        if slab.base == FarBoundary::Held {
             // A function of the space vanishes at the base: the response minus its value there.
             let at_base = 1.0 + (-2.0 * kappa * h).exp();
             self.add(self.function(|z| {
@@ -208,19 +209,19 @@ impl<'a> Basis<'a> {
             CoolingPort::Sides => integral / slab.height,
         };
         let through_base = match slab.base {
-            Base::Convecting(transfer) => transfer * function.base,
-            Base::Held | Base::Insulated => 0.0,
+            FarBoundary::Convecting(transfer) => transfer * function.base,
+            FarBoundary::Held | FarBoundary::Insulated => 0.0,
         };
         let ambient = slab.surface_transfer * function.contact + slab.volume_transfer * integral + through_base;
-        let base = if slab.base == Base::Held { 0.0 } else { function.base };
+        let base = if slab.base == FarBoundary::Held { 0.0 } else { function.base };
         [function.contact, cooling, ambient, base]
     }
 
     fn stiffness(&self, left: &Function, right: &Function) -> f64 {
         let slab = self.slab;
         let through_base = match slab.base {
-            Base::Convecting(transfer) => transfer * left.base * right.base,
-            Base::Held | Base::Insulated => 0.0,
+            FarBoundary::Convecting(transfer) => transfer * left.base * right.base,
+            FarBoundary::Held | FarBoundary::Insulated => 0.0,
         };
         slab.conductivity * self.product(&left.slope, &right.slope)
             + slab.volume_transfer * self.product(&left.value, &right.value)
@@ -261,7 +262,7 @@ impl<'a> Basis<'a> {
 
     fn is_lossless(&self) -> bool {
         let slab = self.slab;
-        slab.base == Base::Insulated && slab.surface_transfer == 0.0 && slab.volume_transfer == 0.0
+        slab.base == FarBoundary::Insulated && slab.surface_transfer == 0.0 && slab.volume_transfer == 0.0
     }
 
     /// Body with these modes, the fastest one as a static correction.
@@ -405,7 +406,7 @@ impl BaseLift {
             kappa: (slab.volume_transfer / slab.conductivity).sqrt(),
             height: slab.height,
             beta: slab.surface_transfer / slab.conductivity,
-            held: slab.base == Base::Held,
+            held: slab.base == FarBoundary::Held,
         }
     }
 

@@ -275,8 +275,9 @@ impl Block {
 #[cfg(test)]
 mod tests {
     use super::super::boundary::top_values;
-    use super::super::{BlockProperties, Discretization, ThermalProperties, TopCondition};
+    use super::super::{BlockProperties, Discretization, ThermalProperties};
     use super::*;
+    use scene::FarBoundary;
 
     fn pair(width: f64, poissons_ratio: f64) -> (Block, ThermalBlock) {
         let discretization = Discretization::uniform(6, 4);
@@ -287,7 +288,7 @@ mod tests {
             conductivity: 2.0,
             volumetric_heat_capacity: 1.0,
             side_convection: 0.0,
-            top: TopCondition::Held,
+            top: FarBoundary::Held,
         };
         (Block::new(elastic, discretization).unwrap(), ThermalBlock::new(thermal, discretization).unwrap())
     }

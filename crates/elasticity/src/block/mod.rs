@@ -42,7 +42,7 @@ pub mod unreduced;
 
 pub use distortion::FunctionsAcross;
 pub use mechanical::{Block, BlockProperties, Compliance};
-pub use thermal::{ThermalBlock, ThermalProperties, TopCondition};
+pub use thermal::{ThermalBlock, ThermalProperties};
 pub use thermal_factor::{ThermalFactor, ThermalWorkspace};
 
 use condense::FactorizationError;

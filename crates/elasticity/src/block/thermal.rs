@@ -25,15 +25,7 @@ use super::mesh::Mesh;
 use super::{BlockError, Discretization, check_dimensions, check_positive};
 use faer::Mat;
 use nalgebra::DMatrix;
-
-/// Boundary condition at the block's top.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum TopCondition {
-    /// Prescribed temperature, T = 0.
-    Held,
-    /// Convection with this coefficient [W/(m2 K)], >= 0; 0 is an insulated top.
-    Convecting(f64),
-}
+use scene::FarBoundary;
 
 /// Shape and thermal properties of the block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +40,7 @@ pub struct ThermalProperties {
     pub volumetric_heat_capacity: f64,
     /// Convection h at the two sides [W/(m2 K)], >= 0.
     pub side_convection: f64,
-    pub top: TopCondition,
+    pub top: FarBoundary,
 }
 
 impl ThermalProperties {
@@ -67,10 +59,7 @@ impl ThermalProperties {
     }
 
     pub(super) fn top_convection(&self) -> f64 {
-        match self.top {
-            TopCondition::Held => 0.0,
-            TopCondition::Convecting(coefficient) => coefficient,
-        }
+        self.top.transfer()
     }
 }
 
@@ -100,7 +89,7 @@ impl ThermalBlock {
         properties.check()?;
         discretization.check()?;
         let (x, z) = discretization.grids(properties.width, properties.height);
-        let mesh = Mesh::new(x, z, properties.top == TopCondition::Held);
+        let mesh = Mesh::new(x, z, properties.top == FarBoundary::Held);
         let pattern = Pattern::new(&mesh, 1).map_err(|reason| BlockError::Factorization {
             quantity: "conduction",
             degrees: mesh.free,
@@ -174,7 +163,7 @@ impl ThermalBlock {
 
     fn over_top(&self, coefficient: f64) -> Mat<f64> {
         let mut load = Mat::zeros(self.degrees(), 1);
-        if self.properties.top != TopCondition::Held {
+        if self.properties.top != FarBoundary::Held {
             for column in 0..self.mesh.x.intervals() {
                 // Integrals over an edge: half its size for each vertex, -sqrt(2/3) of that for the quadratic function.
                 let integrals = [1.0, 1.0, -(2.0f64 / 3.0).sqrt()];
@@ -255,7 +244,7 @@ impl ThermalBlock {
             conductivity: 1.0,
             volumetric_heat_capacity: 1.0,
             side_convection: 0.0,
-            top: TopCondition::Held,
+            top: FarBoundary::Held,
             ..self.properties
         };
         let block = Self::new(held_top, self.discretization)?;
@@ -332,7 +321,7 @@ mod tests {
         conductivity: 55.0,
         volumetric_heat_capacity: 3.6e6,
         side_convection: 0.0,
-        top: TopCondition::Held,
+        top: FarBoundary::Held,
     };
 
     fn cells(count: usize) -> Vec<f64> {
@@ -355,13 +344,13 @@ mod tests {
         let slab = height / conductivity;
         let held = by_uniform_flux(PROPERTIES, 0.0);
         assert!(held.iter().all(|mean| (mean - slab).abs() < 1e-11 * slab), "{held}");
-        let cooled = by_uniform_flux(ThermalProperties { top: TopCondition::Convecting(200.0), ..PROPERTIES }, 0.0);
+        let cooled = by_uniform_flux(ThermalProperties { top: FarBoundary::Convecting(200.0), ..PROPERTIES }, 0.0);
         let expected = slab + 1.0 / 200.0;
         assert!(cooled.iter().all(|mean| (mean - expected).abs() < 1e-11 * expected), "{cooled}");
         // The faster the field, the thinner the heated layer against the elements.
         for (rate, bound) in [(0.001, 1e-10), (0.1, 1e-7), (2.0, 3e-5)] {
             let wave_number = (rate * volumetric_heat_capacity / conductivity).sqrt();
-            let insulated = ThermalProperties { top: TopCondition::Convecting(0.0), ..PROPERTIES };
+            let insulated = ThermalProperties { top: FarBoundary::Insulated, ..PROPERTIES };
             for (properties, factor) in
                 [(PROPERTIES, (wave_number * height).tanh()), (insulated, 1.0 / (wave_number * height).tanh())]
             {
@@ -374,8 +363,7 @@ mod tests {
 
     #[test]
     fn heat_that_enters_leaves_through_sides_and_top() {
-        let properties =
-            ThermalProperties { side_convection: 300.0, top: TopCondition::Convecting(50.0), ..PROPERTIES };
+        let properties = ThermalProperties { side_convection: 300.0, top: FarBoundary::Convecting(50.0), ..PROPERTIES };
         let block = ThermalBlock::new(properties, Discretization::uniform(5, 4)).unwrap();
         let mut field = block.flux_loads(&cells(9)).unwrap();
         block.solve_in_place(&block.factorize(0.0).unwrap(), &mut field).unwrap();
@@ -435,7 +423,7 @@ mod tests {
 
     #[test]
     fn a_block_without_any_outlet_is_refused_at_rest() {
-        let closed = ThermalProperties { top: TopCondition::Convecting(0.0), ..PROPERTIES };
+        let closed = ThermalProperties { top: FarBoundary::Insulated, ..PROPERTIES };
         let block = ThermalBlock::new(closed, Discretization::uniform(3, 2)).unwrap();
         assert!(matches!(block.factorize(0.0), Err(BlockError::Factorization { .. })));
         assert!(block.factorize(1e-3).is_ok());

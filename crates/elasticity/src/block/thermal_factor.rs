@@ -5,10 +5,11 @@
 use super::BlockError;
 use super::condense::{Factor, FactorizationError, Workspace};
 use super::element::CondensedElement;
-use super::thermal::{ThermalBlock, TopCondition};
+use super::thermal::ThermalBlock;
 use faer::reborrow::ReborrowMut;
 use faer::{Mat, MatMut};
 use nalgebra::{DMatrix, DVector};
+use scene::FarBoundary;
 
 /// Factor of K + shift M.
 #[derive(Clone, Debug)]
@@ -106,7 +107,7 @@ impl ThermalBlock {
     ) -> Result<(), BlockError> {
         let properties = &self.properties;
         let leaves = shift > 0.0
-            || properties.top == TopCondition::Held
+            || properties.top == FarBoundary::Held
             || properties.side_convection > 0.0
             || properties.top_convection() > 0.0;
         if !leaves {

@@ -6,10 +6,11 @@ use super::boundary::{contact_cells, contact_integrals, side_loads};
 use super::element::{Shape, dilatation};
 use super::lobatto::ReferenceMatrices;
 use super::mechanical::Block;
-use super::thermal::{ThermalBlock, TopCondition};
+use super::thermal::ThermalBlock;
 use super::{BlockError, check_same_mesh};
 use faer::Mat;
 use nalgebra::DMatrix;
+use scene::FarBoundary;
 
 /// Heat per unit depth that leaves through a held top [W/m]: `by_field` times the temperatures, less `by_outside` times the
 /// temperature of the surroundings, both relative to the top's.
@@ -51,7 +52,7 @@ impl ThermalBlock {
     /// The reaction of a held top to a field at rest: the residual of the equation tested with the function that is 1 at the
     /// top and 0 below its row of elements. None where the top is not held.
     pub fn top_outflow(&self) -> Option<TopOutflow> {
-        if self.properties.top != TopCondition::Held {
+        if self.properties.top != FarBoundary::Held {
             return None;
         }
         let mut outflow = TopOutflow { by_field: Mat::zeros(self.degrees(), 1), by_outside: 0.0 };
@@ -141,7 +142,7 @@ mod tests {
         [-1.0, -0.7, -0.1, 0.2, 0.9, 1.0].to_vec()
     }
 
-    fn pair(top: TopCondition) -> (Block, ThermalBlock) {
+    fn pair(top: FarBoundary) -> (Block, ThermalBlock) {
         let discretization = Discretization::uniform(4, 3);
         let elastic = BlockProperties { width: 2.0, height: 1.3, youngs_modulus: 3.0, poissons_ratio: 0.3 };
         let thermal = ThermalProperties {
@@ -157,7 +158,7 @@ mod tests {
 
     #[test]
     fn operator_is_the_distortion_by_every_field() {
-        for top in [TopCondition::Held, TopCondition::Convecting(0.4)] {
+        for top in [FarBoundary::Held, FarBoundary::Convecting(0.4)] {
             let (block, thermal) = pair(top);
             let fields = Mat::from_fn(thermal.degrees(), 3, |i, k| ((5 * i + 3 * k) % 17) as f64 - 8.0);
             let expected = block.thermal_distortion(&thermal, &fields, &boundaries()).unwrap();
@@ -173,7 +174,7 @@ mod tests {
 
     #[test]
     fn at_rest_the_faces_pass_on_what_enters() {
-        let (_, thermal) = pair(TopCondition::Held);
+        let (_, thermal) = pair(FarBoundary::Held);
         let mut field = thermal.flux_loads(&boundaries()).unwrap();
         let outside = 0.3;
         let sides = thermal.side_integrals();
@@ -192,6 +193,6 @@ mod tests {
         }
         let uniform = thermal.uniform_field();
         assert!((flow(&sides, 0) != 0.0) && (0..thermal.degrees()).all(|i| [0.0, 1.0].contains(&uniform[(i, 0)])));
-        assert!(pair(TopCondition::Convecting(1.0)).1.top_outflow().is_none());
+        assert!(pair(FarBoundary::Convecting(1.0)).1.top_outflow().is_none());
     }
 }

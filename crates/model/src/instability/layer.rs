@@ -13,10 +13,10 @@
 //! Theory: docs/theory.md, sections 7.4, 3.6.
 
 use conduction::line::strip::{Depth, dilatation};
-use conduction::slab::{self, CoolingPort, Slab};
+use conduction::slab::{CoolingPort, Slab};
 use elasticity::{Base, StripKernel, antisymmetric};
 use nalgebra::Complex;
-use scene::{Body, MechanicalBody, Scene, ThermalBoundary};
+use scene::{Body, FarBoundary, MechanicalBody, Scene};
 
 /// q h beyond which a layer is a half-plane to rounding.
 const DEEP: f64 = 20.0;
@@ -81,12 +81,10 @@ impl Layer {
             capacity: body.capacity(),
             surface_transfer: 0.0,
             volume_transfer: 0.0,
-            base: match (far, body.far_thermal) {
-                (FarFace::Symmetric, _) => slab::Base::Insulated,
-                (FarFace::Antisymmetric, _) => slab::Base::Held,
-                (_, ThermalBoundary::Held | ThermalBoundary::External) => slab::Base::Held,
-                (_, ThermalBoundary::Convecting) => slab::Base::Convecting(body.convection),
-                (_, ThermalBoundary::Insulated) => slab::Base::Insulated,
+            base: match far {
+                FarFace::Symmetric => FarBoundary::Insulated,
+                FarFace::Antisymmetric => FarBoundary::Held,
+                FarFace::Held(_) => body.far_boundary(),
             },
             cooling: CoolingPort::Surface,
         };

@@ -8,7 +8,7 @@ use conduction::flash::Flash;
 use conduction::lateral::Lateral;
 use conduction::moving_source::{self, MovingSource};
 use conduction::reduced::{Observation, ReducedBody};
-use conduction::slab::{Base, CoolingPort, Slab};
+use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
 use elasticity::mean::mean_compliance;
@@ -249,18 +249,10 @@ fn stroke_cell(scene: &Scene) -> f64 {
     if strip.convection > 0.0 {
         reach = reach.min((strip.conductivity * strip.height / strip.convection).sqrt());
     }
-    if matches!(strip.far_thermal, ThermalBoundary::Held | ThermalBoundary::External) {
+    if strip.far_is_prescribed() {
         reach = reach.min(strip.height);
     }
     scene.nominal_stroke + scene.width + 8.0 * reach
-}
-
-fn base_of(body: &Body) -> Base {
-    match body.far_thermal {
-        ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
-        ThermalBoundary::Convecting if body.convection > 0.0 => Base::Convecting(body.convection),
-        ThermalBoundary::Convecting | ThermalBoundary::Insulated => Base::Insulated,
-    }
 }
 
 fn body_of(scene: &Scene, body: &Body, area: f64, cooled_part: f64, coverage: f64, wide: bool) -> BodyOperators {
@@ -315,7 +307,7 @@ pub fn punch_slab(scene: &Scene, area: f64) -> Slab {
         capacity: body.capacity(),
         surface_transfer: 0.0,
         volume_transfer: body.convection * punch_cooled(scene) / (area * body.height),
-        base: base_of(body),
+        base: body.far_boundary(),
         cooling: CoolingPort::Sides,
     }
 }
@@ -356,7 +348,7 @@ pub fn strip_slab(scene: &Scene, area: f64, length: f64, endless: bool) -> (Slab
         capacity: body.capacity(),
         surface_transfer: body.convection * cooled / reference,
         volume_transfer: 0.0,
-        base: base_of(body),
+        base: body.far_boundary(),
         cooling: CoolingPort::Surface,
     };
     (slab, coverage)

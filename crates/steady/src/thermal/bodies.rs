@@ -65,7 +65,7 @@ pub(super) fn with_steady_bodies(scene: &Scene, speed: f64) -> Scene {
         let diffusivity = body.conductivity / body.capacity();
         let through = body.height * body.height / diffusivity;
         let transfer = transfer(body, &scene, speed);
-        let held = matches!(body.far_thermal, ThermalBoundary::Held | ThermalBoundary::External);
+        let held = body.far_is_prescribed();
         if !leaves {
             let along = body.height + scene.width;
             return SPREADING_TIMES * along * along / diffusivity;

@@ -14,9 +14,9 @@ use super::{Grid, Map, Panel, Point, Verdict, axis, curve};
 use crate::path_modes::{PathModes, crank_nicolson, exact};
 use conduction::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{Stage, Surroundings, ThermalBody};
-use conduction::slab::Base;
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase};
+use scene::FarBoundary;
 
 /// Summary of the map.
 pub const SUMMARY: &str =
@@ -51,7 +51,7 @@ pub fn strip(path: &ClosedPath, step: f64, duration: f64) -> Result<(Cells, Stri
         conductivity: path.conductivity,
         capacity: path.conductivity / path.diffusivity,
         convection: 0.0,
-        base: Base::Held,
+        base: FarBoundary::Held,
         path: SlidingPath::Closed(path.length),
         expansion: None,
         lateral: None,

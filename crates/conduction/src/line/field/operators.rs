@@ -3,10 +3,11 @@
 //! Theory: docs/theory.md, section 4.8.
 
 use crate::line::{FACES, GAMMA, Stage, SurfaceInfluence, Surroundings};
-use elasticity::block::{BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace, TopCondition};
+use elasticity::block::{BlockError, ThermalBlock, ThermalFactor, ThermalProperties, ThermalWorkspace};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, Par};
 use nalgebra::DMatrix;
+use scene::FarBoundary;
 use std::fmt;
 
 /// Number of state entries behind the temperatures: heat received, lost to the air, lost through the top (J/m), and
@@ -110,7 +111,7 @@ impl FieldOperators {
     }
 
     pub fn held(&self) -> bool {
-        self.properties.top == TopCondition::Held
+        self.properties.top == FarBoundary::Held
     }
 
     /// Offset temperature of the unknowns, K.

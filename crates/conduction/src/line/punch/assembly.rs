@@ -3,7 +3,7 @@
 //! Theory: docs/theory.md, section 4.6.
 
 use super::across::{Across, Sides, Wave};
-use super::depth::{Depth, Top};
+use super::depth::Depth;
 use super::galerkin::{Points, Shape};
 use super::shift_selection::Selection;
 use super::steady::{steady_beyond, summed_modes};
@@ -12,6 +12,7 @@ use super::{AMBIENT, By, COOLING, Cooled, FAR, SUMMED_MODES};
 use crate::line::reduced::{ModeStates, Observation, PORTS, ReducedOperators};
 use elasticity::Cells;
 use nalgebra::DMatrix;
+use scene::FarBoundary;
 
 /// A transverse mode with its states, and the fastest shape through the height, which is quasi-static.
 pub(super) struct Mode {
@@ -93,14 +94,11 @@ impl<'a> Assembly<'a> {
     }
 
     pub fn top_is_prescribed(&self) -> bool {
-        self.depth.top == Top::Held
+        self.depth.top == FarBoundary::Held
     }
 
     pub fn top_transfer(&self) -> f64 {
-        match self.depth.top {
-            Top::Held => 0.0,
-            Top::Transfer(transfer) => transfer,
-        }
+        self.depth.top.transfer()
     }
 
     /// Input weights of a shape by port.
@@ -313,7 +311,7 @@ impl<'a> Assembly<'a> {
     /// direct feedthrough.
     fn flows(&self, operators: &mut ReducedOperators) {
         let transfer = self.cooled.transfer;
-        let (losing, open) = (transfer > 0.0, self.depth.top != Top::Transfer(0.0));
+        let (losing, open) = (transfer > 0.0, self.depth.top != FarBoundary::Insulated);
         let mut k = 0;
         for mode in &self.modes {
             for shape in &mode.states {

@@ -12,15 +12,7 @@
 //! Theory: docs/theory.md, sections 4.6, 4.2.
 
 use nalgebra::Complex;
-
-/// Boundary condition at the top of the punch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Top {
-    /// Temperature prescribed.
-    Held,
-    /// Heat transfer coefficient, W/(m2 K); 0 is an insulated top.
-    Transfer(f64),
-}
+use scene::FarBoundary;
 
 /// Height and material of the body, with its conditions at both faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +23,7 @@ pub(super) struct Depth {
     pub conductivity: f64,
     /// Heat capacity C by volume, J/(m3 K).
     pub capacity: f64,
-    pub top: Top,
+    pub top: FarBoundary,
     /// Heat transfer coefficient H beside the contact as a mean over the contact's face, W/(m2 K).
     pub face: f64,
     /// Whether a flux beyond the constant heat transfer acts on the top: the space then contains responses to it.
@@ -45,15 +37,12 @@ impl Depth {
 
     /// h_top/k, 1/m; None where the temperature of the top is prescribed.
     pub(super) fn top_ratio(&self) -> Option<f64> {
-        match self.top {
-            Top::Held => None,
-            Top::Transfer(transfer) => Some(transfer / self.conductivity),
-        }
+        (self.top != FarBoundary::Held).then(|| self.top.transfer() / self.conductivity)
     }
 
     /// Whether a field that decays with `decay` has a steady state: heat leaves through the top or the sides.
     pub fn has_steady_state(&self, decay: f64) -> bool {
-        decay > 0.0 || self.top != Top::Transfer(0.0) || self.face > 0.0
+        decay > 0.0 || self.top != FarBoundary::Insulated || self.face > 0.0
     }
 
     /// Ratio of the response with loss at the face to that without, whose value there is `contact`.
@@ -89,7 +78,7 @@ impl Depth {
     /// [`Self::response`] as a function of z.
     pub fn profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
         let closed = self.closed_profile(kappa);
-        let lost_by_face = self.face > 0.0 && kappa * self.height < 1e-9 && self.top == Top::Transfer(0.0);
+        let lost_by_face = self.face > 0.0 && kappa * self.height < 1e-9 && self.top == FarBoundary::Insulated;
         let level = lost_by_face.then(|| 1.0 / self.face);
         let kept = if self.face == 0.0 || lost_by_face { 1.0 } else { self.kept(closed(0.0).0) };
         move |z| match level {
@@ -105,7 +94,7 @@ impl Depth {
     fn closed_profile(&self, kappa: f64) -> impl Fn(f64) -> (f64, f64) {
         let (k, h) = (self.conductivity, self.height);
         let top = self.top_ratio();
-        let straight = kappa * h < 1e-9 && self.top != Top::Transfer(0.0);
+        let straight = kappa * h < 1e-9 && self.top != FarBoundary::Insulated;
         // 1 + r and 1 - r of the reflection r, each without cancellation.
         let (reflection, sum, difference) = match top {
             None => (-1.0, 0.0, 2.0),
@@ -136,7 +125,7 @@ impl Depth {
         if self.face == 0.0 {
             return self.sourced(decay, 0.0);
         }
-        if decay * self.height < 1e-9 && self.top == Top::Transfer(0.0) {
+        if decay * self.height < 1e-9 && self.top == FarBoundary::Insulated {
             return self.height / self.face;
         }
         self.kept(self.closed_profile(decay)(0.0).0) * self.sourced(decay, 0.0)
@@ -190,7 +179,9 @@ mod tests {
 
     #[test]
     fn steady_profiles_satisfy_their_equations() {
-        for top in [Top::Held, Top::Transfer(0.0), Top::Transfer(1e-3), Top::Transfer(500.0)] {
+        for top in
+            [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(1e-3), FarBoundary::Convecting(500.0)]
+        {
             let depth = Depth { height: 0.1, conductivity: 55.0, capacity: 3.6e6, top, face: 0.0, driven_top: false };
             for decay in [0.0, 1e-4, 0.3, 9.9, 10.1, 300.0] {
                 if !depth.has_steady_state(decay) {

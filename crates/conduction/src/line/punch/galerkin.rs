@@ -3,10 +3,11 @@
 //!
 //! Theory: docs/theory.md, sections 4.6, 4.2.
 
-use super::depth::{Depth, Top};
+use super::depth::Depth;
 use nalgebra::DMatrix;
 use numerics::factorization;
 use numerics::grading::towards_face;
+use scene::FarBoundary;
 
 /// Rates of the trial functions for a flux into the top, over k/(C h^2).
 const TOP_RATES: [f64; 3] = [1.0, 8.0, 64.0];
@@ -139,7 +140,7 @@ impl Basis {
     /// a top of prescribed temperature those that transmit its changes.
     pub fn add_means(&mut self, points: &Points) {
         let h = self.depth.height;
-        if self.depth.top == Top::Held {
+        if self.depth.top == FarBoundary::Held {
             for part in [1.0, 5.0] {
                 let kappa = part * std::f64::consts::FRAC_PI_2 / h;
                 self.add(
@@ -207,10 +208,7 @@ impl Basis {
         let last = self.functions.len() - 1;
         let stiffness = std::mem::replace(&mut self.stiffness, DMatrix::zeros(0, 0));
         self.stiffness = stiffness.resize(last + 1, last + 1, 0.0);
-        let transfer = match self.depth.top {
-            Top::Held => 0.0,
-            Top::Transfer(transfer) => transfer,
-        };
+        let transfer = self.depth.top.transfer();
         let newest = &self.functions[last];
         for (i, other) in self.functions.iter().enumerate() {
             // The uniform temperature has no slope; this removes its rounding error.
@@ -276,7 +274,7 @@ impl Basis {
                     }
                 }
                 // Orthogonal to the uniform temperature where that is a shape of its own.
-                let uniform = self.has_uniform && self.depth.top == Top::Transfer(0.0) && self.depth.face == 0.0;
+                let uniform = self.has_uniform && self.depth.top == FarBoundary::Insulated && self.depth.face == 0.0;
                 let integral = if uniform && k > 0 {
                     0.0
                 } else {
@@ -306,7 +304,7 @@ mod tests {
             height: 0.1,
             conductivity: 55.0,
             capacity: 3.6e6,
-            top: Top::Transfer(1e-6),
+            top: FarBoundary::Convecting(1e-6),
             face: 0.0,
             driven_top: false,
         };

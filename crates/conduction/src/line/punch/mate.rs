@@ -10,13 +10,13 @@
 //! Theory: docs/theory.md, section 4.7.
 
 use super::across::{Across, Sides};
-use super::depth::{Depth, Top};
+use super::depth::Depth;
 use super::distortion::Distortion;
 use super::{By, Cooled, Wanted, driven_top, project};
 use crate::line::reduced::ReducedHeat;
 use elasticity::block::BlockError;
 use elasticity::{Base, Cells};
-use scene::{Scene, ThermalBoundary};
+use scene::Scene;
 use std::f64::consts::PI;
 
 /// Cooled area of the mate per length of the contact's mean arc, m: as given, or the ring beside the contact.
@@ -60,11 +60,7 @@ pub fn reduce_mate(
         height: body.height,
         conductivity,
         capacity: spread * body.capacity(),
-        top: match body.far_thermal {
-            ThermalBoundary::Held | ThermalBoundary::External => Top::Held,
-            ThermalBoundary::Convecting => Top::Transfer(spread * body.convection),
-            ThermalBoundary::Insulated => Top::Transfer(0.0),
-        },
+        top: body.far_boundary().scaled(spread),
         face: transfer * length / scene.width,
         driven_top: driven_top(body),
     };

@@ -119,8 +119,8 @@ fn even_zeta(n: i32) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::depth::Top;
     use super::*;
+    use scene::FarBoundary;
 
     #[test]
     fn closed_sums_are_those_of_the_series() {
@@ -140,7 +140,7 @@ mod tests {
             height: 0.05,
             conductivity: 55.0,
             capacity: 3.6e6,
-            top: Top::Transfer(100.0),
+            top: FarBoundary::Convecting(100.0),
             face: 0.0,
             driven_top: false,
         };

@@ -1,6 +1,7 @@
 use super::super::{Account, GAMMA, Stage, Surroundings, ThermalBody};
 use super::*;
 use exact::unreduced_punch::Unreduced;
+use scene::FarBoundary;
 use scene::variables::{STARTS, reference};
 
 const TOLERANCE: f64 = 1e-4;
@@ -177,7 +178,7 @@ fn steady_states_are_those_of_the_unreduced_punch() {
         height: 0.1,
         conductivity: 55.0,
         capacity: 7800.0 * 460.0,
-        top: Top::Held,
+        top: FarBoundary::Held,
         face: 0.0,
         driven_top: false,
     };

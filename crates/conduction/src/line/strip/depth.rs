@@ -18,10 +18,11 @@
 //! Theory: docs/theory.md, section 4.5.
 
 use crate::lateral::{Lateral, spread};
-use crate::slab::{Base, Slab, principal_root};
+use crate::slab::{Slab, principal_root};
 use elasticity::{self, Material};
 use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 use numerics::factorization::{self, Unfactorable};
+use scene::FarBoundary;
 
 /// Thermal expansion of the strip.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -108,9 +109,9 @@ impl Depth {
             return [impedance, -impedance * integral];
         }
         let reflection = match self.slab.base {
-            Base::Held => Complex::from(-1.0),
-            Base::Insulated => Complex::from(1.0),
-            Base::Convecting(transfer) => {
+            FarBoundary::Held => Complex::from(-1.0),
+            FarBoundary::Insulated => Complex::from(1.0),
+            FarBoundary::Convecting(transfer) => {
                 let beta = transfer / (kappa * self.slab.conductivity);
                 (1.0 - beta) / (1.0 + beta)
             }
@@ -344,7 +345,7 @@ mod tests {
     #[test]
     fn reduced_wave_follows_impedance_and_distortion() {
         let material = Material::new(200e9, 0.3).unwrap();
-        for base in [Base::Held, Base::Insulated, Base::Convecting(3e3)] {
+        for base in [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(3e3)] {
             let slab = Slab {
                 height: 0.02,
                 conductivity: 55.0,

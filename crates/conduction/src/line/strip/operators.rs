@@ -12,9 +12,10 @@ use super::velocity_table::VelocityTable;
 use super::waves::{Shapes, Wave};
 use crate::lateral::Lateral;
 use crate::reduced::ReducedBody;
-use crate::slab::{Base, CoolingPort, Slab};
+use crate::slab::{CoolingPort, Slab};
 use elasticity::{self, Cells, OutOfRange};
 use numerics::dense;
+use scene::FarBoundary;
 use std::f64::consts::PI;
 
 /// Path of the contact on the strip.
@@ -45,7 +46,7 @@ pub struct StripProperties {
     /// Heat transfer coefficient of the top beside the contact, W/(m2 K).
     pub convection: f64,
     /// Condition at the base.
-    pub base: Base,
+    pub base: FarBoundary,
     /// Path of the contact.
     pub path: SlidingPath,
     /// Thermal expansion; `None`: no thermal distortion.
@@ -192,7 +193,7 @@ impl StripProperties {
         if self.convection > 0.0 {
             reach = reach.min((self.conductivity * self.height / self.convection).sqrt());
         }
-        if self.base == Base::Held {
+        if self.base == FarBoundary::Held {
             reach = reach.min(self.height);
         }
         match self.path {
@@ -291,7 +292,7 @@ impl StripOperators {
             mean,
             mean_distortion: expansion.map_or(0.0, |expansion| mean_distortion(properties, expansion)),
             expands: expansion.is_some(),
-            held: properties.base == Base::Held,
+            held: properties.base == FarBoundary::Held,
             fresh,
             image_damping,
             steady: 10.0 * tolerance.min(1e-3),

@@ -46,6 +46,7 @@ mod tests {
     use super::super::*;
     use crate::line::{cache_capacity, strip};
     use elasticity::Material;
+    use scene::FarBoundary;
 
     /// Up to six alternating lengths, interspersed with steps of varying velocity and implicit Euler steps.
     #[test]
@@ -57,7 +58,7 @@ mod tests {
             conductivity: 50.0,
             capacity: 3.6e6,
             height: 0.02,
-            base: crate::slab::Base::Held,
+            base: FarBoundary::Held,
             convection: 30.0,
             path: SlidingPath::Stroke { stroke: 0.05, length: 0.0 },
             expansion: Some(expansion),

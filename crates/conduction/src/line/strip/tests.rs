@@ -5,10 +5,10 @@ mod velocities;
 
 use super::{Expansion, SlidingPath, StripHeat, StripProperties};
 use crate::line::{Stage, Surroundings, ThermalBody};
-use crate::slab::Base;
 use elasticity::{self, Cells, Material};
+use scene::FarBoundary;
 
-fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
+fn unit(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
     StripProperties {
         height,
         conductivity: 1.0,
@@ -21,11 +21,11 @@ fn unit(height: f64, base: Base, path: SlidingPath) -> StripProperties {
     }
 }
 
-pub fn steel(height: f64, base: Base, path: SlidingPath, convection: f64) -> StripProperties {
+pub fn steel(height: f64, base: FarBoundary, path: SlidingPath, convection: f64) -> StripProperties {
     StripProperties { conductivity: 55.0, capacity: 7800.0 * 460.0, convection, ..unit(height, base, path) }
 }
 
-fn cast_iron(height: f64, base: Base, path: SlidingPath) -> StripProperties {
+fn cast_iron(height: f64, base: FarBoundary, path: SlidingPath) -> StripProperties {
     StripProperties { conductivity: 54.0, capacity: 7200.0 * 460.0, ..unit(height, base, path) }
 }
 
@@ -37,7 +37,7 @@ fn expanding(nu: f64, base: elasticity::Base) -> Option<Expansion> {
 /// Expanding steel, 20 mm high, with air above and below.
 pub fn cooled_steel(path: SlidingPath) -> StripProperties {
     let expansion = expanding(0.3, elasticity::Base::Bonded);
-    StripProperties { expansion, ..steel(0.02, Base::Convecting(300.0), path, 500.0) }
+    StripProperties { expansion, ..steel(0.02, FarBoundary::Convecting(300.0), path, 500.0) }
 }
 
 /// Mean temperature over the contact.

@@ -221,13 +221,13 @@ mod tests {
     use crate::line::strip::tests::steel;
     use crate::line::strip::{Resolution, SlidingPath, StripHeat};
     use crate::line::{Stage, ThermalBody};
-    use crate::slab::Base;
     use elasticity::Cells;
+    use scene::FarBoundary;
 
     const HALF_WIDTH: f64 = 0.02;
 
     fn strip(cells: &Cells, path: SlidingPath, resolution: &Resolution) -> StripHeat {
-        StripHeat::new(&steel(0.02, Base::Held, path, 0.0), cells, resolution).unwrap()
+        StripHeat::new(&steel(0.02, FarBoundary::Held, path, 0.0), cells, resolution).unwrap()
     }
 
     /// Temperatures under a uniform flux 1.

@@ -9,11 +9,10 @@ use conduction::line::ThermalBody;
 use conduction::line::disc::DiscHeat;
 use conduction::line::strip::{Expansion, Resolution, SlidingPath, StripHeat, StripProperties};
 use conduction::line::{field, punch};
-use conduction::slab::Base;
 use elasticity::discretization::relative_radii;
 use elasticity::{self, Cells, Material};
 use numerics::maximum::maximum;
-use scene::{self, Body, Fidelity, Geometry, HeatResolution, Scene, Scheme, ThermalBoundary};
+use scene::{self, Body, Fidelity, Geometry, HeatResolution, Scene, Scheme};
 use std::sync::Mutex;
 
 /// Finest tolerance of a reduction.
@@ -190,11 +189,7 @@ fn strip(scene: &Scene, cells: &Cells, tolerance: f64) -> Result<Option<StripHea
         conductivity: body.conductivity,
         capacity: body.capacity(),
         convection: body.convection * cooled_part(scene),
-        base: match body.far_thermal {
-            ThermalBoundary::Held | ThermalBoundary::External => Base::Held,
-            ThermalBoundary::Convecting => Base::Convecting(body.convection),
-            ThermalBoundary::Insulated => Base::Insulated,
-        },
+        base: body.far_boundary(),
         path: path_of(scene),
         expansion,
         lateral: Lateral::of(scene),

@@ -3,16 +3,16 @@
 use super::{expanding, march, mean, steel, uneven};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat, StripProperties};
 use crate::line::{GAMMA, Stage, Surroundings, ThermalBody};
-use crate::slab::Base;
 use elasticity::Cells;
+use scene::FarBoundary;
 
 #[test]
 fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
     for (base, path, convection, cooling) in [
-        (Base::Held, SlidingPath::Closed(0.3), 0.0, 0.0),
-        (Base::Insulated, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 3000.0, 0.0),
-        (Base::Convecting(500.0), SlidingPath::Closed(0.1), 2000.0, -700.0),
-        (Base::Convecting(500.0), SlidingPath::Unidirectional, 1000.0, -300.0),
+        (FarBoundary::Held, SlidingPath::Closed(0.3), 0.0, 0.0),
+        (FarBoundary::Insulated, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 3000.0, 0.0),
+        (FarBoundary::Convecting(500.0), SlidingPath::Closed(0.1), 2000.0, -700.0),
+        (FarBoundary::Convecting(500.0), SlidingPath::Unidirectional, 1000.0, -300.0),
     ] {
         let mut properties = steel(0.02, base, path, convection);
         properties.expansion = expanding(0.3, elasticity::Base::Bonded);
@@ -21,7 +21,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         // A prescribed temperature, or the flux of forced convection.
-        let (far, far_fall) = if base == Base::Held { (2.0, 0.0) } else { (0.4 * cooling, 0.1 * cooling) };
+        let (far, far_fall) = if base == FarBoundary::Held { (2.0, 0.0) } else { (0.4 * cooling, 0.1 * cooling) };
         let air = Surroundings { cooling, cooling_fall: -0.3 * cooling, ambient: 5.0, far, far_fall };
         let (mut temperature, mut distortion) = (vec![0.0; 12], vec![0.0; 12]);
         let (mut held, mut moved) = (vec![0.0; 12], vec![0.0; 12]);
@@ -50,7 +50,7 @@ fn what_a_stage_says_is_what_the_state_then_shows_and_heat_is_conserved() {
         let account = body.account(&state);
         let balance = account.received - account.stored - account.ambient - account.far;
         assert!((account.received - received).abs() < 1e-12 * received && balance.abs() < 1e-9 * received);
-        if base == Base::Insulated {
+        if base == FarBoundary::Insulated {
             assert!(account.far.abs() < 1e-9 * received, "{}", account.far / received);
         }
     }
@@ -61,7 +61,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
     for path in
         [SlidingPath::Closed(0.3), SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, SlidingPath::Unidirectional]
     {
-        let properties = steel(0.02, Base::Convecting(500.0), path, 0.0);
+        let properties = steel(0.02, FarBoundary::Convecting(500.0), path, 0.0);
         let cells = Cells::graded(0.02, 12).unwrap();
         let resolution = Resolution { duration: 60.0, shortest: 0.02, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -128,7 +128,7 @@ fn cooling_that_falls_over_a_step_falls_over_its_parts() {
 #[test]
 fn convection_acts_beside_the_contact_only() {
     // A strip of so high a conductivity that its temperature is uniform: all heat leaves through the free surface.
-    let mut properties = steel(0.02, Base::Insulated, SlidingPath::Closed(0.3), 400.0);
+    let mut properties = steel(0.02, FarBoundary::Insulated, SlidingPath::Closed(0.3), 400.0);
     properties.conductivity = 1e6;
     let cells = Cells::graded(0.1, 16).unwrap();
     let resolution = Resolution { duration: 1e4, shortest: 1.0, tolerance: 1e-4 };
@@ -149,14 +149,14 @@ fn convection_acts_beside_the_contact_only() {
 
 #[test]
 fn everything_at_one_temperature_stays_there() {
-    for base in [Base::Held, Base::Insulated, Base::Convecting(300.0)] {
+    for base in [FarBoundary::Held, FarBoundary::Insulated, FarBoundary::Convecting(300.0)] {
         let properties = steel(0.02, base, SlidingPath::Closed(0.3), 100.0);
         let cells = Cells::graded(0.05, 9).unwrap();
         let resolution = Resolution { duration: 100.0, shortest: 0.1, tolerance: 1e-3 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         let mut state = vec![0.0; body.states()];
         body.uniform(10.0, &mut state);
-        let far = if base == Base::Held { 10.0 } else { 0.0 };
+        let far = if base == FarBoundary::Held { 10.0 } else { 0.0 };
         let air = Surroundings { ambient: 10.0, far, ..Surroundings::default() };
         body.prepare(5.0, [1.0, 1.0]);
         let (zero, mut temperature, mut distortion) = (vec![0.0; 9], vec![0.0; 9], vec![0.0; 9]);
@@ -177,7 +177,7 @@ fn two_bodies_in_perfect_contact_even_out_at_every_speed_and_step() {
     let cells = Cells::uniform(0.5 * length, count).unwrap();
     let resolution = Resolution { duration: 200.0, shortest: 0.2, tolerance: 1e-4 };
     let body = |conductivity: f64, capacity: f64, path: SlidingPath| {
-        let properties = StripProperties { conductivity, capacity, ..steel(0.05, Base::Held, path, 0.0) };
+        let properties = StripProperties { conductivity, capacity, ..steel(0.05, FarBoundary::Held, path, 0.0) };
         StripHeat::new(&properties, &cells, &resolution).unwrap()
     };
     for path in [SlidingPath::Closed(length), SlidingPath::Closed(2.0 * length), SlidingPath::Unidirectional] {

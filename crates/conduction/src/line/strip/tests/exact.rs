@@ -3,13 +3,13 @@
 use super::{cast_iron, expanding, march, mean, steel, unit};
 use crate::line::strip::{Resolution, SlidingPath, StripHeat};
 use crate::line::{Stage, Surroundings, ThermalBody};
-use crate::slab::Base;
 use elasticity::Cells;
 use exact::reference::{ClosedPath, LayerBase, band_mean};
+use scene::FarBoundary;
 
 #[test]
 fn closed_path_steady_means_are_the_plain_fourier_sum() {
-    for (base, layer) in [(Base::Held, LayerBase::Held), (Base::Insulated, LayerBase::Insulated)] {
+    for (base, layer) in [(FarBoundary::Held, LayerBase::Held), (FarBoundary::Insulated, LayerBase::Insulated)] {
         let exact = ClosedPath {
             length: 0.74,
             half_length: 0.0475,
@@ -46,7 +46,7 @@ fn closed_path_steady_means_are_the_plain_fourier_sum() {
 #[test]
 fn half_space_at_short_times() {
     // Far from the edges of a wide contact at rest: 84.375 K after 1 s of 1 MW/m2.
-    let properties = cast_iron(0.1, Base::Insulated, SlidingPath::Closed(0.5));
+    let properties = cast_iron(0.1, FarBoundary::Insulated, SlidingPath::Closed(0.5));
     let cells = Cells::graded(0.1, 33).unwrap();
     let resolution = Resolution { duration: 1.0, shortest: 0.02, tolerance: 1e-4 };
     let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
@@ -59,7 +59,7 @@ fn half_space_at_short_times() {
 #[test]
 fn oscillating_band_on_a_half_plane() {
     let cells = Cells::graded(1.0, 33).unwrap();
-    let properties = unit(150.0, Base::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
+    let properties = unit(150.0, FarBoundary::Held, SlidingPath::Stroke { stroke: 1.0, length: 0.0 });
     let period = 2.0 * std::f64::consts::PI;
     let per_period = 64;
     let step = period / per_period as f64;
@@ -85,7 +85,7 @@ fn jaeger_on_a_long_closed_path() {
     for (peclet, height, max, at, layer) in
         [(0.1, 38.0, 2.20033, -0.2435, 1e-3), (1.0, 12.0, 0.99185, -0.6664, 2e-4), (10.0, 4.0, 0.34850, -0.9244, 1e-4)]
     {
-        let properties = unit(height, Base::Held, SlidingPath::Closed(2000.0));
+        let properties = unit(height, FarBoundary::Held, SlidingPath::Closed(2000.0));
         let resolution = Resolution { duration: 1e6, shortest: 10.0, tolerance: 1e-4 };
         let mut body = StripHeat::new(&properties, &cells, &resolution).unwrap();
         body.prepare(1e12, [2.0 * peclet; 2]);
@@ -108,7 +108,7 @@ fn jaeger_on_a_long_closed_path() {
 #[test]
 fn heated_half_plane_curves_by_its_flux() {
     // u'' = alpha (1+nu) q/K under the flux q, steady, at rest.
-    let mut properties = steel(100.0, Base::Held, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
+    let mut properties = steel(100.0, FarBoundary::Held, SlidingPath::Stroke { stroke: 0.01, length: 0.0 }, 0.0);
     properties.expansion = expanding(0.3, elasticity::Base::Smooth);
     let cells = Cells::graded(0.1, 33).unwrap();
     let resolution = Resolution { duration: 1e10, shortest: 100.0, tolerance: 1e-3 };
@@ -128,7 +128,7 @@ fn heated_half_plane_curves_by_its_flux() {
 fn full_periodic_contact_is_the_layer_wave_by_wave() {
     // A harmonic flux on the ring: its cell values contain only the aliases n, N - n, N + n, ... of one wave.
     let length = 0.2;
-    let mut properties = steel(0.02, Base::Held, SlidingPath::Closed(length), 0.0);
+    let mut properties = steel(0.02, FarBoundary::Held, SlidingPath::Closed(length), 0.0);
     properties.expansion = expanding(0.3, elasticity::Base::Bonded);
     let count = 32;
     let cells = Cells::uniform(0.5 * length, count).unwrap();
@@ -140,7 +140,7 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
         capacity: 7800.0 * 460.0,
         surface_transfer: 0.0,
         volume_transfer: 0.0,
-        base: Base::Held,
+        base: FarBoundary::Held,
         cooling: crate::slab::CoolingPort::Surface,
     };
     for velocity in [0.0, 1e-3, 0.5] {
@@ -169,9 +169,9 @@ fn full_periodic_contact_is_the_layer_wave_by_wave() {
 fn unidirectional_on_fresh_material_is_the_moving_source_at_every_speed() {
     let cells = Cells::graded(1.0, 33).unwrap();
     for (height, base, layer) in [
-        (40.0, Base::Held, LayerBase::Held),
-        (0.4, Base::Held, LayerBase::Held),
-        (2.0, Base::Insulated, LayerBase::Insulated),
+        (40.0, FarBoundary::Held, LayerBase::Held),
+        (0.4, FarBoundary::Held, LayerBase::Held),
+        (2.0, FarBoundary::Insulated, LayerBase::Insulated),
     ] {
         let properties = unit(height, base, SlidingPath::Unidirectional);
         let resolution = Resolution { duration: 1e4, shortest: 0.1, tolerance: 1e-3 };
@@ -198,10 +198,10 @@ fn unidirectional_starts_like_a_band_at_rest_and_ends_like_a_moving_one() {
     let resolution = Resolution { duration: 400.0, shortest: 0.02, tolerance: 1e-3 };
     for peclet in [0.1, 1.0, 10.0] {
         let mut unidirectional =
-            StripHeat::new(&unit(40.0, Base::Held, SlidingPath::Unidirectional), &cells, &resolution).unwrap();
+            StripHeat::new(&unit(40.0, FarBoundary::Held, SlidingPath::Unidirectional), &cells, &resolution).unwrap();
         // Exact transient: a closed path that the contact does not complete within the time.
         let round = SlidingPath::Closed(600.0);
-        let mut exact = StripHeat::new(&unit(40.0, Base::Held, round), &cells, &resolution).unwrap();
+        let mut exact = StripHeat::new(&unit(40.0, FarBoundary::Held, round), &cells, &resolution).unwrap();
         let (mut state, mut reference) = (vec![0.0; unidirectional.states()], vec![0.0; exact.states()]);
         let steady = band_mean(peclet, Some((40.0, LayerBase::Held)));
         for (step, steps) in [(0.02, 5), (0.1, 5), (0.4, 5), (2.0, 5)] {
