@@ -2,12 +2,9 @@
 //!
 //! Theory: docs/theory.md, section 3.1.
 
-use super::block::{Block, BlockError, BlockProperties, Discretization};
-use super::half_plane::scale_columns;
-use super::{Base, Cells, Compliance, ElasticBody, Extent, HalfPlane, Material, OutOfRange, Rigid, Strip, Winkler};
-use nalgebra::DMatrix;
-use scene::{Body, Geometry, MechanicalBody, Path, Scene};
-use std::f64::consts::PI;
+use super::block::BlockError;
+use super::{Cells, Compliance, OutOfRange, kinds};
+use scene::{Geometry, Scene};
 use std::fmt;
 
 /// A body of the scene outside the validity of the model.
@@ -92,8 +89,10 @@ pub fn load_weights(scene: &Scene, cells: &Cells) -> Vec<f64> {
 /// # Errors
 /// Elastic constants or a height outside their range, a block too slender or too flat.
 pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], BodyError> {
-    let punch = body(scene, cells, &scene.punch, true).map_err(|reason| BodyError { body: "punch", reason })?;
-    let strip = body(scene, cells, &scene.strip, false).map_err(|reason| BodyError { body: "strip", reason })?;
+    let punch =
+        kinds::compliance(scene, cells, &scene.punch, true).map_err(|reason| BodyError { body: "punch", reason })?;
+    let strip =
+        kinds::compliance(scene, cells, &scene.strip, false).map_err(|reason| BodyError { body: "strip", reason })?;
     let mut both = [punch, strip];
     if !scene.shear_coupling || scene.geometry == Geometry::Annular {
         both.iter_mut().for_each(|compliance| compliance.shear.fill(0.0));
@@ -101,66 +100,14 @@ pub fn compliances(scene: &Scene, cells: &Cells) -> Result<[Compliance; 2], Body
     Ok(both)
 }
 
-/// Tolerance of a block's pressure where the tolerance of the scene, which concerns wear, temperature and friction force, is
-/// loose.
-const PRESSURE_TOLERANCE: f64 = 1e-3;
-
-fn body(scene: &Scene, cells: &Cells, body: &Body, punch: bool) -> Result<Compliance, BodyReason> {
-    if body.mechanical == MechanicalBody::Rigid {
-        return Ok(Rigid.compliance(cells));
-    }
-    if body.mechanical == MechanicalBody::Winkler && body.foundation_stiffness > 0.0 {
-        return Ok(Winkler::new(body.foundation_stiffness)?.compliance(cells));
-    }
-    let material = Material::new(body.youngs_modulus, body.poissons_ratio)?;
-    let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
-    let compliance = match (body.mechanical, scene.geometry) {
-        (MechanicalBody::Rigid, _) => Rigid.compliance(cells),
-        (MechanicalBody::Winkler, _) => Winkler::new(material.uniaxial_modulus() / body.height)?.compliance(cells),
-        (MechanicalBody::HalfPlane, Geometry::Periodic) => periodic_half_plane(material, scene.length, cells)?,
-        (MechanicalBody::HalfPlane, _) => HalfPlane { material }.compliance(cells),
-        (MechanicalBody::Elastic, Geometry::Periodic) => {
-            Strip::new(material, body.height, base, Extent::Closed(scene.length))?.try_compliance(cells)?
-        }
-        (MechanicalBody::Elastic, geometry) if !punch => {
-            let closed = scene.path == Path::Closed && geometry == Geometry::Line;
-            let extent = if closed { Extent::Closed(scene.length) } else { Extent::Straight };
-            Strip::new(material, body.height, base, extent)?.try_compliance(cells)?
-        }
-        (MechanicalBody::Elastic, _) => {
-            let properties = BlockProperties {
-                width: scene.width,
-                height: body.height,
-                youngs_modulus: body.youngs_modulus,
-                poissons_ratio: body.poissons_ratio,
-            };
-            let tolerance = scene.tolerance.min(PRESSURE_TOLERANCE);
-            let discretization = Discretization::for_cells(scene.width, body.height, cells.edges(), tolerance);
-            let compliance = Block::new(properties, discretization)?.compliance(cells.edges())?;
-            Compliance { normal: compliance.normal, shear: compliance.shear }
-        }
-    };
-    Ok(compliance)
-}
-
-/// Half-plane under tractions of the given period: a layer so high that its base has no effect, less the layer's own uniform
-/// compression.
-fn periodic_half_plane(material: Material, period: f64, cells: &Cells) -> Result<Compliance, OutOfRange> {
-    // exp(-2 q h) of the longest wave is below 1e-16 from q h = 19.
-    let height = 4.0 * period;
-    let mut compliance = Strip::new(material, height, Base::Smooth, Extent::Closed(period))?.try_compliance(cells)?;
-    let uniform = (3.0 * period / PI - height) / (period * material.plane_strain_modulus());
-    let count = cells.count();
-    compliance.normal += scale_columns(DMatrix::repeat(count, count, uniform), 1.0, cells.widths());
-    Ok(compliance)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Base, ElasticBody, Extent, HalfPlane, Material, Rigid, Strip, Winkler};
     use nalgebra::DVector;
-    use scene::Constraint;
     use scene::variables::{STARTS, reference};
+    use scene::{Body, Constraint, MechanicalBody, Path};
+    use std::f64::consts::PI;
 
     fn scene(changes: &[(&str, f64)]) -> Scene {
         let mut values = STARTS;

@@ -2,11 +2,11 @@
 //!
 //! Theory: docs/theory.md, section 3.8.
 
-use super::block::{Block, BlockProperties, Discretization};
 use super::discretization::{BodyError, BodyReason, compliances};
+use super::kinds::tangential_by_shear;
 use super::{Base, Cells, Compliance, Material, StripKernel};
 use nalgebra::DMatrix;
-use scene::{Body, Geometry, MechanicalBody, Path, Scene};
+use scene::{Body, Scene};
 use std::f64::consts::PI;
 
 /// Displacement along x of a body's surface under tractions on the N cells: N x N matrices of cell means, rows: cell
@@ -47,36 +47,19 @@ fn body(
 ) -> Result<TangentialCompliance, BodyReason> {
     let (count, widths) = (cells.count(), cells.widths());
     let by_pressure = DMatrix::from_fn(count, count, |i, j| widths[j] * compliance.shear[(j, i)] / widths[i]);
-    let periodic = scene.geometry == Geometry::Periodic;
-    let by_shear = match body.mechanical {
-        MechanicalBody::Rigid | MechanicalBody::Winkler => DMatrix::zeros(count, count),
-        MechanicalBody::HalfPlane => compliance.normal,
-        MechanicalBody::Elastic if punch && !periodic => {
-            let properties = BlockProperties {
-                width: scene.width,
-                height: body.height,
-                youngs_modulus: body.youngs_modulus,
-                poissons_ratio: body.poissons_ratio,
-            };
-            let discretization =
-                Discretization::for_cells(scene.width, body.height, cells.edges(), scene.tolerance.min(1e-3));
-            Block::new(properties, discretization)?.tangential_by_shear(cells.edges())?
-        }
-        MechanicalBody::Elastic => {
-            let base = if scene.smooth_base && !punch { Base::Smooth } else { Base::Bonded };
-            let closed = periodic || scene.path == Path::Closed;
-            // A straight strip as long as its displacement by pressure needs, see `Strip`.
-            let period = if closed { scene.length } else { scene.width + 40.0 * body.height };
-            let material = Material::new(body.youngs_modulus, body.poissons_ratio)?;
-            compliance.normal + layer_difference(cells, material, body.height, base, period)
-        }
-    };
+    let by_shear = tangential_by_shear(scene, cells, body, compliance, punch)?;
     Ok(TangentialCompliance { by_pressure, by_shear })
 }
 
 /// `(1-nu)/(pi G) [pi h D'(0)/P + sum_k D(q_k h)/k cos q_k (x - s)]`, D the difference of the kernels, as cell means
 /// times the loaded cells' widths.
-fn layer_difference(cells: &Cells, material: Material, height: f64, base: Base, period: f64) -> DMatrix<f64> {
+pub(crate) fn layer_difference(
+    cells: &Cells,
+    material: Material,
+    height: f64,
+    base: Base,
+    period: f64,
+) -> DMatrix<f64> {
     let (count, nu) = (cells.count(), material.poissons_ratio());
     let kernel = StripKernel::new(base, nu);
     // D < 1e-16 beyond q h = 23.

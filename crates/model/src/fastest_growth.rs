@@ -32,8 +32,9 @@
 
 use super::instability::layer::{FarFace, Layer, half_resistance};
 use elasticity::Base;
+use elasticity::kinds::plane_strain_compliance;
 use nalgebra::Complex;
-use scene::{Body, Geometry, MechanicalBody, Path, Scene};
+use scene::{Body, Geometry, Path, Scene};
 use std::f64::consts::PI;
 
 /// Ratio of successive wave numbers in the search: the maximum lies between two of them, at most a twentieth above their values.
@@ -84,13 +85,9 @@ struct Pair {
 
 impl Pair {
     fn of(scene: &Scene) -> Pair {
-        let compliance = |body: &Body| match body.mechanical {
-            MechanicalBody::Rigid => 0.0,
-            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
-        };
         Pair {
             bodies: [Conductor::of(&scene.punch), Conductor::of(&scene.strip)],
-            modulus: 1.0 / (compliance(&scene.punch) + compliance(&scene.strip)),
+            modulus: 1.0 / (plane_strain_compliance(&scene.punch) + plane_strain_compliance(&scene.strip)),
             half_resistance: half_resistance(scene),
         }
     }

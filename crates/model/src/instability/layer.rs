@@ -14,12 +14,11 @@
 
 use conduction::line::strip::{Depth, dilatation};
 use conduction::slab::{CoolingPort, Slab};
-use elasticity::{Base, StripKernel, antisymmetric};
+pub use elasticity::kinds::FarFace;
+use elasticity::kinds::wave_compliance;
+use elasticity::{Base, antisymmetric};
 use nalgebra::Complex;
 use scene::{Body, FarBoundary, MechanicalBody, Scene};
-
-/// q h beyond which a layer is a half-plane to rounding.
-const DEEP: f64 = 20.0;
 
 /// Half of the resistance between surfaces without heat exchange, K m2/W: each receives half of the heat.
 const NO_EXCHANGE: f64 = 1e12;
@@ -27,17 +26,6 @@ const NO_EXCHANGE: f64 = 1e12;
 /// 1/(2 h_c), K m2/W.
 pub fn half_resistance(scene: &Scene) -> f64 {
     if scene.conductance > 0.0 { 0.5 / scene.conductance } else { NO_EXCHANGE }
-}
-
-/// Boundary condition at the far face of a layer.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FarFace {
-    /// Fixed mechanically, with the thermal condition of the scene.
-    Held(Base),
-    /// Mid plane of a layer with both faces in contact, symmetric waves.
-    Symmetric,
-    /// Mid plane, antisymmetric waves: the layer bends, the temperature of its mid plane is constant.
-    Antisymmetric,
 }
 
 /// Layer at one wave number.
@@ -55,25 +43,13 @@ impl Layer {
     pub fn new(body: &Body, far: FarFace, wave: f64) -> Layer {
         let nu = body.poissons_ratio;
         let u = wave * body.height;
-        let half_plane = 2.0 * (1.0 - nu * nu) / (body.youngs_modulus * wave);
-        let base = match far {
-            FarFace::Held(base) => base,
-            FarFace::Symmetric | FarFace::Antisymmetric => Base::Smooth,
-        };
-        let compliance = match body.mechanical {
-            MechanicalBody::Rigid => 0.0,
-            MechanicalBody::Winkler => winkler(body),
-            MechanicalBody::HalfPlane => half_plane,
-            MechanicalBody::Elastic if u > DEEP => half_plane,
-            MechanicalBody::Elastic if far == FarFace::Antisymmetric => half_plane * antisymmetric::compliance(u),
-            MechanicalBody::Elastic => half_plane * StripKernel::new(base, nu).normal(u),
-        };
+        let compliance = wave_compliance(body, far, wave);
         let expands = body.conductivity > 0.0 && body.thermal_expansion > 0.0;
         let coefficient = 2.0 * (1.0 + nu) * body.thermal_expansion;
         let by_pressure = match (body.mechanical, far) {
             (MechanicalBody::HalfPlane, _) => (1.0, 0.0),
             (_, FarFace::Antisymmetric) => antisymmetric::dilatation(u),
-            _ => dilatation(base, nu, u),
+            _ => dilatation(far.base(), nu, u),
         };
         let slab = Slab {
             height: body.height,
@@ -110,15 +86,6 @@ impl Layer {
     pub fn expands(&self) -> bool {
         self.expands
     }
-}
-
-/// Compliance of a Winkler foundation, m/Pa.
-fn winkler(body: &Body) -> f64 {
-    if body.foundation_stiffness > 0.0 {
-        return body.foundation_stiffness.recip();
-    }
-    let nu = body.poissons_ratio;
-    body.height * (1.0 + nu) * (1.0 - 2.0 * nu) / (body.youngs_modulus * (1.0 - nu))
 }
 
 /// Both bodies at one wave number.

@@ -11,7 +11,7 @@ use conduction::reduced::{Observation, ReducedBody};
 use conduction::slab::{CoolingPort, Slab};
 use contact::friction::FrictionLaw;
 use contact::wear::law::WearLaw;
-use elasticity::mean::mean_compliance;
+use elasticity::kinds::mean_compliance;
 use scene::{Body, Geometry, Path, Scene, ThermalBoundary};
 
 /// Heat and wear operators of a body at the lumped level.

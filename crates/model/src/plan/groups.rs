@@ -4,8 +4,8 @@
 
 use crate::instability::CriticalSpeed;
 use contact::wear::law::WearLaw;
-use elasticity::mean::mean_compliance;
-use scene::{Body, MechanicalBody, Scene};
+use elasticity::kinds::{mean_compliance, plane_strain_compliance};
+use scene::{Body, Scene};
 
 /// Symbols: V speed, W width, a = W/2, h height, t duration, kd diffusivity, K conductivity, p mean pressure, C mean
 /// compliance of both bodies, T rise of the contact temperature at the end.
@@ -43,11 +43,7 @@ impl Groups {
         let bodies = [&scene.punch, &scene.strip];
         let pressure = scene.nominal_load / (scene.contact_area() * scene.count);
         let diffusivity = |body: &Body| body.conductivity / body.capacity();
-        let plane = |body: &Body| match body.mechanical {
-            MechanicalBody::Rigid => 0.0,
-            _ => (1.0 - body.poissons_ratio * body.poissons_ratio) / body.youngs_modulus,
-        };
-        let [soft_punch, soft_strip] = bodies.map(plane);
+        let [soft_punch, soft_strip] = bodies.map(plane_strain_compliance);
         let compliances =
             [mean_compliance(&scene.punch, scene.width, false).0, mean_compliance(&scene.strip, scene.width, true).0];
         let approach = (compliances[0] + compliances[1]) * pressure;

@@ -330,7 +330,8 @@ macro_rules! body_rows {
 const PUNCH_BODY: &[Row] = body_rows!("punch", PAD);
 const STRIP_BODY: &[Row] = body_rows!("strip", DISC);
 
-const fn with<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
+/// The rows of `body`, then those of `more`; N is their number.
+const fn joined<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
     assert!(body.len() + more.len() == N);
     let mut rows = [body[0]; N];
     let mut index = 0;
@@ -341,55 +342,53 @@ const fn with<const N: usize>(body: &[Row], more: &[Row]) -> [Row; N] {
     rows
 }
 
-pub const PUNCH: &[Row] = &with::<28>(
-    PUNCH_BODY,
-    &[
-        real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
-            .shown("mm")
-            .within(1e-6, 10.0)
-            .start(0.095),
-        choice("punch.top_thermal", &THERMAL_BOUNDARY, 2, "Thermal condition at the punch's top"),
-        boolean("punch.top_at_ambient", true, "Whether a held top of the punch has the ambient temperature"),
-        real(
-            "punch.top_temperature",
-            &KELVIN,
-            300.0,
-            "Temperature of the punch's top where it is held and punch.top_at_ambient = false",
-        )
-        .within(1.0, 1e4)
-        .start(ROOM)
-        .instead_of_zero("punch.top_at_ambient = true"),
-        integer(
-            "punch.count",
-            1,
-            1000,
-            1,
-            "Equal punches spread over a closed path; they share the normal load of their face",
-        ),
-    ],
-);
+pub const PUNCH: &[Row] = &joined::<{ PUNCH_BODY.len() + PUNCH_OWN.len() }>(PUNCH_BODY, PUNCH_OWN);
 
-pub const STRIP: &[Row] = &with::<29>(
-    STRIP_BODY,
-    &[
-        choice("strip.path", &PATH, 2, "Path of the punch on the strip"),
-        real("strip.length", &METRE, 1.0, "Circumference of a closed path; 0: 2 pi contact.mean_radius")
-            .shown("mm")
-            .within(0.0, 1e5),
-        choice("strip.base", &STRIP_BASE, 1, "Mechanical support of the strip"),
-        choice("strip.base_thermal", &THERMAL_BOUNDARY, 3, "Thermal condition at the strip's base"),
-        boolean("strip.base_at_ambient", true, "Whether a held base of the strip has the ambient temperature"),
-        real(
-            "strip.base_temperature",
-            &KELVIN,
-            300.0,
-            "Temperature of the strip's base where it is held and strip.base_at_ambient = false",
-        )
-        .within(1.0, 1e4)
-        .start(ROOM)
-        .instead_of_zero("strip.base_at_ambient = true"),
-    ],
-);
+const PUNCH_OWN: &[Row] = &[
+    real("punch.width", &METRE, 1e-2, "Width of the punch along the sliding direction (annular: along the radius)")
+        .shown("mm")
+        .within(1e-6, 10.0)
+        .start(0.095),
+    choice("punch.top_thermal", &THERMAL_BOUNDARY, 2, "Thermal condition at the punch's top"),
+    boolean("punch.top_at_ambient", true, "Whether a held top of the punch has the ambient temperature"),
+    real(
+        "punch.top_temperature",
+        &KELVIN,
+        300.0,
+        "Temperature of the punch's top where it is held and punch.top_at_ambient = false",
+    )
+    .within(1.0, 1e4)
+    .start(ROOM)
+    .instead_of_zero("punch.top_at_ambient = true"),
+    integer(
+        "punch.count",
+        1,
+        1000,
+        1,
+        "Equal punches spread over a closed path; they share the normal load of their face",
+    ),
+];
+
+pub const STRIP: &[Row] = &joined::<{ STRIP_BODY.len() + STRIP_OWN.len() }>(STRIP_BODY, STRIP_OWN);
+
+const STRIP_OWN: &[Row] = &[
+    choice("strip.path", &PATH, 2, "Path of the punch on the strip"),
+    real("strip.length", &METRE, 1.0, "Circumference of a closed path; 0: 2 pi contact.mean_radius")
+        .shown("mm")
+        .within(0.0, 1e5),
+    choice("strip.base", &STRIP_BASE, 1, "Mechanical support of the strip"),
+    choice("strip.base_thermal", &THERMAL_BOUNDARY, 3, "Thermal condition at the strip's base"),
+    boolean("strip.base_at_ambient", true, "Whether a held base of the strip has the ambient temperature"),
+    real(
+        "strip.base_temperature",
+        &KELVIN,
+        300.0,
+        "Temperature of the strip's base where it is held and strip.base_at_ambient = false",
+    )
+    .within(1.0, 1e4)
+    .start(ROOM)
+    .instead_of_zero("strip.base_at_ambient = true"),
+];
 
 pub const CONTACT: &[Row] = &[
     real("depth", &METRE, 1e-2, "Out-of-plane depth of both bodies (annular: arc length at the mean radius)")
