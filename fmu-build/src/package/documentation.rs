@@ -24,7 +24,7 @@ const MESSAGES: &str = include_str!("../../../modelDescription/documentation/mes
 /// Pictures of the page, under their names beside it.
 pub const PICTURES: [(&str, &[u8]); 7] = [
     ("model.svg", include_bytes!("../../../docs/model.svg")),
-    ("stopping_distance.png", include_bytes!("../../../examples/vehicle_brake/stopping_distance.png")),
+    ("stopping_distance.svg", include_bytes!("../../../examples/vehicle_brake/stopping_distance.svg")),
     ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
     ("realtime.svg", include_bytes!("../../../docs/realtime/cold.svg")),
     ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
