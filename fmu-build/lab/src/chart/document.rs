@@ -12,7 +12,7 @@ const PAGES: [&str; 2] = ["docs/accuracy.md", "docs/accuracy/measurements.md"];
 
 /// Description of a chart.
 pub struct Description {
-    /// What was found, for the page with the charts.
+    /// Findings, for the page with the charts.
     pub passage: String,
     /// Every comparison with a peer, and what was not run.
     pub details: String,

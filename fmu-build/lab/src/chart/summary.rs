@@ -49,7 +49,12 @@ pub fn draw(chart: &Chart) -> Figure {
         ),
         ("line, best of 9 to 65 cells at tolerance 1e-1 to 1e-4".to_owned(), line, 2, Mark::LineAndPoints),
         ("auto, tolerance 1e-1 to 1e-4".to_owned(), all(chart, "auto"), 6, Mark::DashesAndSquares),
-        ("operator split, 33 cells, tolerance 1e-4, by step".to_owned(), all(chart, "staggered"), 5, Mark::DashesAndSquares),
+        (
+            "operator split, 33 cells, tolerance 1e-4, by step".to_owned(),
+            all(chart, "staggered"),
+            5,
+            Mark::DashesAndSquares,
+        ),
     ];
     let peers: Vec<&Point> =
         chart.points.iter().filter(|point| point.peer && !point.family.starts_with("this FMU")).collect();
@@ -58,7 +63,12 @@ pub fn draw(chart: &Chart) -> Figure {
             let name = peer.family.split(',').next().unwrap_or_default();
             (format!("{name}, best of its runs"), best(peers.iter().copied()), 1, Mark::DashesAndSquares)
         }
-        None => ("explicit wear, 33 cells, tolerance 1e-4, by step".to_owned(), all(chart, "explicit"), 1, Mark::DashesAndSquares),
+        None => (
+            "explicit wear, 33 cells, tolerance 1e-4, by step".to_owned(),
+            all(chart, "explicit"),
+            1,
+            Mark::DashesAndSquares,
+        ),
     });
     series.retain(|(_, points, ..)| !points.is_empty());
     let points = || series.iter().flat_map(|(_, points, ..)| points);

@@ -126,7 +126,7 @@ impl Writer {
                 self.in_equation = true;
                 self.text += "<br><i>";
             }
-            // What is upright in an equation of the page has no equal here.
+            // Upright text in an equation of the page has no equal here.
             "span" => self.in_equation = false,
             "/span" if self.in_equation => {
                 self.in_equation = false;

@@ -33,7 +33,7 @@ pub struct Entry {
 /// Title of a topic with the names in it; `*` at the beginning or the end of one stands for any text.
 type Names = (&'static str, &'static [&'static str]);
 
-/// What is read and not connected.
+/// Topics of the results, which are read and not connected.
 const RESULTS: &[Names] = &[
     ("Friction", &["friction_*", "effective_radius", "bristle_*", "critical_speed"]),
     ("Contact", &["pressure_*", "contact_fraction", "tilt"]),
@@ -46,6 +46,7 @@ const RESULTS: &[Names] = &[
     ("Profiles along the contact", &["profile.*"]),
 ];
 
+/// Topics of the parameters.
 const PARAMETERS: &[Names] = &[
     (
         "Geometry",
