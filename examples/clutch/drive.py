@@ -91,7 +91,7 @@ def main():
     paths = [
         report.write_csv(options.output / "engagement.csv", bristle),
         report.write_csv(options.output / "judder.csv", juddering),
-        plots.engagement(bristle, summary["contact"]["level"], options.output / "engagement.png"),
+        plots.engagement(bristle, summary["contact"]["level"], options.output / "engagement.svg"),
         plots.masters(
             {
                 f"explicit, {2.0 * predicted * 1e6:.0f} us, regularised": above,
@@ -99,11 +99,11 @@ def main():
                 f"explicit, {bristle.step * 1e3:g} ms, bristle": bristle,
                 f"implicit, {step * 1e3:.2f} ms, regularised": implicit,
             },
-            options.output / "masters.png",
+            options.output / "masters.svg",
         ),
-        plots.hill(held, travel, options.output / "hill.png"),
-        plots.judder(juddering, smooth, options.output / "judder.png"),
-        plots.critical_speed(bristle, carbon, mean_radius, options.output / "critical_speed.png"),
+        plots.hill(held, travel, options.output / "hill.svg"),
+        plots.judder(juddering, smooth, options.output / "judder.svg"),
+        plots.critical_speed(bristle, carbon, mean_radius, options.output / "critical_speed.svg"),
     ]
     if options.json:
         print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)

@@ -62,8 +62,8 @@ def main():
         fifteen = stops.drive_both(options.fmu, stops.STOPS)
         stopping = {"stop": stops.figures(one), "fade": stops.figures(fifteen)}
         paths += [
-            stop_plots.one_stop(one, options.output / "stop.png"),
-            stop_plots.fade(fifteen, options.output / "fade.png"),
+            stop_plots.one_stop(one, options.output / "stop.svg"),
+            stop_plots.fade(fifteen, options.output / "fade.svg"),
         ]
     if options.json:
         levels = {heading: column.as_dictionary() for heading, column in columns.items()}

@@ -22,7 +22,17 @@ STYLE = {
     "lines.linewidth": 1.1,
     "legend.frameon": False,
     "legend.fontsize": 8,
+    # Without date and random names, the same run gives the same bytes.
+    "svg.hashsalt": "sliding contact",
 }
+SAVED = {"metadata": {"Date": None}}
+# Points of an area, which is not simplified as lines are.
+MOST = 2000
+
+
+def thinned(time):
+    """Rows of at most `MOST` times, evenly spread, the last among them."""
+    return np.unique(np.linspace(0, len(time) - 1, min(MOST, len(time))).round().astype(int))
 
 
 def speed_and_load(axis, recording, drive):
@@ -31,7 +41,8 @@ def speed_and_load(axis, recording, drive):
     load = axis.twinx()
     load.spines["right"].set_visible(True)
     load.grid(False)
-    load.fill_between(recording["time"], recording["normal_load"] / 1e3, color=ORANGE, alpha=0.75, linewidth=0)
+    some = thinned(recording["time"])
+    load.fill_between(recording["time"][some], recording["normal_load"][some] / 1e3, color=ORANGE, alpha=0.75, linewidth=0)
     load.set_ylabel("pad load [kN]", color=ORANGE)
     load.set_ylim(0, 2.2 * recording["normal_load"].max() / 1e3)
     axis.set_ylim(bottom=0)
@@ -44,7 +55,7 @@ def temperatures(axis, recording, _drive):
         ("punch.mean_temperature", "pad, mean", GREEN),
     ):
         axis.plot(recording["time"], recording[name] - ZERO_CELSIUS, color=colour, label=label)
-    axis.set_ylabel("temperature [degC]")
+    axis.set_ylabel("temperature [°C]")
     axis.legend(loc="upper right", ncols=3)
     axis.margins(y=0.25)
 
@@ -52,7 +63,7 @@ def temperatures(axis, recording, _drive):
 def wear(axis, recording, _drive):
     for name, label, colour in (("wear_depth_punch", "pad", GREEN), ("wear_depth_strip", "disc, each face", BLUE)):
         axis.plot(recording["time"], 1e6 * recording[name], color=colour, label=label)
-    axis.set_ylabel("wear depth [um]")
+    axis.set_ylabel("wear depth [µm]")
     axis.set_ylim(bottom=0)
     axis.legend(loc="upper left")
 
@@ -65,6 +76,7 @@ def friction_torque(axis, recording, _drive):
 
 def energy_balance(axis, recording, _drive):
     time = recording["time"]
+    some = thinned(time)
     parts = (
         ("stored_heat", "stored", SKY),
         ("heat_lost_ambient", "lost to the air", ORANGE),
@@ -75,8 +87,8 @@ def energy_balance(axis, recording, _drive):
     energy = recording["dissipated_energy"]
     parts = [part for part in parts if np.abs(recording[part[0]]).max() > 1e-3 * energy[-1]]
     axis.stackplot(
-        time,
-        *(recording[name] / 1e3 for name, _, _ in parts),
+        time[some],
+        *(recording[name][some] / 1e3 for name, _, _ in parts),
         labels=[label for _, label, _ in parts],
         colors=[colour for *_, colour in parts],
         linewidth=0,
@@ -116,15 +128,14 @@ def draw(recording, drive, title, panels=PANELS):
 
 
 def save(folder, recording, drive, title):
-    """Writes all panels as `overview` and each on its own; returns the paths."""
+    """Writes all panels as `overview`, the first three as `summary` and each on its own; returns the paths."""
     paths = []
     with plt.rc_context(STYLE):
         single = [(name.lower().replace(" ", "_"), [(name, paint)]) for name, paint in PANELS]
-        for stem, panels in [("overview", PANELS), *single]:
+        for stem, panels in [("overview", PANELS), ("summary", PANELS[:3]), *single]:
             figure = draw(recording, drive, title, panels)
-            path = folder / f"{stem}.png"
-            # Without the program's name and version, the same run gives the same bytes.
-            figure.savefig(path, dpi=110, metadata={"Software": None})
+            path = folder / f"{stem}.svg"
+            figure.savefig(path, **SAVED)
             paths.append(path)
             plt.close(figure)
     return paths

@@ -6,11 +6,10 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt  # noqa: E402  (the backend is chosen first)
 import numpy as np  # noqa: E402
-from plots import BLUE, GREEN, ORANGE, RED, STYLE  # noqa: E402
+from plots import BLUE, GREEN, ORANGE, RED, SAVED, STYLE  # noqa: E402
 from report import ZERO_CELSIUS  # noqa: E402
 
 LINES = {"line": "-", "lumped": "--"}
-SAVED = {"dpi": 110, "metadata": {"Software": None}}
 
 
 def both(axis, courses, paint):
@@ -37,7 +36,7 @@ def one_stop(courses, path):
         ):
             both(temperature, courses, lambda axis, c, style, level, name=name, label=label, colour=colour: axis.plot(
                 c.time, c[name] - ZERO_CELSIUS, style, color=colour, label=f"{label}, {level}"))
-        temperature.set_ylabel("temperature [degC]")
+        temperature.set_ylabel("temperature [°C]")
         pressure.plot(line.time, line["pressure_max"] / 1e6, color=RED, label="largest, line")
         pressure.plot(line.time, line["pressure_mean"] / 1e6, color=BLUE, label="mean, line")
         pressure.plot(lumped.time, lumped["pressure_mean"] / 1e6, "--", color=BLUE, label="lumped: one pressure")
@@ -46,7 +45,11 @@ def one_stop(courses, path):
         for axis in (speed, torque, temperature, pressure):
             axis.set_xlabel("time [s]")
             axis.set_xlim(0, line.time[-1])
-            axis.legend()
+            if axis is not temperature:
+                axis.legend()
+        # Room for the legend above the curves.
+        temperature.set_ylim(0, 1.5 * (line["contact_temperature_max"].max() - ZERO_CELSIUS))
+        temperature.legend(ncols=2, loc="upper center")
         colours = plt.cm.viridis(np.linspace(0.0, 0.92, len(line.snapshots)))
         for index, (at, colour) in enumerate(zip(line.snapshots, colours, strict=True)):
             profile.plot(1e3 * line.x, line.profiles["pressure"][index] / 1e6, color=colour, label=f"{at:g} s")
@@ -54,11 +57,12 @@ def one_stop(courses, path):
         level = lumped["pressure_mean"].max() / 1e6
         profile.axhline(level, color="black", linestyle="--", linewidth=0.9, label="lumped, full load")
         profile.set_ylabel("contact pressure [MPa]")
-        hot.set_ylabel("contact temperature [degC]")
+        hot.set_ylabel("contact temperature [°C]")
         for axis in (profile, hot):
             axis.set_xlabel("position on the pad x [mm]; the disc comes in at the right edge")
         profile.legend(ncols=2)
-        hot.legend(ncols=2, loc="lower center")
+        hot.set_ylim(0, 1.25 * (line.profiles["temperature"].max() - ZERO_CELSIUS))
+        hot.legend(ncols=3, loc="upper center")
         figure.suptitle("One stop from 100 km/h: pad and disc on the contact line (solid) and lumped (dashed)")
         figure.savefig(path, **SAVED)
         plt.close(figure)
@@ -89,14 +93,14 @@ def fade(courses, path):
             largest = course.over_stops("pressure_max", np.max) / 1e6
             axes["pressure"].plot(stops, largest, color=RED, label=level, **marks)
         axes["time"].set_xlabel("time [s]")
-        axes["time"].set_ylabel("temperature [degC]")
+        axes["time"].set_ylabel("temperature [°C]")
         axes["time"].legend(ncols=2, loc="upper left")
         axes["time"].margins(x=0.01)
         axes["time"].set_ylim(0, 1.3 * max(course["contact_temperature_max"].max() - ZERO_CELSIUS for course in courses.values()))
         for name, label in (
             ("friction", "least friction coefficient [1]"),
             ("distance", "stopping distance [m]"),
-            ("wear", "wear of the pad in a stop [um]"),
+            ("wear", "wear of the pad in a stop [µm]"),
             ("pressure", "largest pressure in a stop [MPa]"),
         ):
             axes[name].set_xlabel("stop [1]")

@@ -43,8 +43,8 @@ def main():
     paths = [report.write_csv(options.output / f"hot_spots_{index}.csv", run) for index, run in enumerate(runs)]
     paths += [
         plots.maps(runs, critical, options.output / "pressure.png"),
-        plots.growth(runs, rings, critical, options.output / "growth.png"),
-        plots.ends(runs, critical, options.output / "hot_spots.png"),
+        plots.growth(runs, rings, critical, options.output / "growth.svg"),
+        plots.ends(runs, critical, options.output / "hot_spots.svg"),
     ]
     if options.json:
         print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)

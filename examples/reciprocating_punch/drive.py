@@ -73,13 +73,13 @@ def main():
     paths = [report.write_csv(options.output / f"half_strokes_{name}.csv", run) for name, run in histories.items()]
     paths += [report.write_csv(options.output / f"half_strokes_{name}_hot.csv", run) for name, run in hot.items()]
     paths += [
-        plots.pressures(histories, states, options.output / "pressures.png"),
-        plots.edges(histories, options.output / "edge_pressures.png"),
-        plots.shapes(histories, states, options.output / "worn_shapes.png"),
-        plots.relaxation(histories, accelerated, states, options.output / "relaxation.png"),
-        hot_plots.half_strokes(hot, options.output / "hot_half_strokes.png"),
-        hot_plots.shapes(histories, hot, options.output / "hot_worn_shapes.png"),
-        hot_plots.steady(states, histories, hot, options.output / "hot_steady_pressures.png"),
+        plots.pressures(histories, states, options.output / "pressures.svg"),
+        plots.edges(histories, options.output / "edge_pressures.svg"),
+        plots.shapes(histories, states, options.output / "worn_shapes.svg"),
+        plots.relaxation(histories, accelerated, states, options.output / "relaxation.svg"),
+        hot_plots.half_strokes(hot, options.output / "hot_half_strokes.svg"),
+        hot_plots.shapes(histories, hot, options.output / "hot_worn_shapes.svg"),
+        hot_plots.steady(states, histories, hot, options.output / "hot_steady_pressures.svg"),
     ]
     if options.json:
         print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)

@@ -24,7 +24,7 @@ def half_strokes(hot, path):
         column[0].legend(ncols=2, loc="upper center")
         column[1].set_xlabel("position on the punch x [mm]")
     axes[0, 0].set_ylabel("contact pressure over mean $p/p_m$ [1]")
-    axes[1, 0].set_ylabel("contact temperature [degC]")
+    axes[1, 0].set_ylabel("contact temperature [°C]")
     mean = next(iter(hot.values())).mean / 1e6
     figure.suptitle(
         f"With heat, level line: middle of successive half-strokes, v > 0 solid, v < 0 dotted, $p_m$ = {mean:.2f} MPa", fontsize=10
@@ -44,7 +44,7 @@ def shapes(cold, hot, path):
                 axis.plot(1e3 * history.x, 1e6 * worn, color=colour, label=f"cycle {cycle}")
             axis.set_title(f"{TITLES[name]}, {label}", fontsize=9)
             axis.legend()
-        pair[0].set_ylabel("worn depth less rigid motion [um]")
+        pair[0].set_ylabel("worn depth less rigid motion [µm]")
     for axis in axes[-1]:
         axis.set_xlabel("position on the punch x [mm]")
     figure.suptitle("Worn shape of the punch without and with heat", fontsize=10)

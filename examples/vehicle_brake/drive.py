@@ -105,11 +105,11 @@ def main():
         report.write_csv(paths[-1], recordings[name])
     title = f"Car with four contact FMUs (level {level}), "
     paths += [
-        plots.along(recordings[cycle], title + cycle.upper(), options.output / f"{cycle}.png"),
-        plots.along(recordings["descent"], title + "descent at 8 % and full stop", options.output / "descent.png"),
+        plots.along(recordings[cycle], title + cycle.upper(), options.output / f"{cycle}.svg"),
+        plots.along(recordings["descent"], title + "descent at 8 % and full stop", options.output / "descent.svg"),
         plots.stops(recordings["cold_stop"], recordings["descent"], (begins["cold_stop"], begins["descent"]),
-                    options.output / "stopping_distance.png"),
-        plots.hill(recordings["hill"], options.output / "hill.png"),
+                    options.output / "stopping_distance.svg"),
+        plots.hill(recordings["hill"], options.output / "hill.svg"),
     ]
     if options.json:
         print(json.dumps({**summary, "files": [str(path) for path in paths]}, indent=2), file=results)

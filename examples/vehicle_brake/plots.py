@@ -22,6 +22,8 @@ STYLE = {
     "lines.linewidth": 1.1,
     "legend.frameon": False,
     "legend.fontsize": 8,
+    # Without date and random names, the same run gives the same bytes.
+    "svg.hashsalt": "sliding contact",
 }
 
 
@@ -38,8 +40,7 @@ def figure_of(panels, title, width=9.0, **options):
 
 
 def save(figure, path):
-    # Without the program's name and version, the same run gives the same bytes.
-    figure.savefig(path, dpi=110, metadata={"Software": None})
+    figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
     return path
 
@@ -74,7 +75,7 @@ def along(recording, title, path):
                       alpha=0.7, label=f"{place} contact")
             axis.plot(time, recording[brake, "strip.mean_temperature"] - ZERO_CELSIUS, color=colour, linestyle="--",
                       label=f"{place} disc, mean")
-        axis.set_ylabel("temperature [degC]")
+        axis.set_ylabel("temperature [°C]")
         axis.legend(loc="upper left", ncols=4)
         axis.margins(y=0.25)
         axis.set_ylim(bottom=0.0)
@@ -88,7 +89,7 @@ def along(recording, title, path):
     def wear(axis):
         for brake, colour in (("front_left", BLUE), ("rear_left", ORANGE)):
             axis.plot(time, 1e6 * recording[brake, "wear_depth_punch"], color=colour, label=brake.replace("_", " "))
-        axis.set_ylabel("pad wear [um]")
+        axis.set_ylabel("pad wear [µm]")
         axis.set_xlabel("time [s]")
         axis.legend(loc="upper left", ncols=2)
 
@@ -132,7 +133,7 @@ def stops(cold, hot, begins, path):
         axis.legend(loc="lower right", ncols=2)
 
     panels = (("Speed", speed),
-              ("Contact temperature", quantity("contact_temperature", 1.0, -ZERO_CELSIUS, "temperature [degC]")),
+              ("Contact temperature", quantity("contact_temperature", 1.0, -ZERO_CELSIUS, "temperature [°C]")),
               ("Friction", friction))
     with plt.rc_context(STYLE):
         return save(figure_of(panels, "The same pedal, cold and after the descent", sharex=True), path)

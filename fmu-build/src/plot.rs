@@ -23,8 +23,16 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(90, 90, 90),
 ];
 
+/// Units of the drawing per pixel: the drawing library rounds coordinates to whole units, which would show as wobble of the curves.
+const FINE: u32 = 10;
+
 /// Height of a row of a figure's key, in pixels.
 const KEY_ROW: u32 = 20;
+
+/// Pixels in units of the drawing.
+const fn fine(pixels: i32) -> i32 {
+    pixels * FINE as i32
+}
 
 /// Line style or marker of a series.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -212,10 +220,10 @@ impl Figure {
         let key_columns = columns.max(2);
         let header = text_height + KEY_ROW * self.key.len().div_ceil(key_columns) as u32;
         let (width, height) = self.panel_size;
+        let size = (columns as u32 * width + 24, header + rows * height + 12);
         let mut text = String::new();
         {
-            let area = SVGBackend::with_string(&mut text, (columns as u32 * width + 24, header + rows * height + 12))
-                .into_drawing_area();
+            let area = SVGBackend::with_string(&mut text, (FINE * size.0, FINE * size.1)).into_drawing_area();
             area.fill(&WHITE).map_err(failed)?;
             write(&area, &self.title, (24, 16), 21, FontStyle::Bold, (HPos::Left, VPos::Top))?;
             for (index, line) in self.header.iter().enumerate() {
@@ -233,12 +241,17 @@ impl Figure {
             for (index, panel) in self.panels.iter().enumerate() {
                 let left = 12 + (index % columns) as u32 * width;
                 let top = header + (index / columns) as u32 * height;
-                let part = area.clone().shrink((left as i32, top as i32), (width, height));
+                let part = area.clone().shrink((fine(left as i32), fine(top as i32)), (FINE * width, FINE * height));
                 panel.draw(&part)?;
             }
             area.present().map_err(failed)?;
         }
-        Ok(text)
+        let drawn = format!("width=\"{}\" height=\"{}\"", FINE * size.0, FINE * size.1);
+        let shown = format!("width=\"{}\" height=\"{}\"", size.0, size.1);
+        if !text.contains(&drawn) {
+            return Err(failed("the size of the drawing is not where it was"));
+        }
+        Ok(text.replacen(&drawn, &shown, 1))
     }
 
     /// Writes [`Figure::svg`] to a file.
@@ -256,12 +269,12 @@ impl Series {
     /// `place`.
     fn draw_sample(&self, area: &Area<'_>, place: (i32, i32), index: usize) -> Result<()> {
         let colour = COLOURS[self.colour.unwrap_or(index) % COLOURS.len()];
-        let (left, middle) = place;
+        let (left, middle) = (fine(place.0), fine(place.1));
         let stroke = |from: i32, to: i32| {
-            let ends = vec![(left + from, middle), (left + to, middle)];
-            area.draw(&PathElement::new(ends, colour.stroke_width(2))).map_err(failed)
+            let ends = vec![(left + fine(from), middle), (left + fine(to), middle)];
+            area.draw(&PathElement::new(ends, colour.stroke_width(2 * FINE))).map_err(failed)
         };
-        let centre = (left + 12, middle);
+        let centre = (left + fine(12), middle);
         match self.mark {
             Mark::Line => stroke(0, 24)?,
             Mark::Dashes => [(0, 9), (15, 24)].iter().try_for_each(|&(from, to)| stroke(from, to))?,
@@ -271,9 +284,11 @@ impl Series {
             Mark::Crosses => {}
         }
         match self.mark {
-            Mark::Points | Mark::LineAndPoints => area.draw(&Circle::new(centre, 3, colour.filled())).map_err(failed),
+            Mark::Points | Mark::LineAndPoints => {
+                area.draw(&Circle::new(centre, fine(3), colour.filled())).map_err(failed)
+            }
             Mark::DashesAndSquares => area.draw(&square(centre, colour)).map_err(failed),
-            Mark::Crosses => area.draw(&Cross::new(centre, 4, colour.stroke_width(2))).map_err(failed),
+            Mark::Crosses => area.draw(&Cross::new(centre, fine(4), colour.stroke_width(2 * FINE))).map_err(failed),
             Mark::Line | Mark::Dashes => Ok(()),
         }
     }
@@ -281,7 +296,8 @@ impl Series {
 
 /// A filled square around a pixel.
 fn square((x, y): (i32, i32), colour: RGBColor) -> Rectangle<(i32, i32)> {
-    Rectangle::new([(x - 3, y - 3), (x + 3, y + 3)], colour.filled())
+    let half = fine(3);
+    Rectangle::new([(x - half, y - half), (x + half, y + half)], colour.filled())
 }
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
@@ -298,7 +314,8 @@ fn write(
     style: FontStyle,
     (horizontal, vertical): (HPos, VPos),
 ) -> Result<()> {
-    let font = (FONT, size, style).into_text_style(area).color(&INK).pos(Pos::new(horizontal, vertical));
+    let place = (fine(place.0), fine(place.1));
+    let font = (FONT, fine(size), style).into_text_style(area).color(&INK).pos(Pos::new(horizontal, vertical));
     area.draw_text(text, &font, place).map_err(failed)
 }
 
@@ -308,13 +325,20 @@ impl Panel {
         let x = self.x.scale(points().map(|point| point.0), 0.0);
         let y = self.y.scale(points().map(|point| point.1), 0.06);
         let (width, _) = area.dim_in_pixel();
-        write(area, &self.title, (width as i32 / 2 + 24, 8), 16, FontStyle::Bold, (HPos::Center, VPos::Top))?;
+        write(
+            area,
+            &self.title,
+            (width as i32 / (2 * FINE as i32) + 24, 8),
+            16,
+            FontStyle::Bold,
+            (HPos::Center, VPos::Top),
+        )?;
         let mut chart = ChartBuilder::on(area)
-            .margin_top(34)
-            .margin_right(18)
-            .margin_bottom(4)
-            .x_label_area_size(48)
-            .y_label_area_size(72)
+            .margin_top(34 * FINE)
+            .margin_right(18 * FINE)
+            .margin_bottom(4 * FINE)
+            .x_label_area_size(48 * FINE)
+            .y_label_area_size(72 * FINE)
             .build_cartesian_2d(x, y)
             .map_err(failed)?;
         chart
@@ -324,59 +348,60 @@ impl Panel {
             .x_labels(8)
             .y_labels(8)
             .max_light_lines(0)
-            .bold_line_style(GRID)
-            .axis_style(INK)
-            .label_style((FONT, 13).into_font().color(&INK))
-            .axis_desc_style((FONT, 14).into_font().color(&INK))
+            .bold_line_style(GRID.stroke_width(FINE))
+            .set_all_tick_mark_size(5 * FINE)
+            .axis_style(INK.stroke_width(FINE))
+            .label_style((FONT, fine(13)).into_font().color(&INK))
+            .axis_desc_style((FONT, fine(14)).into_font().color(&INK))
             .draw()
             .map_err(failed)?;
         for (index, series) in self.series.iter().enumerate() {
             let colour = COLOURS[series.colour.unwrap_or(index) % COLOURS.len()];
-            let stroke = colour.stroke_width(2);
+            let stroke = colour.stroke_width(2 * FINE);
             let shown = |&(x, y): &(f64, f64)| self.x.shows(x) && self.y.shows(y);
             let lines = !matches!(series.mark, Mark::Points | Mark::Crosses);
             for part in series.points.split(|point| !shown(point)).filter(|part| lines && part.len() > 1) {
                 let points = part.iter().copied();
                 if matches!(series.mark, Mark::Dashes | Mark::DashesAndSquares) {
-                    chart.draw_series(DashedLineSeries::new(points, 8, 5, stroke)).map_err(failed)?;
+                    chart.draw_series(DashedLineSeries::new(points, 8 * FINE, 5 * FINE, stroke)).map_err(failed)?;
                 } else {
                     chart.draw_series(LineSeries::new(points, stroke)).map_err(failed)?;
                 }
             }
             if matches!(series.mark, Mark::Points | Mark::LineAndPoints) {
                 let points = series.points.iter().filter(|point| shown(point));
-                chart.draw_series(points.map(|&point| Circle::new(point, 3, colour.filled()))).map_err(failed)?;
+                chart.draw_series(points.map(|&point| Circle::new(point, fine(3), colour.filled()))).map_err(failed)?;
             }
             let points = series.points.iter().filter(|point| shown(point)).copied();
             match series.mark {
                 Mark::DashesAndSquares => {
-                    let corners = [(-3, -3), (3, -3), (3, 3), (-3, 3)].to_vec();
+                    let corners = [(-3, -3), (3, -3), (3, 3), (-3, 3)].map(|(x, y)| (fine(x), fine(y))).to_vec();
                     let marks =
                         points.map(|point| EmptyElement::at(point) + Polygon::new(corners.clone(), colour.filled()));
                     chart.draw_series(marks).map_err(failed)?;
                 }
                 Mark::Crosses => {
-                    chart.draw_series(points.map(|point| Cross::new(point, 4, stroke))).map_err(failed)?;
+                    chart.draw_series(points.map(|point| Cross::new(point, fine(4), stroke))).map_err(failed)?;
                 }
                 _ => {}
             }
             if !series.name.is_empty() {
                 let nothing: [(f64, f64); 0] = [];
                 let entry = chart.draw_series(LineSeries::new(nothing, stroke)).map_err(failed)?.label(&series.name);
-                let line = move |from, to| PathElement::new(vec![(from, 0), (to, 0)], stroke);
-                let point = move || Circle::new((12, 0), 3, colour.filled());
+                let line = move |from, to| PathElement::new(vec![(fine(from), 0), (fine(to), 0)], stroke);
+                let point = move || Circle::new((fine(12), 0), fine(3), colour.filled());
                 match series.mark {
                     Mark::Line => entry.legend(move |place| EmptyElement::at(place) + line(0, 24)),
                     Mark::Dashes => entry.legend(move |place| EmptyElement::at(place) + line(0, 9) + line(15, 24)),
                     Mark::Points => entry.legend(move |place| EmptyElement::at(place) + point()),
                     Mark::LineAndPoints => entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + point()),
                     Mark::DashesAndSquares => {
-                        let corners = [(9, -3), (15, -3), (15, 3), (9, 3)].to_vec();
+                        let corners = [(9, -3), (15, -3), (15, 3), (9, 3)].map(|(x, y)| (fine(x), fine(y))).to_vec();
                         let square = move || Polygon::new(corners.clone(), colour.filled());
                         entry.legend(move |place| EmptyElement::at(place) + line(0, 24) + square())
                     }
                     Mark::Crosses => {
-                        entry.legend(move |place| EmptyElement::at(place) + Cross::new((12, 0), 4, stroke))
+                        entry.legend(move |place| EmptyElement::at(place) + Cross::new((fine(12), 0), fine(4), stroke))
                     }
                 };
             }
@@ -393,11 +418,11 @@ impl Panel {
             chart
                 .configure_series_labels()
                 .position(place)
-                .margin(10)
-                .legend_area_size(30)
+                .margin(10 * FINE)
+                .legend_area_size(30 * FINE)
                 .background_style(WHITE.mix(0.85))
-                .border_style(GRID)
-                .label_font((FONT, 13).into_font().color(&INK))
+                .border_style(GRID.stroke_width(FINE))
+                .label_font((FONT, fine(13)).into_font().color(&INK))
                 .draw()
                 .map_err(failed)?;
         }

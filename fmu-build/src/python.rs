@@ -51,6 +51,9 @@ const PACKAGE: Requirements = ("package", include_str!("../python/package.txt"))
 /// Packages that write the bill of materials of a release.
 const RELEASE: Requirements = ("release", include_str!("../python/release.txt"));
 
+/// Packages that make the site of the documentation.
+const SITE: Requirements = ("site", include_str!("../python/site.txt"));
+
 /// Packages of the peers that the charts compare with.
 const PEERS: Requirements = ("peers", include_str!("../../benches/peers/requirements.txt"));
 
@@ -110,6 +113,14 @@ pub fn package_environment() -> Result<PathBuf> {
 /// As [`environment`].
 pub fn release_environment() -> Result<PathBuf> {
     ensure("python-release", &[RELEASE])
+}
+
+/// Makes the environment that makes the site of the documentation, `target/python-site`, unless it is there and returns its Python.
+///
+/// # Errors
+/// As [`environment`].
+pub fn site_environment() -> Result<PathBuf> {
+    ensure("python-site", &[SITE])
 }
 
 /// Makes the environment of the peers in benches/peers, `target/python-peers`, unless it is there and returns its Python.
@@ -428,16 +439,18 @@ mod tests {
 
     #[test]
     fn every_requirement_is_pinned_and_listed_once_per_python() {
-        // The environments of batch, peers and release are their own.
+        // The environments of batch, peers, release and site are their own.
         let mut seen = std::collections::BTreeSet::new();
         let mut seen_by_batch = std::collections::BTreeSet::new();
         let mut seen_by_peers = std::collections::BTreeSet::new();
         let mut seen_by_release = std::collections::BTreeSet::new();
-        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PACKAGE, PEERS, RELEASE]) {
+        let mut seen_by_site = std::collections::BTreeSet::new();
+        for (name, text) in requirements(Tier::Importers).into_iter().chain([BATCH, PACKAGE, PEERS, RELEASE, SITE]) {
             let seen = match name {
                 _ if [BATCH.0, PACKAGE.0].contains(&name) => &mut seen_by_batch,
                 _ if name == PEERS.0 => &mut seen_by_peers,
                 _ if name == RELEASE.0 => &mut seen_by_release,
+                _ if name == SITE.0 => &mut seen_by_site,
                 _ => &mut seen,
             };
             for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {

@@ -4,7 +4,7 @@ mod platforms;
 mod tally;
 
 use crate::python::{self, Tier};
-use crate::{bench, native, package, project, realtime, release, run, scenes};
+use crate::{bench, native, package, project, realtime, release, run, scenes, site};
 use anyhow::{Context, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -23,7 +23,7 @@ const REAL_TIME_RUNS: usize = 3;
 ///
 /// Every change must pass all of it; --fast is what to run between edits: formatting, lints, the unit tests of every layer,
 /// the golden scenes, the calls in every order that FMI allows or forbids, and the rules of the sources (private words,
-/// factorisations), in under two minutes on two cores after `cargo fmu run`.
+/// factorisations, links), in under two minutes on two cores after `cargo fmu run`.
 ///
 /// Ends with what was skipped and why, and with one line that counts everything.
 #[derive(clap::Args, Debug)]
@@ -93,12 +93,19 @@ fn fast(tally: &mut Tally) {
         Ok(())
     });
     tally.step("policy and sources", |step| {
-        let targets = ["fmi_policy", "sources", "supply_chain", "words"].map(|name| ["--test", name]);
+        let targets = ["fmi_policy", "links", "sources", "supply_chain", "words"].map(|name| ["--test", name]);
         step.run(rust_tests(targets.as_flattened()), Counter::CargoTest)
     });
-    for name in
-        ["integration tests", "fuzzing", "packaging", "fmpy tests", "Python package", "cost of a step", "real time"]
-    {
+    for name in [
+        "integration tests",
+        "fuzzing",
+        "site",
+        "packaging",
+        "fmpy tests",
+        "Python package",
+        "cost of a step",
+        "real time",
+    ] {
         tally.skip(name, "not requested: --fast");
     }
 }
@@ -118,6 +125,11 @@ fn usual(tally: &mut Tally) {
         let mut command = Command::new(project::program()?);
         command.current_dir(project::root()).args(["fuzz", "--seconds", FUZZED]);
         step.check(command)?;
+        step.pass();
+        Ok(())
+    });
+    tally.step("site", |step| {
+        site::build(&project::target().join("site"))?;
         step.pass();
         Ok(())
     });

@@ -8,6 +8,8 @@ pub mod machine;
 mod measure;
 mod peers;
 mod scaling;
+mod stored;
+mod summary;
 mod table;
 mod truth;
 
@@ -46,11 +48,14 @@ pub struct Arguments {
     /// Write the findings into docs/accuracy.md as well.
     #[arg(long, conflicts_with = "quick")]
     document: bool,
+    /// Draw and describe the measurements in docs/accuracy anew; nothing is measured.
+    #[arg(long, conflicts_with_all = ["quick", "output", "no_peers", "write_truth", "json"])]
+    redraw: bool,
     /// Print the findings as JSON.
     #[arg(long)]
     json: bool,
     /// Only list the scenes there are.
-    #[arg(long, conflicts_with_all = ["scene", "quick", "output", "no_peers", "write_truth", "document", "json"])]
+    #[arg(long, conflicts_with_all = ["scene", "quick", "output", "no_peers", "write_truth", "document", "redraw", "json"])]
     list: bool,
 }
 
@@ -62,6 +67,10 @@ struct Chart {
     problem: DriveProblem,
     /// Origin of the reference solution.
     how: String,
+    /// Data of the scene as it was measured.
+    data: String,
+    /// Machine and source version.
+    measured: String,
     points: Vec<Point>,
     /// Omissions from the chart with their reasons.
     omissions: Vec<String>,
@@ -90,6 +99,18 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if arguments.write_truth {
         return problems.iter().filter(|problem| wanted(problem.name)).try_for_each(truth::write);
     }
+    if arguments.redraw {
+        let folder = project::root().join("docs/accuracy");
+        let mut descriptions = Vec::new();
+        for problem in problems.into_iter().filter(|problem| wanted(problem.name)) {
+            let chart = stored::read(problem, &folder)?;
+            for path in draw(&chart, &folder)? {
+                print_line!("{}", path.display());
+            }
+            descriptions.push((chart.problem.name, document::describe(&chart, &findings::of(&chart))));
+        }
+        return document::write(&descriptions);
+    }
     let peers = !(arguments.quick || arguments.no_peers);
     let (mut records, mut passages, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     for problem in problems.into_iter().filter(|problem| wanted(problem.name)) {
@@ -104,7 +125,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
         let chart = measure(problem, known, arguments.quick, peers)?;
         let paths = write(&chart, &folder)?;
         let findings = findings::of(&chart);
-        passages.push((chart.problem.name, document::passage(&chart, &findings)));
+        passages.push((chart.problem.name, document::describe(&chart, &findings)));
         if arguments.json {
             records.push(findings.record(&chart));
         } else {
@@ -115,7 +136,7 @@ pub fn execute(arguments: &Arguments) -> Result<()> {
     if wanted(SCALING) {
         let scaling = scaling::measure(arguments.quick)?;
         let paths = scaling.write(&folder)?;
-        passages.push((SCALING, document::quoted(&scaling.to_string())));
+        passages.push((SCALING, document::Description { passage: scaling.table(), details: String::new() }));
         if arguments.json {
             records.push(scaling.record());
         } else {
@@ -144,7 +165,9 @@ fn measure(problem: DriveProblem, known: (String, Vec<Sample>), quick: bool, wit
     let bar = ProgressBar::new(count as u64).with_style(style);
     let budget = measure::Budget::new(quick);
     let (how, truth) = known;
-    let mut chart = Chart { how, points: Vec::new(), omissions: Vec::new(), quick, problem };
+    let measured = machine::measured(quick);
+    let data = problem.data.to_owned();
+    let mut chart = Chart { how, data, measured, points: Vec::new(), omissions: Vec::new(), quick, problem };
     for family in families {
         bar.set_message(format!("{}: {}", chart.problem.name, family.name));
         measure::family(&mut chart, &family, &truth, &budget);
@@ -160,12 +183,19 @@ fn measure(problem: DriveProblem, known: (String, Vec<Sample>), quick: bool, wit
     Ok(chart)
 }
 
-fn write(chart: &Chart, folder: &Path) -> Result<[PathBuf; 2]> {
-    let path = |ending: &str| folder.join(format!("{}.{ending}", chart.problem.name));
-    let (svg, csv) = (path("svg"), path("csv"));
-    figure::draw(chart).write(&svg)?;
+fn write(chart: &Chart, folder: &Path) -> Result<Vec<PathBuf>> {
+    let csv = folder.join(format!("{}.csv", chart.problem.name));
     fs::write(&csv, table::of(chart)).with_context(|| format!("writing {}", csv.display()))?;
-    Ok([svg, csv])
+    Ok(draw(chart, folder)?.into_iter().chain([csv]).collect())
+}
+
+/// Draws everything that was measured, and its summary.
+fn draw(chart: &Chart, folder: &Path) -> Result<[PathBuf; 2]> {
+    let whole = folder.join(format!("{}.svg", chart.problem.name));
+    let summary = folder.join(format!("{}-summary.svg", chart.problem.name));
+    figure::draw(chart).write(&whole)?;
+    summary::draw(chart).write(&summary)?;
+    Ok([whole, summary])
 }
 
 impl Chart {

@@ -1,14 +1,17 @@
 //! documentation/index.html: the committed page with the tables of the variables and the scene's values filled in.
 
+mod markdown;
+pub mod pages;
+mod tables;
+
 use std::fmt::Write;
 
 use quick_xml::escape::escape;
 use scene::slot::STOCK_NAME;
-use scene::variables::units::Unit;
-use scene::variables::{Causality, Kind, Row, TABLE, reference};
+use scene::variables::reference;
 use scene_file::SceneFile;
 
-use super::description::{LOG_CATEGORIES, SUMMARY, enumerations, variability};
+use super::description::{LOG_CATEGORIES, SUMMARY, enumerations};
 use super::xml::number;
 
 /// The page without its tables and values, which stand in it as `{{name}}`.
@@ -21,7 +24,7 @@ const MESSAGES: &str = include_str!("../../../modelDescription/documentation/mes
 /// Pictures of the page, under their names beside it.
 pub const PICTURES: [(&str, &[u8]); 7] = [
     ("model.svg", include_bytes!("../../../docs/model.svg")),
-    ("stopping_distance.png", include_bytes!("../../../examples/vehicle_brake/stopping_distance.png")),
+    ("stopping_distance.svg", include_bytes!("../../../examples/vehicle_brake/stopping_distance.svg")),
     ("engagement.png", include_bytes!("../../../examples/clutch/engagement.png")),
     ("realtime.svg", include_bytes!("../../../docs/realtime/cold.svg")),
     ("steady.svg", include_bytes!("../../../examples/reciprocating_punch/steady.svg")),
@@ -38,8 +41,6 @@ pub fn write(scene: &SceneFile) -> String {
         ("", _) => format!("{SUMMARY}."),
         (text, _) => format!("{text}."),
     };
-    let categories: Vec<String> =
-        LOG_CATEGORIES.iter().map(|(name, about)| format!("<code>{name}</code> ({})", escape(*about))).collect();
     let values = [
         ("importers", IMPORTERS.to_owned()),
         ("messages", MESSAGES.to_owned()),
@@ -50,7 +51,7 @@ pub fn write(scene: &SceneFile) -> String {
         ("step", number(packaged.experiment.step)),
         ("velocity", start(const { reference("nominal.velocity") })),
         ("load", start(const { reference("nominal.load") })),
-        ("categories", categories.join(", ")),
+        ("categories", categories()),
         ("variables", variables(&packaged.starts)),
         ("enumerations", enumeration_tables()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -63,79 +64,40 @@ pub fn write(scene: &SceneFile) -> String {
     page
 }
 
+/// Log categories with their meaning, as a list in a sentence.
+fn categories() -> String {
+    let categories: Vec<String> =
+        LOG_CATEGORIES.iter().map(|(name, about)| format!("<code>{name}</code> ({})", escape(*about))).collect();
+    categories.join(", ")
+}
+
 fn variables(starts: &[f64]) -> String {
-    let groups = [
-        (Causality::Input, "Inputs"),
-        (Causality::Output, "Outputs"),
-        (Causality::Parameter, "Parameters"),
-        (Causality::Local, "Further results and profiles along the contact, to be read but not to be connected"),
-    ];
     let mut html = String::new();
-    for (causality, title) in groups {
-        let given = matches!(causality, Causality::Input | Causality::Parameter);
-        let class = if given { "variables given" } else { "variables" };
-        html +=
-            &format!("<h3>{title}</h3>\n<div class=\"wide\"><table class=\"{class}\">\n<tr><th>name</th><th>unit</th>");
-        html += if given { "<th>start</th><th>limits</th>" } else { "" };
+    for topic in tables::topics(starts) {
+        let kind = match topic.title {
+            "Inputs" | "Outputs" => "",
+            _ if topic.given => "Parameters: ",
+            _ => "Results, to be read but not to be connected: ",
+        };
+        let class = if topic.given { "variables given" } else { "variables" };
+        let _ = write!(
+            html,
+            "<h3>{kind}{}</h3>\n<div class=\"wide\"><table class=\"{class}\">\n<tr><th>name</th><th>unit</th>",
+            topic.title
+        );
+        html += if topic.given { "<th>start</th><th>limits</th>" } else { "" };
         html += "<th>meaning</th></tr>\n";
-        let mut first = 0;
-        for row in TABLE {
-            if row.causality == causality {
-                html += &table_row(row, &starts[first..first + row.count() as usize], given);
+        for entry in &topic.entries {
+            let _ = write!(html, "<tr><td><code>{}</code></td><td class=\"number\">{}</td>", entry.name, entry.unit);
+            if topic.given {
+                let class = if entry.limits.contains(", ") { "" } else { " class=\"number\"" };
+                let _ = write!(html, "<td>{}</td><td{class}>{}</td>", entry.start, entry.limits);
             }
-            first += row.count() as usize;
+            let _ = writeln!(html, "<td>{}</td></tr>", escape(entry.meaning.as_str()));
         }
         html += "</table></div>\n";
     }
     html
-}
-
-fn table_row(row: &Row, starts: &[f64], given: bool) -> String {
-    let name = if row.elements == 0 { row.name.to_owned() } else { format!("{}[1..{}]", row.name, row.elements) };
-    let unit = match row.kind {
-        Kind::Real { unit, .. } => unit.name,
-        Kind::Integer { .. } => "Integer",
-        Kind::Boolean => "Boolean",
-        Kind::Enumeration(kind) => kind.name,
-    };
-    let mut html = format!("<tr><td><code>{name}</code></td><td class=\"number\">{unit}</td>");
-    if given {
-        let all_equal = starts.iter().all(|start| start == &starts[0]);
-        let shown: Vec<String> =
-            starts.iter().take(if all_equal { 1 } else { starts.len() }).map(|&start| value(row, start)).collect();
-        let (min, max) = row.bounds();
-        let limits = match (min, max) {
-            _ if matches!(row.kind, Kind::Boolean | Kind::Enumeration(_)) => String::new(),
-            (Some(min), Some(max)) => format!("{} to {}", number(min), number(max)),
-            (Some(min), None) => format!("from {}", number(min)),
-            (None, Some(max)) => format!("to {}", number(max)),
-            (None, None) => String::new(),
-        };
-        let _ = write!(html, "<td>{}</td><td class=\"number\">{limits}</td>", shown.join(", "));
-    }
-    let tunable = if variability(row) == "tunable" { " (may be changed between steps)" } else { "" };
-    let _ = writeln!(html, "<td>{}{tunable}</td></tr>", escape(row.description));
-    html
-}
-
-/// A start value with the same in the display unit, if it has one.
-fn value(row: &Row, start: f64) -> String {
-    match row.kind {
-        Kind::Boolean => (start != 0.0).to_string(),
-        Kind::Enumeration(kind) => kind.items[start as usize - 1].0.to_owned(),
-        Kind::Real { unit, display, .. } => match shown(unit, display, start) {
-            Some(shown) => format!("{} ({shown})", number(start)),
-            None => number(start),
-        },
-        Kind::Integer { .. } => number(start),
-    }
-}
-
-fn shown(unit: &Unit, display: &str, start: f64) -> Option<String> {
-    let display = unit.display.iter().find(|known| known.name == display)?;
-    // Twelve digits hide the rounding of the conversion.
-    let value: f64 = format!("{:.11e}", display.factor * start + display.offset).parse().ok()?;
-    (start != 0.0).then(|| format!("{} {}", number(value), display.name))
 }
 
 fn enumeration_tables() -> String {
@@ -157,6 +119,7 @@ mod tests {
     use super::*;
     use crate::scenes;
     use model::lumped::limit;
+    use scene::variables::TABLE;
 
     #[test]
     fn every_variable_stands_in_the_page_and_no_place_is_left_open() {

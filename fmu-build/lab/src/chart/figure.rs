@@ -61,10 +61,7 @@ pub fn draw(chart: &Chart) -> Figure {
         key.push(Series::line("did not come to its end, in its colour", Vec::new()).with(Mark::Crosses).coloured(6));
     }
     key.push(Series::line("1 % error", Vec::new()).with(Mark::Dashes).coloured(6));
-    let mut header = table::header(chart);
-    if !chart.omissions.is_empty() {
-        header.extend(chart.omissions.iter().map(|text| format!("Left out: {text}")));
-    }
+    let header = table::header(chart);
     Figure {
         columns: 2,
         key,

@@ -12,32 +12,41 @@ const WANTED: f64 = 1e-2;
 /// See the module.
 pub struct Findings {
     /// The cheapest run within 1 % in wear depth, contact temperature and friction force.
-    right: Option<Reached>,
+    pub right: Option<Reached>,
     /// The cheapest within 1 % in all four.
-    with_pressure: Option<Reached>,
+    pub with_pressure: Option<Reached>,
     /// Model errors of the lumped level (wear depth, contact temperature, friction force), independent of its tolerance.
-    lumped: Option<[f64; 3]>,
+    pub lumped: Option<[f64; 3]>,
     /// `field`: setting, cost of the cheapest run, and how far it came.
-    field: Option<(Reached, f64)>,
+    pub field: Option<(Reached, f64)>,
     /// Of every run of a peer: its error and cost, and the cheapest own run that is at least as accurate.
-    peers: Vec<(Reached, Reached)>,
+    pub peers: Vec<(Reached, Reached)>,
     omissions: Vec<String>,
 }
 
 /// A run with its error and cost.
-struct Reached {
-    family: String,
-    setting: String,
-    error: f64,
-    cost: f64,
+pub struct Reached {
+    /// Family of the run.
+    pub family: String,
+    /// Its settings.
+    pub setting: String,
+    /// Largest error; NaN where it did not finish.
+    pub error: f64,
+    /// Processor time, s.
+    pub cost: f64,
 }
 
 fn reached(point: &Point, error: f64) -> Reached {
     Reached { family: point.family.clone(), setting: point.setting.clone(), error, cost: point.cost() }
 }
 
-/// Largest error of the quantities that are judged.
-fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
+/// The quantities to which `solver.tolerance` refers.
+pub const MAIN: &[Quantity] = &[Quantity::WearDepth, Quantity::ContactTemperature, Quantity::FrictionForce];
+/// All that are charted.
+pub const ALL: &[Quantity] = &Quantity::ALL;
+
+/// Largest error of the quantities that are judged; `None` where the run did not finish.
+pub fn worst(point: &Point, quantities: &[Quantity]) -> Option<f64> {
     if point.failure.is_some() {
         return None;
     }
@@ -58,7 +67,7 @@ fn cheapest(chart: &Chart, quantities: &[Quantity], most: f64) -> Option<Reached
 
 /// Reads the findings off a chart.
 pub fn of(chart: &Chart) -> Findings {
-    let main = &Quantity::ALL[..3];
+    let main = MAIN;
     let field = chart.family("field").map(|point| {
         let part = point.failure.as_ref().map_or(1.0, |(_, part)| *part);
         let whole = point.seconds[0] + (point.seconds[1] - point.seconds[0]) / part.max(1e-9);
@@ -91,14 +100,15 @@ pub fn of(chart: &Chart) -> Findings {
 fn in_importer(chart: &Chart) -> Vec<(Reached, Reached)> {
     let (own, others): (Vec<&Point>, Vec<&Point>) =
         chart.points.iter().filter(|p| p.peer && p.family.contains("FMU")).partition(|p| p.family.starts_with("this"));
-    let run = |point: &Point| reached(point, worst(point, &Quantity::ALL[..3]).unwrap_or(f64::NAN));
+    let run = |point: &Point| reached(point, worst(point, MAIN).unwrap_or(f64::NAN));
     let pair = |other: &&Point| own.iter().find(|own| own.setting == other.setting).map(|own| (run(other), run(own)));
     others.iter().filter_map(pair).collect()
 }
 
 impl fmt::Display for Reached {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "{} ({}): error {:.1e}, {}", self.family, self.setting, self.error, time(self.cost))
+        let error = if self.error.is_finite() { format!("error {:.1e}, ", self.error) } else { String::new() };
+        write!(formatter, "{} ({}): {error}{}", self.family, self.setting, time(self.cost))
     }
 }
 
@@ -111,20 +121,23 @@ pub fn time(seconds: f64) -> String {
     }
 }
 
+/// The errors that were judged, by quantity.
+pub fn lumped_errors(errors: [f64; 3]) -> String {
+    let named = ["wear", "temperature", "force"].iter().zip(errors).filter(|(_, error)| error.is_finite());
+    named.map(|(name, error)| format!("{name} {error:.1e}")).collect::<Vec<_>>().join(", ")
+}
+
 impl fmt::Display for Findings {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let line = |found: &Option<Reached>| found.as_ref().map_or("nothing".into(), Reached::to_string);
         writeln!(formatter, "  1 % of wear, temperature and force: {}", line(&self.right))?;
         writeln!(formatter, "  1 % of the peak pressure as well:   {}", line(&self.with_pressure))?;
         if let Some([wear, temperature, force]) = self.lumped {
-            writeln!(
-                formatter,
-                "  lumped, whatever its tolerance:     wear {wear:.1e}, temperature {temperature:.1e}, force {force:.1e}"
-            )?;
+            writeln!(formatter, "  lumped, whatever its tolerance:     {}", lumped_errors([wear, temperature, force]))?;
         }
         if let (Some((field, part)), Some(right)) = (&self.field, &self.right) {
             let how = if *part < 1.0 {
-                format!(", carried on from {:.1} % of the scene", 100.0 * part)
+                format!(", not finished: extrapolated from {:.1} % of the scene", 100.0 * part)
             } else {
                 String::new()
             };
@@ -198,18 +211,22 @@ mod tests {
             point("lumped", 0.1, [1e-3, 0.3, f64::NAN, 0.5]),
             point("lumped", 0.2, [2e-3, 0.1, f64::NAN, 0.5]),
         ];
-        let chart = Chart { problem, how: String::new(), points, omissions: Vec::new(), quick: false };
+        let chart = Chart {
+            problem,
+            how: String::new(),
+            data: String::new(),
+            measured: String::new(),
+            points,
+            omissions: Vec::new(),
+            quick: false,
+        };
         // The reference of this chart has no force; a run without temperature does not qualify for the first finding.
         let findings = of(&chart);
         assert_eq!(findings.right.as_ref().unwrap().family, "with heat");
         assert!(
             matches!(findings.lumped, Some([wear, temperature, force]) if wear == 2e-3 && temperature == 0.1 && force.is_nan())
         );
-        assert!(
-            findings
-                .to_string()
-                .contains("lumped, whatever its tolerance:     wear 2.0e-3, temperature 1.0e-1, force NaN")
-        );
+        assert!(findings.to_string().contains("lumped, whatever its tolerance:     wear 2.0e-3, temperature 1.0e-1"));
         let (peer, own) = &findings.peers[0];
         assert_eq!((own.family.as_str(), peer.cost / own.cost), ("isothermal", 200.0));
     }

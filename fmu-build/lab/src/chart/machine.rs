@@ -14,6 +14,11 @@ pub fn name() -> String {
     format!("{}, {cores} cores, {system} {architecture}", processor.unwrap_or_else(|| "unknown processor".into()))
 }
 
+/// Machine and source version of a chart.
+pub fn measured(quick: bool) -> String {
+    format!("{}; commit {}{}.", name(), commit(), if quick { " (--quick)" } else { "" })
+}
+
 /// The commit, with a mark where files differ from it; "unknown" outside a clone.
 pub fn commit() -> String {
     let git = |arguments: &[&str]| {

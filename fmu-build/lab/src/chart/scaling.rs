@@ -228,6 +228,22 @@ impl Scaling {
     }
 }
 
+impl Scaling {
+    /// The exponents as a table of Markdown.
+    pub fn table(&self) -> String {
+        let mut text = "| over | of | exponent | largest, time of a step |\n|---|---|---|---|\n".to_owned();
+        for group in &self.groups {
+            for law in &group.laws {
+                let exponent = law.exponent().map_or("none".into(), |exponent| format!("{exponent:.2}"));
+                let (size, cost) = law.points.last().copied().unwrap_or((0.0, 0.0));
+                let cost = super::findings::time(cost);
+                let _ = writeln!(text, "| {} | {} | {exponent} | {size}: {cost} |", group.label, law.name);
+            }
+        }
+        text
+    }
+}
+
 impl fmt::Display for Scaling {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(formatter, "Cost of a step against its size")?;

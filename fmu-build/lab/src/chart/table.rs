@@ -1,6 +1,6 @@
 //! The CSV file beside a chart.
 
-use super::{Chart, machine};
+use super::Chart;
 use std::fmt::Write as _;
 use verification::drives::Quantity;
 
@@ -39,11 +39,10 @@ pub fn of(chart: &Chart) -> String {
 /// Title, data, truth, and where it was measured.
 pub fn header(chart: &Chart) -> Vec<String> {
     let problem = &chart.problem;
-    let quick = if chart.quick { " (--quick)" } else { "" };
     vec![
-        problem.data.to_owned(),
+        chart.data.clone(),
         format!("Truth: {}; {}.", chart.how, problem.reason),
-        format!("{}; commit {}{quick}.", machine::name(), machine::commit()),
+        chart.measured.clone(),
         "Errors: largest over the samples, relative to the largest value (temperature: to the peak rise); drawn at 1e-8 at least.".into(),
     ]
 }

@@ -1,0 +1,342 @@
+//! docs/reference: the page inside the FMU as Markdown, from the same tables and texts.
+
+use std::fmt::Write;
+
+use anyhow::Result;
+use scene::slot::Packaged;
+use scene::variables::units::UNITS;
+use scene::variables::{TABLE, lookup};
+use scene_file::SceneFile;
+use scene_file::materials::MATERIALS;
+use scene_file::unit_names;
+
+use super::markdown::{anchor, escaped, from_html, headings};
+use super::tables::{Entry, topics, value};
+use super::{IMPORTERS, MESSAGES, PAGE, categories};
+use crate::package::description::enumerations;
+use crate::package::xml::number;
+use crate::scenes;
+
+/// Folder of the pages in the source tree.
+pub const FOLDER: &str = "docs/reference";
+
+/// Elements of an array up to which all of its values are listed.
+const MOST_SHOWN: usize = 16;
+
+const MADE: &str = "<!-- Written by `cargo fmu package --write-description` from the variable table, the scene files and modelDescription/documentation. -->\n\n";
+
+/// File names and texts of the pages.
+///
+/// # Errors
+/// Where a shipped scene cannot be read.
+pub fn write() -> Result<Vec<(&'static str, String)>> {
+    let pages =
+        [("manual.md", manual()), ("messages.md", messages()), ("scenes.md", scenes()?), ("variables.md", variables())];
+    Ok(pages.map(|(name, text)| (name, format!("{MADE}{text}"))).into())
+}
+
+/// The page's sections between first steps and messages: model, levels, standstill, importers, balance, calls.
+fn manual_html() -> String {
+    let from = PAGE.find("<h2 id=\"models\">").expect("the section on the model");
+    let to = PAGE.find("{{messages}}").expect("the place of the messages");
+    PAGE[from..to].replace("{{importers}}", IMPORTERS).replace("{{categories}}", &categories())
+}
+
+/// Link from a page to an anchor of the page in the FMU.
+fn resolve(page: &str, target: &str) -> String {
+    let known = [("manual.md", manual_html()), ("messages.md", MESSAGES.to_owned())];
+    let heading = known.iter().find_map(|(name, html)| {
+        let found = headings(html).into_iter().find(|(anchor, _)| anchor == target)?;
+        Some((*name, anchor(&found.1)))
+    });
+    let (name, anchor) = match heading {
+        Some((name, anchor)) => (name, format!("#{anchor}")),
+        None if target == "variables" => ("variables.md", String::new()),
+        None => panic!("#{target} is no heading of the page"),
+    };
+    if name == page { anchor } else { format!("{name}{anchor}") }
+}
+
+/// List of links to headings of a page.
+fn contents(headings: impl Iterator<Item = String>) -> String {
+    let links: Vec<String> = headings.map(|heading| format!("[{heading}](#{})", anchor(&heading))).collect();
+    format!("{}\n\n", links.join(" ·\n"))
+}
+
+fn manual() -> String {
+    let html = manual_html();
+    let sections = html.split("<h2 id=\"").skip(1).map(|part| {
+        let (_, rest) = part.split_once("\">").expect("a heading with an anchor");
+        rest.split_once("</h2>").expect("a heading ends").0.to_owned()
+    });
+    format!(
+        "# Manual of the FMU\n\nHow to use the FMU in any importer; the same text is in `documentation/index.html` inside every .fmu. \
+         The equations of the model in full are in [theory](../theory.md).\n\n{}{}",
+        contents(sections),
+        from_html(&html, &|anchor| resolve("manual.md", anchor))
+    )
+}
+
+fn messages() -> String {
+    let text = from_html(MESSAGES, &|anchor| resolve("messages.md", anchor));
+    // The title of a page is of the first level.
+    text.replacen("## ", "# ", 1).replace("\n### ", "\n## ")
+}
+
+fn variables() -> String {
+    let packaged = Packaged::stock();
+    let topics = topics(&packaged.starts);
+    let mut text = "# Variables\n\nValues pass through the interface in the unit given, and start values are those of the stock FMU, a \
+                    car's front disc brake; those of the other scenes are in [scenes](scenes.md). Limits are inclusive. Outputs are \
+                    meant to be connected, results to be read. Tables over the temperature (`friction_fade`, `wear_fade`) are linear \
+                    between their temperatures, which must increase, and constant outside. Scene files, `--set` and Python accept \
+                    other units too ([scenes](scenes.md#units)).\n\n"
+        .to_owned();
+    let title = |index: usize| {
+        let topic = &topics[index];
+        match topic.title {
+            "Inputs" | "Outputs" => topic.title.to_owned(),
+            title if topic.given => format!("Parameters: {}", lower(title)),
+            title => format!("Results: {}", lower(title)),
+        }
+    };
+    text += &contents((0..topics.len()).map(title).chain(["Enumerations".to_owned()]));
+    for (index, topic) in topics.iter().enumerate() {
+        let _ = writeln!(text, "## {}\n", title(index));
+        text += if topic.given {
+            "| name | unit | start | limits | meaning |\n|---|---|---|---|---|\n"
+        } else {
+            "| name | unit | meaning |\n|---|---|---|\n"
+        };
+        for entry in &topic.entries {
+            text += &row(entry, topic.given);
+        }
+        text += "\n";
+    }
+    text += "## Enumerations\n\nItems are numbered from 1.\n\n| type | items |\n|---|---|\n";
+    for kind in enumerations() {
+        let items: Vec<String> = (1..)
+            .zip(kind.items)
+            .map(|(index, (name, about))| format!("{index} `{name}`: {}", escaped(about)))
+            .collect();
+        let _ = writeln!(text, "| `{}`: {} | {} |", kind.name, escaped(kind.description), items.join("<br>"));
+    }
+    text
+}
+
+fn lower(title: &str) -> String {
+    let mut letters = title.chars();
+    letters.next().map_or(String::new(), |first| first.to_lowercase().chain(letters).collect())
+}
+
+fn row(entry: &Entry, given: bool) -> String {
+    let Entry { name, unit, start, limits, meaning } = entry;
+    let meaning = escaped(meaning);
+    if given {
+        format!("| `{name}` | {unit} | {} | {} | {meaning} |\n", escaped(start), escaped(limits))
+    } else {
+        format!("| `{name}` | {unit} | {meaning} |\n")
+    }
+}
+
+/// Text of the introduction and of the form of a scene file.
+const SCENES: &str = "# Scenes
+
+A scene is a set of parameters: geometry, materials, laws, nominal conditions, solver. The shipped ones run by name, for instance
+`cargo fmu simulate clutch`, and a file of one's own by its path. Further scene files, of published cases, are in
+[examples/published](../../examples/published/README.md).
+
+";
+
+const FORM: &str = r#"## Form of a scene file
+
+TOML. Keys are the names of parameters and inputs in [variables](variables.md); a variable that the file does not set keeps the start value there.
+A plain number is in the SI unit, a text has a unit, an enumeration takes the name of an item.
+
+```toml
+name = "my_brake"
+description = "What it is"
+
+[experiment]            # the default experiment
+stop = "20 min"         # default: nominal.duration
+step = 0.1              # default: a thousandth of the duration
+tolerance = 1e-2
+
+[punch]
+material = "brake_lining"
+width = "55 mm"
+conductivity = 0.9      # overrides that of the material
+
+[contact]
+shear_coupling = false
+friction_fade.temperature = ["20 degC", "100 degC", "200 degC", "300 degC", "400 degC", "500 degC", "600 degC", "700 degC"]
+```
+
+Whatever is wrong is reported together, each with line, column, key and what is accepted. Rules that join parameters are in
+[messages](messages.md#parameters-that-do-not-fit-together).
+
+## Materials
+
+`material` of `[punch]` or `[strip]` sets six properties to typical values at room temperature. A casting or a lining in use may differ by 10 % in the
+elastic and by 30 % in the thermal ones. Wear and friction belong to a pair of materials and are not among them.
+
+"#;
+
+const UNITS_INTRODUCTION: &str = "
+## Units
+
+Accepted in scene files, in `--set`, in the headers of columns and from Python, beside the SI unit; `°C`, `µm`, `N·m` and `rpm` are understood too.
+An amount of a temperature difference is in K.
+
+| SI unit | others |
+|---|---|
+";
+
+fn scenes() -> Result<String> {
+    let mut text = SCENES.to_owned();
+    let mut known = vec![("stock".to_owned(), scenes::load(None)?)];
+    for name in scenes::names() {
+        known.push((name.clone(), scenes::load(Some(&name))?));
+    }
+    text += "| name | scene | level | tolerance | nominal conditions |\n|---|---|---|---|---|\n";
+    for (name, scene) in &known {
+        let start = |name: &str| shown(&scene.packaged, name);
+        let packaged = &scene.packaged;
+        let _ = writeln!(
+            text,
+            "| [`{name}`](#{name}) | {} | {} | {} | {} N, {} m/s for {} s |",
+            escaped(about(scene)),
+            start("solver.fidelity"),
+            number(packaged.experiment.tolerance),
+            start("nominal.load"),
+            start("nominal.velocity"),
+            start("nominal.duration"),
+        );
+    }
+    text += "\n";
+    for (name, scene) in &known {
+        text += &section(name, scene);
+    }
+    text += FORM;
+    text += "| name | material | E, GPa | ν | ρ, kg/m³ | c, J/(kg K) | K, W/(m K) | α, µm/(m K) |\n|---|---|---|---|---|---|---|---|\n";
+    for material in MATERIALS {
+        let _ = writeln!(
+            text,
+            "| `{}` | {} | {} | {} | {} | {} | {} | {} |",
+            material.name,
+            material.description,
+            rounded(1e-9 * material.youngs_modulus),
+            material.poissons_ratio,
+            material.density,
+            material.specific_heat,
+            material.conductivity,
+            rounded(1e6 * material.thermal_expansion)
+        );
+    }
+    text += UNITS_INTRODUCTION;
+    for unit in UNITS {
+        let others: Vec<&str> = unit_names::units(unit, true).map(|unit| unit.name).collect();
+        if !others.is_empty() {
+            let _ = writeln!(text, "| {} | {} |", unit.name, others.join(", "));
+        }
+    }
+    Ok(text)
+}
+
+fn about(scene: &SceneFile) -> &str {
+    if scene.description.is_empty() {
+        "A car's front disc brake: the start values of the variables"
+    } else {
+        &scene.description
+    }
+}
+
+/// Without the rounding of a conversion.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+fn shown(packaged: &Packaged, name: &str) -> String {
+    let reference = scene::variables::find(name).expect("a row of the variable table");
+    let row = lookup(reference).expect("a row of the variable table").0;
+    let value = value(row, packaged.starts[reference as usize]);
+    value.split(' ').next().unwrap_or_default().to_owned()
+}
+
+/// Settings of a scene, beside the start values of the stock FMU.
+fn section(name: &str, scene: &SceneFile) -> String {
+    let (packaged, stock) = (&scene.packaged, Packaged::stock());
+    let experiment = packaged.experiment;
+    let mut text = format!("## {name}\n\n{}. ", about(scene));
+    if !scene.given.is_empty() {
+        let _ = write!(text, "File and drive: [examples/{name}](../../examples/{name}/README.md). ");
+    }
+    let _ = write!(
+        text,
+        "Default experiment: {} s to {} s in steps of {} s, tolerance {}.\n\n",
+        number(experiment.start),
+        number(experiment.stop),
+        number(experiment.step),
+        number(experiment.tolerance)
+    );
+    if scene.given.is_empty() {
+        return text;
+    }
+    text += "| other than in the stock FMU | unit | value | in the stock FMU |\n|---|---|---|---|\n";
+    let mut first = 0;
+    for row in TABLE {
+        let elements = first..first + row.count() as usize;
+        first = elements.end;
+        if !scene.given.iter().any(|reference| elements.contains(&(*reference as usize))) {
+            continue;
+        }
+        if packaged.starts[elements.clone()] == stock.starts[elements.clone()] {
+            continue;
+        }
+        let [mut own, others] =
+            [packaged, &stock].map(|packaged| super::tables::entry(row, &packaged.starts[elements.clone()]));
+        if elements.len() > MOST_SHOWN {
+            own.start = format!("{} values, see the file", elements.len());
+        }
+        let _ =
+            writeln!(text, "| `{}` | {} | {} | {} |", own.name, own.unit, escaped(&own.start), escaped(&others.start));
+    }
+    text + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::project;
+
+    #[test]
+    fn the_committed_pages_are_up_to_date() {
+        for (name, text) in write().unwrap() {
+            let path = project::root().join(FOLDER).join(name);
+            let committed = std::fs::read_to_string(&path).unwrap_or_default();
+            assert!(
+                committed == text,
+                "{} is not what its sources say; run `cargo fmu package --write-description`",
+                path.display()
+            );
+        }
+    }
+
+    #[test]
+    fn every_row_of_a_page_has_the_columns_of_its_head() {
+        for (name, text) in write().unwrap() {
+            let mut columns = 0;
+            for line in text.lines() {
+                let own = line.replace("\\|", "").matches('|').count();
+                columns = if !line.starts_with('|') {
+                    0
+                } else if columns == 0 {
+                    own
+                } else {
+                    columns
+                };
+                assert!(!line.starts_with('|') || own == columns, "{name}: {line}");
+            }
+        }
+    }
+}
