@@ -1,0 +1,1 @@
+//! Every parameter at its limits and beyond, from the table of variables.
